@@ -1,0 +1,136 @@
+"""Missions and field files: what is read, what is refused and with which words, and how chance is used."""
+
+import math
+import os
+
+from move_base_abstract import mission
+from move_base_abstract.mission import FieldPoint, MissionError, Place
+import pytest
+
+CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', 'config')
+GOOD = {'robots': [{'name': 'a', 'start': [0, 0], 'goals': [[3, 4], [3, 4, 1.5]]}]}
+POINTS = tuple(FieldPoint(float(i), float(i * i), 0.0) for i in range(20))
+
+
+def robot_with(**changes):
+    return {'robots': [dict(GOOD['robots'][0], **changes)]}
+
+
+def field_file(tmp_path, text):
+    path = tmp_path / 'field.csv'
+    path.write_text(text)
+    return path
+
+
+# ---- the mission file
+
+def test_a_mission_is_read_with_the_yaw_of_travel_where_none_is_given():
+    robot, = mission.parse_mission(GOOD, 'm.yaml').robots
+    assert robot.start == Place(0.0, 0.0, 0.0)
+    assert robot.goals == (Place(3.0, 4.0, math.atan2(4, 3)), Place(3.0, 4.0, 1.5))
+    assert robot.path_length() == 5.0
+
+
+def test_the_mission_that_ships_with_the_package_is_readable():
+    shipped = mission.read_mission(os.path.join(CONFIG, 'demo_mission.yaml'))
+    assert [robot.name for robot in shipped.robots] == ['robot_0', 'robot_1', 'robot_2']
+    assert shipped.goal_count >= 9
+
+
+@pytest.mark.parametrize('document, words', [
+    (None, 'm.yaml: mission: must be a mapping with the keys robots, got None'),
+    ({'robot': []}, "m.yaml: mission.robot: unknown key; did you mean 'robots'?"),
+    ({}, "m.yaml: mission: the key 'robots' is missing"),
+    ({'robots': []}, 'm.yaml: robots: must be a list of at least one robot, got []'),
+    (robot_with(goal=[]), "m.yaml: robots[0].goal: unknown key; did you mean 'goals'?"),
+    (robot_with(colour='red'), 'm.yaml: robots[0].colour: unknown key; known keys: name, start, goals'),
+    ({'robots': [{'name': 'a', 'goals': [[1, 1]]}]}, "m.yaml: robots[0]: the key 'start' is missing"),
+    (robot_with(name='/a'), 'm.yaml: robots[0].name: must start with a letter'),
+    (robot_with(goals=[]), 'm.yaml: robots[0].goals: must be a list of at least one goal, got []'),
+    (robot_with(goals=[[1, math.nan]]), 'm.yaml: robots[0].goals[0]: y must be a finite number, got nan'),
+    (robot_with(start=[math.inf, 0]), 'm.yaml: robots[0].start: x must be a finite number, got inf'),
+    (robot_with(start=[0, 0, True]), 'm.yaml: robots[0].start: yaw must be a finite number, got True'),
+    (robot_with(start=['1e3', 0]), 'YAML takes 1e3 as text: write 1.0e+3'),
+    (robot_with(start=[1]), 'm.yaml: robots[0].start: must be [x, y] or [x, y, yaw]'),
+    ({'robots': GOOD['robots'] * 2}, "m.yaml: robots[1].name: 'a' is already the name of robots[0]"),
+])
+def test_a_wrong_mission_is_refused_with_the_place_and_what_is_allowed(document, words):
+    with pytest.raises(MissionError) as error:
+        mission.parse_mission(document, 'm.yaml')
+    assert words in str(error.value)
+
+
+def test_a_missing_or_broken_file_is_named(tmp_path):
+    with pytest.raises(MissionError, match='absent.yaml: cannot be read'):
+        mission.read_mission(tmp_path / 'absent.yaml')
+    (tmp_path / 'broken.yaml').write_text('robots: [\n')
+    with pytest.raises(MissionError, match='broken.yaml: cannot be read as YAML(.|\n)*line 2'):
+        mission.read_mission(tmp_path / 'broken.yaml')
+
+
+# ---- field readings
+
+def test_readings_become_metres_from_the_south_west_corner(tmp_path):
+    path = field_file(tmp_path, 'lat,lon,0.0 cm\n53.0,-0.5,700\n53.001,-0.5,710\n\n53.0,-0.499,720\n')
+    corner, north, east = mission.read_field_points(path)
+    assert corner == FieldPoint(0.0, 0.0, 700.0)
+    # Length of one degree at the latitude p, by the usual series: an independent check of the closed form.
+    p = math.radians(53.0005)
+    north_m = 111132.954 - 559.822 * math.cos(2 * p) + 1.175 * math.cos(4 * p)
+    east_m = 111412.84 * math.cos(p) - 93.5 * math.cos(3 * p) + 0.118 * math.cos(5 * p)
+    assert (north.x, north.value) == (0.0, 710.0) and north.y == pytest.approx(north_m / 1000, abs=1e-3)
+    assert (east.y, east.value) == (0.0, 720.0) and east.x == pytest.approx(east_m / 1000, abs=1e-3)
+
+
+def test_the_value_column_can_be_chosen(tmp_path):
+    path = field_file(tmp_path, 'depth,lat,value,lon\n1,53,7,0\n2,53,8,0\n3,53,9,0\n')
+    assert [point.value for point in mission.read_field_points(path)] == [7.0, 8.0, 9.0]
+    assert [point.value for point in mission.read_field_points(path, 'depth')] == [1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize('text, words', [
+    ('', ":1: column 'lat' is missing"),
+    ('lat,value\n1,2\n', ":1: column 'lon' is missing; needs lat, lon and a value, got ['lat', 'value']"),
+    ('lat,lon\n1,2\n', ":1: column 'value' is missing"),
+    ('lat,lon,lat,v\n1,2,3,4\n', ":1: column 'lat' is there 2 times"),
+    ('lat,lon,v\n1,2,3\n1,2\n', ":3: column 'v' is missing; the line has 2 columns"),
+    ('lat,lon,v\n1,2,nan\n', ":2: column 'v' must be a finite number, got 'nan'"),
+    ('lat,lon,v\n1,2,3\n1,east,3\n', ":3: column 'lon' must be a finite number, got 'east'"),
+    ('lat,lon,v\n91,2,3\n', ":2: column 'lat' must lie in -90..90 degrees, got 91.0"),
+    ('lat,lon,v\n1,2,3\n1,3,3\n', ': needs at least 3 points, got 2'),
+])
+def test_a_wrong_field_file_is_refused_with_file_and_line(tmp_path, text, words):
+    with pytest.raises(MissionError) as error:
+        mission.read_field_points(field_file(tmp_path, text))
+    assert 'field.csv' + words in str(error.value)
+
+
+# ---- chance
+
+def test_the_same_seed_gives_the_same_mission_and_another_seed_another():
+    first = mission.mission_from_points(POINTS, 3, 5, seed=7)
+    assert first == mission.mission_from_points(POINTS, 3, 5, seed=7)
+    assert first != mission.mission_from_points(POINTS, 3, 5, seed=8)
+
+
+def test_adding_a_robot_changes_no_other_robots_plan():
+    few, many = (mission.mission_from_points(POINTS, n, 5, seed=7) for n in (2, 4))
+    assert many.robots[:2] == few.robots
+    assert many.goal_count == 20
+
+
+def test_a_robot_visits_each_of_its_points_once_and_faces_where_it_travels():
+    robot = mission.mission_from_points(POINTS, 1, len(POINTS) - 1).robots[0]
+    stops = [(place.x, place.y) for place in (robot.start,) + robot.goals]
+    assert sorted(stops) == [(point.x, point.y) for point in POINTS]
+    assert robot.goals[0].yaw == mission.heading(robot.start, robot.goals[0])
+
+
+@pytest.mark.parametrize('count, goals, words', [
+    (0, 1, 'robot_count must be a whole number >= 1, got 0'),
+    (1, 2.5, 'goals_each must be a whole number >= 1, got 2.5'),
+    (1, 20, 'goals_each must be < the number of points, 20, got 20'),
+])
+def test_impossible_numbers_are_refused(count, goals, words):
+    with pytest.raises(MissionError, match=words):
+        mission.mission_from_points(POINTS, count, goals)
