@@ -1,0 +1,89 @@
+"""The one queue from which every event of a simulation comes."""
+import heapq
+
+
+class Event:
+    """Something due at ``due_ns`` [ns] for the robot with ``robot_index``: ``action(due_ns, now_ns)``.
+
+    ``now_ns`` is the time that the clock really shows; it is ``due_ns`` or later.
+    """
+
+    __slots__ = ('due_ns', 'robot_index', 'sequence', 'action')
+
+    def __init__(self, due_ns, robot_index, sequence, action):
+        self.due_ns = due_ns
+        self.robot_index = robot_index
+        self.sequence = sequence
+        self.action = action
+
+    def __lt__(self, other):
+        return (self.due_ns, self.robot_index, self.sequence) < (other.due_ns, other.robot_index, other.sequence)
+
+    def cancel(self):
+        """Make this event not happen. May be said twice, and after it happened."""
+        self.action = None
+
+
+class EventQueue:
+    """Events in the order of their time; at the same instant: lower robot index first, then first scheduled."""
+
+    def __init__(self):
+        self._heap = []
+        self._sequence = 0
+
+    def schedule(self, due_ns, robot_index, action):
+        """Add ``action(due_ns, now_ns)`` at ``due_ns`` [ns] and return its :class:`Event`, which can be cancelled."""
+        event = Event(due_ns, robot_index, self._sequence, action)
+        self._sequence += 1
+        heapq.heappush(self._heap, event)
+        return event
+
+    def next_due_ns(self):
+        """Return when the next event is due [ns], or None if there is none."""
+        heap = self._heap
+        while heap and heap[0].action is None:
+            heapq.heappop(heap)
+        return heap[0].due_ns if heap else None
+
+    def run_until(self, now_ns):
+        """Let all happen that is due at ``now_ns`` [ns] or before, in order, what is scheduled meanwhile included."""
+        while True:
+            due_ns = self.next_due_ns()
+            if due_ns is None or due_ns > now_ns:
+                return
+            event = heapq.heappop(self._heap)
+            action, event.action = event.action, None
+            action(event.due_ns, now_ns)
+
+
+class Series:
+    """An event that comes back every ``period_ns`` [ns], on multiples counted from its start.
+
+    ``action(due_ns, now_ns)`` is called once an instant; multiples that the clock has leapt over are left out, so that
+    a fast clock does not bury its listeners, and the k-th one stays at start + k * period exactly.
+    """
+
+    def __init__(self, queue, robot_index, period_ns, action):
+        if not period_ns > 0:
+            raise ValueError('the period of a series must be > 0 ns, got {!r}'.format(period_ns))
+        self._queue = queue
+        self._robot_index = robot_index
+        self._period_ns = period_ns
+        self._action = action
+        self._event = None
+
+    def start(self, first_ns):
+        """Start anew, with the first call at ``first_ns`` [ns]."""
+        self.stop()
+        self._event = self._queue.schedule(first_ns, self._robot_index, self._happen)
+
+    def stop(self):
+        """Stop; may be said twice."""
+        if self._event is not None:
+            self._event.cancel()
+            self._event = None
+
+    def _happen(self, due_ns, now_ns):
+        next_ns = due_ns + self._period_ns * ((now_ns - due_ns) // self._period_ns + 1)
+        self._event = self._queue.schedule(next_ns, self._robot_index, self._happen)
+        self._action(due_ns, now_ns)

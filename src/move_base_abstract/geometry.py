@@ -1,0 +1,83 @@
+"""Poses in the plane and the quaternions in which ROS wraps them (REP 103: x forward, angles counter-clockwise)."""
+import math
+from dataclasses import dataclass
+
+_TWO_PI = 2.0 * math.pi
+_MIN_SQUARED_NORM = 1e-6
+_MAX_TILT = 1e-3
+
+
+def normalize_angle(angle):
+    """Return ``angle`` [rad] as the equal angle in (-pi, pi]."""
+    wrapped = math.fmod(angle, _TWO_PI)
+    if wrapped <= -math.pi:
+        return wrapped + _TWO_PI
+    if wrapped > math.pi:
+        return wrapped - _TWO_PI
+    return wrapped
+
+
+@dataclass(frozen=True)
+class Pose2D:
+    """A position [m] and a heading ``yaw`` [rad, (-pi, pi]] in a frame that the context names.
+
+    :raises ValueError: if a value is NaN or infinite.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    yaw: float = 0.0
+
+    def __post_init__(self):
+        for name in ('x', 'y', 'yaw'):
+            value = getattr(self, name)
+            if not math.isfinite(value):
+                raise ValueError('pose: {} must be finite, got {!r}'.format(name, value))
+        object.__setattr__(self, 'yaw', normalize_angle(self.yaw))
+
+    def distance_to(self, other):
+        """Return the straight distance to another pose of the same frame [m]."""
+        return math.hypot(other.x - self.x, other.y - self.y)
+
+    def bearing_to(self, other):
+        """Return the direction in which another pose of the same frame lies [rad]."""
+        return math.atan2(other.y - self.y, other.x - self.x)
+
+    def compose(self, local):
+        """Return ``local``, a pose given relative to this one, in this one's frame."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose2D(self.x + cos * local.x - sin * local.y,
+                      self.y + sin * local.x + cos * local.y,
+                      self.yaw + local.yaw)
+
+
+def yaw_of_quaternion(quaternion):
+    """Return the rotation about z [rad] of ``quaternion`` = (x, y, z, w), of any length but 0.
+
+    Formula: the yaw of the z-y-x Euler angles of a rotation (REP 103).
+    """
+    x, y, z, w = quaternion
+    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+
+
+def quaternion_of_yaw(yaw):
+    """Return the unit quaternion (x, y, z, w) of a rotation about z by ``yaw`` [rad]."""
+    return 0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)
+
+
+def quaternion_fault(quaternion):
+    """Return what keeps ``quaternion`` = (x, y, z, w) from being a goal's orientation, or None.
+
+    The three tests, their limits and texts are those of move_base: finite, long enough to be normalised, and a
+    rotation about z only. Any other length is accepted.
+    """
+    if not all(math.isfinite(part) for part in quaternion):
+        return 'Quaternion has nans or infs... discarding as a navigation goal'
+    squared = sum(part * part for part in quaternion)
+    if squared < _MIN_SQUARED_NORM:
+        return 'Quaternion has length close to zero... discarding as navigation goal'
+    x, y, _, _ = quaternion
+    z_dot_rotated_z = 1.0 - 2.0 * (x * x + y * y) / squared
+    if abs(z_dot_rotated_z - 1.0) > _MAX_TILT:
+        return 'Quaternion is invalid... for navigation the z-axis of the quaternion must be close to vertical.'
+    return None

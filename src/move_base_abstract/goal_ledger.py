@@ -1,0 +1,143 @@
+"""The book-keeping of an action server that has one goal at a time, without a word of ROS.
+
+The rules are those of actionlib's action server and simple action server, as clients of move_base know them: one
+active goal, the newest wins, cancels by id, by time or of all. What differs is said where it does.
+"""
+from collections import OrderedDict
+from dataclasses import dataclass
+from typing import Optional
+
+from .outcome import REPLACED, TEXT_ACCEPTED, TEXT_ANOTHER_GOAL, TEXT_BEFORE_LAST_CANCEL, GoalState, Outcome
+
+_REMEMBERED_CANCELS = 1000
+
+
+@dataclass
+class GoalRecord:
+    """One goal: its id, the stamp of the id [ns], its state and text, and since when it has ended [ns] or None."""
+
+    goal_id: str
+    stamp_ns: int
+    state: GoalState = GoalState.PENDING
+    text: str = ''
+    ended_ns: Optional[int] = None
+
+
+class GoalLedger:
+    """Decides what becomes of goals and cancel requests.
+
+    ``publish_status()`` is called after each transition, ``publish_result(record, stamp_ns)`` after each ending, before
+    the status that shows it. ``new_id(now_ns)`` names goals that come without an id. A goal that has ended stays on
+    the list for ``keep_ns`` [ns], the last accepted one until the next has come.
+    """
+
+    def __init__(self, publish_status, publish_result, new_id, keep_ns=5_000_000_000):
+        self._publish_status = publish_status
+        self._publish_result = publish_result
+        self._new_id = new_id
+        self._keep_ns = keep_ns
+        self._records = []
+        self._current = None
+        self._last_cancel_ns = 0
+        # A cancel may overtake its goal on another socket. Upstream forgets it after some seconds of ROS time, which
+        # at a high speed is no time at all; here it is remembered by number, not by age.
+        self._early_cancels = OrderedDict()
+
+    @property
+    def active(self):
+        """The record of the goal that is being worked on, or None."""
+        if self._current is not None and not self._current.state.is_terminal:
+            return self._current
+        return None
+
+    def records(self, now_ns):
+        """Return the records that the status topic shows at ``now_ns`` [ns], oldest first."""
+        self._records = [record for record in self._records if not self._is_stale(record, now_ns)]
+        return self._records
+
+    def _is_stale(self, record, now_ns):
+        return (record is not self._current and record.ended_ns is not None
+                and record.ended_ns + self._keep_ns < now_ns)
+
+    def receive(self, goal_id, stamp_ns, now_ns):
+        """Take a goal in and return its record if it is to be worked on now, else None.
+
+        The goal that was active is ended by this. ``stamp_ns`` [ns] 0 and an empty ``goal_id`` mean: not given.
+        """
+        if goal_id and self._is_duplicate(goal_id, now_ns):
+            return None
+        record = GoalRecord(goal_id or self._new_id(now_ns), stamp_ns or now_ns)
+        self._records.append(record)
+        if record.goal_id in self._early_cancels:
+            del self._early_cancels[record.goal_id]
+            self._end(record, Outcome(GoalState.RECALLED), now_ns)
+            return None
+        if stamp_ns and stamp_ns <= self._last_cancel_ns:
+            self._end(record, Outcome(GoalState.RECALLED, TEXT_BEFORE_LAST_CANCEL), now_ns)
+            return None
+        if self._current is not None and record.stamp_ns < self._current.stamp_ns:
+            self._end(record, Outcome(GoalState.RECALLED, TEXT_ANOTHER_GOAL), now_ns)
+            return None
+        self._accept(record, now_ns)
+        return record
+
+    def _is_duplicate(self, goal_id, now_ns):
+        """Whether the list holds the goal already; one that was cancelled before it came is recalled."""
+        for record in self.records(now_ns):
+            if record.goal_id != goal_id:
+                continue
+            if record.state is GoalState.RECALLING:
+                self._early_cancels.pop(goal_id, None)
+                self._end(record, Outcome(GoalState.RECALLED), now_ns)
+            elif record.ended_ns is not None:
+                record.ended_ns = now_ns
+            return True
+        return False
+
+    def _accept(self, record, now_ns):
+        if self.active is not None:
+            self._end(self._current, REPLACED, now_ns)
+        if self._current is not None and self._current.ended_ns is not None:
+            self._current.ended_ns = now_ns
+        self._current = record
+        record.state, record.text = GoalState.ACTIVE, TEXT_ACCEPTED
+        self._publish_status()
+
+    def finish(self, outcome, stamp_ns):
+        """End the active goal with ``outcome`` at ``stamp_ns`` [ns]. Without an active goal this does nothing."""
+        if self.active is not None:
+            self._end(self._current, outcome, stamp_ns)
+
+    def _end(self, record, outcome, stamp_ns):
+        record.state, record.text, record.ended_ns = outcome.state, outcome.text, stamp_ns
+        self._publish_result(record, stamp_ns)
+        self._publish_status()
+
+    def cancel(self, goal_id, stamp_ns, now_ns):
+        """Take a cancel request in; return whether it is for the active goal, which then shows as PREEMPTING.
+
+        No id and no stamp: all goals. An id: that goal. A stamp [ns]: also all whose stamp is not later. An id that is
+        not on the list is remembered for a goal that has yet to come, and listed as RECALLING.
+        """
+        hits_active = False
+        found = False
+        for record in list(self.records(now_ns)):
+            matches_id = goal_id == record.goal_id
+            everything = not goal_id and not stamp_ns
+            found = found or matches_id
+            if not (everything or matches_id or (stamp_ns and record.stamp_ns <= stamp_ns)):
+                continue
+            if record is self.active and record.state is GoalState.ACTIVE:
+                record.state = GoalState.PREEMPTING
+                self._publish_status()
+                hits_active = True
+        if goal_id and not found:
+            self._remember_cancel(goal_id, stamp_ns, now_ns)
+        self._last_cancel_ns = max(self._last_cancel_ns, stamp_ns)
+        return hits_active
+
+    def _remember_cancel(self, goal_id, stamp_ns, now_ns):
+        self._early_cancels[goal_id] = None
+        while len(self._early_cancels) > _REMEMBERED_CANCELS:
+            self._early_cancels.popitem(last=False)
+        self._records.append(GoalRecord(goal_id, stamp_ns, GoalState.RECALLING, ended_ns=now_ns))

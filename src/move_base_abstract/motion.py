@@ -1,0 +1,187 @@
+"""How a robot travels: a straight leg in closed form, from which any instant's pose is computed exactly.
+
+Nothing is integrated, so nothing accumulates: :meth:`Leg.pose_at` may be asked for any instant, in any order.
+"""
+import math
+from dataclasses import dataclass
+
+from .geometry import Pose2D, normalize_angle
+from .units import NS_PER_S, seconds_to_ns
+
+
+@dataclass(frozen=True)
+class MotionLimits:
+    """Limits of one robot's motion in the plane.
+
+    ``max_speed`` [m/s, > 0] along base_link x; ``acceleration`` [m/s^2, > 0; inf = speed changes take no time];
+    ``turn_rate`` [rad/s, > 0; inf = turning takes no time].
+
+    :raises ValueError: if a limit is not > 0 (NaN included), or the speed is not finite.
+    """
+
+    max_speed: float
+    acceleration: float = math.inf
+    turn_rate: float = math.inf
+
+    def __post_init__(self):
+        for name, unit in (('max_speed', 'm/s'), ('acceleration', 'm/s^2'), ('turn_rate', 'rad/s')):
+            value = getattr(self, name)
+            if not value > 0.0:
+                raise ValueError('{} must be > 0 {}, got {!r}'.format(name, unit, value))
+        if math.isinf(self.max_speed):
+            raise ValueError('max_speed must be finite, got inf')
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """How close to its goal a robot stops: ``xy`` [m, >= 0] short of it, ``yaw`` [rad, >= 0] short of its heading.
+
+    :raises ValueError: if a tolerance is negative or NaN.
+    """
+
+    xy: float = 0.0
+    yaw: float = 0.0
+
+    def __post_init__(self):
+        for name, unit in (('xy', 'm'), ('yaw', 'rad')):
+            value = getattr(self, name)
+            if not value >= 0.0:
+                raise ValueError('{} tolerance must be >= 0 {}, got {!r}'.format(name, unit, value))
+
+
+@dataclass(frozen=True)
+class SpeedProfile:
+    """Travel over ``distance`` [m] from rest to rest: accelerate, cruise, decelerate.
+
+    With acceleration a and top speed v, a trip shorter than v^2/a never reaches v: it peaks at sqrt(a*distance) after
+    half its 2*sqrt(distance/a) seconds. A longer one takes distance/v + v/a. (Uniformly accelerated motion.)
+    """
+
+    distance: float
+    max_speed: float
+    acceleration: float = math.inf
+
+    @property
+    def peak_speed(self):
+        """The highest speed that is reached [m/s]."""
+        if math.isinf(self.acceleration):
+            return self.max_speed
+        return min(self.max_speed, math.sqrt(self.acceleration * self.distance))
+
+    @property
+    def ramp_seconds(self):
+        """How long speeding up takes, and slowing down [s]."""
+        return 0.0 if math.isinf(self.acceleration) else self.peak_speed / self.acceleration
+
+    @property
+    def seconds(self):
+        """How long the trip takes [s]."""
+        if self.distance <= 0.0:
+            return 0.0
+        return self.distance / self.peak_speed + self.ramp_seconds
+
+    def covered(self, elapsed):
+        """Return the distance [m] covered ``elapsed`` [s] after the start, clamped to the trip."""
+        total = self.seconds
+        if elapsed >= total:
+            return self.distance
+        if elapsed <= 0.0:
+            return 0.0
+        ramp, peak = self.ramp_seconds, self.peak_speed
+        if elapsed < ramp:
+            return 0.5 * self.acceleration * elapsed * elapsed
+        if elapsed > total - ramp:
+            left = total - elapsed
+            return self.distance - 0.5 * self.acceleration * left * left
+        return peak * (elapsed - 0.5 * ramp)
+
+    def speed(self, elapsed):
+        """Return the speed [m/s] at ``elapsed`` [s] after the start; 0 outside the trip."""
+        total = self.seconds
+        if elapsed < 0.0 or elapsed >= total:
+            return 0.0
+        if elapsed < self.ramp_seconds:
+            return self.acceleration * elapsed
+        if elapsed > total - self.ramp_seconds:
+            return self.acceleration * (total - elapsed)
+        return self.peak_speed
+
+
+class Leg:
+    """One trip: turn towards the goal, drive straight, turn to the goal's heading. Immutable.
+
+    The robot stops where it first is within the tolerances. ``depart_ns`` and ``arrive_ns`` are simulated time [ns];
+    each of the three phases lasts a whole number of nanoseconds.
+    """
+
+    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance',
+                 '_profile', '_course', '_first_turn', '_last_turn', '_drive_ns', '_last_turn_ns', '_turn_rate')
+
+    def __init__(self, start, goal, limits, tolerances=Tolerances(), depart_ns=0):
+        gap = start.distance_to(goal)
+        self.distance = max(0.0, gap - tolerances.xy)
+        self._course = start.bearing_to(goal) if self.distance > 0.0 else start.yaw
+        self._first_turn = normalize_angle(self._course - start.yaw)
+        self._last_turn = _turn_within(normalize_angle(goal.yaw - self._course), tolerances.yaw)
+        self._profile = SpeedProfile(self.distance, limits.max_speed, limits.acceleration)
+        self._turn_rate = limits.turn_rate
+        self.start = start
+        self.end = self._end_pose(start, goal, gap, tolerances)
+        self.depart_ns = depart_ns
+        self._drive_ns = depart_ns + seconds_to_ns(abs(self._first_turn) / limits.turn_rate)
+        self._last_turn_ns = self._drive_ns + seconds_to_ns(self._profile.seconds)
+        self.arrive_ns = self._last_turn_ns + seconds_to_ns(abs(self._last_turn) / limits.turn_rate)
+
+    def _end_pose(self, start, goal, gap, tolerances):
+        yaw = goal.yaw if tolerances.yaw == 0.0 else self._course + self._last_turn
+        if self.distance <= 0.0:
+            return Pose2D(start.x, start.y, yaw)
+        share = self.distance / gap
+        if share == 1.0:
+            return Pose2D(goal.x, goal.y, yaw)
+        return Pose2D(start.x + share * (goal.x - start.x), start.y + share * (goal.y - start.y), yaw)
+
+    @property
+    def duration_ns(self):
+        """How long the trip takes, simulated [ns]."""
+        return self.arrive_ns - self.depart_ns
+
+    @property
+    def course(self):
+        """The direction of the drive [rad]."""
+        return self._course
+
+    def distance_at(self, now_ns):
+        """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
+        return self._profile.covered((now_ns - self._drive_ns) / NS_PER_S) if now_ns > self._drive_ns else 0.0
+
+    def pose_at(self, now_ns):
+        """Return the pose at ``now_ns`` [ns]: the start before the departure, the end from the arrival on."""
+        if now_ns >= self.arrive_ns:
+            return self.end
+        if now_ns <= self.depart_ns and self._drive_ns > self.depart_ns:
+            return self.start
+        if now_ns < self._drive_ns:
+            turned = math.copysign(self._turn_rate * (now_ns - self.depart_ns) / NS_PER_S, self._first_turn)
+            return Pose2D(self.start.x, self.start.y, self.start.yaw + turned)
+        if now_ns < self._last_turn_ns:
+            covered = self.distance_at(now_ns)
+            return Pose2D(self.start.x + covered * math.cos(self._course),
+                          self.start.y + covered * math.sin(self._course), self._course)
+        turned = math.copysign(self._turn_rate * (now_ns - self._last_turn_ns) / NS_PER_S, self._last_turn)
+        return Pose2D(self.end.x, self.end.y, self._course + turned)
+
+    def velocity_at(self, now_ns):
+        """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
+        if now_ns < self.depart_ns or now_ns >= self.arrive_ns:
+            return 0.0, 0.0
+        if now_ns < self._drive_ns:
+            return 0.0, math.copysign(self._turn_rate, self._first_turn)
+        if now_ns < self._last_turn_ns:
+            return self._profile.speed((now_ns - self._drive_ns) / NS_PER_S), 0.0
+        return 0.0, math.copysign(self._turn_rate, self._last_turn)
+
+
+def _turn_within(turn, tolerance):
+    """Return the part of ``turn`` [rad] that brings the heading within ``tolerance`` [rad]."""
+    return math.copysign(max(0.0, abs(turn) - tolerance), turn)

@@ -1,0 +1,222 @@
+"""What move_base does with a goal, decided without ROS: check it, find its place, plan, travel, end it.
+
+Threading contract: all methods are called under one lock, by whoever holds the present, with ``now_ns`` [ns] not
+before the simulation's present.
+"""
+from dataclasses import dataclass
+from enum import Enum
+from typing import Tuple
+
+from .errors import FrameError
+from .geometry import Pose2D, quaternion_fault, yaw_of_quaternion
+from .outcome import CANCELLED, INVALID_QUATERNION, NO_PLAN, REACHED, aborted
+from .planning import StraightLinePlanner
+from .recovery import RecoveryPolicy
+from .units import NS_PER_S
+
+
+class BadFramePolicy(Enum):
+    """What becomes of a goal whose frame is not known: ended at once, or retried until it is cancelled (upstream)."""
+
+    ABORT = 'abort'
+    WAIT = 'wait'
+
+
+@dataclass(frozen=True)
+class GoalPose:
+    """A goal as it was sent: position [m] and quaternion (x, y, z, w) in ``frame_id`` at ``stamp_ns`` [ns; 0 = now]."""
+
+    frame_id: str
+    stamp_ns: int
+    position: Tuple[float, float]
+    quaternion: Tuple[float, float, float, float]
+
+
+class NavigatorListener:
+    """What a :class:`Navigator` tells the outside. All times in ns, all poses in the global frame."""
+
+    def departed(self, robot, goal, now_ns):
+        """The robot starts for ``goal``."""
+
+    def stands(self, robot, now_ns):
+        """The robot arrived, was stopped or was placed elsewhere."""
+
+    def target(self, goal, now_ns):
+        """``goal`` is what the robot now works on."""
+
+    def stop_wheels(self):
+        """move_base would now send a zero velocity."""
+
+    def feedback(self, record, pose, stamp_ns):
+        """The robot with the active goal ``record`` is at ``pose``."""
+
+    def recovery(self, pose, index, behaviors, stamp_ns):
+        """Recovery behaviour ``index`` of ``behaviors`` begins."""
+
+    def warn(self, text):
+        """Something is wrong with a goal."""
+
+
+class Navigator:
+    """The life of one robot's goals, on top of a :class:`GoalLedger` that keeps the book."""
+
+    def __init__(self, robot, simulation, ledger, frames, listener, planner=StraightLinePlanner()):
+        self.robot = robot
+        self.planner = planner
+        self.bad_frame_policy = BadFramePolicy.ABORT
+        self.recovery_policy = RecoveryPolicy()
+        self.retry_ns = NS_PER_S // 20
+        self._simulation = simulation
+        self._ledger = ledger
+        self._frames = frames
+        self._listener = listener
+        self._feedback = None
+        self._events = []
+        self._target = None
+
+    def set_feedback_frequency(self, frequency):
+        """Tell where the robot is ``frequency`` times a simulated second while it has a goal; 0 = never."""
+        if self._feedback is not None:
+            self._feedback.stop()
+        self._feedback = self._simulation.series(self.robot.index, frequency, self._tell_position)
+        if self._feedback is not None and self._ledger.active is not None:
+            self._feedback.start(self._simulation.now_ns)
+
+    @property
+    def is_active(self):
+        """Whether the robot has a goal."""
+        return self._ledger.active is not None
+
+    def receive(self, goal_id, stamp_ns, goal, now_ns):
+        """Take the :class:`GoalPose` ``goal`` in. The newest goal wins; whatever is wrong with it ends it."""
+        record = self._ledger.receive(goal_id, stamp_ns, now_ns)
+        if record is None:
+            return
+        self._forget_events()
+        self._target = None
+        if self.robot.leg is not None:
+            self.robot.stop(now_ns)
+            self._listener.stands(self.robot, now_ns)
+        fault = quaternion_fault(goal.quaternion)
+        if fault:
+            self._listener.warn(fault)
+            self._end(INVALID_QUATERNION, now_ns)
+            return
+        self._start_feedback(now_ns)
+        self._find_place(goal, now_ns)
+
+    def _start_feedback(self, now_ns):
+        if self._feedback is not None:
+            self._feedback.start(now_ns)
+
+    def _find_place(self, goal, now_ns):
+        """Bring the goal into the global frame; wait if its stamp has yet to come."""
+        if goal.stamp_ns > now_ns and self._moves(goal.frame_id, now_ns):
+            self._at(goal.stamp_ns, lambda due_ns, _now_ns: self._find_place(goal, due_ns))
+            return
+        try:
+            place = self._frames.locate(goal.frame_id, goal.stamp_ns, now_ns)
+            pose = place.compose(Pose2D(goal.position[0], goal.position[1], yaw_of_quaternion(goal.quaternion)))
+        except FrameError as error:
+            self._bad_place(goal, str(error), now_ns)
+        except ValueError as error:
+            self._end(aborted('The goal is not a place: {}'.format(error)), now_ns)
+        else:
+            self._pursue(pose, now_ns)
+
+    def _moves(self, frame_id, now_ns):
+        """Return whether the frame is known and may be elsewhere later."""
+        if self._frames.is_fixed(frame_id):
+            return False
+        try:
+            self._frames.locate(frame_id, 0, now_ns)
+        except FrameError:
+            return False
+        return True
+
+    def _bad_place(self, goal, text, now_ns):
+        self._listener.warn(text)
+        if self.bad_frame_policy is BadFramePolicy.ABORT:
+            self._end(aborted(text), now_ns)
+            return
+        self._at(now_ns + self.retry_ns, lambda due_ns, _now_ns: self._find_place(goal, due_ns))
+
+    def _pursue(self, pose, now_ns):
+        """Go to ``pose`` (global frame) if that is possible, else give up in the configured way."""
+        self._target = pose
+        self._listener.stop_wheels()
+        self._listener.target(pose, now_ns)
+        if self.planner.reachable(pose):
+            self._travel(now_ns)
+        else:
+            self._give_up(now_ns)
+
+    def _travel(self, now_ns):
+        leg = self.robot.depart(self._target, now_ns)
+        self._listener.departed(self.robot, self._target, now_ns)
+        self._at(leg.arrive_ns, self._arrive)
+
+    def _arrive(self, due_ns, _now_ns):
+        self.robot.stop(due_ns)
+        self._listener.stands(self.robot, due_ns)
+        self._end(REACHED, due_ns)
+
+    def _give_up(self, now_ns):
+        behaviors = self.recovery_policy.behaviors
+        begins, end_ns = self.recovery_policy.schedule(now_ns)
+        for begin_ns, index in begins:
+            self._at(begin_ns, lambda due_ns, _now_ns, index=index: self._listener.recovery(
+                self.robot.pose_at(due_ns), index, behaviors, due_ns))
+        if end_ns == now_ns:
+            self._end(NO_PLAN, now_ns)
+        else:
+            self._at(end_ns, lambda due_ns, _now_ns: self._end(NO_PLAN, due_ns))
+
+    def cancel(self, goal_id, stamp_ns, now_ns):
+        """Take a cancel request in; the robot stops at its exact pose of this instant."""
+        if self._ledger.cancel(goal_id, stamp_ns, now_ns):
+            self._halt(now_ns)
+            self._end(CANCELLED, now_ns)
+
+    def shut_down(self, outcome, now_ns):
+        """End the active goal, if any, with ``outcome``."""
+        if self.is_active:
+            self._halt(now_ns)
+            self._end(outcome, now_ns)
+
+    def place(self, pose, now_ns):
+        """Put the robot at ``pose`` (global frame). With a goal under way, it goes on to it from there."""
+        driving = self.robot.leg is not None
+        self.robot.place(pose, now_ns)
+        self._listener.stands(self.robot, now_ns)
+        if driving:
+            self._forget_events()
+            self._travel(now_ns)
+
+    def _halt(self, now_ns):
+        if self.robot.leg is not None:
+            self.robot.stop(now_ns)
+            self._listener.stands(self.robot, now_ns)
+
+    def _end(self, outcome, stamp_ns):
+        self._forget_events()
+        self._target = None
+        if self._feedback is not None:
+            self._feedback.stop()
+        if outcome.stops_wheels:
+            self._listener.stop_wheels()
+        self._ledger.finish(outcome, stamp_ns)
+
+    def _tell_position(self, due_ns, _now_ns):
+        record = self._ledger.active
+        if record is not None:
+            self._listener.feedback(record, self.robot.pose_at(due_ns), due_ns)
+
+    def _at(self, due_ns, action):
+        self._events = [event for event in self._events if event.action is not None]
+        self._events.append(self._simulation.queue.schedule(due_ns, self.robot.index, action))
+
+    def _forget_events(self):
+        for event in self._events:
+            event.cancel()
+        self._events = []

@@ -1,0 +1,53 @@
+"""How a goal ends: one ending per goal, decided as a value here and said to the client in one place."""
+from dataclasses import dataclass
+from enum import Enum
+
+
+class GoalState(Enum):
+    """The states of a goal, with the numbers of actionlib_msgs/GoalStatus."""
+
+    PENDING = 0
+    ACTIVE = 1
+    PREEMPTED = 2
+    SUCCEEDED = 3
+    ABORTED = 4
+    REJECTED = 5
+    PREEMPTING = 6
+    RECALLING = 7
+    RECALLED = 8
+
+    @property
+    def is_terminal(self):
+        """Whether a goal in this state has ended."""
+        return self in _TERMINAL
+
+
+_TERMINAL = (GoalState.PREEMPTED, GoalState.SUCCEEDED, GoalState.ABORTED, GoalState.REJECTED, GoalState.RECALLED)
+
+TEXT_ACCEPTED = 'This goal has been accepted by the simple action server'
+TEXT_ANOTHER_GOAL = 'This goal was canceled because another goal was received by the simple action server'
+TEXT_BEFORE_LAST_CANCEL = ('This goal handle was canceled by the action server because its timestamp is before the '
+                           'timestamp of the last cancel request')
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """An ending: the state it leaves the goal in, the text for the client, and whether the wheels are told to stop."""
+
+    state: GoalState
+    text: str = ''
+    stops_wheels: bool = True
+
+
+REACHED = Outcome(GoalState.SUCCEEDED, 'Goal reached.')
+CANCELLED = Outcome(GoalState.PREEMPTED, '')
+REPLACED = Outcome(GoalState.PREEMPTED, TEXT_ANOTHER_GOAL, stops_wheels=False)
+INVALID_QUATERNION = Outcome(GoalState.ABORTED, 'Aborting on goal because it was sent with an invalid quaternion',
+                             stops_wheels=False)
+NO_PLAN = Outcome(GoalState.ABORTED, 'Failed to find a valid plan. Even after executing recovery behaviors.')
+NODE_KILLED = Outcome(GoalState.ABORTED, 'Aborting on the goal because the node has been killed')
+
+
+def aborted(text):
+    """Return the ending of a goal that is refused for the reason ``text``."""
+    return Outcome(GoalState.ABORTED, text)

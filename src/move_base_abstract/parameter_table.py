@@ -1,0 +1,109 @@
+"""Reading values out of a parameter dictionary, with errors that name key, namespace, value and what is allowed."""
+import difflib
+import math
+from dataclasses import dataclass
+from typing import Any, Callable, Tuple
+
+from .errors import ConfigurationError
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter: its default, how a raw value is converted (ValueError = not allowed), and what is allowed."""
+
+    name: str
+    default: Any
+    convert: Callable[[Any], Any]
+    allowed: str
+
+
+def number(low=-math.inf, high=math.inf, above=None):
+    """Return a converter of finite numbers in [low, high], or > ``above``."""
+    def convert(value):
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise ValueError
+        if not math.isfinite(value) or not low <= value <= high or (above is not None and not value > above):
+            raise ValueError
+        return float(value)
+    return convert
+
+
+def integer(low):
+    """Return a converter of whole numbers >= ``low``."""
+    def convert(value):
+        if isinstance(value, bool) or not isinstance(value, int) or value < low:
+            raise ValueError
+        return value
+    return convert
+
+
+def boolean(value):
+    """Return ``value`` if it is true or false."""
+    if not isinstance(value, bool):
+        raise ValueError
+    return value
+
+
+def text(value):
+    """Return ``value`` if it is a string."""
+    if not isinstance(value, str):
+        raise ValueError
+    return value
+
+
+def name(value):
+    """Return ``value`` if it is a string that is not empty, without a leading slash."""
+    stripped = text(value).lstrip('/')
+    if not stripped:
+        raise ValueError
+    return stripped
+
+
+def one_of(*choices):
+    """Return a converter of strings that are among ``choices``."""
+    def convert(value):
+        if value not in choices:
+            raise ValueError
+        return value
+    return convert
+
+
+def numbers(count):
+    """Return a converter of lists of ``count`` finite numbers."""
+    single = number()
+
+    def convert(value):
+        if not isinstance(value, (list, tuple)) or len(value) != count:
+            raise ValueError
+        return tuple(single(part) for part in value)
+    return convert
+
+
+def checked(raw, key, parameter, where):
+    """Return the converted value of ``raw``.
+
+    :raises ConfigurationError: naming ``key``, the namespace ``where``, the value and what is allowed.
+    """
+    try:
+        return parameter.convert(raw)
+    except (ValueError, TypeError):
+        raise ConfigurationError('parameter {}/{}: got {!r}; allowed: {}'.format(
+            where.rstrip('/'), key, raw, parameter.allowed)) from None
+
+
+def read_table(raw, table, where):
+    """Return {name: value} for each :class:`Parameter` of ``table``, from the dictionary ``raw`` or by default."""
+    return {parameter.name: checked(raw[parameter.name], parameter.name, parameter, where)
+            if parameter.name in raw else parameter.default for parameter in table}
+
+
+def unknown_names(raw: dict, known: Tuple[str, ...], where: str):
+    """Return a warning for each key of ``raw`` that is not among ``known``, with the name it is most like."""
+    warnings = []
+    for key in sorted(raw):
+        if key in known:
+            continue
+        close = difflib.get_close_matches(key, known, n=1)
+        hint = "; did you mean '{}'?".format(close[0]) if close else ''
+        warnings.append("parameter {}/{}: unknown, not used{}".format(where.rstrip('/'), key, hint))
+    return warnings

@@ -1,0 +1,72 @@
+"""Where a robot can go, and the way there. Without a map every place is free, and the way is straight."""
+import math
+from dataclasses import dataclass
+
+from .geometry import Pose2D
+
+_PATH_SPACING = 0.25
+
+
+@dataclass(frozen=True)
+class WorldBounds:
+    """The rectangle [m, global frame] outside of which nothing can be reached.
+
+    :raises ValueError: if a bound is NaN, or a lower bound is not below its upper one.
+    """
+
+    x_min: float = -math.inf
+    y_min: float = -math.inf
+    x_max: float = math.inf
+    y_max: float = math.inf
+
+    def __post_init__(self):
+        if not (self.x_min < self.x_max and self.y_min < self.y_max):
+            raise ValueError('bounds must be [x_min, y_min, x_max, y_max] with x_min < x_max and y_min < y_max, got {!r}'
+                             .format([self.x_min, self.y_min, self.x_max, self.y_max]))
+
+    def contains(self, pose):
+        """Return whether ``pose`` lies in the rectangle, its edge included."""
+        return self.x_min <= pose.x <= self.x_max and self.y_min <= pose.y <= self.y_max
+
+    def nearest(self, pose):
+        """Return the pose in the rectangle that is nearest to ``pose``, with the same heading."""
+        return Pose2D(min(max(pose.x, self.x_min), self.x_max), min(max(pose.y, self.y_min), self.y_max), pose.yaw)
+
+
+class StraightLinePlanner:
+    """Plans straight ways inside ``bounds``."""
+
+    def __init__(self, bounds=WorldBounds()):
+        self._bounds = bounds
+
+    def reachable(self, goal):
+        """Return whether ``goal`` can be reached at all."""
+        return self._bounds.contains(goal)
+
+    def plan(self, start, goal):
+        """Return the way from ``start`` to ``goal`` as a list of poses some 0.25 m apart, or [] where there is none."""
+        if not self.reachable(goal):
+            return []
+        return straight_path(start, goal)
+
+    def plan_near(self, start, goal, tolerance, add_goal=True):
+        """Return the way to ``goal``, or to the place nearest to it that lies within ``tolerance`` [m], or [].
+
+        With ``add_goal`` a goal that was missed is appended all the same, as move_base does by default.
+        """
+        if self.reachable(goal):
+            return straight_path(start, goal)
+        near = self._bounds.nearest(goal)
+        if not near.distance_to(goal) <= tolerance:
+            return []
+        path = straight_path(start, near)
+        return path + [goal] if add_goal else path
+
+
+def straight_path(start, goal):
+    """Return poses from ``start`` to ``goal`` on a straight line, heading along it, the last one being the goal."""
+    distance = start.distance_to(goal)
+    steps = max(1, int(math.ceil(distance / _PATH_SPACING)))
+    course = start.bearing_to(goal) if distance > 0.0 else start.yaw
+    dx, dy = (goal.x - start.x) / steps, (goal.y - start.y) / steps
+    return [start] + [Pose2D(start.x + k * dx, start.y + k * dy, course) for k in range(1, steps)] + [goal]

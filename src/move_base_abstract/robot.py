@@ -1,0 +1,91 @@
+"""One robot: where it is at any instant, and the leg it travels. It decides nothing about goals."""
+from collections import deque
+
+from .errors import TimeError
+from .geometry import Pose2D
+from .motion import Leg, MotionLimits, Tolerances
+
+_REMEMBERED_LEGS = 64
+
+
+class Robot:
+    """A robot that stands or travels one leg at a time in the plane of the global frame.
+
+    ``limits`` and ``tolerances`` may be replaced at any time and take effect on the next leg.
+    """
+
+    def __init__(self, index, name, pose=Pose2D(), limits=MotionLimits(0.5), tolerances=Tolerances(), since_ns=0):
+        self.index = index
+        self.name = name
+        self.limits = limits
+        self.tolerances = tolerances
+        self._stand = _Stand(pose, since_ns)
+        self._motion = self._stand
+        self._past = deque([self._stand], maxlen=_REMEMBERED_LEGS)
+        self._driven = 0.0
+
+    @property
+    def leg(self):
+        """The :class:`Leg` under way, or None while the robot stands."""
+        return self._motion if isinstance(self._motion, Leg) else None
+
+    def pose_at(self, now_ns):
+        """Return the pose at ``now_ns`` [ns], the present or some of the past.
+
+        :raises TimeError: if that lies further back than the robot remembers.
+        """
+        for motion in reversed(self._past):
+            if now_ns >= motion.depart_ns:
+                return motion.pose_at(now_ns)
+        raise TimeError('{}: the pose at {} ns is asked for, but nothing before {} ns is remembered'.format(
+            self.name, now_ns, self._past[0].depart_ns))
+
+    def velocity_at(self, now_ns):
+        """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
+        return self._motion.velocity_at(now_ns)
+
+    def distance_at(self, now_ns):
+        """Return the distance [m] driven since the beginning, at ``now_ns`` [ns], not before the present leg."""
+        return self._driven + self._motion.distance_at(now_ns)
+
+    def depart(self, goal, now_ns):
+        """Start for ``goal`` from where the robot is at ``now_ns`` [ns], from rest; return the :class:`Leg`."""
+        start = self.pose_at(now_ns)
+        self._driven = self.distance_at(now_ns)
+        return self._begin(Leg(start, goal, self.limits, self.tolerances, now_ns))
+
+    def stop(self, now_ns):
+        """Stand still from ``now_ns`` [ns] on; return the pose of that instant, exactly."""
+        pose = self.pose_at(now_ns)
+        self._driven = self.distance_at(now_ns)
+        self._begin(_Stand(pose, now_ns))
+        return pose
+
+    def place(self, pose, now_ns):
+        """Be at ``pose`` from ``now_ns`` [ns] on, without having driven there."""
+        self._driven = self.distance_at(now_ns)
+        self._begin(_Stand(pose, now_ns))
+
+    def _begin(self, motion):
+        self._motion = motion
+        self._past.append(motion)
+        return motion
+
+
+class _Stand:
+    """Standing at one pose; answers as a leg does."""
+
+    __slots__ = ('depart_ns', '_pose')
+
+    def __init__(self, pose, since_ns):
+        self._pose = pose
+        self.depart_ns = since_ns
+
+    def pose_at(self, _now_ns):
+        return self._pose
+
+    def velocity_at(self, _now_ns):
+        return 0.0, 0.0
+
+    def distance_at(self, _now_ns):
+        return 0.0

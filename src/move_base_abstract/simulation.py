@@ -1,0 +1,36 @@
+"""The present of a simulation: one event queue and the time up to which all has happened."""
+from .errors import TimeError
+from .event_queue import EventQueue, Series
+
+
+class Simulation:
+    """Keeps the time of some robots and lets their events happen. Not thread-safe: the caller holds one lock."""
+
+    def __init__(self, now_ns=0):
+        self.queue = EventQueue()
+        self._now_ns = now_ns
+
+    @property
+    def now_ns(self):
+        """The simulated time [ns] up to which everything has happened."""
+        return self._now_ns
+
+    def advance(self, now_ns):
+        """Let everything due up to ``now_ns`` [ns] happen, in order.
+
+        :raises TimeError: if ``now_ns`` lies before the present; time never goes back.
+        """
+        if now_ns < self._now_ns:
+            raise TimeError('time must not go back: it is {} ns, got {} ns'.format(self._now_ns, now_ns))
+        self.queue.run_until(now_ns)
+        self._now_ns = now_ns
+
+    def next_due_ns(self):
+        """Return when the next event is due [ns], or None."""
+        return self.queue.next_due_ns()
+
+    def series(self, robot_index, frequency, action):
+        """Return a :class:`Series` of ``frequency`` [Hz, simulated], not started; None if the frequency is 0."""
+        if frequency <= 0.0:
+            return None
+        return Series(self.queue, robot_index, max(1, round(1e9 / frequency)), action)
