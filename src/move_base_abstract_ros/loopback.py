@@ -1,0 +1,217 @@
+"""A ROS master of our own on 127.0.0.1, and the nodes started under it.
+
+Used by whatever this package starts by itself (demo, benchmarks, tests). It never talks to a master that is already
+running: the port is free when it is chosen, and every process, the caller included (adopt), is pointed at it.
+
+    with Loopback() as ros:
+        ros.adopt()
+        ros.run('time_master', 'time_master', parameters={'factor': 20.0})
+        ros.run('move_base', 'move_base', namespace='/robot_0', parameters={'max_speed': 2.0})
+        rospy.init_node('caller', disable_signals=True)
+        ...
+        ros.check()  # raises ChildEnded where a node has died
+
+Threading: not thread-safe; start the children from the main thread (the kernel ends them when that thread ends).
+"""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+import rosgraph
+from roslib import packages
+import rospkg
+
+PACKAGE = 'move_base_abstract'
+MASTER_TRIES = 3  # another process may take the free port before the master binds it
+MASTER_TIMEOUT = 20.0  # s, wall
+END_TIMEOUT = 4.0  # s, wall, from the polite signal to SIGKILL
+LOG_LINES = 12  # shown of a child that died
+
+
+class LoopbackError(RuntimeError):
+    """The master or a node could not be started."""
+
+
+class ChildEnded(LoopbackError):
+    """A child process ended while it was still needed; the text names it and quotes its last lines."""
+
+
+class Child:
+    """One process started by Loopback: its name, its Popen object and the file that takes its output."""
+
+    def __init__(self, name, process, log_path):
+        self.name = name
+        self.process = process
+        self.log_path = log_path
+
+    @property
+    def pid(self):
+        """Process id, which is the id of its process group too."""
+        return self.process.pid
+
+    def last_lines(self):
+        """Return the last lines that the process has printed, indented."""
+        with open(self.log_path, errors='replace') as log:
+            lines = log.read().splitlines()[-LOG_LINES:]
+        return '\n'.join('    ' + line for line in lines) or '    (it printed nothing)'
+
+    def signal(self, number):
+        """Send a signal to the whole process group, if there is one left."""
+        try:
+            os.killpg(self.pid, number)
+        except ProcessLookupError:
+            pass
+
+
+class Loopback:
+    """A master on a free loopback port and its child nodes; use as a context manager."""
+
+    def __init__(self, use_sim_time=True):
+        self._use_sim_time = use_sim_time
+        self._children = []
+        self.log_dir = tempfile.mkdtemp(prefix=PACKAGE + '_')
+        self.uri = None
+
+    def __enter__(self):
+        try:
+            self._start_master()
+        except BaseException:
+            self.close(keep_logs=True)
+            raise
+        return self
+
+    def __exit__(self, kind, error, trace):
+        self.close(keep_logs=kind is not None and issubclass(kind, Exception))
+
+    @property
+    def environment(self):
+        """The environment for a process that is to use this master."""
+        environment = {key: value for key, value in os.environ.items() if key not in ('ROS_HOSTNAME', 'ROS_NAMESPACE')}
+        environment.update(ROS_MASTER_URI=self.uri, ROS_IP='127.0.0.1', ROS_LOG_DIR=self.log_dir, PYTHONUNBUFFERED='1')
+        return environment
+
+    def adopt(self):
+        """Point this process at the master; call it before rospy.init_node. Remappings in sys.argv are dropped."""
+        environment = self.environment
+        for key in [key for key in os.environ if key not in environment]:
+            del os.environ[key]
+        os.environ.update(environment)
+        del sys.argv[1:]
+
+    def set_param(self, name, value):
+        """Set a parameter on the master."""
+        rosgraph.Master('/loopback', master_uri=self.uri).setParam(name, value)
+
+    def run(self, executable, name, namespace='/', parameters=None, arguments=()):
+        """Start a node of this package and return its Child.
+
+        name: node name; namespace: absolute; parameters: the node's private ones; arguments: put before ROS's own.
+        """
+        full_name = rosgraph.names.ns_join(namespace, name)
+        for key, value in (parameters or {}).items():
+            self.set_param(rosgraph.names.ns_join(full_name, key), value)
+        command = [find_executable(executable), *arguments, f'__ns:={namespace}', f'__name:={name}']
+        return self._spawn(full_name, command)
+
+    def check(self):
+        """Raise ChildEnded if one of the processes is no longer there."""
+        for child in self._children:
+            code = child.process.poll()
+            if code is not None:
+                how = f'signal {signal.Signals(-code).name}' if code < 0 else f'exit code {code}'
+                raise ChildEnded(f'{child.name} ended unexpectedly ({how}); its last lines:\n{child.last_lines()}')
+
+    def end(self, child):
+        """End one child and forget it."""
+        self._children.remove(child)
+        _end([child])
+
+    def close(self, keep_logs=False):
+        """End all children, the master last; remove the logs unless told otherwise."""
+        master, nodes = self._children[:1], self._children[1:]
+        self._children = []
+        _end(nodes)
+        _end(master)
+        if not keep_logs:
+            shutil.rmtree(self.log_dir, ignore_errors=True)
+
+    def _start_master(self):
+        for attempt in range(1, MASTER_TRIES + 1):
+            port = free_port()
+            self.uri = f'http://127.0.0.1:{port}/'
+            self._spawn('rosmaster', [_find_program('rosmaster'), '--core', '-p', str(port)])
+            try:
+                self._wait_for_master()
+                break
+            except ChildEnded:
+                self._children.clear()
+                if attempt == MASTER_TRIES:
+                    raise
+        self.set_param('/use_sim_time', self._use_sim_time)
+
+    def _wait_for_master(self):
+        deadline = time.monotonic() + MASTER_TIMEOUT
+        while not rosgraph.is_master_online(self.uri):
+            self.check()
+            if time.monotonic() > deadline:
+                raise LoopbackError(f'rosmaster does not answer at {self.uri} after {MASTER_TIMEOUT:g} s; its last '
+                                    f'lines:\n{self._children[0].last_lines()}')
+            time.sleep(0.02)
+
+    def _spawn(self, name, command):
+        """Start a process in a group of its own that the kernel kills when this process ends."""
+        log_path = os.path.join(self.log_dir, f'{len(self._children):02d}{name.replace("/", "-")}.out')
+        guard = [_find_program('setpriv'), '--pdeathsig', 'KILL', '--']
+        with open(log_path, 'wb') as log:
+            process = subprocess.Popen(guard + command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
+                                       env=self.environment, start_new_session=True)
+        child = Child(name, process, log_path)
+        self._children.append(child)
+        return child
+
+
+def find_executable(name):
+    """Return the path of an executable of this package."""
+    try:
+        paths = packages.find_node(PACKAGE, name)
+    except rospkg.ResourceNotFound:
+        paths = []
+    if not paths:
+        raise LoopbackError(f"executable '{name}' of the package {PACKAGE} is not found; build the package (make build) "
+                            'and source its setup.sh in this shell')
+    return paths[0]
+
+
+def free_port():
+    """Return a TCP port of 127.0.0.1 that nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind(('127.0.0.1', 0))
+        return probe.getsockname()[1]
+
+
+def _find_program(name):
+    path = shutil.which(name)
+    if path is None:
+        raise LoopbackError(f"program '{name}' is not on PATH; is ROS installed (make deps) and sourced?")
+    return path
+
+
+def _end(children):
+    """End processes and their groups: politely first, by SIGKILL after END_TIMEOUT."""
+    for child in children:
+        child.signal(signal.SIGTERM)
+    deadline = time.monotonic() + END_TIMEOUT
+    for child in children:
+        try:
+            child.process.wait(max(0.0, deadline - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            pass
+    for child in children:
+        child.signal(signal.SIGKILL)
+        child.process.wait()
