@@ -1,0 +1,718 @@
+// The time master's rules; wall time is an argument, so nothing here waits.
+#include "move_base_abstract/time_master.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace move_base_abstract {
+namespace {
+
+__extension__ using Wide = __int128;
+
+constexpr Nanoseconds kSecond = kNanosecondsPerSecond;
+constexpr Nanoseconds kBoot = 5'000 * kSecond;  // some wall instant at which a test begins
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+const Nanoseconds kMost = std::numeric_limits<Nanoseconds>::max();
+using Kind = TimeMaster::Event::Kind;
+
+TimeMaster::Settings with(double factor, double busy_factor = 1.0) {
+  TimeMaster::Settings settings;
+  settings.factor = factor;
+  settings.busy_factor = busy_factor;
+  return settings;
+}
+
+template <typename Call>
+std::string refusal(Call call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "was not refused";
+}
+
+// ---- integration ---------------------------------------------------------------------------
+
+TEST(Integration, StartsAtOneSecondAndRunsAtFactorTimesWall) {
+  TimeMaster master(with(10.0), kBoot);
+  EXPECT_EQ(master.now(), 1 * kSecond);
+  master.advance(kBoot + 3 * kSecond);
+  EXPECT_EQ(master.now(), 31 * kSecond);
+}
+
+TEST(Integration, TenDaysAtOneThousandAreExactToTheNanosecond) {
+  TimeMaster master(with(1000.0), kBoot);
+  const Nanoseconds ten_days = 864'000 * kSecond;
+  master.advance(kBoot + ten_days);
+  EXPECT_EQ(master.now(), kSecond + 1000 * ten_days);
+}
+
+TEST(Integration, ManySmallAdvancesEqualOneLargeOne) {
+  TimeMaster fine(with(0.333333333), kBoot);
+  TimeMaster coarse(with(0.333333333), kBoot);
+  for (int k = 1; k <= 100'000; ++k) {
+    fine.advance(kBoot + 7 * k);
+  }
+  coarse.advance(kBoot + 700'000);
+  EXPECT_EQ(fine.now(), coarse.now());
+  EXPECT_EQ(fine.now(), kSecond + 233'333);
+}
+
+TEST(Integration, OneMillionRandomFactorChangesEqualTheExactSum) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> exponent(-2.0, 6.0);
+  std::uniform_int_distribution<Nanoseconds> pause(0, 2'000);
+  TimeMaster master(with(1.0), kBoot);
+  Wide exact = static_cast<Wide>(kSecond) * kFactorUnit;
+  FactorUnits units = kFactorUnit;
+  Nanoseconds wall = kBoot;
+  for (int k = 0; k < 1'000'000; ++k) {
+    const Nanoseconds passed = pause(random);
+    wall += passed;
+    exact += static_cast<Wide>(units) * passed;
+    const double factor = std::pow(10.0, exponent(random));
+    units = std::llround(factor * 1e9);
+    master.setFactor(factor, wall);
+    ASSERT_EQ(master.now(), static_cast<Nanoseconds>(exact / kFactorUnit)) << "change " << k;
+  }
+}
+
+TEST(Integration, AFactorChangeDoesNotMoveThePresent) {
+  TimeMaster master(with(7.0), kBoot);
+  master.advance(kBoot + 123'456'789);
+  const Nanoseconds before = master.now();
+  for (double factor : {0.01, 1e6, 3.0}) {
+    master.setFactor(factor, kBoot + 123'456'789);
+    EXPECT_EQ(master.now(), before);
+  }
+}
+
+TEST(Integration, AWallInstantBeforeTheLatestNeverMovesTimeBack) {
+  TimeMaster master(with(100.0), kBoot);
+  master.advance(kBoot + kSecond);
+  const Nanoseconds before = master.now();
+  for (Nanoseconds wall : {Nanoseconds{0}, kBoot, kBoot + kSecond - 1}) {
+    master.advance(wall);
+    master.setFactor(1.0, wall);
+    EXPECT_EQ(master.now(), before);
+  }
+}
+
+TEST(Integration, StandsStillAtTheEndOfTimeAndSaysSo) {
+  TimeMaster master(with(1e6), kBoot);
+  master.advance(kMost);
+  EXPECT_EQ(master.now(), TimeMaster::kLastInstant);
+  EXPECT_TRUE(master.paused());
+  const auto events = master.takeEvents();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].kind, Kind::kEndOfTime);
+  EXPECT_NE(refusal([&] { master.resume(kMost); }).find("2147483647"), std::string::npos);
+  EXPECT_NE(refusal([&] { master.step(1, kMost); }).find("at most 0.0"), std::string::npos);
+}
+
+// ---- settings and refusals -----------------------------------------------------------------
+
+TEST(Settings, EachOutOfRangeValueIsNamedWithWhatIsAllowed) {
+  const auto text = [](auto change) {
+    TimeMaster::Settings settings;
+    change(settings);
+    return refusal([&] { TimeMaster(settings, 0); });
+  };
+  EXPECT_EQ(text([](auto& s) { s.factor = 0.0; }),
+            "factor must be from 0.01 to 1000000 simulated seconds per wall second, got 0");
+  EXPECT_EQ(text([](auto& s) { s.busy_factor = 0.001; }),
+            "busy_factor must be from 0.01 to 1000000 (or 0 to freeze the clock), got 0.001");
+  EXPECT_EQ(text([](auto& s) { s.finest_step = 0.0; }),
+            "finest_step must be from 1e-06 to 3600 s, got 0");
+  EXPECT_EQ(text([](auto& s) { s.max_clock_rate = kInfinity; }),
+            "max_clock_rate must be from 1 to 10000 Hz, got inf");
+  EXPECT_EQ(text([](auto& s) { s.start_time = 0.0; }),
+            "start_time must be from 1e-06 to 2000000000 s, got 0");
+  EXPECT_EQ(text([](auto& s) { s.repeat_rate = kNan; }),
+            "repeat_rate must be from 1 to 1000 Hz, got nan");
+}
+
+TEST(Settings, ABadFactorIsRefusedAndTheOldOneStays) {
+  TimeMaster master(with(5.0), kBoot);
+  for (double bad : {0.0, -1.0, 0.0099, 1000001.0, kNan, kInfinity, -kInfinity}) {
+    const std::string text = refusal([&] { master.setFactor(bad, kBoot); });
+    EXPECT_NE(text.find("factor must be from 0.01 to 1000000"), std::string::npos) << text;
+  }
+  EXPECT_EQ(master.wantedFactor(), 5.0);
+  EXPECT_EQ(master.effectiveFactor(), 5.0);
+}
+
+TEST(Settings, TheEndsOfTheFactorsRangeAreAllowed) {
+  TimeMaster master(with(0.01), kBoot);
+  master.setFactor(1e6, kBoot + kSecond);
+  master.advance(kBoot + kSecond + 3);
+  EXPECT_EQ(master.now(), kSecond + kSecond / 100 + 3'000'000);
+}
+
+// ---- pause, step, run until ----------------------------------------------------------------
+
+TEST(Pause, StandsStillAndResumesWithoutAJump) {
+  TimeMaster master(with(3.0), kBoot);
+  master.pause(kBoot + 5);
+  EXPECT_TRUE(master.paused());
+  EXPECT_EQ(master.effectiveFactor(), 0.0);
+  EXPECT_EQ(master.wantedFactor(), 3.0);
+  master.resume(kBoot + kSecond);
+  EXPECT_EQ(master.now(), kSecond + 15);
+  master.advance(kBoot + kSecond + 7);
+  EXPECT_EQ(master.now(), kSecond + 36);
+}
+
+TEST(Pause, CanBeHadFromTheStart) {
+  TimeMaster::Settings settings;
+  settings.start_paused = true;
+  TimeMaster master(settings, kBoot);
+  master.advance(kBoot + kSecond);
+  EXPECT_EQ(master.now(), kSecond);
+}
+
+TEST(Pause, KeepsTheFractionOfANanosecond) {
+  TimeMaster master(with(0.5), kBoot);
+  for (int k = 0; k < 10; ++k) {  // ten times half a nanosecond, with a pause after each
+    master.pause(kBoot + 100 * k + 1);
+    master.resume(kBoot + 100 * k + 100);
+  }
+  EXPECT_EQ(master.now(), kSecond + 5);
+}
+
+TEST(Step, StopsExactlyAtItsTargetHoweverLateTheNextCall) {
+  TimeMaster master(with(999'999.999), kBoot);
+  master.pause(kBoot + 1);
+  const Nanoseconds from = master.now();
+  EXPECT_EQ(master.step(1'234'567'891, kBoot + 2), from + 1'234'567'891);
+  EXPECT_FALSE(master.paused());
+  master.advance(kBoot + 50 * kSecond);
+  EXPECT_EQ(master.now(), from + 1'234'567'891);
+  EXPECT_TRUE(master.paused());
+  EXPECT_FALSE(master.target());
+  const auto events = master.takeEvents();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].kind, Kind::kTargetReached);
+  EXPECT_EQ(events[0].wall, kBoot + 2 + 1235);  // 1234567891 / 999999.999, rounded up
+}
+
+TEST(Step, StartsExactlyFromTheTargetOfTheLastOne) {
+  TimeMaster master(with(1e6), kBoot);
+  master.pause(kBoot);
+  for (int k = 1; k <= 1000; ++k) {
+    EXPECT_EQ(master.step(1, kBoot + 10 * k), kSecond + k);
+  }
+}
+
+TEST(Step, CountsFromTheTargetOfOneStillUnderWay) {
+  TimeMaster master(with(1.0), kBoot);
+  master.pause(kBoot);
+  for (int k = 1; k <= 10; ++k) {
+    EXPECT_EQ(master.step(kSecond, kBoot + k), (1 + k) * kSecond);
+  }
+  master.advance(kBoot + 60 * kSecond);
+  EXPECT_EQ(master.now(), 11 * kSecond);
+}
+
+TEST(Step, OfARunningClockStopsItAfterTheDuration) {
+  TimeMaster master(with(2.0), kBoot);
+  EXPECT_EQ(master.step(kSecond, kBoot + kSecond), 4 * kSecond);
+  master.advance(kBoot + 9 * kSecond);
+  EXPECT_EQ(master.now(), 4 * kSecond);
+}
+
+TEST(Step, OfNothingNegativeOrPastTheEndOfTimeIsRefused) {
+  TimeMaster master(with(1.0), kBoot);
+  const Nanoseconds room = TimeMaster::kLastInstant - kSecond;
+  for (Nanoseconds bad : {Nanoseconds{0}, Nanoseconds{-1}, room + 1, kMost, -kMost - 1}) {
+    const std::string text = refusal([&] { master.step(bad, kBoot); });
+    EXPECT_NE(text.find("step: duration must be more than 0"), std::string::npos) << text;
+  }
+  EXPECT_NE(refusal([&] { master.step(-1, kBoot); }).find("got -0.000000001 s"), std::string::npos);
+  EXPECT_FALSE(master.target());
+  EXPECT_EQ(master.step(room, kBoot), TimeMaster::kLastInstant);
+}
+
+TEST(RunUntil, StopsExactlyAndStaysPaused) {
+  TimeMaster master(with(7.3), kBoot);
+  master.runUntil(100 * kSecond + 1, kBoot);
+  EXPECT_EQ(master.target(), 100 * kSecond + 1);
+  master.advance(kBoot + 1000 * kSecond);
+  EXPECT_EQ(master.now(), 100 * kSecond + 1);
+  EXPECT_TRUE(master.paused());
+}
+
+TEST(RunUntil, ThePresentPausesAtOnce) {
+  TimeMaster master(with(1.0), kBoot);
+  master.runUntil(kSecond, kBoot);
+  EXPECT_TRUE(master.paused());
+  EXPECT_EQ(master.takeEvents().size(), 1u);
+}
+
+TEST(RunUntil, ThePastAndBeyondTheEndAreRefused) {
+  TimeMaster master(with(1.0), kBoot);
+  for (Nanoseconds bad :
+       {kSecond - 1, Nanoseconds{0}, -kMost, TimeMaster::kLastInstant + 1, kMost}) {
+    const std::string text = refusal([&] { master.runUntil(bad, kBoot); });
+    EXPECT_NE(text.find("target must be from the present, 1.000000000 s"), std::string::npos)
+        << text;
+  }
+  EXPECT_FALSE(master.paused());
+}
+
+TEST(RunUntil, FollowsAFactorThatChangesOnTheWay) {
+  TimeMaster master(with(1.0), kBoot);
+  master.runUntil(11 * kSecond, kBoot);
+  master.setFactor(100.0, kBoot + kSecond);
+  master.advance(kBoot + kSecond + 89'999'999);
+  EXPECT_FALSE(master.paused());
+  master.advance(kBoot + kSecond + 90'000'000);
+  EXPECT_TRUE(master.paused());
+  EXPECT_EQ(master.now(), 11 * kSecond);
+}
+
+TEST(RunUntil, IsGivenUpByPauseAndByResume) {
+  TimeMaster master(with(1.0), kBoot);
+  master.runUntil(10 * kSecond, kBoot);
+  master.pause(kBoot + kSecond);
+  EXPECT_FALSE(master.target());
+  master.runUntil(10 * kSecond, kBoot + kSecond);
+  master.resume(kBoot + kSecond);
+  master.advance(kBoot + 100 * kSecond);
+  EXPECT_EQ(master.now(), 101 * kSecond);
+}
+
+// ---- holds ---------------------------------------------------------------------------------
+
+TEST(Hold, LimitsTheFactorAndNeverRaisesIt) {
+  TimeMaster master(with(10.0, 2.0), kBoot);
+  master.hold("a", 60.0, kBoot);
+  EXPECT_EQ(master.effectiveFactor(), 2.0);
+  master.setFactor(0.5, kBoot);
+  EXPECT_EQ(master.effectiveFactor(), 0.5);
+  master.setFactor(50.0, kBoot);
+  EXPECT_EQ(master.effectiveFactor(), 2.0);
+  EXPECT_TRUE(master.release("a", kBoot));
+  EXPECT_EQ(master.effectiveFactor(), 50.0);
+}
+
+TEST(Hold, ZeroBusyFactorFreezes) {
+  TimeMaster master(with(10.0, 0.0), kBoot);
+  master.hold("a", 2.0, kBoot);
+  master.advance(kBoot + kSecond);
+  EXPECT_EQ(master.now(), kSecond);
+  EXPECT_FALSE(master.paused());
+}
+
+TEST(Hold, TheClockIsBusyUntilTheLastOfSeveralHoldersLetsGo) {
+  TimeMaster master(with(10.0, 1.0), kBoot);
+  master.hold("b", 60.0, kBoot);
+  master.hold("a", 60.0, kBoot);
+  EXPECT_TRUE(master.release("b", kBoot + kSecond));
+  EXPECT_FALSE(master.release("b", kBoot + kSecond));
+  EXPECT_FALSE(master.release("never", kBoot + kSecond));
+  EXPECT_EQ(master.effectiveFactor(), 1.0);
+  EXPECT_TRUE(master.release("a", kBoot + 2 * kSecond));
+  master.advance(kBoot + 3 * kSecond);
+  EXPECT_EQ(master.now(), (1 + 2 + 10) * kSecond);
+}
+
+TEST(Hold, EndsAtExactlyItsInstantHoweverLateTheNextCallAndIsReported) {
+  TimeMaster master(with(1000.0, 0.0), kBoot);
+  master.hold("late", 3.0, kBoot);
+  master.hold("early", 2.0, kBoot);
+  master.advance(kBoot + 10 * kSecond);
+  EXPECT_EQ(master.now(), kSecond + 7000 * kSecond);
+  const auto events = master.takeEvents();
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].kind, Kind::kHoldExpired);
+  EXPECT_EQ(events[0].holder, "early");
+  EXPECT_EQ(events[0].wall, kBoot + 2 * kSecond);
+  EXPECT_EQ(events[1].holder, "late");
+  EXPECT_EQ(events[1].wall, kBoot + 3 * kSecond);
+  EXPECT_EQ(events[1].time, kSecond);
+  EXPECT_TRUE(master.takeEvents().empty());
+  EXPECT_TRUE(master.holds().empty());
+}
+
+TEST(Hold, AgainByTheSameNameExtendsAndNeverShortens) {
+  TimeMaster master(with(10.0), kBoot);
+  master.hold("a", 5.0, kBoot);
+  master.hold("a", 5.0, kBoot + 4 * kSecond);
+  master.hold("a", 1.0, kBoot + 4 * kSecond);
+  ASSERT_EQ(master.holds().size(), 1u);
+  EXPECT_EQ(master.holds()[0].remaining, 5 * kSecond);
+  master.advance(kBoot + 9 * kSecond - 1);
+  EXPECT_TRUE(master.takeEvents().empty());
+  master.advance(kBoot + 9 * kSecond);
+  EXPECT_EQ(master.takeEvents().size(), 1u);
+}
+
+TEST(Hold, ExpiresWhilePausedToo) {
+  TimeMaster master(with(10.0, 0.0), kBoot);
+  master.hold("a", 1.0, kBoot);
+  master.pause(kBoot);
+  master.resume(kBoot + 2 * kSecond);
+  EXPECT_EQ(master.effectiveFactor(), 10.0);
+}
+
+TEST(Hold, DelaysAStepWhoseEndStaysExact) {
+  TimeMaster master(with(10.0, 0.0), kBoot);
+  master.step(5 * kSecond, kBoot);
+  master.hold("a", 4.0, kBoot + kSecond / 10);
+  master.advance(kBoot + 4 * kSecond);
+  EXPECT_EQ(master.now(), 2 * kSecond);
+  master.advance(kBoot + 60 * kSecond);
+  EXPECT_EQ(master.now(), 6 * kSecond);
+}
+
+TEST(Hold, BadHoldersAndTimeoutsAreRefused) {
+  TimeMaster master(with(10.0), kBoot);
+  EXPECT_NE(refusal([&] { master.hold("", 1.0, kBoot); }).find("got an empty one"),
+            std::string::npos);
+  for (double bad : {0.0, -1.0, 86401.0, kNan, kInfinity}) {
+    const std::string text = refusal([&] { master.hold("a", bad, kBoot); });
+    EXPECT_NE(text.find("hold by 'a': timeout must be more than 0 and at most 86400 s"),
+              std::string::npos)
+        << text;
+  }
+  EXPECT_TRUE(master.holds().empty());
+}
+
+TEST(Hold, NearTheEndOfWallTimeDoesNotOverflow) {
+  TimeMaster master(with(1.0, 0.0), kMost - kSecond);
+  master.hold("a", 86400.0, kMost - kSecond);
+  EXPECT_EQ(master.holds()[0].remaining, kSecond);
+  master.advance(kMost - 1);
+  EXPECT_EQ(master.now(), kSecond);
+}
+
+// ---- publication ---------------------------------------------------------------------------
+
+struct Message {
+  Nanoseconds wall;
+  Nanoseconds time;
+  bool operator==(const Message& other) const { return wall == other.wall && time == other.time; }
+};
+
+std::ostream& operator<<(std::ostream& out, const Message& message) {
+  return out << "{wall " << message.wall - kBoot << ", time " << message.time << "}";
+}
+
+/** @brief Poll at each wake until @p end, as a node that is never late does. */
+std::vector<Message> play(TimeMaster& master, Nanoseconds from, Nanoseconds end) {
+  std::vector<Message> messages;
+  for (Nanoseconds wall = from; wall < end; wall = std::max(wall, master.nextWake())) {
+    if (const auto time = master.poll(wall)) {
+      messages.push_back({wall, *time});
+    }
+  }
+  return messages;
+}
+
+TEST(Publication, TheFirstMessageIsDueAtOnceWithTheStartTime) {
+  TimeMaster master(with(1.0), kBoot);
+  EXPECT_EQ(master.nextWake(), kBoot);
+  EXPECT_EQ(master.poll(kBoot), kSecond);
+  EXPECT_FALSE(master.poll(kBoot));
+}
+
+TEST(Publication, GoesByTheFinestStepWhereTheRateAllows) {
+  TimeMaster master(with(2.0), kBoot);
+  const auto messages = play(master, kBoot, kBoot + 14'999'999);
+  const std::vector<Message> expected = {{kBoot, kSecond},
+                                         {kBoot + 5'000'000, kSecond + 10'000'000},
+                                         {kBoot + 10'000'000, kSecond + 20'000'000}};
+  EXPECT_EQ(messages, expected);
+}
+
+TEST(Publication, NeverExceedsTheWallRate) {
+  TimeMaster master(with(1000.0), kBoot);
+  const auto messages = play(master, kBoot, kBoot + kSecond);
+  ASSERT_EQ(messages.size(), 500u);
+  for (std::size_t k = 1; k < messages.size(); ++k) {
+    EXPECT_EQ(messages[k].wall - messages[k - 1].wall, 2'000'000);
+    EXPECT_EQ(messages[k].time - messages[k - 1].time, 2 * kSecond);
+  }
+}
+
+TEST(Publication, ALatePollDoesNotMakeTheNextComeTooSoon) {
+  TimeMaster master(with(1000.0), kBoot);
+  master.poll(kBoot);
+  ASSERT_TRUE(master.poll(kBoot + 3'900'000));
+  EXPECT_FALSE(master.poll(kBoot + 5'899'999));
+  EXPECT_TRUE(master.poll(kBoot + 5'900'000));
+}
+
+TEST(Publication, RepeatsThePresentWhilePaused) {
+  TimeMaster master(with(1.0), kBoot);
+  master.poll(kBoot);
+  master.pause(kBoot + 3'333'333);
+  const auto messages = play(master, kBoot + 3'333'333, kBoot + 120'000'000);
+  const Nanoseconds present = kSecond + 3'333'333;
+  const std::vector<Message> expected = {
+      {kBoot + 3'333'333, present}, {kBoot + 53'333'333, present}, {kBoot + 103'333'333, present}};
+  EXPECT_EQ(messages, expected);
+}
+
+TEST(Publication, RepeatsThePresentWhileFrozenByAHold) {
+  TimeMaster master(with(10.0, 0.0), kBoot);
+  master.hold("a", 0.12, kBoot);
+  const auto messages = play(master, kBoot, kBoot + 121'500'000);
+  const std::vector<Message> expected = {{kBoot, kSecond},
+                                         {kBoot + 50'000'000, kSecond},
+                                         {kBoot + 100'000'000, kSecond},
+                                         {kBoot + 121'000'000, kSecond + 10'000'000}};
+  EXPECT_EQ(messages, expected);
+}
+
+TEST(Publication, RepeatsTheLastTimeWhereTheNextStepIsFarOff) {
+  TimeMaster master(with(0.1), kBoot);  // 10 ms of simulated time take 100 ms
+  const auto messages = play(master, kBoot, kBoot + 149'999'999);
+  const std::vector<Message> expected = {
+      {kBoot, kSecond}, {kBoot + 50'000'000, kSecond}, {kBoot + 100'000'000, kSecond + 10'000'000}};
+  EXPECT_EQ(messages, expected);
+}
+
+TEST(Publication, AStopIsPublishedExactlyAndAtOnce) {
+  TimeMaster master(with(1.0), kBoot);
+  master.step(13'000'001, kBoot);
+  const auto messages = play(master, kBoot, kBoot + 60'000'000);
+  const std::vector<Message> expected = {{kBoot, kSecond},
+                                         {kBoot + 10'000'000, kSecond + 10'000'000},
+                                         {kBoot + 13'000'001, kSecond + 13'000'001}};
+  EXPECT_EQ(messages, expected);
+}
+
+TEST(Publication, AStopRightAfterAMessageWaitsForTheWallRate) {
+  TimeMaster master(with(1000.0), kBoot);
+  master.step(10, kBoot);
+  const auto messages = play(master, kBoot, kBoot + 10'000'000);
+  const std::vector<Message> expected = {{kBoot, kSecond}, {kBoot + 2'000'000, kSecond + 10}};
+  EXPECT_EQ(messages, expected);
+}
+
+TEST(Publication, WakesForTheEndOfAHold) {
+  TimeMaster master(with(1.0), kBoot);
+  master.hold("a", 1e-3, kBoot);
+  master.poll(kBoot);
+  EXPECT_EQ(master.nextWake(), kBoot + 1'000'000);
+}
+
+TEST(Publication, WakesForAStop) {
+  TimeMaster master(with(1.0), kBoot);
+  master.poll(kBoot);
+  master.step(1'000'000, kBoot);
+  EXPECT_EQ(master.nextWake(), kBoot + 1'000'000);
+}
+
+// ---- achieved factor -----------------------------------------------------------------------
+
+TEST(AchievedFactor, IsTheOneOfTheLastSecond) {
+  TimeMaster master(with(10.0), kBoot);
+  EXPECT_EQ(master.achievedFactor(), 0.0);
+  play(master, kBoot, kBoot + 3 * kSecond);
+  EXPECT_NEAR(master.achievedFactor(), 10.0, 1e-6);
+  master.setFactor(20.0, kBoot + 3 * kSecond);
+  play(master, kBoot + 3 * kSecond, kBoot + 3 * kSecond + kSecond / 2);
+  EXPECT_NEAR(master.achievedFactor(), 15.0, 0.5);
+  play(master, kBoot + 3 * kSecond + kSecond / 2, kBoot + 5 * kSecond);
+  EXPECT_NEAR(master.achievedFactor(), 20.0, 1e-6);
+  master.pause(kBoot + 5 * kSecond);
+  play(master, kBoot + 5 * kSecond, kBoot + 7 * kSecond);
+  EXPECT_EQ(master.achievedFactor(), 0.0);
+}
+
+// ---- adversarial sequences against a model that counts every nanosecond ----------------------
+
+/** @brief The rules once more, in the plainest way: one wall nanosecond at a time. */
+class Model {
+ public:
+  Model(double factor, double busy_factor)
+      : factor_(std::llround(factor * 1e9)), busy_(std::llround(busy_factor * 1e9)) {}
+
+  void tick() {
+    if (!paused_) {
+      total_ += holds_.empty() ? factor_ : std::min(factor_, busy_);
+    }
+    ++wall_;
+    if (!paused_ && target_ && total_ >= Wide{*target_} * kFactorUnit) {
+      stop();
+    }
+    for (auto hold = holds_.begin(); hold != holds_.end();) {
+      if (hold->second == wall_) {
+        expired_.push_back(hold->first);
+        hold = holds_.erase(hold);
+      } else {
+        ++hold;
+      }
+    }
+  }
+
+  void setFactor(double factor) { factor_ = std::llround(factor * 1e9); }
+  void pause() {
+    paused_ = true;
+    target_.reset();
+  }
+  void resume() {
+    paused_ = false;
+    target_.reset();
+  }
+  void runUntil(Nanoseconds target) {
+    target_ = target;
+    paused_ = false;
+    if (now() >= target) {
+      stop();
+    }
+  }
+  void hold(const std::string& holder, Nanoseconds timeout) {
+    holds_[holder] = std::max(holds_[holder], wall_ + timeout);
+  }
+  bool release(const std::string& holder) { return holds_.erase(holder) == 1; }
+
+  Nanoseconds now() const { return static_cast<Nanoseconds>(total_ / kFactorUnit); }
+  Nanoseconds wall() const { return wall_; }
+  bool paused() const { return paused_; }
+  std::optional<Nanoseconds> target() const { return target_; }
+  const std::vector<std::string>& expired() const { return expired_; }
+
+ private:
+  void stop() {
+    total_ = Wide{*target_} * kFactorUnit;
+    pause();
+  }
+
+  Wide total_ = Wide{kSecond} * kFactorUnit;
+  Nanoseconds wall_ = kBoot;
+  FactorUnits factor_;
+  FactorUnits busy_;
+  bool paused_ = false;
+  std::optional<Nanoseconds> target_;
+  std::map<std::string, Nanoseconds> holds_;
+  std::vector<std::string> expired_;
+};
+
+class Adversary {
+ public:
+  explicit Adversary(unsigned seed, double busy_factor)
+      : random_(seed), model_(1.0, busy_factor), master_(with(1.0, busy_factor), kBoot) {}
+
+  void play(int moves) {
+    for (int k = 0; k < moves; ++k) {
+      for (Nanoseconds left = below(40); left > 0; --left) {
+        model_.tick();
+      }
+      move(model_.wall());
+      ASSERT_EQ(master_.now(), model_.now()) << "move " << k;
+      ASSERT_EQ(master_.paused(), model_.paused()) << "move " << k;
+      ASSERT_EQ(master_.target(), model_.target()) << "move " << k;
+      collectEvents();
+      ASSERT_EQ(expired_, model_.expired()) << "move " << k;
+      checkPublication(model_.wall());
+    }
+  }
+
+ private:
+  Nanoseconds below(Nanoseconds end) { return static_cast<Nanoseconds>(random_() % end); }
+
+  void move(Nanoseconds wall) {
+    const std::string holder(1, static_cast<char>('a' + below(4)));
+    switch (below(9)) {
+      case 0:
+        return setFactor(std::pow(10.0, static_cast<double>(below(8'000)) / 1000.0 - 2.0), wall);
+      case 1:
+        model_.pause();
+        return master_.pause(wall);
+      case 2:
+        model_.resume();
+        return master_.resume(wall);
+      case 3:
+        return step(1 + below(100'000), wall);
+      case 4:
+        return runUntil(model_.now() + below(3), wall);
+      case 5: {
+        const Nanoseconds timeout = 1 + below(100);
+        model_.hold(holder, timeout);
+        return master_.hold(holder, static_cast<double>(timeout) * 1e-9, wall);
+      }
+      case 6:
+        ASSERT_EQ(master_.release(holder, wall), model_.release(holder));
+        return;
+      default:
+        return master_.advance(wall);
+    }
+  }
+
+  void setFactor(double factor, Nanoseconds wall) {
+    model_.setFactor(factor);
+    master_.setFactor(factor, wall);
+  }
+
+  void runUntil(Nanoseconds target, Nanoseconds wall) {
+    model_.runUntil(target);
+    master_.runUntil(target, wall);
+  }
+
+  void step(Nanoseconds duration, Nanoseconds wall) {
+    const Nanoseconds target = model_.target().value_or(model_.now()) + duration;
+    model_.runUntil(target);
+    ASSERT_EQ(master_.step(duration, wall), target);
+  }
+
+  void collectEvents() {
+    for (const auto& event : master_.takeEvents()) {
+      if (event.kind == Kind::kHoldExpired) {
+        expired_.push_back(event.holder);
+      }
+    }
+  }
+
+  void checkPublication(Nanoseconds wall) {
+    if (const auto time = master_.poll(wall)) {
+      ASSERT_GE(*time, last_time_);
+      ASSERT_LE(*time, master_.now());
+      if (last_wall_) {
+        ASSERT_GE(wall - *last_wall_, 2'000'000);
+      }
+      last_time_ = *time;
+      last_wall_ = wall;
+    }
+    ASSERT_TRUE(master_.nextWake() > wall);
+  }
+
+  std::mt19937_64 random_;
+  Model model_;
+  TimeMaster master_;
+  std::vector<std::string> expired_;
+  Nanoseconds last_time_ = kSecond;
+  std::optional<Nanoseconds> last_wall_;
+};
+
+TEST(Adversary, RandomSequencesEqualTheModelWhenHoldsSlowDown) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    Adversary(seed, 0.7).play(20'000);
+  }
+}
+
+TEST(Adversary, RandomSequencesEqualTheModelWhenHoldsFreeze) {
+  for (unsigned seed = 100; seed < 140; ++seed) {
+    Adversary(seed, 0.0).play(20'000);
+  }
+}
+
+}  // namespace
+}  // namespace move_base_abstract
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
+}
