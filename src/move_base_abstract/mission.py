@@ -14,6 +14,9 @@ from typing import NamedTuple, Tuple
 
 import yaml
 
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.geometry import Pose2D
+
 WGS84_SEMI_MAJOR_M = 6378137.0  # equatorial radius a [m]
 WGS84_ECCENTRICITY_SQUARED = 0.00669437999014  # e^2
 
@@ -22,29 +25,21 @@ ROBOT_KEYS = ('name', 'start', 'goals')
 ROBOT_NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
 
 
-class MissionError(ValueError):
+class MissionError(ConfigurationError):
     """A mission or field file that cannot be used; the text names the file, the place in it and what is allowed."""
-
-
-class Place(NamedTuple):
-    """A pose in the map frame."""
-
-    x: float  # m, east
-    y: float  # m, north
-    yaw: float  # rad, counter-clockwise from x
 
 
 class RobotPlan(NamedTuple):
     """What one robot is to do."""
 
     name: str  # ROS name; also its namespace and tf prefix
-    start: Place
-    goals: Tuple[Place, ...]  # in the order in which they are visited
+    start: Pose2D
+    goals: Tuple[Pose2D, ...]  # in the order in which they are visited
 
     def path_length(self):
         """Return the length of the straight legs from the start through all goals [m]."""
         stops = (self.start,) + self.goals
-        return sum(distance(a, b) for a, b in zip(stops, stops[1:]))
+        return sum(a.distance_to(b) for a, b in zip(stops, stops[1:]))
 
 
 class Mission(NamedTuple):
@@ -66,16 +61,10 @@ class FieldPoint(NamedTuple):
     value: float  # in the unit of the file's value column
 
 
-def distance(a, b):
-    """Return the straight distance between two places [m]."""
-    return math.hypot(b.x - a.x, b.y - a.y)
-
-
-def heading(a, b):
-    """Return the direction from place a to place b [rad]; a's yaw where they coincide."""
-    if (a.x, a.y) == (b.x, b.y):
-        return a.yaw
-    return math.atan2(b.y - a.y, b.x - a.x)
+def _facing_travel(previous, place):
+    """Return place with the heading of the way from previous, or with previous's heading where they coincide."""
+    same = (previous.x, previous.y) == (place.x, place.y)
+    return Pose2D(place.x, place.y, previous.yaw if same else previous.bearing_to(place))
 
 
 # ---------------------------------------------------------------------------------------------- the mission file
@@ -123,17 +112,15 @@ def _parse_robot(entry, where):
 
 
 def _parse_place(value, previous, where):
-    """Return [x, y] or [x, y, yaw] as a Place; without a yaw it faces away from the previous place (0 if none)."""
+    """Return [x, y] or [x, y, yaw] as a Pose2D; without a yaw it faces away from the previous place (0 if none)."""
     if not isinstance(value, list) or len(value) not in (2, 3):
         raise MissionError(f'{where}: must be [x, y] or [x, y, yaw] in m and rad, map frame, got {value!r}')
     for name, number in zip(('x', 'y', 'yaw'), value):
         if isinstance(number, bool) or not isinstance(number, (int, float)) or not math.isfinite(number):
             hint = ' (YAML takes 1e3 as text: write 1.0e+3)' if isinstance(number, str) else ''
             raise MissionError(f'{where}: {name} must be a finite number, got {number!r}{hint}')
-    place = Place(float(value[0]), float(value[1]), float(value[2]) if len(value) == 3 else 0.0)
-    if len(value) == 2 and previous is not None:
-        place = place._replace(yaw=heading(previous, place))
-    return place
+    place = Pose2D(*(float(number) for number in value))
+    return _facing_travel(previous, place) if len(value) == 2 and previous is not None else place
 
 
 def _check_mapping(value, known, required, where):
@@ -252,7 +239,7 @@ def mission_from_points(points, robot_count, goals_each, seed=1):
 
 def _draw_plan(points, index, goals_each, seed):
     rng = random.Random(f'{seed}/{index}')  # text is hashed with SHA-512: the same on every machine
-    stops = [Place(point.x, point.y, 0.0) for point in rng.sample(list(points), goals_each + 1)]
+    stops = [Pose2D(point.x, point.y) for point in rng.sample(list(points), goals_each + 1)]
     for i in range(1, len(stops)):
-        stops[i] = stops[i]._replace(yaw=heading(stops[i - 1], stops[i]))
+        stops[i] = _facing_travel(stops[i - 1], stops[i])
     return RobotPlan(f'robot_{index}', stops[0], tuple(stops[1:]))

@@ -4,7 +4,8 @@ import math
 import os
 
 from move_base_abstract import mission
-from move_base_abstract.mission import FieldPoint, MissionError, Place
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract.mission import FieldPoint, MissionError
 import pytest
 
 CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', 'config')
@@ -26,8 +27,8 @@ def field_file(tmp_path, text):
 
 def test_a_mission_is_read_with_the_yaw_of_travel_where_none_is_given():
     robot, = mission.parse_mission(GOOD, 'm.yaml').robots
-    assert robot.start == Place(0.0, 0.0, 0.0)
-    assert robot.goals == (Place(3.0, 4.0, math.atan2(4, 3)), Place(3.0, 4.0, 1.5))
+    assert robot.start == Pose2D(0.0, 0.0, 0.0)
+    assert robot.goals == (Pose2D(3.0, 4.0, math.atan2(4, 3)), Pose2D(3.0, 4.0, 1.5))
     assert robot.path_length() == 5.0
 
 
@@ -123,7 +124,7 @@ def test_a_robot_visits_each_of_its_points_once_and_faces_where_it_travels():
     robot = mission.mission_from_points(POINTS, 1, len(POINTS) - 1).robots[0]
     stops = [(place.x, place.y) for place in (robot.start,) + robot.goals]
     assert sorted(stops) == [(point.x, point.y) for point in POINTS]
-    assert robot.goals[0].yaw == mission.heading(robot.start, robot.goals[0])
+    assert robot.goals[0].yaw == robot.start.bearing_to(robot.goals[0])
 
 
 @pytest.mark.parametrize('count, goals, words', [
