@@ -1,0 +1,53 @@
+# What a person types. Everything that is built lies under .ws/; `make help` lists the targets.
+SHELL := /bin/bash
+.SHELLFLAGS := -eo pipefail -c
+.DEFAULT_GOAL := help
+.PHONY: help deps build demo test lint bench clean
+
+WS := $(CURDIR)/.ws
+# Debian's own Python, the one that ROS was built for; another python3 may come first on PATH.
+PYTHON := /usr/bin/python3
+BUILD_TYPE ?= RelWithDebInfo
+# ROS Noetic lies outside the system's paths (Ubuntu 20.04; not tested); Debian's own packages need nothing.
+NOETIC := $(wildcard /opt/ros/noetic/setup.bash)
+ENTER_ROS := $(if $(NOETIC),source $(NOETIC) &&)
+ENTER := source $(WS)/setup.sh &&
+
+# Neither another workspace nor a running ROS master of the calling shell takes part.
+unexport CMAKE_PREFIX_PATH PYTHONPATH ROS_PACKAGE_PATH ROS_HOSTNAME ROS_NAMESPACE ROS_MASTER_URI
+export ROS_IP := 127.0.0.1
+export ROS_HOME := $(WS)/ros_home
+
+# make demo FACTOR=50 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml
+FIELD_DATA := $(wildcard ../shared/data/riseholme_compaction_0cm_kpa.csv)
+CSV ?= $(if $(MISSION),,$(FIELD_DATA))
+
+help:  ## this list
+	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' Makefile | expand -t 16
+	@echo
+	@echo 'Options: make demo FACTOR=50 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml; make test ONLY=part_of_a_name'
+	@echo 'A shell in the built environment: source .ws/setup.sh'
+
+deps:  ## install what is missing (Debian packages by apt, the rest in .ws/venv)
+	@tools/install_deps
+
+build: deps  ## build the catkin package in .ws/
+	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE)
+
+demo: build  ## three robots, a mission, a progress bar and a table
+	@$(ENTER) rosrun move_base_abstract demo \
+	  $(if $(FACTOR),--factor '$(FACTOR)') $(if $(ROBOTS),--robots '$(ROBOTS)') \
+	  $(if $(CSV),--csv '$(abspath $(CSV))') $(if $(MISSION),--mission '$(abspath $(MISSION))')
+
+test: build  ## all tests; ONLY=part_of_a_name for some
+	@cmake --build $(WS)/build --target tests -j$$(nproc) >$(WS)/build_tests.log || { cat $(WS)/build_tests.log; exit 1; }
+	@$(ENTER) $(PYTHON) tools/run_tests.py $(if $(ONLY),--only '$(ONLY)')
+
+lint: build  ## ruff with the import borders, Python 3.8, catkin_lint, clang-format, shell scripts
+	@$(ENTER) tools/lint
+
+bench: build  ## the measurements, as JSON lines
+	@$(ENTER) $(PYTHON) bench/run $(BENCH_ARGS)
+
+clean:  ## remove everything that was built
+	rm -rf $(WS)
