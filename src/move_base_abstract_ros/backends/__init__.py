@@ -1,0 +1,22 @@
+"""Where robots are shown and placed: one object per simulator, chosen by name.
+
+A backend is made with (names, settings) and has ``place(pose, velocity, stamp_ns)``: the robot is there now, and
+``heartbeat(pose, stamp_ns)``: keep look-ups of the present working. Poses are Pose2D in the global frame, velocities
+(forward [m/s], turning [rad/s]) in base_link, stamps simulated ns.
+"""
+from move_base_abstract.errors import ConfigurationError
+
+from .builtin import BuiltinBackend
+
+BACKENDS = {'builtin': BuiltinBackend, 'virtual_robots': BuiltinBackend}
+
+
+def make(name, names, settings):
+    """Return the backend ``name`` for one robot.
+
+    :raises ConfigurationError: if there is none of that name.
+    """
+    if name not in BACKENDS:
+        raise ConfigurationError("parameter {}/backend: got '{}'; allowed: {}".format(
+            names.private, name, ', '.join(sorted(BACKENDS))))
+    return BACKENDS[name](names, settings)

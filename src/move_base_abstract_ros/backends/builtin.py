@@ -1,0 +1,54 @@
+"""The built-in simulator: the robot is where the core says, and tf and a few topics tell so."""
+import rospy
+import tf2_ros
+from geometry_msgs.msg import Pose, PoseWithCovarianceStamped
+from nav_msgs.msg import Odometry
+
+from move_base_abstract.geometry import Pose2D
+
+from .. import conversions
+
+
+class BuiltinBackend:
+    """tf ``map -> odom -> base_link``, ``amcl_pose``, ``odom``, ``base_pose_ground_truth`` and ``robot_pose``.
+
+    Odometry is perfect and starts at the map's origin: ``odom`` coincides with ``map``. The topics are latched, so
+    that who comes late learns where the robot stands.
+    """
+
+    def __init__(self, names, settings):
+        self._global_frame = settings.values['global_frame']
+        self._odom_frame = settings.frame(settings.values['odom_frame'])
+        self._base_frame = settings.frame(settings.values['robot_base_frame'])
+        self._tf = tf2_ros.TransformBroadcaster()
+        self._amcl_pose = _latched(names.topic('amcl_pose'), PoseWithCovarianceStamped)
+        self._odom = _latched(names.topic('odom'), Odometry)
+        self._ground_truth = _latched(names.topic('base_pose_ground_truth'), Odometry)
+        self._robot_pose = _latched(names.topic('robot_pose'), Pose)
+
+    def place(self, pose, velocity, stamp_ns):
+        """Publish that the robot is at ``pose`` with ``velocity``."""
+        self.heartbeat(pose, stamp_ns)
+        message = conversions.to_pose(pose)
+        self._robot_pose.publish(message)
+        amcl_pose = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
+        amcl_pose.pose.pose = message
+        self._amcl_pose.publish(amcl_pose)
+        self._odom.publish(self._odometry(message, velocity, self._odom_frame, stamp_ns))
+        self._ground_truth.publish(self._odometry(message, velocity, self._global_frame, stamp_ns))
+
+    def heartbeat(self, pose, stamp_ns):
+        """Publish tf only."""
+        self._tf.sendTransform([
+            conversions.to_transform(Pose2D(), self._global_frame, self._odom_frame, stamp_ns),
+            conversions.to_transform(pose, self._odom_frame, self._base_frame, stamp_ns)])
+
+    def _odometry(self, pose_message, velocity, frame_id, stamp_ns):
+        odometry = Odometry(header=conversions.to_header(frame_id, stamp_ns), child_frame_id=self._base_frame)
+        odometry.pose.pose = pose_message
+        odometry.twist.twist.linear.x, odometry.twist.twist.angular.z = velocity
+        return odometry
+
+
+def _latched(topic, message_type):
+    return rospy.Publisher(topic, message_type, queue_size=10, latch=True)

@@ -1,0 +1,68 @@
+"""Between ROS messages and the core's values. Times are int64 nanoseconds on the core's side."""
+import genpy
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, TransformStamped
+from std_msgs.msg import Header
+
+from move_base_abstract.geometry import Pose2D, quaternion_fault, quaternion_of_yaw, yaw_of_quaternion
+from move_base_abstract.navigator import GoalPose
+from move_base_abstract.units import NS_PER_S
+
+
+def to_time(time_ns):
+    """Return ``time_ns`` [ns] as a ROS time."""
+    return genpy.Time(time_ns // NS_PER_S, time_ns % NS_PER_S)
+
+
+def to_header(frame_id, stamp_ns):
+    """Return a header."""
+    return Header(frame_id=frame_id, stamp=to_time(stamp_ns))
+
+
+def to_pose(pose):
+    """Return a geometry_msgs/Pose of ``pose`` (Pose2D), z = 0."""
+    return Pose(Point(pose.x, pose.y, 0.0), Quaternion(*quaternion_of_yaw(pose.yaw)))
+
+
+def to_pose_stamped(pose, frame_id, stamp_ns):
+    """Return a geometry_msgs/PoseStamped of ``pose`` (Pose2D)."""
+    return PoseStamped(to_header(frame_id, stamp_ns), to_pose(pose))
+
+
+def to_transform(pose, parent, child, stamp_ns):
+    """Return the transform by which frame ``child`` stands at ``pose`` in frame ``parent``."""
+    transform = TransformStamped(header=to_header(parent, stamp_ns), child_frame_id=child)
+    transform.transform.translation.x = pose.x
+    transform.transform.translation.y = pose.y
+    rotation = transform.transform.rotation
+    rotation.x, rotation.y, rotation.z, rotation.w = quaternion_of_yaw(pose.yaw)
+    return transform
+
+
+def quaternion_tuple(orientation):
+    """Return a message's quaternion as (x, y, z, w)."""
+    return orientation.x, orientation.y, orientation.z, orientation.w
+
+
+def from_pose(message):
+    """Return the Pose2D of a geometry_msgs/Pose.
+
+    :raises ValueError: if it is no pose in the plane: NaN, inf, a tilted or empty quaternion.
+    """
+    quaternion = quaternion_tuple(message.orientation)
+    fault = quaternion_fault(quaternion)
+    if fault:
+        raise ValueError(fault)
+    return Pose2D(message.position.x, message.position.y, yaw_of_quaternion(quaternion))
+
+
+def from_transform(transform):
+    """Return the Pose2D of a geometry_msgs/Transform."""
+    return Pose2D(transform.translation.x, transform.translation.y,
+                  yaw_of_quaternion(quaternion_tuple(transform.rotation)))
+
+
+def from_target(message):
+    """Return the core's GoalPose of a geometry_msgs/PoseStamped, unchecked: the core judges it."""
+    position = message.pose.position
+    return GoalPose(message.header.frame_id, message.header.stamp.to_nsec(), (position.x, position.y),
+                    quaternion_tuple(message.pose.orientation))

@@ -1,0 +1,115 @@
+"""The five topics of an action server, around the core's GoalLedger: one goal at a time, no timer and no thread."""
+import itertools
+import time
+
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionGoal, MoveBaseActionResult, MoveBaseFeedback
+
+from move_base_abstract.goal_ledger import GoalLedger
+from move_base_abstract.units import NS_PER_S
+
+from . import conversions
+from .outbox import Outbox
+from .throttle import WallThrottle
+
+_STATUS_RATE_CAP = 5.0
+
+
+class GoalServer:
+    """Speaks the actionlib protocol on ``<ns>/{goal,cancel,status,feedback,result}`` for the action MoveBase.
+
+    ``clock`` is the process's :class:`RosClock`; ``min_answer_delay`` [s, wall] is the shortest time between the
+    arrival of a goal and its final answer.
+    """
+
+    def __init__(self, ns, node_name, clock, min_answer_delay):
+        self.ns = ns
+        self._clock = clock
+        self._min_answer_delay = min_answer_delay
+        self._arrivals = {}
+        self._outbox = Outbox()
+        self._counter = itertools.count(1)
+        self._node_name = node_name
+        self._navigator = None
+        self._heartbeat = WallThrottle(_STATUS_RATE_CAP)
+        size = _queue_size('actionlib_server_pub_queue_size')
+        self._status = rospy.Publisher(ns + '/status', GoalStatusArray, queue_size=size, latch=True, tcp_nodelay=True)
+        self._result = rospy.Publisher(ns + '/result', MoveBaseActionResult, queue_size=size, tcp_nodelay=True)
+        self._feedback = rospy.Publisher(ns + '/feedback', MoveBaseActionFeedback, queue_size=size, tcp_nodelay=True)
+        self.ledger = GoalLedger(self._publish_status, self._publish_result, self._new_id,
+                                 _seconds_to_ns(rospy.get_param(ns + '/status_list_timeout', 5.0)))
+
+    def start(self, navigator, robot_index, prefetch):
+        """Take goals for ``navigator``; ``prefetch(goal)`` is called without the lock before each and may block."""
+        self._navigator = navigator
+        self._prefetch = prefetch
+        frequency = rospy.get_param(rospy.search_param('actionlib_status_frequency') or '/nowhere', 5.0)
+        with self._clock.lock:
+            now_ns = self._clock.now_ns()
+            series = self._clock.simulation.series(robot_index, float(frequency), self._repeat_status)
+            if series is not None:
+                series.start(now_ns)
+            self._publish_status()
+        size = _queue_size('actionlib_server_sub_queue_size')
+        rospy.Subscriber(self.ns + '/cancel', GoalID, self._on_cancel, queue_size=size, tcp_nodelay=True)
+        rospy.Subscriber(self.ns + '/goal', MoveBaseActionGoal, self._on_goal, queue_size=size, tcp_nodelay=True)
+
+    def _on_goal(self, message):
+        goal = conversions.from_target(message.goal.target_pose)
+        arrived = time.monotonic()
+        self._prefetch(goal)
+        with self._clock.lock:
+            now_ns = self._clock.now_ns()
+            if message.goal_id.id:
+                self._arrivals.setdefault(message.goal_id.id, arrived)
+            self._navigator.receive(message.goal_id.id, message.goal_id.stamp.to_nsec(), goal, now_ns)
+
+    def _on_cancel(self, message):
+        with self._clock.lock:
+            now_ns = self._clock.now_ns()
+            self._navigator.cancel(message.id, message.stamp.to_nsec(), now_ns)
+
+    def publish_feedback(self, record, pose_stamped, stamp_ns):
+        """Publish where the robot with the goal ``record`` is."""
+        self._outbox.send(self._feedback, MoveBaseActionFeedback(
+            conversions.to_header('', stamp_ns), _to_status(record), MoveBaseFeedback(pose_stamped)))
+
+    def has_feedback_listeners(self):
+        """Return whether anybody subscribes to the feedback."""
+        return self._feedback.get_num_connections() > 0
+
+    def flush(self):
+        """Send what is held back, now."""
+        self._outbox.flush()
+
+    def _publish_status(self):
+        now_ns = self._clock.simulation.now_ns
+        records = self.ledger.records(now_ns)
+        self._outbox.send(self._status, GoalStatusArray(conversions.to_header('', now_ns),
+                                                        [_to_status(record) for record in records]))
+
+    def _repeat_status(self, _due_ns, _now_ns):
+        if self._heartbeat.ready():
+            self._publish_status()
+
+    def _publish_result(self, record, stamp_ns):
+        message = MoveBaseActionResult(header=conversions.to_header('', stamp_ns), status=_to_status(record))
+        arrived = self._arrivals.pop(record.goal_id, None)
+        self._outbox.send(self._result, message, 0.0 if arrived is None else arrived + self._min_answer_delay)
+
+    def _new_id(self, now_ns):
+        return '{}-{}-{}.{:09d}'.format(self._node_name, next(self._counter), now_ns // NS_PER_S, now_ns % NS_PER_S)
+
+
+def _to_status(record):
+    return GoalStatus(GoalID(conversions.to_time(record.stamp_ns), record.goal_id), record.state.value, record.text)
+
+
+def _seconds_to_ns(seconds):
+    return int(float(seconds) * NS_PER_S)
+
+
+def _queue_size(parameter):
+    size = rospy.get_param(parameter, 50)
+    return size if isinstance(size, int) and size > 0 else 50

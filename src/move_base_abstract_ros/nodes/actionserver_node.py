@@ -1,0 +1,48 @@
+"""The node ``move_base_abstract_actionserver``: one robot, configured by the original package's seven arguments."""
+import sys
+
+import rospy
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_ros.names import RobotNames
+
+from .move_base_node import run
+
+_ARGUMENTS = (('robot_name', str), ('backend', str), ('max_speed', float), ('start_x', float), ('start_y', float),
+              ('pose_update_freq', float), ('acceleration', float))
+_USAGE = ('usage: move_base_abstract_actionserver '
+          '[robot_name [simulator [max_speed [x [y [pose_update_freq [acceleration]]]]]]]')
+
+
+def main():
+    """Run the node until ROS shuts down; exits with 1 when an argument or a parameter cannot be used."""
+    arguments = rospy.myargv(sys.argv)[1:]
+    rospy.init_node('move_base_abstract_actionserver')
+    try:
+        values = read_arguments(arguments)
+    except ConfigurationError as error:
+        rospy.logfatal('%s: %s', rospy.get_name(), error)
+        sys.exit(1)
+    robot_name = values.pop('robot_name', '').strip('/')
+    namespace = rospy.get_namespace().rstrip('/')
+    if robot_name and namespace.rsplit('/', 1)[-1] != robot_name:
+        namespace = '{}/{}'.format(namespace, robot_name)
+    run(RobotNames(namespace), values, default_tf_prefix=robot_name or None)
+
+
+def read_arguments(arguments):
+    """Return {parameter: value} of the positional ``arguments``, any number of them up to seven.
+
+    :raises ConfigurationError: if there are more, or one is no number where a number belongs.
+    """
+    if len(arguments) > len(_ARGUMENTS):
+        raise ConfigurationError('got {} arguments; allowed: at most {}. {}'.format(
+            len(arguments), len(_ARGUMENTS), _USAGE))
+    values = {}
+    for (name, convert), argument in zip(_ARGUMENTS, arguments):
+        try:
+            values[name] = convert(argument)
+        except ValueError:
+            raise ConfigurationError("argument {}: got '{}'; allowed: a number. {}".format(
+                name, argument, _USAGE)) from None
+    return values

@@ -1,0 +1,67 @@
+"""The node ``move_base``: one robot, in the place and under the interface of move_base."""
+import sys
+import time
+
+import rospy
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.settings import read_settings
+from move_base_abstract_ros.move_base_server import MoveBaseServer
+from move_base_abstract_ros.names import RobotNames
+from move_base_abstract_ros.ros_clock import RosClock
+
+_LAST_WORDS_SECONDS = 0.1
+
+
+def main():
+    """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
+    rospy.init_node('move_base_node')
+    run(RobotNames(rospy.get_namespace(), rospy.get_name()))
+
+
+def run(names, overrides=None, default_tf_prefix=None):
+    """Host the robot ``names``; ``overrides`` are parameters that come before those of the parameter server."""
+    try:
+        settings = read_robot_settings(overrides or {}, default_tf_prefix)
+        clock = RosClock()
+        if not clock.start():
+            return
+        server = MoveBaseServer(names, settings, clock)
+    except ConfigurationError as error:
+        rospy.logfatal('%s: %s', rospy.get_name(), error)
+        sys.exit(1)
+    rospy.on_shutdown(lambda: _say_goodbye(server))
+    rospy.spin()
+
+
+def read_robot_settings(overrides, default_tf_prefix):
+    """Return the settings in the node's private namespace and tell where the important ones come from."""
+    where = rospy.get_name()
+    raw = rospy.get_param(where, {})
+    if isinstance(raw, dict):
+        raw = dict(raw, **overrides)
+    settings = read_settings(raw, where)
+    if settings.tf_prefix is None:
+        inherited = rospy.search_param('tf_prefix')
+        settings.tf_prefix = str(rospy.get_param(inherited)).strip('/') if inherited else default_tf_prefix
+    _report(settings, where)
+    return settings
+
+
+def _report(settings, where):
+    limits = settings.limits
+    rospy.loginfo('%s: abstract robot; speed %g m/s (%s), acceleration %s (%s), start (%g, %g, %g) in %s, backend %s',
+                  where, limits.max_speed, settings.speed_source,
+                  'unlimited' if limits.acceleration == float('inf') else '{:g} m/s^2'.format(limits.acceleration),
+                  settings.acceleration_source, settings.start.x, settings.start.y, settings.start.yaw,
+                  settings.values['global_frame'], settings.values['backend'])
+    if settings.ignored:
+        rospy.loginfo('%s: %d parameters of costmaps, planners and recovery have no meaning here and are ignored',
+                      where, len(settings.ignored))
+    for warning in settings.warnings:
+        rospy.logwarn(warning)
+
+
+def _say_goodbye(server):
+    server.shut_down()
+    time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, whatever is still queued on them

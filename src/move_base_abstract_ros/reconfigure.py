@@ -1,0 +1,97 @@
+"""dynamic_reconfigure of move_base and of its local planner; what is set takes effect on the next leg."""
+import math
+
+import rospy
+from dynamic_reconfigure.encoding import extract_params
+from dynamic_reconfigure.server import Server
+
+from move_base_abstract.cfg import DWAPlannerConfig, MoveBaseConfig, TrajectoryPlannerConfig
+from move_base_abstract.motion import MotionLimits, Tolerances
+
+_PLANNER_TYPES = {'TrajectoryPlannerROS': TrajectoryPlannerConfig}
+_CASTS = {'double': float, 'int': int, 'bool': bool, 'str': str}
+
+
+class _SafeServer(Server):
+    """A Server that starts from ``known`` values and survives parameters of the wrong type."""
+
+    def __init__(self, config_type, callback, namespace, known):
+        self._known = known
+        self._registered = {}
+        super().__init__(config_type, callback, namespace)
+
+    def _copy_from_parameter_server(self):
+        raw = rospy.get_param(self.ns.rstrip('/'), {})
+        for parameter in extract_params(self.type.config_description):
+            name, cast = parameter['name'], _CASTS[parameter['type']]
+            value = self._known.get(name, raw.get(name, self.config[name]))
+            if isinstance(value, bool) != (cast is bool) or not isinstance(value, (cast, int)):
+                rospy.logwarn('parameter %s%s: got %r; allowed: a %s; %r is used', self.ns, name, value,
+                              parameter['type'], self.config[name])
+                continue
+            self.config[name] = cast(value)
+
+    def _copy_to_parameter_server(self):
+        for parameter in extract_params(self.type.config_description):
+            name = parameter['name']
+            if self._registered.get(name) != self.config[name]:
+                self._registered[name] = self.config[name]
+                rospy.set_param(self.ns + name, self.config[name])
+
+
+class Reconfigure:
+    """The two servers of one robot, and what their changes mean for its :class:`MoveBaseServer`."""
+
+    def __init__(self, names, settings, server):
+        self._server = server
+        self._where = names.private
+        values = settings.values
+        self._move_base_start = {
+            'controller_frequency': values['controller_frequency'], 'planner_patience': values['planner_patience'],
+            'max_planning_retries': values['max_planning_retries'],
+            'recovery_behavior_enabled': values['recovery_behavior_enabled'],
+            'make_plan_add_unreachable_goal': values['make_plan_add_unreachable_goal'],
+            'base_global_planner': values['base_global_planner'],
+            'base_local_planner': values['base_local_planner']}
+        limits = settings.limits
+        self._planner_start = {
+            'max_vel_x': limits.max_speed, 'max_vel_trans': limits.max_speed,
+            'acc_lim_x': 0.0 if math.isinf(limits.acceleration) else limits.acceleration,
+            'xy_goal_tolerance': settings.tolerances.xy, 'yaw_goal_tolerance': settings.tolerances.yaw}
+        self._planner_now = dict(self._planner_start)
+        planner = settings.local_planner
+        self._servers = [
+            _SafeServer(MoveBaseConfig, self._on_move_base, names.private, self._move_base_start),
+            _SafeServer(_PLANNER_TYPES.get(planner, DWAPlannerConfig), self._on_planner, names.own(planner),
+                        self._planner_start)]
+
+    def _on_move_base(self, config, level):
+        if config['restore_defaults']:
+            config.update(self._move_base_start, restore_defaults=False)
+        if level != ~0:
+            self._server.reconfigure_goals(config)
+        return config
+
+    def _on_planner(self, config, level):
+        if config['restore_defaults']:
+            config.update({key: value for key, value in self._planner_start.items() if key in config},
+                          restore_defaults=False)
+        if level == ~0:
+            return config
+        try:
+            self._take_over(config)
+        except ValueError as error:
+            rospy.logwarn('%s: dynamic_reconfigure: %s; nothing is changed', self._where, error)
+            config.update({key: value for key, value in self._planner_now.items() if key in config})
+        return config
+
+    def _take_over(self, config):
+        """Use the planner's limits. Of the two names of the top speed the one that was changed counts."""
+        changed = [config[key] for key in ('max_vel_x', 'max_vel_trans')
+                   if key in config and config[key] != self._planner_now[key]]
+        limits = self._server.navigator.robot.limits
+        limits = MotionLimits(min(changed) if changed else limits.max_speed, config['acc_lim_x'] or math.inf,
+                              limits.turn_rate)
+        tolerances = Tolerances(config['xy_goal_tolerance'], config['yaw_goal_tolerance'])
+        self._server.set_motion(limits, tolerances)
+        self._planner_now.update({key: config[key] for key in self._planner_now if key in config})

@@ -1,0 +1,66 @@
+"""What one robot tells the world besides its goals: where it is, what it heads for, that its wheels stop."""
+import rospy
+from geometry_msgs.msg import PoseStamped, Twist
+from move_base_msgs.msg import RecoveryStatus
+
+from . import conversions
+from .throttle import WallThrottle
+
+
+class RobotPublisher:
+    """Publishes poses through a backend, and ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
+
+    def __init__(self, names, settings, simulation, robot, backend):
+        self._robot = robot
+        self._backend = backend
+        self._global_frame = settings.values['global_frame']
+        self._pose_throttle = WallThrottle(settings.values['max_pose_rate'])
+        self._tf_throttle = WallThrottle(settings.values['max_pose_rate'])
+        self._current_goal = rospy.Publisher(names.own('current_goal'), PoseStamped, queue_size=0)
+        self._cmd_vel = rospy.Publisher(names.topic('cmd_vel'), Twist, queue_size=1)
+        self._recovery = rospy.Publisher(names.action('recovery_status'), RecoveryStatus, queue_size=1)
+        self._updates = simulation.series(robot.index, settings.values['pose_update_freq'], self._update)
+        heartbeat = simulation.series(robot.index, settings.values['tf_heartbeat_freq'], self._beat)
+        if heartbeat is not None:
+            heartbeat.start(simulation.now_ns)
+        self.place(simulation.now_ns)
+
+    def departed(self, now_ns):
+        """The robot starts to move."""
+        self.place(now_ns)
+        if self._updates is not None:
+            self._updates.start(now_ns)
+
+    def stands(self, now_ns):
+        """The robot stands from now on."""
+        if self._updates is not None:
+            self._updates.stop()
+        self.place(now_ns)
+
+    def place(self, now_ns):
+        """Show where the robot is at ``now_ns`` [ns]."""
+        self._backend.place(self._robot.pose_at(now_ns), self._robot.velocity_at(now_ns), now_ns)
+
+    def target(self, goal, now_ns):
+        """Show the goal that is worked on."""
+        self._current_goal.publish(conversions.to_pose_stamped(goal, self._global_frame, now_ns))
+
+    def stop_wheels(self):
+        """Publish the zero velocity that move_base would."""
+        self._cmd_vel.publish(Twist())
+
+    def recovery(self, pose, index, behaviors, stamp_ns):
+        """Announce a recovery behaviour."""
+        self._recovery.publish(RecoveryStatus(
+            pose_stamped=conversions.to_pose_stamped(pose, self._global_frame, stamp_ns),
+            current_recovery_number=index, total_number_of_recoveries=len(behaviors),
+            recovery_behavior_name=behaviors[index].name))
+
+    def _update(self, due_ns, _now_ns):
+        if self._pose_throttle.ready():
+            self.place(due_ns)
+
+    def _beat(self, _due_ns, now_ns):
+        """Tell tf the pose at the latest instant, so that a look-up of the present need not wait for another one."""
+        if self._tf_throttle.ready():
+            self._backend.heartbeat(self._robot.pose_at(now_ns), now_ns)

@@ -1,0 +1,80 @@
+"""The present, as this process sees it, and the thread that lets events happen when it moves.
+
+Threading contract: whoever touches a simulation holds :attr:`RosClock.lock`. Events run in the thread that receives
+``/clock``, with no hand-over to another thread in between.
+"""
+import threading
+import time
+
+import rospy
+from rosgraph_msgs.msg import Clock
+
+from move_base_abstract.simulation import Simulation
+
+_POLL_SECONDS = 0.01
+_REMINDER_SECONDS = 5.0
+
+
+class RosClock:
+    """Drives one :class:`Simulation` by ``/clock``, or by the machine's clock where ROS uses that."""
+
+    def __init__(self):
+        self.lock = threading.RLock()
+        self.simulation = None
+        self._arrived = threading.Event()
+        self._latest_ns = 0
+        self._subscriber = None
+
+    def start(self):
+        """Wait for the first ``/clock`` and start the simulation at that time; False if ROS shuts down meanwhile."""
+        if rospy.get_param('/use_sim_time', False):
+            self._subscriber = rospy.Subscriber('/clock', Clock, self._on_clock, queue_size=1, tcp_nodelay=True)
+            if not self._wait_for_clock():
+                return False
+        else:
+            self._latest_ns = rospy.Time.now().to_nsec()
+            threading.Thread(target=self._follow_machine, name='machine_clock', daemon=True).start()
+        with self.lock:
+            self.simulation = Simulation(self._latest_ns)
+        return True
+
+    def _wait_for_clock(self):
+        warned = time.monotonic()
+        while not self._arrived.wait(0.1):
+            if rospy.is_shutdown():
+                return False
+            if time.monotonic() - warned > _REMINDER_SECONDS:
+                warned = time.monotonic()
+                rospy.logwarn('%s: use_sim_time is true but nothing has come on /clock yet: is a time master running?',
+                              rospy.get_name())
+        return True
+
+    def now_ns(self):
+        """Bring the simulation up to the present and return that [ns]. The caller holds the lock."""
+        if self._subscriber is None:
+            self._latest_ns = max(self._latest_ns, rospy.Time.now().to_nsec())
+        self.simulation.advance(max(self._latest_ns, self.simulation.now_ns))
+        return self.simulation.now_ns
+
+    def _on_clock(self, message):
+        time_ns = message.clock.to_nsec()
+        if time_ns <= self._latest_ns:
+            if time_ns < self._latest_ns:
+                rospy.logwarn_throttle(5.0, '{}: /clock went back from {} ns to {} ns; this is ignored: are there two '
+                                            'publishers of /clock?'.format(rospy.get_name(), self._latest_ns, time_ns))
+            return
+        if self.simulation is None:
+            self._latest_ns = time_ns
+            if time_ns > 0:
+                self._arrived.set()
+            return
+        with self.lock:
+            self._latest_ns = time_ns
+            self.simulation.advance(time_ns)
+
+    def _follow_machine(self):
+        while not rospy.is_shutdown():
+            time.sleep(_POLL_SECONDS)
+            with self.lock:
+                if self.simulation is not None:
+                    self.now_ns()

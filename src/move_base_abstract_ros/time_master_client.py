@@ -1,0 +1,122 @@
+"""Talk to the time master from a Python node: factor, pause, step, run until, and holds.
+
+Durations of simulated time are seconds (exact to the nanosecond when given as rospy.Duration or
+rospy.Time), factors are simulated seconds per wall second, timeouts are seconds of wall time.
+"""
+
+import contextlib
+import math
+
+import rospy
+from std_srvs.srv import Trigger
+
+from move_base_abstract.srv import AcquireHold, ReleaseHold, RunUntil, SetFactor, Step
+
+NANOSECONDS = 10 ** 9
+
+
+class TimeMasterError(RuntimeError):
+    """The time master refused a request, or did not answer."""
+
+
+class TimeMasterClient:
+    """The services of one time master as methods.
+
+    A refusal raises TimeMasterError with the time master's own text; so does a time master that is
+    not there within connect_timeout seconds of wall time.
+    """
+
+    def __init__(self, ns='/time_master', connect_timeout=10.0):
+        self._ns = ns.rstrip('/')
+        self._connect_timeout = connect_timeout
+
+    def set_factor(self, factor):
+        """Run at factor simulated seconds per wall second (0.01 to 1e6) from now on."""
+        self._call('set_factor', SetFactor, float(factor))
+
+    def pause(self):
+        """Let time stand still; a step or run_until under way is given up."""
+        self._call('pause', Trigger)
+
+    def resume(self):
+        """Let time run on, without a target."""
+        self._call('resume', Trigger)
+
+    def step(self, duration):
+        """Run for duration (> 0; seconds or rospy.Duration), stop exactly there and stay paused.
+
+        Returns the target as rospy.Time at once, before it is reached (see wait_until). While a
+        step or run_until is under way, the duration counts from its target.
+        """
+        return self._call('step', Step, _to_ros(rospy.Duration, duration, 'step: duration')).target
+
+    def run_until(self, target):
+        """Run until target (simulated; seconds or rospy.Time), stop exactly there and stay paused.
+
+        Returns at once (see wait_until).
+        """
+        self._call('run_until', RunUntil, _to_ros(rospy.Time, target, 'run_until: target'))
+
+    def wait_until(self, target, timeout=None):
+        """Wait until /clock is at target (seconds or rospy.Time) or beyond.
+
+        timeout: seconds of wall time (None = no limit), after which TimeMasterError is raised.
+        """
+        target = _to_ros(rospy.Time, target, 'wait_until: target')
+        deadline = None if timeout is None else _wall_seconds() + timeout
+        while rospy.get_rostime() < target:
+            if rospy.is_shutdown():
+                raise rospy.ROSInterruptException('shutdown while waiting for a simulated time')
+            if deadline is not None and _wall_seconds() > deadline:
+                raise TimeMasterError(
+                    f'simulated time did not get to {target.to_sec():.9f} s within {timeout} s of wall time')
+            rospy.rostime.wallsleep(0.001)
+
+    @contextlib.contextmanager
+    def hold(self, name, timeout):
+        """Hold the clock at busy_factor inside a with block.
+
+        name: who holds; unique, for instance rospy.get_name(). timeout: seconds of wall time
+        (more than 0, to 86400) after which the time master releases the hold by itself: give more
+        than the block needs. The hold is released however the block ends; a hold that timed out
+        before is a warning in the log.
+        """
+        self._call('hold', AcquireHold, name, float(timeout))
+        try:
+            yield
+        finally:
+            self._release(name)
+
+    def _release(self, name):
+        # Never raises: it would hide the error with which the block ended.
+        try:
+            self._call('release', ReleaseHold, name)
+        except TimeMasterError as error:
+            rospy.logwarn('%s', error)
+
+    def _call(self, service, kind, *arguments):
+        name = f'{self._ns}/{service}'
+        try:
+            rospy.wait_for_service(name, self._connect_timeout)
+            answer = rospy.ServiceProxy(name, kind)(*arguments)
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            raise TimeMasterError(f'{name}: no answer ({error}); is a time master running there?') from error
+        if not answer.success:
+            raise TimeMasterError(f'{name}: {answer.message}')
+        return answer
+
+
+def _wall_seconds():
+    return rospy.rostime.wallclock()
+
+
+def _to_ros(kind, value, what):
+    """Return value as kind (rospy.Time or rospy.Duration); seconds are rounded to the nanosecond."""
+    if isinstance(value, kind):
+        return value
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise TimeMasterError(f'{what} must be seconds or {kind.__name__}, got {value!r}')
+    nanoseconds = value * NANOSECONDS if isinstance(value, int) else round(value * NANOSECONDS)
+    if kind is rospy.Time and nanoseconds < 0:
+        raise TimeMasterError(f'{what} must not be negative, got {value!r} s')
+    return kind(*divmod(nanoseconds, NANOSECONDS))
