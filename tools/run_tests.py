@@ -1,0 +1,147 @@
+"""Run gtest, pytest, every rostest and the install-space test, one after the other, and summarise.
+
+usage: run_tests.py [--only PART_OF_A_NAME]    (in the built environment: source .ws/setup.sh)
+
+Each step writes its results to a folder of its own below .ws/test_results, emptied first; its output
+goes to output.log there. A step that dies, hangs or leaves no result counts as a failure of its own.
+"""
+import argparse
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+
+import psutil
+import test_summary
+
+ROOT = Path(__file__).resolve().parent.parent
+WS = ROOT / '.ws'
+RESULTS = WS / 'test_results'
+ROSTEST = '/usr/bin/rostest'
+GRACE_S = 20.0  # wall seconds between the request to stop and the kill
+LOG_TAIL_LINES = 40
+
+
+@dataclass(frozen=True)
+class Step:
+    """One command that leaves JUnit XML in RESULTS/name."""
+
+    name: str
+    command: tuple
+    limit_s: float  # wall seconds
+
+    @property
+    def folder(self):
+        """Folder of the results and of the log."""
+        return RESULTS / self.name
+
+
+def all_steps():
+    """Return the steps in the order in which they run: the quick ones first."""
+    steps = [_gtest('time_master_test'), _pytest('unit', ROOT / 'test' / 'unit', 300.0)]
+    steps += [_rostest(path) for path in sorted((ROOT / 'test' / 'rostest').glob('*.test'))]
+    return [*steps, _pytest('install', ROOT / 'test' / 'install', 300.0)]
+
+
+def _gtest(target):
+    name = f'gtest_{target}'
+    program = WS / 'devel' / 'lib' / 'move_base_abstract' / target
+    return Step(name, (program, f'--gtest_output=xml:{RESULTS / name}/gtest.xml'), 120.0)
+
+
+def _pytest(name, folder, limit_s):
+    name = f'pytest_{name}'
+    command = (sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider', folder, f'--junitxml={RESULTS / name}/pytest.xml')
+    return Step(name, command, limit_s)
+
+
+def _rostest(path):
+    name = f'rostest_{path.stem}'
+    rostest = shutil.which('rostest') or ROSTEST
+    command = (sys.executable, rostest, f'--pkgdir={ROOT}', '--package=move_base_abstract',
+               f'--results-filename={path.stem}.xml', f'--results-base-dir={RESULTS / name}', path)
+    return Step(name, command, 300.0)
+
+
+def run_step(step):
+    """Run one step to its end or its limit; print one line; add a failure where its results lack one."""
+    step.folder.mkdir(parents=True)
+    started = time.monotonic()
+    problem = _run_command(step)
+    cases = test_summary.read_cases(step.folder)
+    if problem is None and not cases:
+        problem = 'it left no result'
+    failed = any(case.outcome == test_summary.FAILED for case in cases)
+    if problem is not None and not (failed and problem.startswith('exit code')):
+        _write_failure(step, problem)
+        failed = True
+    seconds = time.monotonic() - started
+    note = f'  ({problem})' if problem else ''
+    print(f'{"FAIL" if failed else "ok  "}  {step.name:<36} {len(cases):4d} tests {seconds:6.1f} s{note}', flush=True)
+
+
+def _run_command(step):
+    """Return None, or what went wrong in a few words."""
+    with open(step.folder / 'output.log', 'wb') as log:
+        process = subprocess.Popen([str(word) for word in step.command], cwd=ROOT, stdin=subprocess.DEVNULL,
+                                   stdout=log, stderr=subprocess.STDOUT)
+        try:
+            code = process.wait(timeout=step.limit_s)
+        except subprocess.TimeoutExpired:
+            _stop(process)
+            return f'still running after {step.limit_s:.0f} s'
+        except KeyboardInterrupt:
+            _stop(process)
+            raise
+    return f'exit code {code}' if code else None
+
+
+def _stop(process):
+    """End a step and all that it started (roslaunch gives each node a session of its own)."""
+    family = psutil.Process(process.pid).children(recursive=True)
+    process.send_signal(signal.SIGINT)
+    try:
+        process.wait(timeout=GRACE_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+    for member in family:
+        try:
+            member.kill()
+        except psutil.NoSuchProcess:
+            pass
+
+
+def _write_failure(step, problem):
+    log = (step.folder / 'output.log').read_text(errors='replace').splitlines()
+    text = '\n'.join([f'{step.name}: {problem}; the end of its output:', *log[-LOG_TAIL_LINES:]])
+    suite = ElementTree.Element('testsuite', name=step.name)
+    case = ElementTree.SubElement(suite, 'testcase', classname=step.name, name='ends_well_and_leaves_results')
+    # XML cannot hold the control characters that coloured output has.
+    printable = ''.join(c for c in text if c in '\n\t' or c.isprintable())
+    ElementTree.SubElement(case, 'failure', message=problem).text = printable
+    ElementTree.ElementTree(suite).write(step.folder / 'step.xml', encoding='utf-8', xml_declaration=True)
+
+
+def main():
+    """Run the chosen steps and exit with 1 if anything failed."""
+    parser = argparse.ArgumentParser(description='Run the tests of move_base_abstract.')
+    parser.add_argument('--only', default='', metavar='PART', help='run the steps whose name contains this')
+    only = parser.parse_args().only
+    steps = [step for step in all_steps() if only in step.name]
+    if not steps:
+        parser.error(f'no step is named like {only!r}; there are {", ".join(step.name for step in all_steps())}')
+    shutil.rmtree(RESULTS, ignore_errors=True)
+    os.environ.setdefault('ROS_LOG_DIR', str(WS / 'ros_home' / 'log'))
+    for step in steps:
+        run_step(step)
+    sys.exit(test_summary.summarise(RESULTS))
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,76 @@
+"""Read the JUnit XML files of a test run and say what passed and what failed.
+
+usage: test_summary.py RESULTS_FOLDER    (exit 1: something failed, or nothing was tested)
+"""
+import sys
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+
+PASSED, FAILED, SKIPPED = 'passed', 'failed', 'skipped'
+
+
+@dataclass(frozen=True)
+class Case:
+    """One test: where it stands, how it ended, and its text if it did not pass."""
+
+    name: str
+    outcome: str
+    text: str = ''
+
+
+def read_cases(folder):
+    """Return the cases of all result files below a folder, in file order."""
+    cases = []
+    for path in sorted(Path(folder).rglob('*.xml')):
+        cases.extend(_read_file(path))
+    return cases
+
+
+def _read_file(path):
+    try:
+        root = ElementTree.parse(path).getroot()
+    except ElementTree.ParseError as error:
+        return [Case(str(path), FAILED, f'{path} is no XML: {error}')]
+    cases = [_read_case(element) for element in root.iter('testcase')]
+    if path.name.startswith('rostest-'):
+        # rostest's own file repeats each test file as one case. Its passes say nothing new; its
+        # failures say that a test file timed out or died, which no other file does.
+        return [case for case in cases if case.outcome == FAILED]
+    return cases or [Case(str(path), FAILED, f'{path} holds no test')]
+
+
+def _read_case(element):
+    name = f'{element.get("classname", "")}.{element.get("name", "")}'.strip('.')
+    for tag in ('failure', 'error'):
+        found = element.find(tag)
+        if found is not None:
+            return Case(name, FAILED, (found.text or found.get('message') or '').strip())
+    if element.find('skipped') is not None or element.get('status') == 'notrun':
+        return Case(name, SKIPPED)
+    return Case(name, PASSED)
+
+
+def closing_line(cases):
+    """Return 'N passed, N failed', with ', N skipped' if there are any."""
+    counts = {outcome: sum(case.outcome == outcome for case in cases) for outcome in (PASSED, FAILED, SKIPPED)}
+    line = f'{counts[PASSED]} passed, {counts[FAILED]} failed'
+    return f'{line}, {counts[SKIPPED]} skipped' if counts[SKIPPED] else line
+
+
+def summarise(folder):
+    """Print each failure with its text and the closing line; return the exit code."""
+    cases = read_cases(folder)
+    for case in cases:
+        if case.outcome == FAILED:
+            print(f'\nFAILED {case.name}\n{case.text}')
+    if not cases:
+        print(f'no test was run: {folder} holds no result')
+    print(f'\n{closing_line(cases)}' if any(case.outcome == FAILED for case in cases) else closing_line(cases))
+    return 0 if any(case.outcome == PASSED for case in cases) and all(case.outcome != FAILED for case in cases) else 1
+
+
+if __name__ == '__main__':
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    sys.exit(summarise(sys.argv[1]))
