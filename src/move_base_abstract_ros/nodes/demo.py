@@ -1,0 +1,130 @@
+"""The demo: a mission of several robots, faster than real time, on a ROS master of its own.
+
+    demo [--factor F] [--csv FILE | --mission FILE] [--robots N] [--goals K] [--seed S] [--speed V]
+
+Exit codes: 0 mission done; 1 it failed (the reason is printed); 2 wrong arguments; 130 interrupted (143 by SIGTERM).
+"""
+
+import argparse
+import math
+import os
+import signal
+import sys
+import time
+
+import rospkg
+import rospy
+
+from move_base_abstract import mission
+from move_base_abstract_ros.loopback import Loopback, LoopbackError, PACKAGE
+from move_base_abstract_ros.nodes import demo_report
+from move_base_abstract_ros.nodes.demo_mission import MissionFailed, MissionRun
+
+
+def main():
+    """Run the demo and exit with its code."""
+    arguments = _parse(rospy.myargv()[1:])
+    signal.signal(signal.SIGTERM, _exit_on_sigterm)
+    try:
+        sys.exit(_run(arguments, _choose_mission(arguments)))
+    except (mission.MissionError, MissionFailed, LoopbackError) as error:
+        print(f'demo: {error}', file=sys.stderr)
+        sys.exit(1)
+    except KeyboardInterrupt:
+        print('\ndemo: interrupted', file=sys.stderr)
+        sys.exit(130)
+
+
+def _exit_on_sigterm(_number, _frame):
+    sys.exit(143)
+
+
+def _run(arguments, plan):
+    """Start everything, carry the mission out and report; return the exit code."""
+    begin = time.monotonic()
+    with Loopback() as ros:
+        ros.adopt()
+        _start_nodes(ros, arguments, plan)
+        rospy.init_node('demo', disable_signals=True)
+        try:
+            run = MissionRun(plan)
+            run.wait_until_ready(ros.check)
+            print(f'{len(plan.robots)} robots at {arguments.speed:g} m/s, {plan.goal_count} goals, factor '
+                  f'{arguments.factor:g}; started in {time.monotonic() - begin:.1f} s; ROS master {ros.uri}', flush=True)
+            _carry_out(run, ros)
+        finally:
+            rospy.signal_shutdown('demo over')
+    simulated_s, wall_s = run.elapsed()
+    print(demo_report.table([(robot.plan.name, robot.goals_done, len(robot.plan.goals), robot.odometer.distance_m,
+                              robot.odometer.moving_s) for robot in run.robots], simulated_s))
+    print(demo_report.closing_line(simulated_s, wall_s), flush=True)
+    return 0
+
+
+def _start_nodes(ros, arguments, plan):
+    ros.run('time_master', 'time_master', parameters={'factor': arguments.factor})
+    for robot in plan.robots:
+        ros.run('move_base', 'move_base', namespace='/' + robot.name, parameters={
+            'max_speed': arguments.speed, 'tf_prefix': robot.name,
+            'start_x': robot.start.x, 'start_y': robot.start.y, 'start_yaw': robot.start.yaw})
+
+
+def _carry_out(run, ros):
+    """Run the mission with a progress display and an eye on the nodes."""
+    progress = demo_report.make_progress(run.mission.goal_count, sys.stderr)
+
+    def tick():
+        ros.check()
+        progress.show(run.goals_done, *run.elapsed())
+
+    try:
+        run.run(tick)
+        progress.show(run.goals_done, *run.elapsed())
+    finally:
+        progress.close()
+
+
+def _choose_mission(arguments):
+    """Return the mission that the arguments ask for."""
+    if arguments.csv:
+        points = mission.read_field_points(arguments.csv)
+        print(f'field: {len(points)} points of {arguments.csv}, {max(point.x for point in points):.1f} m x '
+              f'{max(point.y for point in points):.1f} m')
+        return mission.mission_from_points(points, arguments.robots, arguments.goals, arguments.seed)
+    path = arguments.mission or os.path.join(rospkg.RosPack().get_path(PACKAGE), 'config', 'demo_mission.yaml')
+    return mission.read_mission(path)
+
+
+def _parse(words):
+    parser = argparse.ArgumentParser(prog='demo', description='Run a mission of several robots faster than real time '
+                                     'on a ROS master of its own (127.0.0.1, free port).')
+    parser.add_argument('--factor', type=_positive, default=20.0, metavar='F',
+                        help='simulated seconds per second of wall time, 0.01..1e6 (default: %(default)g)')
+    source = parser.add_mutually_exclusive_group()
+    source.add_argument('--csv', metavar='FILE', help='visit points of this field: columns lat, lon [deg] and a value')
+    source.add_argument('--mission', metavar='FILE', help='mission file (default: the one that ships with the package)')
+    parser.add_argument('--robots', type=_count, metavar='N', help='number of robots, with --csv only (default: 3)')
+    parser.add_argument('--goals', type=_count, metavar='K', help='goals of each robot, with --csv only (default: 6)')
+    parser.add_argument('--seed', type=int, metavar='S', help='seed of the choice of points, with --csv only (default: 1)')
+    parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
+    arguments = parser.parse_args(words)
+    for name, default in (('robots', 3), ('goals', 6), ('seed', 1)):
+        if getattr(arguments, name) is None:
+            setattr(arguments, name, default)
+        elif not arguments.csv:
+            parser.error(f'--{name} needs --csv: a mission file says by itself which robots and goals there are')
+    return arguments
+
+
+def _positive(text):
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f'must be a finite number > 0, got {text}')
+    return value
+
+
+def _count(text):
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f'must be a whole number >= 1, got {text}')
+    return value

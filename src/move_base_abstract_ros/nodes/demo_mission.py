@@ -1,0 +1,145 @@
+"""Carry out a mission: send each robot its goals one after the other and note when each began and ended.
+
+Works with any move_base action servers under the robots' names; stock actionlib.ActionClient throughout (a
+SimpleActionClient loses replies when a goal is sent from its done callback).
+"""
+
+import queue
+import time
+
+from actionlib import ActionClient, CommState, GoalStatus
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from nav_msgs.msg import Odometry
+import rospy
+
+from move_base_abstract.geometry import quaternion_of_yaw
+
+SERVER_TIMEOUT = 30.0  # s, wall
+STILL_M = 1e-9  # a shorter way between two poses counts as standing
+
+
+class MissionFailed(RuntimeError):
+    """A robot's action server did not come, or a goal did not succeed; the text names robot, goal and reason."""
+
+
+class Odometer:
+    """Adds up one robot's way and travel time from its base_pose_ground_truth (straight lines between poses)."""
+
+    def __init__(self, topic):
+        self.distance_m = 0.0
+        self.moving_s = 0.0  # simulated
+        self._last = None
+        rospy.Subscriber(topic, Odometry, self._add)
+
+    @property
+    def ready(self):
+        """Whether the robot's first pose has come."""
+        return self._last is not None
+
+    def _add(self, message):
+        here = (message.header.stamp.to_sec(), message.pose.pose.position.x, message.pose.pose.position.y)
+        if self._last is not None:
+            step = ((here[1] - self._last[1]) ** 2 + (here[2] - self._last[2]) ** 2) ** 0.5
+            if step > STILL_M:
+                self.distance_m += step
+                self.moving_s += here[0] - self._last[0]
+        self._last = here
+
+
+class RobotRun:
+    """One robot of the mission: its plan, its action client and what has been done so far."""
+
+    def __init__(self, plan):
+        self.plan = plan
+        self.goals_done = 0
+        self.odometer = Odometer(f'/{plan.name}/base_pose_ground_truth')
+        self._client = ActionClient(f'/{plan.name}/move_base', MoveBaseAction)
+        self._handle = None  # a client forgets a goal whose handle is gone
+
+    def ready(self):
+        """Tell whether client and server are connected and the robot's first pose is known."""
+        return self._client.wait_for_server(rospy.Duration.from_sec(1e-9)) and self.odometer.ready
+
+    def send_next(self, events):
+        """Send the next goal; its end will be put on the queue as (self, handle)."""
+        self._handle = self._client.send_goal(make_goal(self.plan.goals[self.goals_done]), lambda handle: (
+            events.put((self, handle)) if handle.get_comm_state() == CommState.DONE else None))
+
+
+class MissionRun:
+    """All robots of a mission. Call wait_until_ready, then run; single-threaded for its user."""
+
+    def __init__(self, mission):
+        self.mission = mission
+        self.robots = [RobotRun(plan) for plan in mission.robots]
+        self.started = None  # (simulated, wall) s, when the first goal was sent
+        self.ended = None  # the same when the last result came; simulated: that result's own stamp
+        self._events = queue.Queue()
+
+    @property
+    def goals_done(self):
+        """Number of goals reached by all robots together."""
+        return sum(robot.goals_done for robot in self.robots)
+
+    def elapsed(self):
+        """Return the (simulated, wall) seconds since the first goal was sent, up to the end if there was one."""
+        if self.started is None:
+            return 0.0, 0.0
+        now = self.ended or (rospy.get_time(), time.monotonic())
+        return now[0] - self.started[0], now[1] - self.started[1]
+
+    def wait_until_ready(self, check):
+        """Wait for all action servers; call check, which may raise, again and again meanwhile."""
+        deadline = time.monotonic() + SERVER_TIMEOUT
+        waiting = list(self.robots)
+        while waiting:
+            check()
+            waiting = [robot for robot in waiting if not robot.ready()]
+            if waiting and time.monotonic() > deadline:
+                names = ', '.join(f'/{robot.plan.name}/move_base' for robot in waiting)
+                raise MissionFailed(f'no action server after {SERVER_TIMEOUT:g} s: {names}')
+            time.sleep(0.02)
+
+    def run(self, tick, period=0.1):
+        """Carry out the mission; call tick, which may raise, at least every period [s, wall]."""
+        self.started = rospy.get_time(), time.monotonic()
+        for robot in self.robots:
+            robot.send_next(self._events)
+        last_stamp = 0.0
+        next_tick = self.started[1]
+        while self.goals_done < self.mission.goal_count:
+            if time.monotonic() >= next_tick:
+                tick()
+                next_tick = time.monotonic() + period
+            try:
+                robot, handle = self._events.get(timeout=period)
+            except queue.Empty:
+                continue
+            last_stamp = max(last_stamp, self._finish_goal(robot, handle))
+        self.ended = last_stamp, time.monotonic()
+
+    def _finish_goal(self, robot, handle):
+        """Count a goal and send the next; return the simulated time of its end [s]."""
+        state = handle.get_terminal_state()
+        if state != GoalStatus.SUCCEEDED:
+            place = robot.plan.goals[robot.goals_done]
+            raise MissionFailed(f'{robot.plan.name}: goal {robot.goals_done + 1} of {len(robot.plan.goals)}, '
+                                f'({place.x:.2f}, {place.y:.2f}) m in map, ended {GoalStatus.to_string(state)}: '
+                                f"'{handle.get_goal_status_text()}'")
+        robot.goals_done += 1
+        if robot.goals_done < len(robot.plan.goals):
+            robot.send_next(self._events)
+        result = handle.comm_state_machine.latest_result
+        return result.header.stamp.to_sec()
+
+
+def make_goal(place, frame_id='map'):
+    """Return a MoveBaseGoal for a Pose2D in the frame."""
+    goal = MoveBaseGoal()
+    goal.target_pose.header.frame_id = frame_id
+    goal.target_pose.header.stamp = rospy.Time.now()
+    goal.target_pose.pose.position.x = place.x
+    goal.target_pose.pose.position.y = place.y
+    orientation = goal.target_pose.pose.orientation
+    orientation.x, orientation.y, orientation.z, orientation.w = quaternion_of_yaw(place.yaw)
+    return goal

@@ -1,0 +1,75 @@
+"""What the demo shows: a progress bar (plain lines where the output is no terminal), a table and a closing line."""
+
+import time
+
+from tqdm import tqdm
+
+PLAIN_PERIOD = 2.0  # s, wall, between two plain progress lines
+COLUMNS = ('robot', 'goals', 'distance [m]', 'moving [s]', 'idle [s]')
+
+
+class BarProgress:
+    """A progress bar on a terminal."""
+
+    def __init__(self, goal_count, stream):
+        self._bar = tqdm(total=goal_count, file=stream, unit='goal', dynamic_ncols=True,
+                         bar_format='{l_bar}{bar}| {n_fmt}/{total_fmt} goals{postfix}')
+
+    def show(self, goals_done, simulated_s, wall_s):
+        """Show the present state."""
+        self._bar.set_postfix_str(f'{simulated_s:.1f} s simulated, {speed_up(simulated_s, wall_s):.1f}x', refresh=False)
+        self._bar.n = goals_done
+        self._bar.refresh()
+
+    def close(self):
+        """Leave the bar as it is and end its line."""
+        self._bar.close()
+
+
+class PlainProgress:
+    """A line every PLAIN_PERIOD seconds, free of control characters, for logs and pipes."""
+
+    def __init__(self, goal_count, stream):
+        self._goal_count = goal_count
+        self._stream = stream
+        self._next = 0.0
+
+    def show(self, goals_done, simulated_s, wall_s):
+        """Print the present state if it is time to, or if all is done."""
+        now = time.monotonic()
+        if now < self._next and goals_done < self._goal_count:
+            return
+        self._next = now + PLAIN_PERIOD
+        print(f'{goals_done}/{self._goal_count} goals, {simulated_s:.1f} s simulated, '
+              f'{speed_up(simulated_s, wall_s):.1f}x', file=self._stream, flush=True)
+
+    def close(self):
+        """Nothing is left open."""
+
+
+def make_progress(goal_count, stream):
+    """Return the progress display that fits the stream."""
+    return (BarProgress if stream.isatty() else PlainProgress)(goal_count, stream)
+
+
+def speed_up(simulated_s, wall_s):
+    """Return simulated over wall seconds; 0 before the first instant."""
+    return simulated_s / wall_s if wall_s > 0.0 else 0.0
+
+
+def table(robots, mission_s):
+    """Return the text table of the robots: (name, goals done, goals, distance [m], moving [s]), simulated seconds.
+
+    A robot is idle whenever it does not move between the mission's first goal and its last result.
+    """
+    rows = [(name, f'{done}/{goals}', f'{distance_m:.1f}', f'{moving_s:.2f}', f'{max(0.0, mission_s - moving_s):.2f}')
+            for name, done, goals, distance_m, moving_s in robots]
+    widths = [max(len(row[i]) for row in [COLUMNS, *rows]) for i in range(len(COLUMNS))]
+    lines = [COLUMNS, tuple('-' * width for width in widths), *rows]
+    return '\n'.join('  '.join([line[0].ljust(widths[0])] + [cell.rjust(width) for cell, width
+                                                             in zip(line[1:], widths[1:])]) for line in lines)
+
+
+def closing_line(simulated_s, wall_s):
+    """Return the demo's last line."""
+    return f'{simulated_s:.2f} s simulated in {wall_s:.2f} s of wall time: {speed_up(simulated_s, wall_s):.1f}x real time'
