@@ -11,9 +11,7 @@ import pytest
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-SPACE = ROOT / '.ws' / 'install_test'
-PREFIX = SPACE / 'install'
-EXECUTABLES = PREFIX / 'lib' / 'move_base_abstract'
+DEVEL = ROOT / '.ws' / 'devel'
 GUARD_S = 60.0  # wall seconds; only a guard
 # What another workspace, or the devel space that the tests run in, would bring along.
 FOREIGN = ('CMAKE_PREFIX_PATH', 'LD_LIBRARY_PATH', 'PKG_CONFIG_PATH', 'PYTHONPATH', 'ROSLISP_PACKAGE_DIRECTORIES',
@@ -50,48 +48,67 @@ def sourced(setup, env):
 
 
 @pytest.fixture(scope='session')
-def installed(clean_env):
-    """Environment of a fresh install space."""
-    shutil.rmtree(PREFIX, ignore_errors=True)
-    run('cmake', '-S', ROOT, '-B', SPACE / 'build', f'-DCMAKE_INSTALL_PREFIX={PREFIX}',
-        f'-DCATKIN_DEVEL_PREFIX={SPACE / "devel"}', f'-DPYTHON_EXECUTABLE={sys.executable}',
-        '-DCMAKE_BUILD_TYPE=RelWithDebInfo', '-DCATKIN_ENABLE_TESTING=OFF', env=clean_env)
-    run('cmake', '--build', SPACE / 'build', '-j2', '--target', 'install', env=clean_env)
-    port = free_port()
-    return {**sourced(PREFIX / 'setup.sh', clean_env), 'ROS_IP': '127.0.0.1',
-            'ROS_MASTER_URI': f'http://127.0.0.1:{port}'}
+def prefix(clean_env, tmp_path_factory):
+    """A fresh install space, far from the source tree (rosrun searches all of that)."""
+    folder = tmp_path_factory.mktemp('install_test')
+    run('cmake', '-S', ROOT, '-B', folder / 'build', f'-DCMAKE_INSTALL_PREFIX={folder / "install"}',
+        f'-DCATKIN_DEVEL_PREFIX={folder / "devel"}', f'-DPYTHON_EXECUTABLE={sys.executable}',
+        '-DCATKIN_ENABLE_TESTING=OFF', env=clean_env)
+    run('cmake', '--build', folder / 'build', '-j2', '--target', 'install', env=clean_env)
+    shutil.rmtree(folder / 'devel')
+    yield folder / 'install'
+    shutil.rmtree(folder)
 
 
-def test_every_script_is_installed_and_names_catkins_python(installed):
-    names = {path.name for path in (ROOT / 'scripts').iterdir() if path.is_file()}
-    assert 'move_base' in names
-    shebangs = {name: (EXECUTABLES / name).read_text().splitlines()[0] for name in names}
-    assert shebangs == {name: f'#!{sys.executable}' for name in names}
+@pytest.fixture(scope='session')
+def installed(clean_env, prefix):
+    """Environment of the install space, with a ROS master of its own in mind."""
+    env = sourced(prefix / 'setup.sh', clean_env)
+    return {**env, 'ROS_IP': '127.0.0.1', 'ROS_MASTER_URI': f'http://127.0.0.1:{free_port()}'}
 
 
-def test_rosrun_finds_the_installed_executables(installed):
-    for name in ('move_base', 'time_master'):
-        path = run('rosrun', '--prefix', 'echo', 'move_base_abstract', name, env=installed).strip()
-        assert path == str(EXECUTABLES / name)
+def script_names():
+    """Return the names of all scripts of the source tree."""
+    return sorted(path.name for path in (ROOT / 'scripts').iterdir() if path.is_file())
 
 
-def test_the_installed_python_packages_are_imported(installed):
+@pytest.mark.parametrize('name', script_names())
+def test_an_installed_script_names_catkins_python(prefix, name):
+    first_line = (prefix / 'lib' / 'move_base_abstract' / name).read_text().splitlines()[0]
+    assert first_line == f'#!{sys.executable}'
+
+
+@pytest.mark.parametrize('name', ['time_master', *script_names()])
+def test_rosrun_finds_one_executable_in_the_install_space(installed, prefix, name):
+    found = run('rosrun', '--prefix', 'echo', 'move_base_abstract', name, env=installed)
+    assert found.strip() == str(prefix / 'lib' / 'move_base_abstract' / name)
+
+
+@pytest.mark.parametrize('name', ['time_master', *script_names()])
+def test_rosrun_finds_one_executable_in_the_built_environment(clean_env, name):
+    # A script that is executable in the source tree too would make rosrun ask which one is meant.
+    env = sourced(DEVEL / 'setup.sh', clean_env)
+    found = run('rosrun', '--prefix', 'echo', 'move_base_abstract', name, env=env)
+    assert found.strip() == str(DEVEL / 'lib' / 'move_base_abstract' / name)
+
+
+def test_the_installed_python_packages_are_imported(installed, prefix):
     code = ('import move_base_abstract.msg as m, move_base_abstract.geometry as g, move_base_abstract_ros as r;'
             'print(m.__file__, g.__file__, r.__file__, sep="\\n")')
     for path in run(sys.executable, '-c', code, env=installed).split():
-        assert Path(path).is_relative_to(PREFIX)
+        assert Path(path).is_relative_to(prefix)
 
 
-def test_every_launch_and_config_file_is_installed(installed):
+def test_every_launch_and_config_file_is_installed(prefix):
     for folder in ('launch', 'config'):
         wanted = {path.relative_to(ROOT) for path in (ROOT / folder).rglob('*') if path.is_file()}
-        share = PREFIX / 'share' / 'move_base_abstract'
+        share = prefix / 'share' / 'move_base_abstract'
         assert wanted == {path.relative_to(share) for path in (share / folder).rglob('*') if path.is_file()}
 
 
-def test_a_stock_client_drives_one_goal_in_the_install_space(installed):
+def test_a_stock_client_drives_one_goal_in_the_install_space(installed, tmp_path):
     port = installed['ROS_MASTER_URI'].rsplit(':', 1)[1]
-    log_path = SPACE / 'roslaunch.log'
+    log_path = tmp_path / 'roslaunch.log'
     with open(log_path, 'w', encoding='utf-8') as log:
         launch = subprocess.Popen(['roslaunch', '-p', port, str(HERE / 'install_space.launch')], env=installed,
                                   stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT)
