@@ -1,1 +1,6 @@
 """The simulator's core: robots whose travel is computed instead of simulated. Needs no ROS."""
+from pkgutil import extend_path
+
+# In a devel space the generated messages live in another folder of the same name; whichever is found first must
+# lead to both.
+__path__ = extend_path(__path__, __name__)

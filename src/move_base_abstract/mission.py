@@ -52,6 +52,13 @@ class Mission(NamedTuple):
         """Number of goals of all robots together."""
         return sum(len(robot.goals) for robot in self.robots)
 
+    def first_robots(self, count):
+        """Return the mission of the first count robots only, or of all if count is None."""
+        if count is not None and not 1 <= count <= len(self.robots):
+            raise MissionError(f'the mission has {len(self.robots)} robots: their number must be '
+                               f'1..{len(self.robots)}, got {count}')
+        return Mission(self.robots[:count])
+
 
 class FieldPoint(NamedTuple):
     """One reading of a field in local metric coordinates."""

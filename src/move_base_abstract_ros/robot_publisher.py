@@ -20,6 +20,7 @@ class RobotPublisher:
         self._cmd_vel = rospy.Publisher(names.topic('cmd_vel'), Twist, queue_size=1)
         self._recovery = rospy.Publisher(names.action('recovery_status'), RecoveryStatus, queue_size=1)
         self._updates = simulation.series(robot.index, settings.values['pose_update_freq'], self._update)
+        self._updates_beat = settings.values['pose_update_freq'] >= settings.values['tf_heartbeat_freq']
         heartbeat = simulation.series(robot.index, settings.values['tf_heartbeat_freq'], self._beat)
         if heartbeat is not None:
             heartbeat.start(simulation.now_ns)
@@ -62,5 +63,7 @@ class RobotPublisher:
 
     def _beat(self, _due_ns, now_ns):
         """Tell tf the pose at the latest instant, so that a look-up of the present need not wait for another one."""
+        if self._updates_beat and self._robot.leg is not None:
+            return
         if self._tf_throttle.ready():
             self._backend.heartbeat(self._robot.pose_at(now_ns), now_ns)

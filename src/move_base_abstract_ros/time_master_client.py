@@ -6,7 +6,9 @@ rospy.Time), factors are simulated seconds per wall second, timeouts are seconds
 
 import contextlib
 import math
+import time
 
+import genpy
 import rospy
 from std_srvs.srv import Trigger
 
@@ -63,11 +65,11 @@ class TimeMasterClient:
         timeout: seconds of wall time (None = no limit), after which TimeMasterError is raised.
         """
         target = _to_ros(rospy.Time, target, 'wait_until: target')
-        deadline = None if timeout is None else _wall_seconds() + timeout
+        deadline = None if timeout is None else time.monotonic() + timeout
         while rospy.get_rostime() < target:
             if rospy.is_shutdown():
                 raise rospy.ROSInterruptException('shutdown while waiting for a simulated time')
-            if deadline is not None and _wall_seconds() > deadline:
+            if deadline is not None and time.monotonic() > deadline:
                 raise TimeMasterError(
                     f'simulated time did not get to {target.to_sec():.9f} s within {timeout} s of wall time')
             rospy.rostime.wallsleep(0.001)
@@ -106,14 +108,10 @@ class TimeMasterClient:
         return answer
 
 
-def _wall_seconds():
-    return rospy.rostime.wallclock()
-
-
 def _to_ros(kind, value, what):
     """Return value as kind (rospy.Time or rospy.Duration); seconds are rounded to the nanosecond."""
-    if isinstance(value, kind):
-        return value
+    if isinstance(value, genpy.TVal) and issubclass(kind, type(value)):  # messages hold genpy's own types
+        return kind(value.secs, value.nsecs)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise TimeMasterError(f'{what} must be seconds or {kind.__name__}, got {value!r}')
     nanoseconds = value * NANOSECONDS if isinstance(value, int) else round(value * NANOSECONDS)

@@ -21,6 +21,8 @@ class BuiltinBackend:
         self._odom_frame = settings.frame(settings.values['odom_frame'])
         self._base_frame = settings.frame(settings.values['robot_base_frame'])
         self._tf = tf2_ros.TransformBroadcaster()
+        self._tf_stamp_ns = -1
+        self._tf_pose = None
         self._amcl_pose = _latched(names.topic('amcl_pose'), PoseWithCovarianceStamped)
         self._odom = _latched(names.topic('odom'), Odometry)
         self._ground_truth = _latched(names.topic('base_pose_ground_truth'), Odometry)
@@ -38,7 +40,12 @@ class BuiltinBackend:
         self._ground_truth.publish(self._odometry(message, velocity, self._global_frame, stamp_ns))
 
     def heartbeat(self, pose, stamp_ns):
-        """Publish tf only."""
+        """Publish tf only. tf takes one pose per instant, so a jump is dated 1 ns after what was said before."""
+        if stamp_ns <= self._tf_stamp_ns:
+            if pose == self._tf_pose:
+                return
+            stamp_ns = self._tf_stamp_ns + 1
+        self._tf_stamp_ns, self._tf_pose = stamp_ns, pose
         self._tf.sendTransform([
             conversions.to_transform(Pose2D(), self._global_frame, self._odom_frame, stamp_ns),
             conversions.to_transform(pose, self._odom_frame, self._base_frame, stamp_ns)])

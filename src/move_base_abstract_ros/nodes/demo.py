@@ -90,9 +90,10 @@ def _choose_mission(arguments):
         points = mission.read_field_points(arguments.csv)
         print(f'field: {len(points)} points of {arguments.csv}, {max(point.x for point in points):.1f} m x '
               f'{max(point.y for point in points):.1f} m')
-        return mission.mission_from_points(points, arguments.robots, arguments.goals, arguments.seed)
+        return mission.mission_from_points(points, arguments.robots or 3, arguments.goals or 6,
+                                           1 if arguments.seed is None else arguments.seed)
     path = arguments.mission or os.path.join(rospkg.RosPack().get_path(PACKAGE), 'config', 'demo_mission.yaml')
-    return mission.read_mission(path)
+    return mission.read_mission(path).first_robots(arguments.robots)
 
 
 def _parse(words):
@@ -103,16 +104,14 @@ def _parse(words):
     source = parser.add_mutually_exclusive_group()
     source.add_argument('--csv', metavar='FILE', help='visit points of this field: columns lat, lon [deg] and a value')
     source.add_argument('--mission', metavar='FILE', help='mission file (default: the one that ships with the package)')
-    parser.add_argument('--robots', type=_count, metavar='N', help='number of robots, with --csv only (default: 3)')
+    parser.add_argument('--robots', type=_count, metavar='N', help='number of robots (default: 3, or all of the mission)')
     parser.add_argument('--goals', type=_count, metavar='K', help='goals of each robot, with --csv only (default: 6)')
     parser.add_argument('--seed', type=int, metavar='S', help='seed of the choice of points, with --csv only (default: 1)')
     parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
     arguments = parser.parse_args(words)
-    for name, default in (('robots', 3), ('goals', 6), ('seed', 1)):
-        if getattr(arguments, name) is None:
-            setattr(arguments, name, default)
-        elif not arguments.csv:
-            parser.error(f'--{name} needs --csv: a mission file says by itself which robots and goals there are')
+    for name in ('goals', 'seed'):
+        if getattr(arguments, name) is not None and not arguments.csv:
+            parser.error(f'--{name} needs --csv: a mission file says by itself which goals there are')
     return arguments
 
 
