@@ -12,6 +12,7 @@
 #include <std_srvs/Trigger.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <string>
 
@@ -311,6 +312,7 @@ int runNode() {
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "time_master");
+  std::signal(SIGTERM, [](int) { ros::requestShutdown(); });  // roscpp does so on SIGINT only
   const int code = move_base_abstract::runNode();
   ros::shutdown();
   return code;

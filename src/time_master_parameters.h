@@ -97,8 +97,9 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   reader.read("repeat_rate", parameters.master.repeat_rate);
   reader.read("state_rate", parameters.state_rate);
   if (!(parameters.state_rate >= 0.1 && parameters.state_rate <= 100.0)) {
-    throw std::invalid_argument("state_rate must be from 0.1 to 100 Hz, got " +
-                                std::to_string(parameters.state_rate));
+    std::ostringstream text;
+    text << "state_rate must be from 0.1 to 100 Hz, got " << parameters.state_rate;
+    throw std::invalid_argument(text.str());
   }
   reader.warnOfUnknown();
   return parameters;

@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""How a time master starts and ends, each time under a ROS master of its own.
+
+Everything waits for events; GUARD [s, wall] only ends a test that would never end.
+"""
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+from move_base_abstract_ros.loopback import Loopback
+import rosgraph
+import rostest
+
+GUARD = 30.0
+
+
+def output(child):
+    with open(child.log_path, errors='replace') as log:
+        return log.read()
+
+
+def wait_for(what, condition):
+    deadline = time.monotonic() + GUARD
+    while not condition():
+        if time.monotonic() > deadline:
+            raise AssertionError(f'not within {GUARD} s: {what}')
+        time.sleep(0.01)
+
+
+class StartTest(unittest.TestCase):
+    def start(self, ros, **parameters):
+        return ros.run('time_master', 'time_master', parameters=parameters)
+
+    def ended(self, child):
+        """Return the exit code and the output of a child that ends by itself."""
+        return child.process.wait(GUARD), output(child)
+
+    def running(self, ros, child):
+        """Wait until the time master publishes /clock; return what it has printed."""
+        self.wait_for_publisher(ros, '/time_master')
+        self.assertIsNone(child.process.poll())
+        return output(child)
+
+    def wait_for_publisher(self, ros, node):
+        master = rosgraph.Master('/test', master_uri=ros.uri)
+        wait_for(f'{node}* publishes /clock',
+                 lambda: any(name.startswith(node) for topic, names in master.getSystemState()[0] for name in names
+                             if topic == '/clock'))
+
+    def other_publisher(self, ros):
+        """Start a stock publisher of /clock, and return it when the master lists it."""
+        command = [shutil.which('rostopic'), 'pub', '-r', '20', '/clock', 'rosgraph_msgs/Clock', 'clock: {secs: 5}']
+        process = subprocess.Popen(command, env=ros.environment, stdout=subprocess.DEVNULL)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        self.wait_for_publisher(ros, '/rostopic')
+        return process
+
+    def test_a_bad_parameter_is_fatal_and_names_key_namespace_value_and_what_is_allowed(self):
+        cases = ((dict(factor=0), '/time_master/factor must be from 0.01 to 1000000', 'got 0'),
+                 (dict(factor='fast'), '/time_master/factor must be a number', "got 'fast'"),
+                 (dict(busy_factor=-1.0), '/time_master/busy_factor must be from 0.01', 'got -1'),
+                 (dict(max_clock_rate=0), '/time_master/max_clock_rate must be from 1 to 10000 Hz', 'got 0'),
+                 (dict(start_time=0.0), '/time_master/start_time must be from', 'got 0'),
+                 (dict(start_paused=1), '/time_master/start_paused must be true or false', "got '1'"),
+                 (dict(state_rate=1e9), '/time_master/state_rate must be from 0.1 to 100 Hz', 'got 1e+09'),
+                 (dict(finest_step=[1]), '/time_master/finest_step must be a number', 'got'))
+        for parameters, *texts in cases:
+            with Loopback() as ros:
+                code, log = self.ended(self.start(ros, **parameters))
+                self.assertEqual(code, 1, log)
+                for text in ['FATAL', *texts]:
+                    self.assertIn(text, log)
+
+    def test_an_unknown_parameter_gets_a_warning(self):
+        with Loopback() as ros:
+            log = self.running(ros, self.start(ros, factr=3.0))
+            self.assertIn('parameter /time_master/factr is unknown', log)
+            self.assertNotIn('use_sim_time', log)
+
+    def test_use_sim_time_that_is_not_true_gets_a_warning(self):
+        with Loopback(use_sim_time=False) as ros:
+            self.assertIn('/use_sim_time is not true', self.running(ros, self.start(ros)))
+
+    def test_sigint_and_sigterm_end_it_without_an_error(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with Loopback() as ros:
+                child = self.start(ros)
+                self.running(ros, child)
+                os.kill(child.pid, number)
+                code, log = self.ended(child)
+                self.assertEqual(code, 0, log)
+                self.assertNotIn('FATAL', log)
+
+    def test_another_living_publisher_of_clock_is_named_and_ends_it(self):
+        with Loopback(use_sim_time=False) as ros:
+            self.other_publisher(ros)
+            code, log = self.ended(self.start(ros))
+            self.assertEqual(code, 1, log)
+            self.assertRegex(log, r'FATAL.*/rostopic_\S+ publishes /clock already')
+
+    def test_a_silent_publisher_of_clock_is_named_in_a_warning_only(self):
+        with Loopback(use_sim_time=False) as ros:
+            os.kill(self.other_publisher(ros).pid, signal.SIGSTOP)
+            log = self.running(ros, self.start(ros))
+            self.assertRegex(log, r'/rostopic_\S+ is listed as a publisher of /clock but is silent')
+
+    def test_a_time_master_that_was_killed_can_be_started_anew(self):
+        with Loopback() as ros:
+            first = self.start(ros)
+            self.running(ros, first)
+            os.kill(first.pid, signal.SIGKILL)
+            first.process.wait(GUARD)
+            self.running(ros, self.start(ros))
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'time_master_start', StartTest)
