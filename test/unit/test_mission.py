@@ -61,6 +61,14 @@ def test_a_wrong_mission_is_refused_with_the_place_and_what_is_allowed(document,
     assert words in str(error.value)
 
 
+def test_a_mission_can_be_cut_to_its_first_robots_but_not_widened():
+    two = mission.parse_mission({'robots': [dict(GOOD['robots'][0], name=name) for name in 'ab']}, 'm.yaml')
+    assert two.first_robots(1).robots == two.robots[:1]
+    assert two.first_robots(None) == two
+    with pytest.raises(MissionError, match='the mission has 2 robots: their number must be 1..2, got 3'):
+        two.first_robots(3)
+
+
 def test_a_missing_or_broken_file_is_named(tmp_path):
     with pytest.raises(MissionError, match='absent.yaml: cannot be read'):
         mission.read_mission(tmp_path / 'absent.yaml')
