@@ -56,7 +56,8 @@ def _gtest(target):
 
 def _pytest(name, folder, limit_s):
     name = f'pytest_{name}'
-    command = (sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider', folder, f'--junitxml={RESULTS / name}/pytest.xml')
+    command = (sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider', folder,
+               f'--junitxml={RESULTS / name}/pytest.xml')
     return Step(name, command, limit_s)
 
 
@@ -77,7 +78,8 @@ def run_step(step):
     if problem is None and not cases:
         problem = 'it left no result'
     failed = any(case.outcome == test_summary.FAILED for case in cases)
-    if problem is not None and not (failed and problem.startswith('exit code')):
+    # A failed case speaks for itself, unless it only says that a rostest left no result.
+    if problem is not None and not (cases and failed and problem.startswith('exit code')):
         _write_failure(step, problem)
         failed = True
     seconds = time.monotonic() - started
