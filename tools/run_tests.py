@@ -24,7 +24,6 @@ WS = ROOT / '.ws'
 RESULTS = WS / 'test_results'
 ROSTEST = '/usr/bin/rostest'
 GRACE_S = 20.0  # wall seconds between the request to stop and the kill
-LOG_TAIL_LINES = 40
 
 
 @dataclass(frozen=True)
@@ -78,8 +77,7 @@ def run_step(step):
     if problem is None and not cases:
         problem = 'it left no result'
     failed = any(case.outcome == test_summary.FAILED for case in cases)
-    # A failed case speaks for itself, unless it only says that a rostest left no result.
-    if problem is not None and not (cases and failed and problem.startswith('exit code')):
+    if problem is not None and not (failed and problem.startswith('exit code')):  # a failed case speaks for itself
         _write_failure(step, problem)
         failed = True
     seconds = time.monotonic() - started
@@ -89,7 +87,7 @@ def run_step(step):
 
 def _run_command(step):
     """Return None, or what went wrong in a few words."""
-    with open(step.folder / 'output.log', 'wb') as log:
+    with open(step.folder / test_summary.LOG_NAME, 'wb') as log:
         process = subprocess.Popen([str(word) for word in step.command], cwd=ROOT, stdin=subprocess.DEVNULL,
                                    stdout=log, stderr=subprocess.STDOUT)
         try:
@@ -120,8 +118,7 @@ def _stop(process):
 
 
 def _write_failure(step, problem):
-    log = (step.folder / 'output.log').read_text(errors='replace').splitlines()
-    text = '\n'.join([f'{step.name}: {problem}; the end of its output:', *log[-LOG_TAIL_LINES:]])
+    text = f'{step.name}: {problem}; the end of its output:\n{test_summary.log_tail(step.folder)}'
     suite = ElementTree.Element('testsuite', name=step.name)
     case = ElementTree.SubElement(suite, 'testcase', classname=step.name, name='ends_well_and_leaves_results')
     # XML cannot hold the control characters that coloured output has.

@@ -4,9 +4,11 @@ usage: test_summary.py RESULTS_FOLDER    (exit 1: something failed, or nothing w
 """
 import sys
 import xml.etree.ElementTree as ElementTree
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+LOG_NAME = 'output.log'
+LOG_TAIL_LINES = 40
 PASSED, FAILED, SKIPPED = 'passed', 'failed', 'skipped'
 
 
@@ -23,7 +25,8 @@ def read_cases(folder):
     """Return the cases of all result files below a folder, in file order."""
     cases = []
     for path in sorted(Path(folder).rglob('*.xml')):
-        cases.extend(_read_file(path))
+        step = path.relative_to(folder).parts[0]
+        cases.extend(replace(case, name=f'{step}: {case.name}') for case in _read_file(path))
     return cases
 
 
@@ -31,13 +34,21 @@ def _read_file(path):
     try:
         root = ElementTree.parse(path).getroot()
     except ElementTree.ParseError as error:
-        return [Case(str(path), FAILED, f'{path} is no XML: {error}')]
+        text = f'it died before it had written its results: {path}: {error}\n{log_tail(path.parent.parent)}'
+        return [Case(path.stem, FAILED, text)]
     cases = [_read_case(element) for element in root.iter('testcase')]
     if path.name.startswith('rostest-'):
         # rostest's own file repeats each test file as one case. Its passes say nothing new; its
         # failures say that a test file timed out or died, which no other file does.
-        return [case for case in cases if case.outcome == FAILED]
-    return cases or [Case(str(path), FAILED, f'{path} holds no test')]
+        tail = log_tail(path.parent.parent)
+        return [replace(case, text=f'{case.text}\n{tail}') for case in cases if case.outcome == FAILED]
+    return cases or [Case(path.stem, FAILED, f'{path} holds no test')]
+
+
+def log_tail(folder):
+    """Return the last lines of what a step printed, '' if it left no log in its folder."""
+    path = Path(folder) / LOG_NAME
+    return '\n'.join(path.read_text(errors='replace').splitlines()[-LOG_TAIL_LINES:]) if path.exists() else ''
 
 
 def _read_case(element):
