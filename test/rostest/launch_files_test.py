@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""The launch files: all of them load and are documented, and the example with two robots really runs.
+
+GUARD [s, simulated] only ends a test that would never end.
+"""
+
+import glob
+import os
+import sys
+import unittest
+from xml.etree import ElementTree
+
+from actionlib import GoalStatus, SimpleActionClient
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from nav_msgs.msg import Odometry
+import roslaunch.config
+import roslaunch.xmlloader
+import rospkg
+import rospy
+import rostest
+
+GUARD = 600.0
+SPEED = 1.0  # m/s, DWAPlannerROS/max_vel_trans of the example
+TOLERANCE = 0.1  # m, DWAPlannerROS/xy_goal_tolerance of the example
+LAUNCH = os.path.join(rospkg.RosPack().get_path('move_base_abstract'), 'launch')
+FILES = sorted(glob.glob(LAUNCH + '/*.launch') + glob.glob(LAUNCH + '/examples/*.launch'))
+
+
+def load(name, *arguments):
+    """Return the ROSLaunchConfig of a launch file with name:=value arguments."""
+    config = roslaunch.config.ROSLaunchConfig()
+    path = os.path.join(LAUNCH, name)
+    roslaunch.xmlloader.XmlLoader(resolve_anon=False).load(path, config, argv=[path, *arguments], verbose=False)
+    return config
+
+
+def nodes(config):
+    """Return the full names of the nodes in order of the file."""
+    return [node.namespace + node.name for node in config.nodes]
+
+
+def parameter(config, name):
+    return config.params[name].value
+
+
+class LaunchFiles(unittest.TestCase):
+    """The first tests only load the files; the last one uses the running example of launch_files.test."""
+
+    def test_every_file_is_found_and_every_arg_is_documented(self):
+        self.assertGreaterEqual(len(FILES), 6)
+        for path in FILES:
+            for arg in ElementTree.parse(path).getroot().findall('arg'):
+                self.assertTrue(arg.get('doc'), f"{path}: arg '{arg.get('name')}' has no doc")
+
+    def test_simulator_starts_as_many_robots_as_its_text_names_each_at_its_pose(self):
+        config = load('simulator.launch', 'robots:=a 1 2 3; b -4.5 0 0;c 0 0 0', 'factor:=7')
+        self.assertEqual(nodes(config), ['/time_master', '/a/move_base', '/b/move_base', '/c/move_base'])
+        self.assertEqual([parameter(config, f'/a/move_base/start_{k}') for k in ('x', 'y', 'yaw')], [1, 2, 3])
+        self.assertEqual(parameter(config, '/b/move_base/start_x'), -4.5)
+        self.assertEqual(parameter(config, '/time_master/factor'), 7)
+
+    def test_robot_launch_works_by_itself_and_its_own_parameters_win(self):
+        config = load('robot.launch', 'name:=r', 'x:=1.5', 'required:=false', 'respawn:=true')
+        self.assertEqual(nodes(config), ['/r/move_base'])
+        self.assertEqual((config.nodes[0].required, config.nodes[0].respawn), (False, True))
+        self.assertEqual(parameter(config, '/r/move_base/start_x'), 1.5)
+        self.assertEqual(parameter(config, '/r/move_base/tf_prefix'), 'r')
+
+    def test_the_example_differs_only_in_the_package_and_the_clock(self):
+        real = load('examples/two_robots_move_base.launch')
+        abstract = load('examples/two_robots_move_base.launch', 'navigation_pkg:=move_base_abstract')
+        self.assertEqual(nodes(real), ['/robot_1/move_base', '/robot_2/move_base'])
+        self.assertEqual(nodes(abstract), ['/time_master'] + nodes(real))
+        self.assertEqual([node.package for node in real.nodes], ['move_base'] * 2)
+        for name in real.params:
+            self.assertEqual(parameter(real, name), parameter(abstract, name), name)
+
+    def test_both_robots_reach_a_goal_at_the_speed_of_the_existing_parameters(self):
+        clients = {name: SimpleActionClient(f'/{name}/move_base', MoveBaseAction) for name in ('robot_1', 'robot_2')}
+        for name, client in clients.items():
+            self.assertTrue(client.wait_for_server(rospy.Duration.from_sec(GUARD)), name)
+        start = rospy.Time.now()
+        for client, y in zip(clients.values(), (0.0, 3.0)):
+            client.send_goal(goal_at(20.0, y))
+        for (name, client), y in zip(clients.items(), (0.0, 3.0)):
+            self.assertTrue(client.wait_for_result(rospy.Duration.from_sec(GUARD)), name)
+            self.assertEqual(client.get_state(), GoalStatus.SUCCEEDED, name)
+            self.assertEqual(client.get_goal_status_text(), 'Goal reached.')
+            here = rospy.wait_for_message(f'/{name}/base_pose_ground_truth', Odometry).pose.pose.position
+            self.assertAlmostEqual(here.x, 20.0, delta=TOLERANCE + 1e-6)
+            self.assertAlmostEqual(here.y, y, delta=TOLERANCE + 1e-6)
+        self.assertGreaterEqual((rospy.Time.now() - start).to_sec(), (20.0 - TOLERANCE) / SPEED)
+
+
+def goal_at(x, y):
+    """Return a goal at (x, y) [m] in the map frame, heading along x."""
+    goal = MoveBaseGoal()
+    goal.target_pose.header.frame_id = 'map'
+    goal.target_pose.pose.position.x = x
+    goal.target_pose.pose.position.y = y
+    goal.target_pose.pose.orientation.w = 1.0
+    return goal
+
+
+if __name__ == '__main__':
+    rospy.init_node('launch_files_test')
+    rostest.rosrun('move_base_abstract', 'launch_files_test', LaunchFiles, sys.argv)
