@@ -19,6 +19,8 @@ from .teleport import Teleport
 from .tf_lookup import TfLookup
 from .throttle import WallThrottle
 
+_REPEATED_WARNINGS_RATE = 0.2
+
 
 class MoveBaseServer(NavigatorListener):
     """Hosts one robot. Several of them may share a process and its :class:`RosClock`."""
@@ -27,6 +29,8 @@ class MoveBaseServer(NavigatorListener):
         self._names = names
         self._settings = settings
         self._clock = clock
+        self._last_warning = None
+        self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
         with clock.lock:
             now_ns = clock.now_ns()
             self._build(robot_index, now_ns)
@@ -101,7 +105,9 @@ class MoveBaseServer(NavigatorListener):
         self._publisher.recovery(pose, index, behaviors, stamp_ns)
 
     def warn(self, text):
-        rospy.logwarn('%s: %s', self._names.robot, text)
+        if text != self._last_warning or self._warning_throttle.ready():
+            self._last_warning = text
+            rospy.logwarn('%s: %s', self._names.robot, text)
 
     def _prefetch(self, goal):
         self._prefetch_frame(goal.frame_id, goal.stamp_ns)

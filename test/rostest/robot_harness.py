@@ -1,0 +1,146 @@
+"""What the rostests of a robot share: recorded topics, stock clients and raw goals.
+
+Everything waits for events; GUARD [s, wall] only ends a test that would never end.
+"""
+import itertools
+import math
+import threading
+import time
+
+import actionlib
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from geometry_msgs.msg import PoseStamped, Quaternion
+from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseActionResult, MoveBaseGoal
+
+GUARD = 30.0
+SPEED = 2.0  # m/s, as in the .test files
+ACCEPTED = 'This goal has been accepted by the simple action server'
+ANOTHER_GOAL = 'This goal was canceled because another goal was received by the simple action server'
+BAD_QUATERNION = 'Aborting on goal because it was sent with an invalid quaternion'
+NO_PLAN = 'Failed to find a valid plan. Even after executing recovery behaviors.'
+
+_ids = itertools.count(1)
+
+
+class Record:
+    """All messages of a topic in the order of their arrival, and waiting for one of them."""
+
+    def __init__(self, topic, kind):
+        self.topic = topic
+        self._messages = []
+        self._changed = threading.Condition()
+        self._subscriber = rospy.Subscriber(topic, kind, self._add, queue_size=10000)
+
+    def _add(self, message):
+        with self._changed:
+            self._messages.append(message)
+            self._changed.notify_all()
+
+    @property
+    def messages(self):
+        """What has come so far."""
+        with self._changed:
+            return list(self._messages)
+
+    def clear(self):
+        """Forget what has come so far."""
+        with self._changed:
+            self._messages.clear()
+
+    def wait_for(self, wanted=lambda message: True):
+        """Return the first message that is ``wanted``; an AssertionError after the guard time."""
+        deadline = time.monotonic() + GUARD
+        seen = 0
+        with self._changed:
+            while True:
+                for message in self._messages[seen:]:
+                    if wanted(message):
+                        return message
+                seen = len(self._messages)
+                left = deadline - time.monotonic()
+                if left <= 0.0 or rospy.is_shutdown():
+                    raise AssertionError('{}: what was waited for did not come within {} s; got {} messages, the last: '
+                                         '{}'.format(self.topic, GUARD, seen, self._messages[-1:]))
+                self._changed.wait(left)
+
+
+def pose_stamped(x=0.0, y=0.0, yaw=0.0, frame='map', stamp=None, quaternion=None):
+    """Return a PoseStamped; ``quaternion`` (x, y, z, w) instead of ``yaw`` if given."""
+    pose = PoseStamped()
+    pose.header.frame_id = frame
+    pose.header.stamp = stamp or rospy.Time()
+    pose.pose.position.x, pose.pose.position.y = x, y
+    pose.pose.orientation = Quaternion(*(quaternion or (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))))
+    return pose
+
+
+class RawClient:
+    """Sends goals and cancels on the action's topics and keeps all that comes back."""
+
+    def __init__(self, ns='/'):
+        prefix = ns.rstrip('/') + '/move_base/'
+        self.status = Record(prefix + 'status', GoalStatusArray)
+        self.result = Record(prefix + 'result', MoveBaseActionResult)
+        self._goal = rospy.Publisher(prefix + 'goal', MoveBaseActionGoal, queue_size=100)
+        self._cancel = rospy.Publisher(prefix + 'cancel', GoalID, queue_size=100)
+        deadline = time.monotonic() + GUARD
+        self.status.wait_for()
+        while not (self._goal.get_num_connections() and self._cancel.get_num_connections()):
+            assert time.monotonic() < deadline, '{}: no server'.format(prefix)
+            time.sleep(0.01)
+
+    def send(self, pose, goal_id=None, stamp=None):
+        """Send ``pose`` (PoseStamped) and return the goal's id; '' leaves the id to the server."""
+        if goal_id is None:
+            goal_id = 'goal_{}'.format(next(_ids))
+        goal = MoveBaseActionGoal(goal_id=GoalID(stamp or rospy.Time(), goal_id), goal=MoveBaseGoal(pose))
+        self._goal.publish(goal)
+        return goal_id
+
+    def cancel(self, goal_id='', stamp=None):
+        """Ask for a cancel."""
+        self._cancel.publish(GoalID(stamp or rospy.Time(), goal_id))
+
+    def ending(self, goal_id):
+        """Wait for the result of ``goal_id`` and return its message."""
+        return self.result.wait_for(lambda message: message.status.goal_id.id == goal_id)
+
+    def endings(self, goal_id):
+        """Return [(status, text)] of all results of ``goal_id`` so far."""
+        return [(message.status.status, message.status.text) for message in self.result.messages
+                if message.status.goal_id.id == goal_id]
+
+    def wait_for_state(self, goal_id, state):
+        """Wait until the status topic shows ``goal_id`` in ``state``; return (array, its entry)."""
+        def entry(array):
+            return [status for status in array.status_list
+                    if status.goal_id.id == goal_id and status.status == state]
+        array = self.status.wait_for(entry)
+        return array, entry(array)[0]
+
+    def states(self, goal_id):
+        """Return the states that the status topic showed of ``goal_id``, repetitions left out."""
+        shown = [status.status for array in self.status.messages for status in array.status_list
+                 if status.goal_id.id == goal_id]
+        return [state for state, _ in itertools.groupby(shown)]
+
+
+def simple_client(ns='/'):
+    """Return a stock SimpleActionClient that is connected."""
+    client = actionlib.SimpleActionClient(ns.rstrip('/') + '/move_base', MoveBaseAction)
+    assert client.wait_for_server(rospy.Duration(1000.0)), 'no action server'
+    return client
+
+
+def go(client, pose):
+    """Send ``pose`` by a stock client, wait for its end, return (state, text)."""
+    client.send_goal(MoveBaseGoal(pose))
+    assert client.wait_for_result(rospy.Duration(10000.0)), 'the goal did not end'
+    return client.get_state(), client.get_goal_status_text()
+
+
+def active_since_ns(client, goal_id):
+    """Return when ``goal_id`` became active [ns], from the stamp of the first status that shows it so."""
+    array, _ = client.wait_for_state(goal_id, GoalStatus.ACTIVE)
+    return array.header.stamp.to_nsec()
