@@ -11,9 +11,10 @@ import subprocess
 import time
 import unittest
 
-from move_base_abstract_ros.loopback import Loopback
 import rosgraph
 import rostest
+
+from move_base_abstract_ros.loopback import Loopback
 
 GUARD = 30.0
 
