@@ -14,13 +14,15 @@ from .outbox import Outbox
 from .throttle import WallThrottle
 
 _STATUS_RATE_CAP = 5.0
+# A client that misses the acceptance of its goal misses its active_cb only, so that a shorter wait will do.
+_ACCEPTANCE_SHARE = 0.25
 
 
 class GoalServer:
     """Speaks the actionlib protocol on ``<ns>/{goal,cancel,status,feedback,result}`` for the action MoveBase.
 
     ``clock`` is the process's :class:`RosClock`; ``min_answer_delay`` [s, wall] is the shortest time between the
-    arrival of a goal and its final answer.
+    arrival of a goal and its final answer, and a quarter of it the shortest before any status that shows the goal.
     """
 
     def __init__(self, ns, node_name, clock, min_answer_delay):
@@ -28,6 +30,7 @@ class GoalServer:
         self._clock = clock
         self._min_answer_delay = min_answer_delay
         self._arrivals = {}
+        self._acceptance_wall = 0.0
         self._outbox = Outbox()
         self._counter = itertools.count(1)
         self._node_name = node_name
@@ -61,6 +64,7 @@ class GoalServer:
         self._prefetch(goal)
         with self._clock.lock:
             now_ns = self._clock.now_ns()
+            self._acceptance_wall = arrived + _ACCEPTANCE_SHARE * self._min_answer_delay
             if message.goal_id.id:
                 self._arrivals.setdefault(message.goal_id.id, arrived)
             self._navigator.receive(message.goal_id.id, message.goal_id.stamp.to_nsec(), goal, now_ns)
@@ -87,7 +91,8 @@ class GoalServer:
         now_ns = self._clock.simulation.now_ns
         records = self.ledger.records(now_ns)
         self._outbox.send(self._status, GoalStatusArray(conversions.to_header('', now_ns),
-                                                        [_to_status(record) for record in records]))
+                                                        [_to_status(record) for record in records]),
+                          self._acceptance_wall)
 
     def _repeat_status(self, _due_ns, _now_ns):
         if self._heartbeat.ready():
