@@ -117,7 +117,7 @@ class Loopback:
         for key, value in (parameters or {}).items():
             self.set_param(rosgraph.names.ns_join(full_name, key), value)
         command = [find_executable(executable), *arguments, f'__ns:={namespace}', f'__name:={name}']
-        return self._spawn(full_name, command)
+        return self.spawn(full_name, command)
 
     def check(self):
         """Raise ChildEnded if one of the processes is no longer there."""
@@ -145,7 +145,7 @@ class Loopback:
         for attempt in range(1, MASTER_TRIES + 1):
             port = free_port()
             self.uri = f'http://127.0.0.1:{port}/'
-            self._spawn('rosmaster', [_find_program('rosmaster'), '--core', '-p', str(port)])
+            self.spawn('rosmaster', [_find_program('rosmaster'), '--core', '-p', str(port)])
             try:
                 self._wait_for_master()
                 break
@@ -164,7 +164,7 @@ class Loopback:
                                     f'lines:\n{self._children[0].last_lines()}')
             time.sleep(0.02)
 
-    def _spawn(self, name, command):
+    def spawn(self, name, command):
         """Start a process in a group of its own that the kernel kills when this process ends."""
         log_path = os.path.join(self.log_dir, f'{len(self._children):02d}{name.replace("/", "-")}.out')
         guard = [_find_program('setpriv'), '--pdeathsig', 'KILL', '--']

@@ -1,0 +1,142 @@
+"""How long legs take in simulated time, as a stock action client sees it, against the ideal."""
+
+import math
+import queue
+import statistics
+import time
+
+from actionlib import ActionClient, CommState, GoalStatus
+from move_base_msgs.msg import MoveBaseAction
+from nav_msgs.msg import Odometry
+import rospy
+
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract_ros.nodes.demo_mission import make_goal
+
+SPEED = 2.0  # m/s
+# The original package on a 2-core machine: {(length [m], factor): excess of the leg's duration [%]}.
+PUBLISHED = {(20.0, 10): 4.5, (20.0, 15): 6.6, (20.0, 100): 40.0}
+WANTED_SHARE = 0.2  # of the published excess, at most
+GUARD = 60.0  # s, wall, beyond three times the ideal duration
+
+
+class Leg:
+    """One leg: when it was sent, acknowledged, ended; simulated times in ns, wall times in s."""
+
+    def __init__(self, length_m):
+        self.ideal_ns = round(1e9 * length_m / SPEED)
+        self.sent_ns = rospy.get_rostime().to_nsec()
+        self.sent_wall = time.monotonic()
+        self.acknowledged_wall = None
+        self.done_ns = None
+        self.arrival_ns = None  # the result's own stamp
+
+    def note(self, handle):
+        """Note a transition of the client's state; return True at the end."""
+        state = handle.get_comm_state()
+        if state == CommState.ACTIVE and self.acknowledged_wall is None:
+            self.acknowledged_wall = time.monotonic()
+        if state != CommState.DONE:
+            return False
+        self.done_ns = rospy.get_rostime().to_nsec()
+        self.arrival_ns = handle.comm_state_machine.latest_result.header.stamp.to_nsec()
+        return True
+
+
+class BenchRobot:
+    """One robot that goes to and fro along x."""
+
+    def __init__(self, name):
+        self.name = name
+        self.legs = []
+        self.x = 0.0
+        self.left = 0
+        self._handle = None
+        self._client = ActionClient(f'/{name}/move_base', MoveBaseAction)
+        if not self._client.wait_for_server(rospy.Duration.from_sec(GUARD * 1000)):
+            raise RuntimeError(f'no action server /{name}/move_base')
+
+    def send(self, length_m, y, ended):
+        """Send one leg; the robot and its goal handle are put on the queue when it ends."""
+        out = self.x <= 0.0
+        self.x += length_m if out else -length_m
+        goal = make_goal(Pose2D(self.x, y, 0.0 if out else math.pi))
+        leg = Leg(length_m)
+        self.legs.append(leg)
+        self._handle = self._client.send_goal(
+            goal, lambda handle: ended.put((self, handle)) if leg.note(handle) else None)
+
+
+def run_legs(robots, length_m, count, factor):
+    """Let each robot travel count legs, all at once; return the Leg objects."""
+    ended = queue.Queue()
+    limit = GUARD + 3.0 * count * length_m / SPEED / factor
+    for i, robot in enumerate(robots):
+        robot.legs, robot.left = [], count
+        robot.send(length_m, 2.0 * i, ended)
+    deadline = time.monotonic() + limit
+    while any(robot.left for robot in robots):
+        robot, handle = ended.get(timeout=max(0.0, deadline - time.monotonic()))
+        if handle.get_terminal_state() != GoalStatus.SUCCEEDED:
+            raise RuntimeError(f'{robot.name}: a leg ended {GoalStatus.to_string(handle.get_terminal_state())}: '
+                               f"'{handle.get_goal_status_text()}'")
+        robot.left -= 1
+        if robot.left:
+            robot.send(length_m, 2.0 * robots.index(robot), ended)
+    return [leg for robot in robots for leg in robot.legs]
+
+
+def summarize(runs, length_m, factor, robot_count):
+    """Return the record of one case: runs is a list of lists of legs; the figures are medians of the runs' medians.
+
+    The excess has three parts: `out` from the client's sending to the server's departure, `travel` (exactly the ideal:
+    see the record 'stamps') and `back` from the arrival to the client's callback.
+    """
+    ideal_s = length_m / SPEED
+
+    def middle(value):
+        return [statistics.median(value(leg) for leg in legs) for legs in runs]
+
+    excess = [100.0 * value / ideal_s for value in middle(lambda leg: (leg.done_ns - leg.sent_ns - leg.ideal_ns) / 1e9)]
+    record = {'kind': 'leg', 'length_m': length_m, 'factor': factor, 'robots': robot_count, 'runs': len(runs),
+              'legs': sum(len(legs) for legs in runs), 'ideal_s': ideal_s, 'error_percent': statistics.median(excess),
+              'error_percent_runs': excess,
+              'out_s': statistics.median(middle(lambda leg: (leg.arrival_ns - leg.ideal_ns - leg.sent_ns) / 1e9)),
+              'back_s': statistics.median(middle(lambda leg: (leg.done_ns - leg.arrival_ns) / 1e9))}
+    hops = [leg.acknowledged_wall - leg.sent_wall for legs in runs for leg in legs if leg.acknowledged_wall]
+    if hops:
+        record['client_hop_wall_ms'] = 1e3 * statistics.median(hops)
+        record['client_hop_percent'] = 100.0 * statistics.median(hops) * factor / ideal_s
+    published = PUBLISHED.get((length_m, factor))
+    if published is not None:
+        record.update(published_percent=published, wanted_percent=WANTED_SHARE * published,
+                      published_over_ours=published / record['error_percent'] if record['error_percent'] > 0 else None,
+                      within_wanted=record['error_percent'] <= WANTED_SHARE * published)
+    return record
+
+
+def stamp_error(robots, length_m, count, factor):
+    """Return the record of the server's own exactness: arrival stamp - departure stamp - ideal duration [ns].
+
+    Departure is the first pose of the leg with a speed on base_pose_ground_truth; it is stamped where it is true.
+    """
+    poses = {robot.name: [] for robot in robots}
+    subscribers = [rospy.Subscriber(f'/{name}/base_pose_ground_truth', Odometry, kept.append, tcp_nodelay=True)
+                   for name, kept in poses.items()]
+    time.sleep(0.5)  # connections
+    run_legs(robots, length_m, count, factor)
+    time.sleep(0.5)  # the last poses
+    for subscriber in subscribers:
+        subscriber.unregister()
+    errors = [_leg_stamp_error(leg, poses[robot.name]) for robot in robots for leg in robot.legs]
+    found = [error for error in errors if error is not None]
+    return {'kind': 'stamps', 'factor': factor, 'robots': len(robots), 'legs': len(errors), 'legs_compared': len(found),
+            'largest_error_ns': max((abs(error) for error in found), default=None)}
+
+
+def _leg_stamp_error(leg, poses):
+    for pose in poses:
+        stamp_ns = pose.header.stamp.to_nsec()
+        if leg.sent_ns <= stamp_ns < leg.arrival_ns and pose.twist.twist.linear.x > 0.0:
+            return leg.arrival_ns - stamp_ns - leg.ideal_ns
+    return None

@@ -1,0 +1,29 @@
+"""The records as a table for people."""
+
+COLUMNS = {
+    'reference': ('what', 'median_us', 'p90_us'),
+    'clock': ('factor', 'robots', 'achieved_factor', 'largest_step_s', 'largest_step_wall_ms', 'rate_hz'),
+    'leg': ('length_m', 'factor', 'robots', 'legs', 'error_percent', 'client_hop_percent', 'out_s', 'back_s',
+            'published_percent', 'wanted_percent', 'published_over_ours'),
+    'stamps': ('factor', 'robots', 'legs', 'legs_compared', 'largest_error_ns'),
+    'cpu': ('factor', 'robots', 'time_master_percent', 'move_base_percent', 'client_percent'),
+}
+
+
+def render(records):
+    """Return one text table per kind of record."""
+    return '\n\n'.join(_table(kind, [record for record in records if record['kind'] == kind])
+                       for kind in COLUMNS if any(record['kind'] == kind for record in records))
+
+
+def _table(kind, records):
+    columns = COLUMNS[kind]
+    rows = [columns] + [tuple(_cell(record.get(column)) for column in columns) for record in records]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(columns))]
+    return '\n'.join([f'-- {kind}'] + ['  '.join(cell.rjust(width) for cell, width in zip(row, widths)) for row in rows])
+
+
+def _cell(value):
+    if value is None:
+        return '-'
+    return f'{value:.4g}' if isinstance(value, float) else str(value)
