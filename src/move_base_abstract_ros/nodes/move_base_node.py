@@ -1,5 +1,6 @@
 """The node ``move_base``: one robot, in the place and under the interface of move_base."""
 import sys
+import threading
 import time
 
 import rospy
@@ -11,6 +12,7 @@ from move_base_abstract_ros.names import RobotNames
 from move_base_abstract_ros.ros_clock import RosClock
 
 _LAST_WORDS_SECONDS = 0.1
+_POLL_SECONDS = 0.05
 
 
 def main():
@@ -22,16 +24,44 @@ def main():
 def run(names, overrides=None, default_tf_prefix=None):
     """Host the robot ``names``; ``overrides`` are parameters that come before those of the parameter server."""
     try:
-        settings = read_robot_settings(overrides or {}, default_tf_prefix)
-        clock = RosClock()
-        if not clock.start():
-            return
-        server = MoveBaseServer(names, settings, clock)
+        server = away_from_signals(lambda: _build(names, overrides or {}, default_tf_prefix))
     except ConfigurationError as error:
         rospy.logfatal('%s: %s', rospy.get_name(), error)
         sys.exit(1)
-    rospy.on_shutdown(lambda: _say_goodbye(server))
-    rospy.spin()
+    if server is not None:
+        rospy.on_shutdown(lambda: _say_goodbye(server))
+        rospy.spin()
+
+
+def away_from_signals(build):
+    """Return what ``build()`` returns or raise what it raises; None if ROS shuts down meanwhile.
+
+    rospy's signal handler talks to the ROS master under a lock that the interrupted call may hold: a node that is
+    interrupted while it registers its topics in the main thread never ends. So they are registered in another one.
+    """
+    results, errors = [], []
+
+    def work():
+        try:
+            results.append(build())
+        except BaseException as error:
+            errors.append(error)
+
+    worker = threading.Thread(target=work, name='set-up', daemon=True)
+    worker.start()
+    while worker.is_alive() and not rospy.is_shutdown():
+        worker.join(_POLL_SECONDS)
+    if rospy.is_shutdown():
+        return None
+    if errors:
+        raise errors[0]
+    return results[0]
+
+
+def _build(names, overrides, default_tf_prefix):
+    settings = read_robot_settings(overrides, default_tf_prefix)
+    clock = RosClock()
+    return MoveBaseServer(names, settings, clock) if clock.start() else None
 
 
 def read_robot_settings(overrides, default_tf_prefix):

@@ -1,0 +1,169 @@
+#!/usr/bin/python3
+"""What a robot makes of its parameters and arguments: start-up lines, warnings, fatal errors, exit codes, last words."""
+import itertools
+import signal
+import subprocess
+import threading
+import time
+import unittest
+
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from move_base_abstract_ros.loopback import find_executable
+from move_base_msgs.msg import MoveBaseActionFeedback
+from robot_harness import GUARD, RawClient, Record, active_since_ns, pose_stamped
+
+_names = ('r{}'.format(number) for number in itertools.count())
+
+
+class Node:
+    """One of our executables in a process of its own, with its output."""
+
+    def __init__(self, executable, parameters=None, arguments=(), namespace=None):
+        self.namespace = namespace if namespace is not None else '/' + next(_names)
+        self.private = '{}/move_base'.format(self.namespace)
+        if parameters is not None:
+            rospy.set_param(self.private, parameters)
+        command = [find_executable(executable), *arguments, '__ns:=' + (self.namespace or '/'), '__name:=move_base']
+        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self._lines = []
+        self._more = threading.Condition()
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        for line in self._process.stdout:
+            with self._more:
+                self._lines.append(line)
+                self._more.notify_all()
+
+    @property
+    def output(self):
+        """All lines so far."""
+        with self._more:
+            return ''.join(self._lines)
+
+    def wait_for_line(self, text):
+        """Return the first line that holds ``text``."""
+        deadline = time.monotonic() + GUARD
+        with self._more:
+            while True:
+                for line in self._lines:
+                    if text in line:
+                        return line
+                left = deadline - time.monotonic()
+                assert left > 0.0, 'no line with {!r} in:\n{}'.format(text, ''.join(self._lines))
+                self._more.wait(left)
+
+    def exit_code(self):
+        """Wait for the end."""
+        return self._process.wait(GUARD)
+
+    def end(self, with_signal=signal.SIGINT):
+        """Ask the process to end and wait for that."""
+        if self._process.poll() is None:
+            self._process.send_signal(with_signal)
+        return self.exit_code()
+
+
+class Parameters(unittest.TestCase):
+    """Each test starts robots under names of their own."""
+
+    def start(self, *arguments, **keywords):
+        """Start a node that is ended with the test."""
+        node = Node(*arguments, **keywords)
+        self.addCleanup(node.end)
+        return node
+
+    def refused(self, parameters, *words):
+        """Assert that a robot with ``parameters`` ends with a fatal error that holds ``words``."""
+        node = self.start('move_base', parameters)
+        self.assertEqual(node.exit_code(), 1, node.output)
+        line = node.wait_for_line('FATAL')
+        for word in (node.private, *words):
+            self.assertIn(word, line)
+        self.assertNotIn('Traceback', node.output)
+
+    def test_the_start_line_says_where_speed_and_acceleration_come_from(self):
+        for parameters, words in (
+                ({}, ('speed 0.5 m/s (default)', 'acceleration unlimited (default)')),
+                ({'max_speed': 3, 'acceleration': 1.5}, ('speed 3 m/s (~max_speed)', '1.5 m/s^2 (~acceleration)')),
+                ({'base_local_planner': 'dwa_local_planner/DWAPlannerROS',
+                  'DWAPlannerROS': {'max_vel_trans': 0.8, 'acc_lim_x': 2.5}},
+                 ('speed 0.8 m/s (~DWAPlannerROS/max_vel_trans)', '2.5 m/s^2 (~DWAPlannerROS/acc_lim_x)')),
+                ({'TrajectoryPlannerROS': {'max_vel_x': 0.45}}, ('speed 0.45 m/s (~TrajectoryPlannerROS/max_vel_x)',))):
+            line = self.start('move_base', parameters).wait_for_line('abstract robot')
+            for word in words:
+                self.assertIn(word, line)
+
+    def test_upstreams_parameters_are_counted_once_and_mistakes_are_named(self):
+        node = self.start('move_base', {
+            'global_costmap': {'width': 10, 'inflation_layer': {'inflation_radius': 0.5}}, 'shutdown_costmaps': False,
+            'DWAPlannerROS': {'max_vel_x': 1.0, 'sim_time': 1.7}, 'max_sped': 2.0})
+        self.assertIn(': 4 parameters of costmaps', node.wait_for_line('are ignored'))
+        self.assertIn("/max_sped: unknown, not used; did you mean 'max_speed'?", node.wait_for_line('max_sped'))
+
+    def test_wrong_types_and_impossible_values_are_fatal_and_say_what_is_allowed(self):
+        self.refused({'max_speed': 'fast'}, '/max_speed', "'fast'", 'a finite number > 0')
+        self.refused({'max_speed': 0.0}, '/max_speed', '0.0', 'a finite number > 0')
+        self.refused({'DWAPlannerROS': {'max_vel_x': -1.0}}, '/DWAPlannerROS/max_vel_x', '-1.0')
+        self.refused({'bad_frame_policy': 'ignore'}, '/bad_frame_policy', "'ignore'", "'abort' or 'wait'")
+        self.refused({'world_bounds': [0, 0, -5, 5]}, '/world_bounds', 'x_min < x_max')
+        self.refused({'backend': 'gazeboo'}, '/backend', "'gazeboo'", 'builtin, virtual_robots')
+
+    def test_a_planners_parameter_of_a_wrong_type_that_is_not_used_does_no_harm(self):
+        node = self.start('move_base', {'TrajectoryPlannerROS': {'sim_time': 'long'}, 'oscillation_timeout': 'never'})
+        RawClient(node.namespace)
+        self.assertIn("'long'", node.wait_for_line('sim_time'))
+
+    def test_a_killed_node_says_so_to_its_client(self):
+        node = self.start('move_base', {'max_speed': 1.0})
+        client = RawClient(node.namespace)
+        goal_id = client.send(pose_stamped(1000.0))
+        client.wait_for_state(goal_id, GoalStatus.ACTIVE)
+        node.end()
+        ended = client.ending(goal_id)
+        self.assertEqual((ended.status.status, ended.status.text),
+                         (GoalStatus.ABORTED, 'Aborting on the goal because the node has been killed'))
+
+    def test_the_original_packages_seven_arguments_and_any_prefix_of_them(self):
+        arguments = ('bot', 'virtual_robots', '4.0', '1.0', '2.0', '0', '0.0')
+        for count in (0, 1, 3, 5, 7):
+            namespace = '/' + next(_names)
+            name = 'bot' if count else ''
+            node = self.start('move_base_abstract_actionserver', None, arguments[:count], namespace)
+            robot = '/'.join(filter(None, (namespace, name)))
+            pose = rospy.wait_for_message(robot + '/amcl_pose', PoseWithCovarianceStamped, GUARD).pose.pose
+            self.assertEqual((pose.position.x, pose.position.y), (1.0 if count > 3 else 0.0,
+                                                                  2.0 if count > 4 else 0.0))
+            speed = 4.0 if count > 2 else 0.5
+            client = RawClient(robot)
+            goal_id = client.send(pose_stamped(pose.position.x + 8.0, pose.position.y))
+            start_ns = active_since_ns(client, goal_id)
+            self.assertEqual(client.ending(goal_id).header.stamp.to_nsec() - start_ns, int(8e9 / speed))
+            node.end()
+
+    def test_bad_arguments_are_fatal(self):
+        for arguments, word in ((('bot', 'virtual_robots', 'quick'), "'quick'"), (('bot',) * 8, 'at most 7'),
+                                (('bot', 'stage'), "'stage'")):
+            node = self.start('move_base_abstract_actionserver', None, arguments, '/' + next(_names))
+            self.assertEqual(node.exit_code(), 1, node.output)
+            self.assertIn(word, node.wait_for_line('FATAL'))
+
+    def test_controller_frequency_sets_the_feedback_rate_as_upstream(self):
+        node = self.start('move_base', {'controller_frequency': 4.0, 'max_speed': 1.0, 'max_feedback_rate': 1000.0})
+        client = RawClient(node.namespace)
+        feedback = Record(node.private + '/feedback', MoveBaseActionFeedback)
+        client.ending(client.send(pose_stamped(1.0)))
+        goal_id = client.send(pose_stamped(21.0))
+        start_ns = active_since_ns(client, goal_id)
+        client.ending(goal_id)
+        offsets = [(message.feedback.base_position.header.stamp.to_nsec() - start_ns)
+                   for message in feedback.messages if message.status.goal_id.id == goal_id]
+        self.assertEqual(offsets, [number * 250_000_000 for number in range(80)])
+
+
+if __name__ == '__main__':
+    rospy.init_node('parameters_test')
+    rostest.rosrun('move_base_abstract', 'parameters', Parameters)
