@@ -76,9 +76,10 @@ class SpeedProfile:
     @property
     def seconds(self):
         """How long the trip takes [s]."""
-        if self.distance <= 0.0:
+        peak = self.peak_speed
+        if self.distance <= 0.0 or peak <= 0.0:
             return 0.0
-        return self.distance / self.peak_speed + self.ramp_seconds
+        return self.distance / peak + self.ramp_seconds
 
     def covered(self, elapsed):
         """Return the distance [m] covered ``elapsed`` [s] after the start, clamped to the trip."""
@@ -153,14 +154,16 @@ class Leg:
 
     def distance_at(self, now_ns):
         """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
+        if now_ns >= self._last_turn_ns:
+            return self.distance
         return self._profile.covered((now_ns - self._drive_ns) / NS_PER_S) if now_ns > self._drive_ns else 0.0
 
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: the start before the departure, the end from the arrival on."""
+        if now_ns < self.depart_ns:
+            return self.start
         if now_ns >= self.arrive_ns:
             return self.end
-        if now_ns <= self.depart_ns and self._drive_ns > self.depart_ns:
-            return self.start
         if now_ns < self._drive_ns:
             turned = math.copysign(self._turn_rate * (now_ns - self.depart_ns) / NS_PER_S, self._first_turn)
             return Pose2D(self.start.x, self.start.y, self.start.yaw + turned)

@@ -105,5 +105,5 @@ def unknown_names(raw: dict, known: Tuple[str, ...], where: str):
             continue
         close = difflib.get_close_matches(key, known, n=1)
         hint = "; did you mean '{}'?".format(close[0]) if close else ''
-        warnings.append("parameter {}/{}: unknown, not used{}".format(where.rstrip('/'), key, hint))
+        warnings.append('parameter {}/{}: unknown, not used{}'.format(where.rstrip('/'), key, hint))
     return warnings

@@ -21,8 +21,8 @@ class WorldBounds:
 
     def __post_init__(self):
         if not (self.x_min < self.x_max and self.y_min < self.y_max):
-            raise ValueError('bounds must be [x_min, y_min, x_max, y_max] with x_min < x_max and y_min < y_max, got {!r}'
-                             .format([self.x_min, self.y_min, self.x_max, self.y_max]))
+            raise ValueError('bounds must be [x_min, y_min, x_max, y_max] with x_min < x_max and y_min < y_max, '
+                             'got {!r}'.format([self.x_min, self.y_min, self.x_max, self.y_max]))
 
     def contains(self, pose):
         """Return whether ``pose`` lies in the rectangle, its edge included."""

@@ -8,8 +8,19 @@ from .errors import ConfigurationError
 from .geometry import Pose2D
 from .motion import MotionLimits, Tolerances
 from .navigator import BadFramePolicy
-from .parameter_table import (Parameter, boolean, checked, integer, name, number, numbers, one_of, read_table, text,
-                              unknown_names)
+from .parameter_table import (
+    Parameter,
+    boolean,
+    checked,
+    integer,
+    name,
+    number,
+    numbers,
+    one_of,
+    read_table,
+    text,
+    unknown_names,
+)
 from .planning import WorldBounds
 from .recovery import DEFAULT_BEHAVIORS, ROTATION_SECONDS, RecoveryBehavior, RecoveryPolicy
 

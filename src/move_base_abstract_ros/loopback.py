@@ -24,8 +24,8 @@ import tempfile
 import time
 
 import rosgraph
-from roslib import packages
 import rospkg
+from roslib import packages
 
 PACKAGE = 'move_base_abstract'
 MASTER_TRIES = 3  # another process may take the free port before the master binds it

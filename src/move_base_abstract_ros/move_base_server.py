@@ -84,27 +84,34 @@ class MoveBaseServer(NavigatorListener):
         self._planner_interface.add_unreachable_goal = config['make_plan_add_unreachable_goal']
 
     def departed(self, robot, goal, now_ns):
+        """Show that the robot starts."""
         self._publisher.departed(now_ns)
         self._planner_interface.show(robot.pose_at(now_ns), goal, now_ns)
 
     def stands(self, robot, now_ns):
+        """Show that the robot stands."""
         self._publisher.stands(now_ns)
 
     def target(self, goal, now_ns):
+        """Show the goal that is worked on."""
         self._publisher.target(goal, now_ns)
 
     def stop_wheels(self):
+        """Publish a zero velocity."""
         self._publisher.stop_wheels()
 
     def feedback(self, record, pose, stamp_ns):
+        """Tell the goal's client where the robot is, as often as the cap in wall time allows."""
         if self._goal_server.has_feedback_listeners() and self._feedback_throttle.ready():
             self._goal_server.publish_feedback(
                 record, conversions.to_pose_stamped(pose, self._frames.global_frame, stamp_ns), stamp_ns)
 
     def recovery(self, pose, index, behaviors, stamp_ns):
+        """Announce a recovery behaviour."""
         self._publisher.recovery(pose, index, behaviors, stamp_ns)
 
     def warn(self, text):
+        """Log a warning; the same one once in 5 s."""
         if text != self._last_warning or self._warning_throttle.ready():
             self._last_warning = text
             rospy.logwarn('%s: %s', self._names.robot, text)

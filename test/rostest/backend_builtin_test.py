@@ -8,9 +8,10 @@ import rostest
 import tf2_ros
 from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
-from move_base_abstract.srv import SetPose
 from nav_msgs.msg import Odometry
 from robot_harness import GUARD, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
+
+from move_base_abstract.srv import SetPose
 
 REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 

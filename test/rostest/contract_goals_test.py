@@ -8,8 +8,18 @@ from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import MoveBaseActionFeedback
 from nav_msgs.msg import Odometry
-from robot_harness import (ACCEPTED, ANOTHER_GOAL, BAD_QUATERNION, SPEED, RawClient, Record, active_since_ns,
-                           go, pose_stamped, simple_client)
+from robot_harness import (
+    ACCEPTED,
+    ANOTHER_GOAL,
+    BAD_QUATERNION,
+    SPEED,
+    RawClient,
+    Record,
+    active_since_ns,
+    go,
+    pose_stamped,
+    simple_client,
+)
 
 NAN = float('nan')
 FAR = 2000.0  # m; long enough to be still under way when the test acts

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a robot makes of its parameters and arguments: start-up lines, warnings, fatal errors, exit codes, last words."""
+"""What a robot makes of its parameters and arguments: start-up lines, warnings, errors, exit codes, last words."""
 import itertools
 import signal
 import subprocess
@@ -11,9 +11,10 @@ import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from move_base_abstract_ros.loopback import find_executable
 from move_base_msgs.msg import MoveBaseActionFeedback
 from robot_harness import GUARD, RawClient, Record, active_since_ns, pose_stamped
+
+from move_base_abstract_ros.loopback import find_executable
 
 _names = ('r{}'.format(number) for number in itertools.count())
 
