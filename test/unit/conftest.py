@@ -1,0 +1,97 @@
+"""What the unit tests share: the sources on the path, repeatable properties, and one navigator with its surroundings."""
+
+import os
+import sys
+
+from hypothesis import settings
+import pytest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'src'))
+
+from move_base_abstract.errors import FrameError  # noqa: E402
+from move_base_abstract.frames import RobotFrames  # noqa: E402
+from move_base_abstract.geometry import Pose2D, quaternion_of_yaw  # noqa: E402
+from move_base_abstract.goal_ledger import GoalLedger  # noqa: E402
+from move_base_abstract.motion import MotionLimits, Tolerances  # noqa: E402
+from move_base_abstract.navigator import GoalPose, Navigator, NavigatorListener  # noqa: E402
+from move_base_abstract.planning import StraightLinePlanner, WorldBounds  # noqa: E402
+from move_base_abstract.robot import Robot  # noqa: E402
+from move_base_abstract.simulation import Simulation  # noqa: E402
+from move_base_abstract.units import seconds_to_ns  # noqa: E402
+
+settings.register_profile('repeatable', derandomize=True, database=None, deadline=None, max_examples=150)
+settings.load_profile('repeatable')
+
+
+class NavigatorRig(NavigatorListener):
+    """One navigator, driven by hand in simulated seconds; ``trace`` gets all that it tells the outside, in order."""
+
+    def __init__(self, start=Pose2D(), limits=MotionLimits(2.0), tolerances=Tolerances(), bounds=WorldBounds(),
+                 feedback_freq=0.0, foreign=None):
+        self.trace = []
+        self.foreign = foreign or {}
+        self.simulation = Simulation()
+        self.robot = Robot(0, 'robot_0', start, limits, tolerances)
+        self.ledger = GoalLedger(lambda: None, self._result, 'made-up-{}'.format)
+        frames = RobotFrames(self.robot, 'map', 'odom', 'base_link', self._lookup)
+        self.navigator = Navigator(self.robot, self.simulation, self.ledger, frames, self,
+                                   StraightLinePlanner(bounds))
+        self.navigator.set_feedback_frequency(feedback_freq)
+
+    def advance(self, seconds):
+        """Let the clock show ``seconds``; return the trace up to then and begin a new one."""
+        self.simulation.advance(seconds_to_ns(seconds))
+        return self.told()
+
+    def told(self):
+        trace, self.trace = self.trace, []
+        return trace
+
+    def send(self, goal_id, x, y, yaw=0.0, frame='map', stamp=0.0, id_stamp=0.0, quaternion=None):
+        """Hand the navigator a goal at the present; return what it tells about it at once."""
+        goal = GoalPose(frame, seconds_to_ns(stamp), (x, y), quaternion or quaternion_of_yaw(yaw))
+        self.navigator.receive(goal_id, seconds_to_ns(id_stamp), goal, self.simulation.now_ns)
+        return self.told()
+
+    def cancel(self, goal_id='', stamp=0.0):
+        self.navigator.cancel(goal_id, seconds_to_ns(stamp), self.simulation.now_ns)
+        return self.told()
+
+    def place(self, pose):
+        self.navigator.place(pose, self.simulation.now_ns)
+        return self.told()
+
+    def _lookup(self, frame_id, stamp_ns):
+        if frame_id not in self.foreign:
+            raise FrameError("'{}' is not known to tf".format(frame_id))
+        return self.foreign[frame_id](stamp_ns)
+
+    def _result(self, record, stamp_ns):
+        self.trace.append(('result', record.goal_id, record.state.name, record.text, stamp_ns))
+
+    def departed(self, robot, goal, now_ns):
+        self.trace.append(('departed', goal, now_ns))
+
+    def stands(self, robot, now_ns):
+        self.trace.append(('stands', robot.pose_at(now_ns), now_ns))
+
+    def target(self, goal, now_ns):
+        self.trace.append(('target', goal, now_ns))
+
+    def stop_wheels(self):
+        self.trace.append(('stop wheels',))
+
+    def feedback(self, record, pose, stamp_ns):
+        self.trace.append(('feedback', record.goal_id, pose, stamp_ns))
+
+    def recovery(self, pose, index, behaviors, stamp_ns):
+        self.trace.append(('recovery', behaviors[index].name, index, len(behaviors), stamp_ns))
+
+    def warn(self, text):
+        self.trace.append(('warn', text))
+
+
+@pytest.fixture
+def rig():
+    """Return the class, so that each test says what its robot is like."""
+    return NavigatorRig
