@@ -152,7 +152,11 @@ class Navigator:
             self._give_up(now_ns)
 
     def _travel(self, now_ns):
-        leg = self.robot.depart(self._target, now_ns)
+        try:
+            leg = self.robot.depart(self._target, now_ns)
+        except ValueError as error:
+            self._end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
+            return
         self._listener.departed(self.robot, self._target, now_ns)
         self._at(leg.arrive_ns, self._arrive)
 

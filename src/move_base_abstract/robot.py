@@ -49,10 +49,13 @@ class Robot:
         return self._driven + self._motion.distance_at(now_ns)
 
     def depart(self, goal, now_ns):
-        """Start for ``goal`` from where the robot is at ``now_ns`` [ns], from rest; return the :class:`Leg`."""
-        start = self.pose_at(now_ns)
+        """Start for ``goal`` from where the robot is at ``now_ns`` [ns], from rest; return the :class:`Leg`.
+
+        :raises ValueError: if the goal is so far away that no number holds the distance or the time.
+        """
+        leg = Leg(self.pose_at(now_ns), goal, self.limits, self.tolerances, now_ns)
         self._driven = self.distance_at(now_ns)
-        return self._begin(Leg(start, goal, self.limits, self.tolerances, now_ns))
+        return self._begin(leg)
 
     def stop(self, now_ns):
         """Stand still from ``now_ns`` [ns] on; return the pose of that instant, exactly."""
