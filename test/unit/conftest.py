@@ -1,10 +1,10 @@
-"""What the unit tests share: the sources on the path, repeatable properties, and one navigator with its surroundings."""
+"""What the unit tests share: the sources on the path, repeatable properties, a navigator with its surroundings."""
 
 import os
 import sys
 
-from hypothesis import settings
 import pytest
+from hypothesis import settings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'src'))
 
@@ -91,7 +91,7 @@ class NavigatorRig(NavigatorListener):
         self.trace.append(('warn', text))
 
 
-@pytest.fixture
+@pytest.fixture(scope='session')
 def rig():
     """Return the class, so that each test says what its robot is like."""
     return NavigatorRig

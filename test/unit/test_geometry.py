@@ -3,10 +3,11 @@
 import dataclasses
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from move_base_abstract.geometry import Pose2D, normalize_angle, quaternion_fault, quaternion_of_yaw, yaw_of_quaternion
-import pytest
 
 NAN_FAULT = 'Quaternion has nans or infs... discarding as a navigation goal'
 SHORT_FAULT = 'Quaternion has length close to zero... discarding as navigation goal'

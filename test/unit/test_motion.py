@@ -2,12 +2,13 @@
 
 import math
 
+import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+
 from move_base_abstract.geometry import Pose2D, normalize_angle
 from move_base_abstract.motion import Leg, MotionLimits, SpeedProfile, Tolerances
 from move_base_abstract.units import NS_PER_S, ns_to_seconds, seconds_to_ns
-import pytest
 
 S = NS_PER_S
 NO_TOLERANCE = Tolerances()
@@ -112,11 +113,11 @@ def test_the_speed_is_the_slope_of_the_distance(profile, share, step):
 
 def test_a_leg_turns_drives_and_turns_again():
     leg = Leg(Pose2D(), Pose2D(0.0, 4.0, math.pi), MotionLimits(2.0, turn_rate=math.pi / 2), NO_TOLERANCE, 10 * S)
-    half_right = math.pi / 2
+    right = math.pi / 2
     expected = [
-        (0.0, (0, 0, 0.0), (0, 0)), (10.0, (0, 0, 0.0), (0, half_right)), (10.5, (0, 0, math.pi / 4), (0, half_right)),
-        (11.0, (0, 0, half_right), (2, 0)), (12.0, (0, 2, half_right), (2, 0)), (13.0, (0, 4, half_right), (0, half_right)),
-        (13.5, (0, 4, 0.75 * math.pi), (0, half_right)), (14.0, (0, 4, math.pi), (0, 0)), (99.0, (0, 4, math.pi), (0, 0))]
+        (0.0, (0, 0, 0.0), (0, 0)), (10.0, (0, 0, 0.0), (0, right)), (10.5, (0, 0, right / 2), (0, right)),
+        (11.0, (0, 0, right), (2, 0)), (12.0, (0, 2, right), (2, 0)), (13.0, (0, 4, right), (0, right)),
+        (13.5, (0, 4, 1.5 * right), (0, right)), (14.0, (0, 4, math.pi), (0, 0)), (99.0, (0, 4, math.pi), (0, 0))]
     for seconds, pose, velocity in expected:
         at = leg.pose_at(seconds_to_ns(seconds))
         assert (at.x, at.y, at.yaw) == pytest.approx(pose, abs=1e-9), seconds

@@ -1,0 +1,189 @@
+"""The order of events, cancelling, and series that stay on their multiples however the clock leaps."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from move_base_abstract.event_queue import EventQueue, Series
+
+TIMES = st.integers(0, 50)
+
+
+class Trace:
+    """A queue whose events write down when they were due, when they happened, and who they are."""
+
+    def __init__(self):
+        self.queue = EventQueue()
+        self.lines = []
+
+    def schedule(self, due_ns, robot_index=0, name=''):
+        return self.queue.schedule(due_ns, robot_index,
+                                   lambda due, now: self.lines.append((due, now, robot_index, name)))
+
+    def run(self, *instants):
+        for now_ns in instants:
+            self.queue.run_until(now_ns)
+        lines, self.lines = self.lines, []
+        return lines
+
+
+# ---- order
+
+def test_events_of_one_instant_come_by_robot_index_and_then_as_they_were_scheduled():
+    trace = Trace()
+    for due_ns, robot_index, name in [(5, 1, 'a'), (5, 0, 'b'), (3, 2, 'c'), (5, 0, 'd'), (4, 9, 'e'), (5, 1, 'f')]:
+        trace.schedule(due_ns, robot_index, name)
+    assert trace.run(5) == [(3, 5, 2, 'c'), (4, 5, 9, 'e'), (5, 5, 0, 'b'), (5, 5, 0, 'd'), (5, 5, 1, 'a'),
+                            (5, 5, 1, 'f')]
+
+
+def test_an_event_happens_once_and_not_before_it_is_due():
+    trace = Trace()
+    trace.schedule(10)
+    assert trace.run(9) == []
+    assert trace.run(10, 10, 11) == [(10, 10, 0, '')]
+
+
+def test_what_is_scheduled_meanwhile_happens_in_its_place():
+    trace = Trace()
+
+    def schedule_more(due_ns, _now_ns):
+        trace.schedule(due_ns, 0, 'same instant')
+        trace.schedule(due_ns + 2, 0, 'between')
+        trace.schedule(due_ns - 1, 0, 'belated')
+        trace.schedule(100, 0, 'later')
+
+    trace.queue.schedule(1, 0, schedule_more)
+    trace.schedule(2, 1, 'second')
+    trace.schedule(4, 0, 'last')
+    assert trace.run(10) == [(0, 10, 0, 'belated'), (1, 10, 0, 'same instant'), (2, 10, 1, 'second'),
+                             (3, 10, 0, 'between'), (4, 10, 0, 'last')]
+    assert trace.queue.next_due_ns() == 100
+
+
+@given(st.lists(st.tuples(TIMES, st.integers(0, 3), st.booleans()), max_size=40), st.lists(TIMES, max_size=5))
+def test_any_events_come_in_order_at_the_first_instant_not_before_them(plans, instants):
+    trace = Trace()
+    events = [trace.schedule(due_ns, robot, number) for number, (due_ns, robot, _) in enumerate(plans)]
+    for event, (_, _, keep) in zip(events, plans):
+        if not keep:
+            event.cancel()
+    instants = sorted(instants)
+    ordered = sorted((due_ns, robot, number) for number, (due_ns, robot, keep) in enumerate(plans) if keep)
+    expected = [(due_ns, next(now_ns for now_ns in instants if now_ns >= due_ns), robot, number)
+                for due_ns, robot, number in ordered if instants and due_ns <= instants[-1]]
+    assert trace.run(*instants) == expected
+    left = [due_ns for due_ns, _, _ in ordered if not instants or due_ns > instants[-1]]
+    assert trace.queue.next_due_ns() == (min(left) if left else None)
+
+
+# ---- cancelling
+
+def test_a_cancelled_event_neither_happens_nor_counts_as_the_next():
+    trace = Trace()
+    first = trace.schedule(1, 0, 'first')
+    trace.schedule(2, 0, 'second')
+    first.cancel()
+    first.cancel()
+    assert trace.queue.next_due_ns() == 2
+    assert trace.run(5) == [(2, 5, 0, 'second')]
+    assert trace.queue.next_due_ns() is None
+    first.cancel()
+
+
+def test_an_event_can_cancel_another_of_the_same_instant_and_itself():
+    trace = Trace()
+    events = {}
+
+    def cancel_both(_due_ns, _now_ns):
+        events['victim'].cancel()
+        events['self'].cancel()
+
+    events['self'] = trace.queue.schedule(1, 0, cancel_both)
+    events['victim'] = trace.schedule(1, 0, 'victim')
+    trace.schedule(1, 0, 'bystander')
+    assert trace.run(1) == [(1, 1, 0, 'bystander')]
+
+
+def test_an_event_that_has_happened_holds_no_action():
+    trace = Trace()
+    event = trace.schedule(1)
+    assert event.action is not None
+    trace.run(1)
+    assert event.action is None
+
+
+# ---- series
+
+class SeriesTrace(Trace):
+    def __init__(self, period_ns, first_ns=None):
+        super().__init__()
+        self.series = Series(self.queue, 3, period_ns, lambda due, now: self.lines.append((due, now)))
+        if first_ns is not None:
+            self.series.start(first_ns)
+
+
+@pytest.mark.parametrize('period_ns', [0, -1])
+def test_a_series_needs_a_period(period_ns):
+    with pytest.raises(ValueError, match='the period of a series must be > 0 ns, got {}'.format(period_ns)):
+        SeriesTrace(period_ns)
+
+
+def test_a_series_says_each_multiple_once():
+    trace = SeriesTrace(10, first_ns=7)
+    assert trace.run(6, 7, 8, 16, 17, 27, 37) == [(7, 7), (17, 17), (27, 27), (37, 37)]
+
+
+def test_a_series_leaves_out_what_the_clock_has_leapt_over_and_returns_to_its_multiples():
+    trace = SeriesTrace(10, first_ns=0)
+    assert trace.run(0, 35, 39, 40, 41, 99, 100) == [(0, 0), (10, 35), (40, 40), (50, 99), (100, 100)]
+
+
+def test_a_series_is_still_on_its_multiples_after_a_billion_of_them():
+    period_ns = 33_333_333
+    trace = SeriesTrace(period_ns, first_ns=5)
+    trace.run(5, 5 + 10 ** 9 * period_ns)
+    assert trace.queue.next_due_ns() == 5 + (10 ** 9 + 1) * period_ns
+
+
+def test_a_series_belongs_to_its_robot():
+    trace = SeriesTrace(10, first_ns=10)
+    trace.schedule(10, 4, 'after')
+    trace.schedule(10, 2, 'before')
+    assert trace.run(10) == [(10, 10, 2, 'before'), (10, 10), (10, 10, 4, 'after')]
+
+
+def test_a_stopped_series_is_silent_until_it_is_started_anew_from_there():
+    trace = SeriesTrace(10, first_ns=0)
+    assert trace.run(0, 10) == [(0, 0), (10, 10)]
+    trace.series.stop()
+    trace.series.stop()
+    assert (trace.run(25), trace.queue.next_due_ns()) == ([], None)
+    trace.series.start(26)
+    assert trace.run(30, 36) == [(26, 30), (36, 36)]
+
+
+def test_starting_twice_makes_one_series():
+    trace = SeriesTrace(10, first_ns=0)
+    trace.series.start(5)
+    assert trace.run(0, 5, 10, 15) == [(5, 5), (15, 15)]
+
+
+def test_a_series_can_be_stopped_by_its_own_action():
+    trace = Trace()
+    series = Series(trace.queue, 0, 10, lambda due, now: (trace.lines.append((due, now)), series.stop()))
+    series.start(0)
+    assert trace.run(0, 10, 20) == [(0, 0)]
+
+
+@given(st.integers(1, 20), TIMES, st.lists(st.integers(0, 300), max_size=30))
+def test_any_leaps_give_one_call_each_on_the_first_multiple_still_due(period_ns, first_ns, instants):
+    expected, multiple = [], first_ns
+    for now_ns in sorted(instants):
+        if multiple <= now_ns:
+            expected.append((multiple, now_ns))
+        while multiple <= now_ns:
+            multiple += period_ns
+    trace = SeriesTrace(period_ns, first_ns)
+    assert trace.run(*sorted(instants)) == expected
+    assert trace.queue.next_due_ns() == multiple
