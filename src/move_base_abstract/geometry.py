@@ -50,6 +50,11 @@ class Pose2D:
                       self.y + sin * local.x + cos * local.y,
                       self.yaw + local.yaw)
 
+    def inverse(self):
+        """Return the pose of the frame in which this one is given, in the frame that stands at this one."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose2D(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw)
+
 
 def yaw_of_quaternion(quaternion):
     """Return the rotation about z [rad] of ``quaternion`` = (x, y, z, w), of any length but 0.
