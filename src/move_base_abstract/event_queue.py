@@ -60,7 +60,8 @@ class Series:
     """An event that comes back every ``period_ns`` [ns], on multiples counted from its start.
 
     ``action(due_ns, now_ns)`` is called once an instant; multiples that the clock has leapt over are left out, so that
-    a fast clock does not bury its listeners, and the k-th one stays at start + k * period exactly.
+    a fast clock does not bury its listeners, and the k-th one stays at start + k * period exactly. An action that has
+    nothing to do for a while may return for how long [ns]; multiples in between are left out as well.
     """
 
     def __init__(self, queue, robot_index, period_ns, action):
@@ -84,6 +85,8 @@ class Series:
             self._event = None
 
     def _happen(self, due_ns, now_ns):
-        next_ns = due_ns + self._period_ns * ((now_ns - due_ns) // self._period_ns + 1)
-        self._event = self._queue.schedule(next_ns, self._robot_index, self._happen)
-        self._action(due_ns, now_ns)
+        own = self._event
+        pause_ns = self._action(due_ns, now_ns) or 0
+        if self._event is own:  # not stopped, not started anew
+            next_ns = due_ns + self._period_ns * ((now_ns + pause_ns - due_ns) // self._period_ns + 1)
+            self._event = self._queue.schedule(next_ns, self._robot_index, self._happen)

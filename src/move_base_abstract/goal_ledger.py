@@ -136,6 +136,13 @@ class GoalLedger:
         self._last_cancel_ns = max(self._last_cancel_ns, stamp_ns)
         return hits_active
 
+    def clear(self):
+        """Forget all goals and cancels, ended or not, without a word to anybody."""
+        self._records = []
+        self._current = None
+        self._last_cancel_ns = 0
+        self._early_cancels.clear()
+
     def _remember_cancel(self, goal_id, stamp_ns, now_ns):
         self._early_cancels[goal_id] = None
         while len(self._early_cancels) > _REMEMBERED_CANCELS:

@@ -48,7 +48,7 @@ class NavigatorListener:
         """move_base would now send a zero velocity."""
 
     def feedback(self, record, pose, stamp_ns):
-        """The robot with the active goal ``record`` is at ``pose``."""
+        """The robot with the active goal ``record`` is at ``pose``; may return for how long to be silent [ns]."""
 
     def recovery(self, pose, index, behaviors, stamp_ns):
         """Recovery behaviour ``index`` of ``behaviors`` begins."""
@@ -213,8 +213,9 @@ class Navigator:
 
     def _tell_position(self, due_ns, _now_ns):
         record = self._ledger.active
-        if record is not None:
-            self._listener.feedback(record, self.robot.pose_at(due_ns), due_ns)
+        if record is None:
+            return None
+        return self._listener.feedback(record, self.robot.pose_at(due_ns), due_ns)
 
     def _at(self, due_ns, action):
         self._events = [event for event in self._events if event.action is not None]

@@ -69,6 +69,12 @@ class Robot:
         self._driven = self.distance_at(now_ns)
         self._begin(_Stand(pose, now_ns))
 
+    def reset(self, pose, now_ns):
+        """Be at ``pose`` as if nothing had happened before ``now_ns`` [ns]."""
+        self._past.clear()
+        self._driven = 0.0
+        self._begin(_Stand(pose, now_ns))
+
     def _begin(self, motion):
         self._motion = motion
         self._past.append(motion)

@@ -63,6 +63,7 @@ TABLE = (
     Parameter('bad_frame_policy', 'abort', one_of('abort', 'wait'), "'abort' or 'wait'"),
     Parameter('frame_timeout', 1.0, number(0.0, 60.0), 'a number in 0..60 [s, wall]'),
     Parameter('abort_policy', 'fast', one_of('fast', 'upstream'), "'fast' or 'upstream'"),
+    Parameter('status_list_timeout', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]'),
     Parameter('min_answer_delay', 0.02, number(0.0, 1.0), 'a number in 0..1 [s, wall]'),
     Parameter('world_bounds', None, numbers(4), 'a list [x_min, y_min, x_max, y_max] [m, global frame]'),
     Parameter('controller_frequency', 20.0, number(above=0.0), _POSITIVE + ' [Hz, simulated]'),

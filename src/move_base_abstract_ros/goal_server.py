@@ -7,13 +7,11 @@ from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionGoal, MoveBaseActionResult, MoveBaseFeedback
 
 from move_base_abstract.goal_ledger import GoalLedger
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
 from . import conversions
 from .outbox import Outbox
-from .throttle import WallThrottle
 
-_STATUS_RATE_CAP = 5.0
 # A client that misses the acceptance of its goal misses its active_cb only, so that a shorter wait will do.
 _ACCEPTANCE_SHARE = 0.25
 
@@ -21,13 +19,14 @@ _ACCEPTANCE_SHARE = 0.25
 class GoalServer:
     """Speaks the actionlib protocol on ``<ns>/{goal,cancel,status,feedback,result}`` for the action MoveBase.
 
-    ``clock`` is the process's :class:`RosClock`; ``min_answer_delay`` [s, wall] is the shortest time between the
-    arrival of a goal and its final answer, and a quarter of it the shortest before any status that shows the goal.
+    ``min_answer_delay`` [s, wall] is the shortest time between the arrival of a goal and its final answer, and a
+    quarter of it the shortest before any status that shows the goal. The :class:`Host` repeats the status.
     """
 
-    def __init__(self, ns, node_name, clock, min_answer_delay):
+    def __init__(self, ns, node_name, host, min_answer_delay, status_list_timeout):
         self.ns = ns
-        self._clock = clock
+        self._host = host
+        self._clock = host.clock
         self._min_answer_delay = min_answer_delay
         self._arrivals = {}
         self._acceptance_wall = 0.0
@@ -35,28 +34,38 @@ class GoalServer:
         self._counter = itertools.count(1)
         self._node_name = node_name
         self._navigator = None
-        self._heartbeat = WallThrottle(_STATUS_RATE_CAP)
-        size = _queue_size('actionlib_server_pub_queue_size')
+        self._prefetch = None
+        size = host.options.pub_queue_size
         self._status = rospy.Publisher(ns + '/status', GoalStatusArray, queue_size=size, latch=True, tcp_nodelay=True)
         self._result = rospy.Publisher(ns + '/result', MoveBaseActionResult, queue_size=size, tcp_nodelay=True)
         self._feedback = rospy.Publisher(ns + '/feedback', MoveBaseActionFeedback, queue_size=size, tcp_nodelay=True)
         self.ledger = GoalLedger(self._publish_status, self._publish_result, self._new_id,
-                                 _seconds_to_ns(rospy.get_param(ns + '/status_list_timeout', 5.0)))
+                                 seconds_to_ns(status_list_timeout))
 
-    def start(self, navigator, robot_index, prefetch):
+    def start(self, navigator, prefetch):
         """Take goals for ``navigator``; ``prefetch(goal)`` is called without the lock before each and may block."""
         self._navigator = navigator
         self._prefetch = prefetch
-        frequency = rospy.get_param(rospy.search_param('actionlib_status_frequency') or '/nowhere', 5.0)
         with self._clock.lock:
-            now_ns = self._clock.now_ns()
-            series = self._clock.simulation.series(robot_index, float(frequency), self._repeat_status)
-            if series is not None:
-                series.start(now_ns)
+            self._clock.now_ns()
             self._publish_status()
-        size = _queue_size('actionlib_server_sub_queue_size')
-        rospy.Subscriber(self.ns + '/cancel', GoalID, self._on_cancel, queue_size=size, tcp_nodelay=True)
-        rospy.Subscriber(self.ns + '/goal', MoveBaseActionGoal, self._on_goal, queue_size=size, tcp_nodelay=True)
+        self._host.status_heartbeat.add(self._repeat_status)
+        size = self._host.options.sub_queue_size
+        self._subscribers = [
+            rospy.Subscriber(self.ns + '/cancel', GoalID, self._on_cancel, queue_size=size, tcp_nodelay=True),
+            rospy.Subscriber(self.ns + '/goal', MoveBaseActionGoal, self._on_goal, queue_size=size, tcp_nodelay=True)]
+
+    def close(self):
+        """Take no more goals and leave the graph."""
+        self._host.status_heartbeat.remove(self._repeat_status)
+        for topic in (*self._subscribers, self._status, self._result, self._feedback):
+            topic.unregister()
+
+    def reset(self):
+        """Forget all goals."""
+        self.ledger.clear()
+        self._arrivals.clear()
+        self._publish_status()
 
     def _on_goal(self, message):
         goal = conversions.from_target(message.goal.target_pose)
@@ -94,8 +103,8 @@ class GoalServer:
                                                         [_to_status(record) for record in records]),
                           self._acceptance_wall)
 
-    def _repeat_status(self, _due_ns, _now_ns):
-        if self._heartbeat.ready():
+    def _repeat_status(self, _now_ns):
+        if self._status.get_num_connections() > 0:
             self._publish_status()
 
     def _publish_result(self, record, stamp_ns):
@@ -109,12 +118,3 @@ class GoalServer:
 
 def _to_status(record):
     return GoalStatus(GoalID(conversions.to_time(record.stamp_ns), record.goal_id), record.state.value, record.text)
-
-
-def _seconds_to_ns(seconds):
-    return int(float(seconds) * NS_PER_S)
-
-
-def _queue_size(parameter):
-    size = rospy.get_param(parameter, 50)
-    return size if isinstance(size, int) and size > 0 else 50

@@ -5,7 +5,7 @@ from move_base_msgs.msg import MoveBaseActionGoal
 
 from move_base_abstract.frames import RobotFrames
 from move_base_abstract.navigator import Navigator, NavigatorListener
-from move_base_abstract.outcome import NODE_KILLED
+from move_base_abstract.outcome import NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
 from move_base_abstract.planning import StraightLinePlanner
 from move_base_abstract.recovery import DEFAULT_BEHAVIORS, RecoveryPolicy
 from move_base_abstract.robot import Robot
@@ -19,16 +19,20 @@ from .teleport import Teleport
 from .tf_lookup import TfLookup
 from .throttle import WallThrottle
 
-_REPEATED_WARNINGS_RATE = 0.2
+_REPEATED_WARNINGS_RATE = 0.2  # Hz, wall
+_DEAF_SECONDS = 0.1  # wall; how long a robot to whose feedback nobody listens is silent
 
 
 class MoveBaseServer(NavigatorListener):
-    """Hosts one robot. Several of them may share a process and its :class:`RosClock`."""
+    """One robot of a process's :class:`Host`."""
 
-    def __init__(self, names, settings, clock, robot_index=0):
+    def __init__(self, names, settings, host, robot_index=0):
+        clock = host.clock
         self._names = names
         self._settings = settings
         self._clock = clock
+        self._host = host
+        host.robot_count += 1
         self._last_warning = None
         self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
         with clock.lock:
@@ -37,9 +41,10 @@ class MoveBaseServer(NavigatorListener):
         self._teleport = Teleport(names, clock, self.navigator, self._frames, self._prefetch_frame)
         self._planner_interface = PlannerInterface(names, settings, clock, self.navigator)
         self._reconfigure = Reconfigure(names, settings, self)
-        self._goal_server.start(self.navigator, robot_index, self._prefetch)
+        self._goal_server.start(self.navigator, self._prefetch)
         self._own_goals = rospy.Publisher(names.action('goal'), MoveBaseActionGoal, queue_size=1)
-        rospy.Subscriber(names.topic('move_base_simple/goal'), PoseStamped, self._on_simple_goal, queue_size=1)
+        self._simple_goals = rospy.Subscriber(names.topic('move_base_simple/goal'), PoseStamped, self._on_simple_goal,
+                                              queue_size=1)
 
     def _build(self, robot_index, now_ns):
         settings, values = self._settings, self._settings.values
@@ -48,21 +53,46 @@ class MoveBaseServer(NavigatorListener):
         self._lookup = TfLookup(values['global_frame'], values['frame_timeout'])
         self._frames = RobotFrames(robot, values['global_frame'], settings.frame(values['odom_frame']),
                                    settings.frame(values['robot_base_frame']), self._lookup.lookup)
-        self._goal_server = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._clock,
-                                       values['min_answer_delay'])
+        self._goal_server = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._host,
+                                       values['min_answer_delay'], values['status_list_timeout'])
         self.navigator = Navigator(robot, self._clock.simulation, self._goal_server.ledger, self._frames, self,
                                    StraightLinePlanner(settings.bounds))
         self.navigator.bad_frame_policy = settings.bad_frame_policy
         self.navigator.recovery_policy = settings.recovery
         self.navigator.set_feedback_frequency(values['feedback_freq'])
-        self._feedback_throttle = WallThrottle(values['max_feedback_rate'])
-        self._publisher = RobotPublisher(self._names, settings, self._clock.simulation, robot, backend)
+        self._feedback_throttle = self._host.throttle(values['max_feedback_rate'])
+        self._publisher = RobotPublisher(self._names, settings, self._host, robot, backend)
 
     def shut_down(self):
         """End the active goal as a killed move_base does, and let the answer leave."""
         with self._clock.lock:
             self.navigator.shut_down(NODE_KILLED, self._clock.now_ns())
         self._goal_server.flush()
+
+    def close(self):
+        """Take the robot out of the world: its goal ends, its topics and services go."""
+        self._simple_goals.unregister()
+        self._own_goals.unregister()
+        for part in (self._teleport, self._reconfigure, self._planner_interface):
+            part.close()
+        with self._clock.lock:
+            self.navigator.shut_down(ROBOT_REMOVED, self._clock.now_ns())
+            self._goal_server.flush()
+            self._goal_server.close()
+            self._publisher.close()
+        self._host.robot_count -= 1
+
+    def reset(self):
+        """Be as at the start, but for the time: at the start pose, with the start's limits, without goals."""
+        settings = self._settings
+        with self._clock.lock:
+            now_ns = self._clock.now_ns()
+            self.navigator.shut_down(ROBOT_RESET, now_ns)
+            self._goal_server.flush()
+            self._goal_server.reset()
+            self.navigator.robot.limits, self.navigator.robot.tolerances = settings.limits, settings.tolerances
+            self.navigator.robot.reset(settings.start, now_ns)
+            self._publisher.stands(now_ns)
 
     def set_motion(self, limits, tolerances):
         """Travel with other limits from the next leg on."""
@@ -102,9 +132,12 @@ class MoveBaseServer(NavigatorListener):
 
     def feedback(self, record, pose, stamp_ns):
         """Tell the goal's client where the robot is, as often as the cap in wall time allows."""
-        if self._goal_server.has_feedback_listeners() and self._feedback_throttle.ready():
+        if not self._goal_server.has_feedback_listeners():
+            return self._clock.wall_to_ns(_DEAF_SECONDS)
+        if self._feedback_throttle.ready():
             self._goal_server.publish_feedback(
                 record, conversions.to_pose_stamped(pose, self._frames.global_frame, stamp_ns), stamp_ns)
+        return self._clock.wall_to_ns(self._feedback_throttle.remaining())
 
     def recovery(self, pose, index, behaviors, stamp_ns):
         """Announce a recovery behaviour."""

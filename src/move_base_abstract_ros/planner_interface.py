@@ -32,6 +32,14 @@ class PlannerInterface:
             rospy.Service(names.own('clear_costmaps'), Empty, lambda _request: EmptyResponse())]
         self._costmaps = _CostmapTopics(names, settings)
 
+    def close(self):
+        """Leave the graph."""
+        for publisher in self._plans:
+            publisher.unregister()
+        for service in self._services:
+            service.shutdown('the robot is removed')
+        self._costmaps.close()
+
     def show(self, start, goal, now_ns):
         """Publish the way that the robot now takes."""
         listened = [publisher for publisher in self._plans if publisher.get_num_connections() > 0]
@@ -94,6 +102,11 @@ class _CostmapTopics:
             if settings.values['world_bounds']:
                 grid.publish(self._free_grid(settings))
             self._publishers += [grid, update, polygon]
+
+    def close(self):
+        """Leave the graph."""
+        for publisher in self._publishers:
+            publisher.unregister()
 
     def _free_grid(self, settings):
         bounds = settings.bounds

@@ -39,6 +39,13 @@ class _SafeServer(Server):
                 rospy.set_param(self.ns + name, self.config[name])
 
 
+    def close(self):
+        """Leave the graph."""
+        self.descr_topic.unregister()
+        self.update_topic.unregister()
+        self.set_service.shutdown('the robot is removed')
+
+
 class Reconfigure:
     """The two servers of one robot, and what their changes mean for its :class:`MoveBaseServer`."""
 
@@ -64,6 +71,11 @@ class Reconfigure:
             _SafeServer(MoveBaseConfig, self._on_move_base, names.private, self._move_base_start),
             _SafeServer(_PLANNER_TYPES.get(planner, DWAPlannerConfig), self._on_planner, names.own(planner),
                         self._planner_start)]
+
+    def close(self):
+        """Leave the graph."""
+        for server in self._servers:
+            server.close()
 
     def _on_move_base(self, config, level):
         if config['restore_defaults']:

@@ -4,26 +4,25 @@ from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
 
 from . import conversions
-from .throttle import WallThrottle
 
 
 class RobotPublisher:
     """Publishes poses through a backend, and ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
 
-    def __init__(self, names, settings, simulation, robot, backend):
+    def __init__(self, names, settings, host, robot, backend):
+        simulation = host.clock.simulation
+        self._clock = host.clock
         self._robot = robot
         self._backend = backend
         self._global_frame = settings.values['global_frame']
-        self._pose_throttle = WallThrottle(settings.values['max_pose_rate'])
-        self._tf_throttle = WallThrottle(settings.values['max_pose_rate'])
+        self._pose_throttle = host.throttle(settings.values['max_pose_rate'])
         self._current_goal = rospy.Publisher(names.own('current_goal'), PoseStamped, queue_size=0)
         self._cmd_vel = rospy.Publisher(names.topic('cmd_vel'), Twist, queue_size=1)
         self._recovery = rospy.Publisher(names.action('recovery_status'), RecoveryStatus, queue_size=1)
         self._updates = simulation.series(robot.index, settings.values['pose_update_freq'], self._update)
         self._updates_beat = settings.values['pose_update_freq'] >= settings.values['tf_heartbeat_freq']
-        heartbeat = simulation.series(robot.index, settings.values['tf_heartbeat_freq'], self._beat)
-        if heartbeat is not None:
-            heartbeat.start(simulation.now_ns)
+        self._heartbeat = host.tf_heartbeat(settings.values['tf_heartbeat_freq'], settings.values['max_pose_rate'])
+        self._heartbeat.add(self._beat)
         self.place(simulation.now_ns)
 
     def departed(self, now_ns):
@@ -57,13 +56,21 @@ class RobotPublisher:
             current_recovery_number=index, total_number_of_recoveries=len(behaviors),
             recovery_behavior_name=behaviors[index].name))
 
+    def close(self):
+        """Publish nothing any more."""
+        self._heartbeat.remove(self._beat)
+        if self._updates is not None:
+            self._updates.stop()
+        self._backend.close()
+        for publisher in (self._current_goal, self._cmd_vel, self._recovery):
+            publisher.unregister()
+
     def _update(self, due_ns, _now_ns):
         if self._pose_throttle.ready():
             self.place(due_ns)
+        return self._clock.wall_to_ns(self._pose_throttle.remaining())
 
-    def _beat(self, _due_ns, now_ns):
+    def _beat(self, now_ns):
         """Tell tf the pose at the latest instant, so that a look-up of the present need not wait for another one."""
-        if self._updates_beat and self._robot.leg is not None:
-            return
-        if self._tf_throttle.ready():
+        if not (self._updates_beat and self._robot.leg is not None):
             self._backend.heartbeat(self._robot.pose_at(now_ns), now_ns)

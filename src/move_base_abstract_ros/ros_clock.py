@@ -10,9 +10,11 @@ import rospy
 from rosgraph_msgs.msg import Clock
 
 from move_base_abstract.simulation import Simulation
+from move_base_abstract.units import NS_PER_S
 
 _POLL_SECONDS = 0.01
 _REMINDER_SECONDS = 5.0
+_SPEED_WINDOW_SECONDS = 0.02
 
 
 class RosClock:
@@ -24,6 +26,8 @@ class RosClock:
         self._arrived = threading.Event()
         self._latest_ns = 0
         self._subscriber = None
+        self._speed = 1.0
+        self._speed_mark = (0.0, 0)
 
     def start(self):
         """Wait for the first ``/clock`` and start the simulation at that time; False if ROS shuts down meanwhile."""
@@ -56,6 +60,18 @@ class RosClock:
         self.simulation.advance(max(self._latest_ns, self.simulation.now_ns))
         return self.simulation.now_ns
 
+    def wall_to_ns(self, seconds):
+        """Return how far simulated time [ns] moves in ``seconds`` of the wall clock, at its present speed."""
+        return int(seconds * self._speed * NS_PER_S)
+
+    def _measure_speed(self, time_ns):
+        wall = time.monotonic()
+        mark_wall, mark_ns = self._speed_mark
+        if wall - mark_wall >= _SPEED_WINDOW_SECONDS:
+            if mark_ns:
+                self._speed = (time_ns - mark_ns) / NS_PER_S / (wall - mark_wall)
+            self._speed_mark = (wall, time_ns)
+
     def _on_clock(self, message):
         time_ns = message.clock.to_nsec()
         if time_ns <= self._latest_ns:
@@ -70,6 +86,7 @@ class RosClock:
             return
         with self.lock:
             self._latest_ns = time_ns
+            self._measure_speed(time_ns)
             self.simulation.advance(time_ns)
 
     def _follow_machine(self):

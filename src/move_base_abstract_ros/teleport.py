@@ -17,11 +17,18 @@ class Teleport:
         self._navigator = navigator
         self._frames = frames
         self._prefetch = prefetch
-        rospy.Subscriber(names.topic('initialpose'), PoseWithCovarianceStamped,
-                         lambda message: self._on_pose('initialpose', message.header, message.pose.pose), queue_size=1)
-        rospy.Subscriber(names.topic('set_pose'), PoseStamped,
-                         lambda message: self._on_pose('set_pose', message.header, message.pose), queue_size=1)
+        self._subscribers = (
+            rospy.Subscriber(names.topic('initialpose'), PoseWithCovarianceStamped, lambda message: self._on_pose(
+                'initialpose', message.header, message.pose.pose), queue_size=1),
+            rospy.Subscriber(names.topic('set_pose'), PoseStamped, lambda message: self._on_pose(
+                'set_pose', message.header, message.pose), queue_size=1))
         self._service = rospy.Service(names.topic('set_robot_pose'), SetPose, self._serve)
+
+    def close(self):
+        """Listen no more."""
+        for subscriber in self._subscribers:
+            subscriber.unregister()
+        self._service.shutdown('the robot is removed')
 
     def _on_pose(self, topic, header, pose):
         text = self._place(header, pose)

@@ -1,12 +1,11 @@
 """The built-in simulator: the robot is where the core says, and tf and a few topics tell so."""
 import rospy
-import tf2_ros
 from geometry_msgs.msg import Pose, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
 from move_base_abstract.geometry import Pose2D
 
-from .. import conversions
+from .. import conversions, tf_hub
 
 
 class BuiltinBackend:
@@ -20,7 +19,6 @@ class BuiltinBackend:
         self._global_frame = settings.values['global_frame']
         self._odom_frame = settings.frame(settings.values['odom_frame'])
         self._base_frame = settings.frame(settings.values['robot_base_frame'])
-        self._tf = tf2_ros.TransformBroadcaster()
         self._tf_stamp_ns = -1
         self._tf_pose = None
         self._amcl_pose = _latched(names.topic('amcl_pose'), PoseWithCovarianceStamped)
@@ -46,9 +44,14 @@ class BuiltinBackend:
                 return
             stamp_ns = self._tf_stamp_ns + 1
         self._tf_stamp_ns, self._tf_pose = stamp_ns, pose
-        self._tf.sendTransform([
+        tf_hub.send([
             conversions.to_transform(Pose2D(), self._global_frame, self._odom_frame, stamp_ns),
             conversions.to_transform(pose, self._odom_frame, self._base_frame, stamp_ns)])
+
+    def close(self):
+        """Leave the graph."""
+        for publisher in (self._amcl_pose, self._odom, self._ground_truth, self._robot_pose):
+            publisher.unregister()
 
     def _odometry(self, pose_message, velocity, frame_id, stamp_ns):
         odometry = Odometry(header=conversions.to_header(frame_id, stamp_ns), child_frame_id=self._base_frame)

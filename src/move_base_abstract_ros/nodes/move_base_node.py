@@ -7,6 +7,7 @@ import rospy
 
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.settings import read_settings
+from move_base_abstract_ros.host import Host, read_action_options
 from move_base_abstract_ros.move_base_server import MoveBaseServer
 from move_base_abstract_ros.names import RobotNames
 from move_base_abstract_ros.ros_clock import RosClock
@@ -61,7 +62,7 @@ def away_from_signals(build):
 def _build(names, overrides, default_tf_prefix):
     settings = read_robot_settings(overrides, default_tf_prefix)
     clock = RosClock()
-    return MoveBaseServer(names, settings, clock) if clock.start() else None
+    return MoveBaseServer(names, settings, Host(clock, read_action_options())) if clock.start() else None
 
 
 def read_robot_settings(overrides, default_tf_prefix):

@@ -1,0 +1,105 @@
+"""What the robots of one process share: the clock, heartbeats, and how much may be published in all."""
+from dataclasses import dataclass
+
+import rospy
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.parameter_table import Parameter, integer, number, read_table
+
+from . import tf_hub
+from .throttle import WallThrottle
+
+#: heartbeats come after the robots' own events of the same instant
+_SHARED_INDEX = 2 ** 31 - 1
+_STATUS_RATE_CAP = 5.0  # Hz, wall
+_PUBLICATIONS_PER_SECOND = 1000.0  # wall; the robots of a process share them
+
+_OPTIONS = (
+    Parameter('actionlib_server_pub_queue_size', 50, integer(-1), 'a whole number >= -1'),
+    Parameter('actionlib_server_sub_queue_size', 50, integer(-1), 'a whole number >= -1'),
+    Parameter('actionlib_status_frequency', 5.0, number(0.0), 'a number >= 0 [Hz, simulated]'),
+)
+
+
+@dataclass(frozen=True)
+class ActionOptions:
+    """actionlib's own parameters; the queue sizes count messages, the frequency is in Hz of simulated time."""
+
+    pub_queue_size: int = 50
+    sub_queue_size: int = 50
+    status_frequency: float = 5.0
+
+
+def read_action_options():
+    """Return the :class:`ActionOptions` on the parameter server, found the way actionlib finds them.
+
+    :raises ConfigurationError: for a wrong type or an impossible value.
+    """
+    raw = {}
+    for name in ('actionlib_server_pub_queue_size', 'actionlib_server_sub_queue_size'):
+        if rospy.has_param(name):
+            raw[name] = rospy.get_param(name)
+    frequency = rospy.search_param('actionlib_status_frequency')
+    if frequency:
+        raw['actionlib_status_frequency'] = rospy.get_param(frequency)
+    values = read_table(raw, _OPTIONS, rospy.get_namespace())
+    sizes = [values[name] if values[name] > 0 else 50 for name in ('actionlib_server_pub_queue_size',
+                                                                   'actionlib_server_sub_queue_size')]
+    return ActionOptions(*sizes, values['actionlib_status_frequency'])
+
+
+class Host:
+    """Made once per process; ``clock`` has started."""
+
+    def __init__(self, clock, options):
+        if clock.simulation is None:
+            raise ConfigurationError('the clock of a host must have started')
+        self.clock = clock
+        self.options = options
+        self.robot_count = 0
+        self.status_heartbeat = Heartbeat(self, options.status_frequency, _STATUS_RATE_CAP)
+        self._tf_heartbeats = {}
+
+    def tf_heartbeat(self, frequency, rate_cap):
+        """Return the heartbeat of tf with ``frequency`` [Hz, simulated] and at most ``rate_cap`` [Hz, wall]."""
+        if (frequency, rate_cap) not in self._tf_heartbeats:
+            self._tf_heartbeats[frequency, rate_cap] = Heartbeat(self, frequency, rate_cap)
+        return self._tf_heartbeats[frequency, rate_cap]
+
+    def throttle(self, rate):
+        """Return a throttle of ``rate`` [Hz, wall], or of the robot's share of all publications if that is less."""
+        return WallThrottle(rate, self.shortest_period)
+
+    def shortest_period(self):
+        """Return the time between two publications of one robot when all publish alike [s, wall]."""
+        return self.robot_count / _PUBLICATIONS_PER_SECOND
+
+
+class Heartbeat:
+    """Calls all its members ``frequency`` times a simulated second, at most ``rate_cap`` times a wall second."""
+
+    def __init__(self, host, frequency, rate_cap):
+        self._clock = host.clock
+        self._members = []
+        self._throttle = host.throttle(rate_cap)
+        with self._clock.lock:
+            series = self._clock.simulation.series(_SHARED_INDEX, frequency, self._beat)
+            if series is not None:
+                series.start(self._clock.now_ns())
+
+    def add(self, member):
+        """Call ``member(now_ns)`` from now on."""
+        with self._clock.lock:
+            self._members.append(member)
+
+    def remove(self, member):
+        """Call ``member`` no more."""
+        with self._clock.lock:
+            self._members.remove(member)
+
+    def _beat(self, _due_ns, now_ns):
+        if self._throttle.ready():
+            with tf_hub.batch():
+                for member in self._members:
+                    member(now_ns)
+        return self._clock.wall_to_ns(self._throttle.remaining())
