@@ -86,7 +86,7 @@ def checked(raw, key, parameter, where):
     """
     try:
         return parameter.convert(raw)
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, OverflowError):
         raise ConfigurationError('parameter {}/{}: got {!r}; allowed: {}'.format(
             where.rstrip('/'), key, raw, parameter.allowed)) from None
 

@@ -123,11 +123,13 @@ def read_settings(raw, where):
     planners = _planner_order(values)
     speed, speed_source = _limit(raw, SPEED, ('max_vel_x', 'max_vel_trans'), planners, where)
     acceleration, acceleration_source = _limit(raw, ACCELERATION, ('acc_lim_x',), planners, where)
-    xy_tolerance, _ = _limit(raw, XY_TOLERANCE, ('xy_goal_tolerance',), planners, where)
-    yaw_tolerance, _ = _limit(raw, YAW_TOLERANCE, ('yaw_goal_tolerance',), planners, where)
-    values['global_frame'] = values['global_frame'] or _costmap_frame(raw, 'global_frame', 'map', where)
-    values['robot_base_frame'] = values['robot_base_frame'] or _costmap_frame(raw, 'robot_base_frame', 'base_link',
-                                                                              where)
+    xy_tolerance, xy_source = _limit(raw, XY_TOLERANCE, ('xy_goal_tolerance',), planners, where)
+    yaw_tolerance, yaw_source = _limit(raw, YAW_TOLERANCE, ('yaw_goal_tolerance',), planners, where)
+    used = [speed_source, acceleration_source, xy_source, yaw_source]
+    for key, default in (('global_frame', 'map'), ('robot_base_frame', 'base_link')):
+        if values[key] is None:
+            values[key], source = _costmap_frame(raw, key, default, where)
+            used.append(source)
     if values['feedback_freq'] is None:
         values['feedback_freq'] = values['controller_frequency']
     return RobotSettings(
@@ -139,7 +141,7 @@ def read_settings(raw, where):
         recovery=_recovery(raw, values, where),
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
-        **_other_names(raw, values, (speed_source, acceleration_source), where))
+        **_other_names(raw, values, used, where))
 
 
 def _planner_order(values):
@@ -161,10 +163,12 @@ def _limit(raw, parameter, upstream_keys, planners, where):
 
 
 def _costmap_frame(raw, key, default, where):
+    """Return (frame name, where it came from): the global costmap's, else the default."""
     group = raw.get('global_costmap')
     if not isinstance(group, dict) or key not in group:
-        return default
-    return checked(group[key], 'global_costmap/' + key, Parameter(key, None, name, 'a frame name'), where)
+        return default, 'default'
+    path = 'global_costmap/' + key
+    return checked(group[key], path, Parameter(key, None, name, 'a frame name'), where), '~' + path
 
 
 def _bounds(values, where):
