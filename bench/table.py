@@ -5,7 +5,8 @@ COLUMNS = {
     'clock': ('factor', 'robots', 'achieved_factor', 'largest_step_s', 'largest_step_wall_ms', 'rate_hz'),
     'leg': ('length_m', 'factor', 'robots', 'legs', 'error_percent', 'client_hop_percent', 'out_s', 'back_s',
             'published_percent', 'wanted_percent', 'published_over_ours'),
-    'stamps': ('factor', 'robots', 'legs', 'legs_compared', 'largest_error_ns'),
+    'stamps': ('factor', 'robots', 'legs', 'legs_with_departure', 'largest_travel_error_ns', 'poses',
+               'largest_pose_error_ns'),
     'cpu': ('factor', 'robots', 'time_master_percent', 'move_base_percent', 'client_percent'),
 }
 
@@ -20,7 +21,8 @@ def _table(kind, records):
     columns = COLUMNS[kind]
     rows = [columns] + [tuple(_cell(record.get(column)) for column in columns) for record in records]
     widths = [max(len(row[i]) for row in rows) for i in range(len(columns))]
-    return '\n'.join([f'-- {kind}'] + ['  '.join(cell.rjust(width) for cell, width in zip(row, widths)) for row in rows])
+    lines = ['  '.join(cell.rjust(width) for cell, width in zip(row, widths)) for row in rows]
+    return '\n'.join([f'-- {kind}', *lines])
 
 
 def _cell(value):
