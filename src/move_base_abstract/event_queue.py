@@ -45,14 +45,18 @@ class EventQueue:
             heapq.heappop(heap)
         return heap[0].due_ns if heap else None
 
-    def run_until(self, now_ns):
-        """Let all happen that is due at ``now_ns`` [ns] or before, in order, what is scheduled meanwhile included."""
+    def run_until(self, now_ns, enter=lambda due_ns: None):
+        """Let all happen that is due at ``now_ns`` [ns] or before, in order, what is scheduled meanwhile included.
+
+        ``enter(due_ns)`` is called before each event.
+        """
         while True:
             due_ns = self.next_due_ns()
             if due_ns is None or due_ns > now_ns:
                 return
             event = heapq.heappop(self._heap)
             action, event.action = event.action, None
+            enter(event.due_ns)
             action(event.due_ns, now_ns)
 
 

@@ -12,7 +12,7 @@ class Simulation:
 
     @property
     def now_ns(self):
-        """The simulated time [ns] up to which everything has happened."""
+        """The simulated time [ns]: that of the event that is happening, else that up to which all has happened."""
         return self._now_ns
 
     def advance(self, now_ns):
@@ -22,8 +22,11 @@ class Simulation:
         """
         if now_ns < self._now_ns:
             raise TimeError('time must not go back: it is {} ns, got {} ns'.format(self._now_ns, now_ns))
-        self.queue.run_until(now_ns)
+        self.queue.run_until(now_ns, self._enter)
         self._now_ns = now_ns
+
+    def _enter(self, due_ns):
+        self._now_ns = max(self._now_ns, due_ns)
 
     def next_due_ns(self):
         """Return when the next event is due [ns], or None."""

@@ -8,6 +8,8 @@ from dynamic_reconfigure.server import Server
 from move_base_abstract.cfg import DWAPlannerConfig, MoveBaseConfig, TrajectoryPlannerConfig
 from move_base_abstract.motion import MotionLimits, Tolerances
 
+from .bulk_registration import set_param
+
 _PLANNER_TYPES = {'TrajectoryPlannerROS': TrajectoryPlannerConfig}
 _CASTS = {'double': float, 'int': int, 'bool': bool, 'str': str}
 
@@ -36,7 +38,7 @@ class _SafeServer(Server):
             name = parameter['name']
             if self._registered.get(name) != self.config[name]:
                 self._registered[name] = self.config[name]
-                rospy.set_param(self.ns + name, self.config[name])
+                set_param(self.ns + name, self.config[name])
 
 
     def close(self):

@@ -1,0 +1,190 @@
+"""A fleet in plain Python, without ROS: goals in, :meth:`Fleet.run`, a trace out. Also the oracle of the ROS fleet.
+
+    fleet = Fleet(make_scenario({'robots': [{'name': 'bot', 'max_speed': 2.0}]}))
+    fleet.send('bot', 10.0, 0.0)
+    fleet.run()
+    fleet.trace[-1]        # TraceEntry(time_ns=6000000000, robot='bot', kind='ended', ...)
+"""
+import itertools
+from typing import Any, NamedTuple
+
+from .errors import ConfigurationError, FrameError, TimeError
+from .frames import RobotFrames
+from .geometry import quaternion_of_yaw
+from .goal_ledger import GoalLedger
+from .navigator import GoalPose, Navigator, NavigatorListener
+from .outcome import ROBOT_REMOVED, ROBOT_RESET
+from .planning import StraightLinePlanner
+from .robot import Robot
+from .scenario import Scenario, make_robot
+from .simulation import Simulation
+from .units import NS_PER_S, seconds_to_ns
+
+#: what a user schedules comes after the robots' own events of the same instant
+_USER_INDEX = 2 ** 31 - 1
+
+
+class TraceEntry(NamedTuple):
+    """Something that happened: when [ns], to which robot, what, and the details.
+
+    Kinds and values: ``departed`` (x, y, yaw of the goal), ``stands`` (x, y, yaw), ``ended`` (goal id, state, text).
+    Positions in m, yaw in rad, global frame.
+    """
+
+    time_ns: int
+    robot: str
+    kind: str
+    values: Any
+
+
+class Fleet:
+    """Robots on one event queue. At equal times: lower robot index first, then first scheduled, then users' calls.
+
+    ``on_end(robot, goal_id, state, text, now_ns)``, if given, is called when a goal ends, and may send the next one.
+    With ``trace=None`` nothing is recorded; else entries are appended to that list.
+    """
+
+    def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=()):
+        self.simulation = Simulation(start_ns)
+        self.trace = None if trace is None else list(trace)
+        self.scenario = scenario
+        self._on_end = on_end
+        self._planner = planner
+        self._members = {}
+        self._indices = itertools.count()
+        for spec in scenario.robots:
+            self._add(spec)
+
+    @property
+    def now_ns(self):
+        """The present [ns]."""
+        return self.simulation.now_ns
+
+    @property
+    def names(self):
+        """The robots' names, in the order of their indices."""
+        return list(self._members)
+
+    def add(self, name, **parameters):
+        """Add a robot now; ``parameters`` as of the ``move_base`` node.
+
+        :raises ConfigurationError: if the name is taken or no ROS name, or a parameter is not allowed.
+        """
+        if name in self._members:
+            raise ConfigurationError("robot '{}' is there already".format(name))
+        self._add(make_robot(name, parameters, name))
+
+    def remove(self, name):
+        """Remove a robot; its goal, if any, is aborted."""
+        self._member(name).navigator.shut_down(ROBOT_REMOVED, self.now_ns)
+        del self._members[name]
+
+    def reset(self):
+        """Put all robots back to their start, without goals; time goes on."""
+        for member in self._members.values():
+            member.reset(self.now_ns)
+
+    def send(self, name, x, y, yaw=0.0, goal_id='', frame='map'):
+        """Send a goal [m, rad, in ``frame``] to a robot now; return its id. What is wrong with it ends it."""
+        member = self._member(name)
+        goal_id = goal_id or '{}-{}'.format(name, next(member.goal_numbers))
+        goal = GoalPose(frame, 0, (x, y), quaternion_of_yaw(yaw))
+        member.navigator.receive(goal_id, 0, goal, self.now_ns)
+        return goal_id
+
+    def cancel(self, name, goal_id=''):
+        """Cancel a robot's goal ``goal_id``, or whatever goal it has."""
+        self._member(name).navigator.cancel(goal_id, 0, self.now_ns)
+
+    def place(self, name, pose):
+        """Put a robot at ``pose`` (Pose2D, global frame) at once; with a goal it goes on from there."""
+        self._member(name).navigator.place(pose, self.now_ns)
+
+    def pose(self, name):
+        """Return a robot's present pose (Pose2D, global frame)."""
+        return self._member(name).robot.pose_at(self.now_ns)
+
+    def distance(self, name):
+        """Return the distance that a robot has driven so far [m]."""
+        return self._member(name).robot.distance_at(self.now_ns)
+
+    def at(self, time_ns, action):
+        """Call ``action(fleet)`` at ``time_ns`` [ns].
+
+        :raises TimeError: if that is past.
+        """
+        if time_ns < self.now_ns:
+            raise TimeError('time {} ns is past, it is {} ns'.format(time_ns, self.now_ns))
+        self.simulation.queue.schedule(time_ns, _USER_INDEX, lambda due_ns, _now_ns: action(self))
+
+    def run(self, until_ns=None):
+        """Let everything happen up to ``until_ns`` [ns], or to the end of all events; return the time [ns]."""
+        while True:
+            due_ns = self.simulation.next_due_ns()
+            if due_ns is None or (until_ns is not None and due_ns > until_ns):
+                break
+            self.simulation.advance(due_ns)
+        if until_ns is not None:
+            self.simulation.advance(until_ns)
+        return self.now_ns
+
+    def run_for(self, seconds):
+        """Let ``seconds`` of simulated time pass; return the time [ns]."""
+        return self.run(self.now_ns + seconds_to_ns(seconds))
+
+    def _add(self, spec):
+        self._members[spec.name] = _Member(self, spec, next(self._indices), self._planner)
+
+    def _member(self, name):
+        try:
+            return self._members[name]
+        except KeyError:
+            raise ConfigurationError("robot '{}' is unknown; there are: {}".format(
+                name, ', '.join(list(self._members)[:10]) or 'none')) from None
+
+    def _record(self, time_ns, robot, kind, *values):
+        if self.trace is not None:
+            self.trace.append(TraceEntry(time_ns, robot, kind, values))
+
+    def _ended(self, robot, record, stamp_ns):
+        self._record(stamp_ns, robot, 'ended', record.goal_id, record.state.name, record.text)
+        if self._on_end is not None:
+            # The goal's own event must be over before the next goal comes, so it comes at the end of this instant.
+            self.at(max(stamp_ns, self.now_ns), lambda fleet: self._on_end(
+                robot, record.goal_id, record.state, record.text, fleet.now_ns))
+
+
+class _Member(NavigatorListener):
+    """One robot of a fleet."""
+
+    def __init__(self, fleet, spec, index, planner):
+        settings = spec.settings
+        self._fleet = fleet
+        self._settings = settings
+        self.goal_numbers = itertools.count(1)
+        self.robot = Robot(index, spec.name, settings.start, settings.limits, settings.tolerances, fleet.now_ns)
+        frames = RobotFrames(self.robot, settings.values['global_frame'], settings.frame('odom'),
+                             settings.frame('base_link'), _no_lookup)
+        self._ledger = GoalLedger(lambda: None, lambda record, stamp_ns: fleet._ended(spec.name, record, stamp_ns),
+                                  lambda now_ns: '{}-{}'.format(spec.name, now_ns))
+        self.navigator = Navigator(self.robot, fleet.simulation, self._ledger, frames, self,
+                                   planner or StraightLinePlanner(settings.bounds))
+        self.navigator.bad_frame_policy = settings.bad_frame_policy
+        self.navigator.recovery_policy = settings.recovery
+
+    def reset(self, now_ns):
+        self.navigator.shut_down(ROBOT_RESET, now_ns)
+        self._ledger.clear()
+        self.robot.reset(self._settings.start, now_ns)
+        self.stands(self.robot, now_ns)
+
+    def departed(self, robot, goal, now_ns):
+        self._fleet._record(now_ns, robot.name, 'departed', goal.x, goal.y, goal.yaw)
+
+    def stands(self, robot, now_ns):
+        pose = robot.pose_at(now_ns)
+        self._fleet._record(now_ns, robot.name, 'stands', pose.x, pose.y, pose.yaw)
+
+
+def _no_lookup(frame_id, _stamp_ns):
+    raise FrameError("frame '{}' is unknown; without ROS there are only a robot's own frames".format(frame_id))

@@ -1,0 +1,120 @@
+"""Which robots there are: names and settings of a whole fleet, from a YAML file or a dictionary.
+
+    seed: 7
+    defaults: {max_speed: 2.0}                     # settings of every robot
+    robots:
+      - {name: robot_0, start_x: 1.0, start_y: 2.0}
+      - {name: tractor, max_speed: 4.0, acceleration: 0.5}
+      - {name: drone, count: 10, start_y: 5.0, step_x: 2.0}    # drone_0 .. drone_9, 2 m apart
+"""
+import difflib
+import re
+from dataclasses import dataclass, field
+from typing import Tuple
+
+import yaml
+
+from .errors import ConfigurationError
+from .parameter_table import Parameter, checked, integer, number
+from .settings import OWN_NAMES, RobotSettings, read_settings
+
+_TOP_KEYS = ('seed', 'defaults', 'robots')
+_GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
+_NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
+_COUNT = Parameter('count', None, integer(1), 'a whole number >= 1')
+_SEED = Parameter('seed', 0, integer(0), 'a whole number >= 0')
+_STEP = Parameter('step', 0.0, number(), 'a finite number [m]')
+
+
+@dataclass(frozen=True)
+class RobotSpec:
+    """One robot: its name, its parameters as they were given, and the settings that these mean."""
+
+    name: str
+    parameters: dict
+    settings: RobotSettings
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A fleet: the robots in the order of their indices, the settings of all, and the seed of what is random."""
+
+    robots: Tuple[RobotSpec, ...]
+    defaults: dict = field(default_factory=dict)
+    seed: int = 0
+
+
+def read_scenario(path):
+    """Return the :class:`Scenario` in the YAML file ``path``.
+
+    :raises ConfigurationError: if the file cannot be read, a key is unknown, or a value is not allowed.
+    """
+    try:
+        with open(path, encoding='utf-8') as stream:
+            raw = yaml.safe_load(stream)
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ConfigurationError('{}: {}'.format(path, ' '.join(str(error).split()))) from None
+    return make_scenario(raw, str(path))
+
+
+def make_scenario(raw, where='scenario'):
+    """Return the :class:`Scenario` in the dictionary ``raw``; ``where`` is named in errors.
+
+    :raises ConfigurationError: if a key is unknown, a value is not allowed, or two robots bear one name.
+    """
+    _check_type(raw, dict, 'a mapping with {}'.format(', '.join(_TOP_KEYS)), where)
+    _check_keys(raw, _TOP_KEYS, where, '')
+    defaults = raw.get('defaults') or {}
+    _check_type(defaults, dict, 'a mapping of settings', where + ': defaults')
+    _check_keys(defaults, OWN_NAMES, where, 'defaults.')
+    groups = raw.get('robots') or []
+    _check_type(groups, list, 'a list of robots', where + ': robots')
+    specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, where)]
+    names = [spec.name for spec in specs]
+    twice = sorted({name for name in names if names.count(name) > 1}) if len(set(names)) < len(names) else []
+    if twice:
+        raise ConfigurationError("{}: robots: the name '{}' is given to more than one robot".format(where, twice[0]))
+    return Scenario(tuple(specs), dict(defaults), checked(raw.get('seed', 0), 'seed', _SEED, where))
+
+
+def make_robot(name, parameters, where='robot'):
+    """Return the :class:`RobotSpec` of one robot.
+
+    :raises ConfigurationError: if the name is no ROS name, a key is unknown, or a value is not allowed.
+    """
+    if not isinstance(name, str) or not _NAME.match(name):
+        raise ConfigurationError("{}: name: got {!r}; allowed: letters, digits and '_', a letter first".format(
+            where, name))
+    _check_keys(parameters, OWN_NAMES, where, '')
+    return RobotSpec(name, dict(parameters), read_settings(parameters, where))
+
+
+def _expand(group, index, defaults, where):
+    """Return the robots of one entry of the list."""
+    place = 'robots[{}]'.format(index)
+    _check_type(group, dict, 'a mapping with at least a name', '{}: {}'.format(where, place))
+    _check_keys(group, _GROUP_KEYS + OWN_NAMES, where, place + '.')
+    where = '{}: {}'.format(where, place)
+    parameters = dict(defaults, **{key: value for key, value in group.items() if key not in _GROUP_KEYS})
+    if 'count' not in group:
+        return [make_robot(group.get('name'), parameters, where)]
+    count = checked(group['count'], 'count', _COUNT, where)
+    steps = [(key, checked(group.get('step_' + key[-1], 0.0), 'step_' + key[-1], _STEP, where))
+             for key in ('start_x', 'start_y')]
+    first = make_robot(group.get('name'), parameters, where).settings.values
+    return [make_robot('{}_{}'.format(group['name'], number_),
+                       dict(parameters, **{key: first[key] + number_ * step for key, step in steps}), where)
+            for number_ in range(count)]
+
+
+def _check_type(value, kind, allowed, where):
+    if not isinstance(value, kind):
+        raise ConfigurationError('{}: got {!r}; allowed: {}'.format(where, value, allowed))
+
+
+def _check_keys(raw, known, where, prefix):
+    for key in raw:
+        if key not in known:
+            close = difflib.get_close_matches(str(key), known, n=1)
+            hint = "; did you mean '{}'?".format(close[0]) if close else '; allowed: ' + ', '.join(known[:12])
+            raise ConfigurationError('{}: {}{}: unknown key{}'.format(where, prefix, key, hint))

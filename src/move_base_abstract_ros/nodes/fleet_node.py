@@ -1,0 +1,71 @@
+"""The node ``fleet``: many robots in one process, each under move_base's interface in a namespace of its own."""
+import sys
+import time
+
+import rospy
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.parameter_table import Parameter, integer, read_table, text, unknown_names
+from move_base_abstract.scenario import make_scenario, read_scenario
+
+from ..fleet_server import FleetServer
+from ..host import Host, read_action_options
+from ..ros_clock import RosClock
+from .move_base_node import away_from_signals
+
+_LAST_WORDS_SECONDS = 0.2
+_TABLE = (
+    Parameter('scenario', '', text, 'the path of a scenario file'),
+    Parameter('part', 0, integer(0), 'a whole number >= 0 and < parts'),
+    Parameter('parts', 1, integer(1), 'a whole number >= 1'),
+)
+_INLINE = ('seed', 'defaults', 'robots')
+
+
+def main():
+    """Run the node until ROS shuts down; exits with 1 when a parameter or the scenario cannot be used."""
+    rospy.init_node('fleet')
+    begin = time.monotonic()
+    try:
+        fleet = away_from_signals(_build)
+    except ConfigurationError as error:
+        rospy.logfatal('%s: %s', rospy.get_name(), error)
+        sys.exit(1)
+    if fleet is None:
+        return
+    rospy.loginfo('%s: %d robots are ready after %.2f s', rospy.get_name(), len(fleet.names), time.monotonic() - begin)
+    rospy.on_shutdown(lambda: _say_goodbye(fleet))
+    rospy.spin()
+
+
+def _build():
+    where = rospy.get_name()
+    raw = rospy.get_param(where, {})
+    values = read_table(raw, _TABLE, where)
+    known = tuple(parameter.name for parameter in _TABLE) + _INLINE
+    for warning in unknown_names(raw, known, where):
+        rospy.logwarn(warning)
+    inline = {key: raw[key] for key in _INLINE if key in raw}
+    if values['scenario'] and inline:
+        raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
+            where, sorted(inline)[0]))
+    scenario = read_scenario(values['scenario']) if values['scenario'] else make_scenario(inline, where)
+    if values['part'] >= values['parts']:
+        raise ConfigurationError('parameter {}/part: got {}; allowed: less than parts, which is {}'.format(
+            where, values['part'], values['parts']))
+    clock = RosClock()
+    if not clock.start():
+        return None
+    return FleetServer(rospy.get_namespace(), Host(clock, read_action_options()),
+                       _share(scenario.robots, values['part'], values['parts']), scenario.defaults)
+
+
+def _share(robots, part, parts):
+    """Return the (index, robot) pairs of the ``part``-th of ``parts`` processes: neighbours stay together."""
+    begin, end = (len(robots) * number // parts for number in (part, part + 1))
+    return list(enumerate(robots))[begin:end]
+
+
+def _say_goodbye(fleet):
+    fleet.shut_down()
+    time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, whatever is still queued on them
