@@ -49,3 +49,9 @@ class TfLookup:
         except tf2_ros.TransformException as error:
             raise FrameError(str(error)) from None
         return conversions.from_transform(transform.transform)
+
+    def close(self):
+        """Listen no more; what was looked up stays what it was."""
+        listener, self._listener = self._listener, None
+        if listener is not None:
+            listener.unregister()

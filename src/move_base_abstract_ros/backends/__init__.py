@@ -8,8 +8,21 @@ Pose2D in the global frame, velocities
 from move_base_abstract.errors import ConfigurationError
 
 from .builtin import BuiltinBackend
+from .gazebo import GazeboBackend
+from .stage import StageBackend
 
-BACKENDS = {'builtin': BuiltinBackend, 'virtual_robots': BuiltinBackend}
+
+def _gazebo(names, settings):
+    return GazeboBackend(names, settings, BuiltinBackend)
+
+
+BACKENDS = {
+    'builtin': BuiltinBackend,
+    'virtual_robots': BuiltinBackend,
+    'stage_ros': StageBackend,
+    'stage': StageBackend,
+    'gazebo': _gazebo,
+}
 
 
 def make(name, names, settings):

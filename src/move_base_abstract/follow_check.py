@@ -1,0 +1,39 @@
+"""Telling whether another simulator does what it is told: placed poses against the reported ones."""
+from collections import deque
+
+
+class FollowCheck:
+    """Compares where a robot was placed with where it is reported, within ``tolerance`` [m].
+
+    A report may lag behind: it is right where any pose of the last ``patience`` [s, wall] was. Only reports that are
+    wrong for that long count as a lapse. Wall times are arguments [s, of one clock that never goes back].
+    """
+
+    _REMEMBERED = 256
+
+    def __init__(self, tolerance=0.05, patience=2.0):
+        self._tolerance = tolerance
+        self._patience = patience
+        self._placed = deque(maxlen=self._REMEMBERED)
+        self._off_since = None
+        self._told = False
+
+    def placed(self, pose, wall):
+        """Note that the robot was put at ``pose``."""
+        self._placed.append((wall, pose))
+
+    def reported(self, pose, wall):
+        """Take the report in; return the distance [m] to where the robot should be, once for each lapse, else None."""
+        if not self._placed:
+            return None
+        while len(self._placed) > 1 and self._placed[1][0] < wall - self._patience:
+            self._placed.popleft()
+        if any(pose.distance_to(placed) <= self._tolerance for _, placed in reversed(self._placed)):
+            self._off_since, self._told = None, False
+            return None
+        if self._off_since is None:
+            self._off_since = wall
+        if self._told or wall - self._off_since < self._patience:
+            return None
+        self._told = True
+        return pose.distance_to(self._placed[-1][1])

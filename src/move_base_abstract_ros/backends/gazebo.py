@@ -1,0 +1,143 @@
+"""Gazebo as the place where robots are seen: their models are put where the core says."""
+import threading
+import time
+
+import rospy
+
+from move_base_abstract.errors import ConfigurationError
+
+from .. import conversions
+from ..throttle import WallThrottle
+from . import clock_check
+
+SERVICE = '/gazebo/set_model_state'
+_RETRY_SECONDS = 1.0
+_WARNINGS_RATE = 0.2  # Hz, wall
+
+
+class GazeboBackend:
+    """Calls ``/gazebo/set_model_state``; ``display(names, settings)`` makes the backend for tf and the pose topics.
+
+    :raises ConfigurationError: if there is no gazebo_msgs.
+    """
+
+    def __init__(self, names, settings, display):
+        self._types = _import_types(names.private)
+        self._model = settings.values['gazebo_model'] or names.robot
+        self._reference_frame = settings.values['gazebo_reference_frame']
+        self._z = settings.values['gazebo_z']
+        self._display = display(names, settings)
+
+    def place(self, pose, velocity, stamp_ns):
+        """Show the pose, and leave it to the worker to tell Gazebo."""
+        self._display.place(pose, velocity, stamp_ns)
+        message = conversions.to_pose(pose)
+        message.position.z = self._z
+        state = self._types.ModelState(model_name=self._model, pose=message, reference_frame=self._reference_frame)
+        _worker(self._types.SetModelState).put(self._model, state)
+
+    def heartbeat(self, pose, stamp_ns):
+        """Publish tf."""
+        self._display.heartbeat(pose, stamp_ns)
+
+    def close(self):
+        """Leave the graph; the model stays where it is."""
+        self._display.close()
+        _worker(self._types.SetModelState).forget(self._model)
+
+
+class ModelWorker:
+    """One thread that calls ``set_state(state)``, for each model with its latest state only.
+
+    ``set_state`` returns what went wrong, or ''; then it is tried again after a second, the other models meanwhile.
+    """
+
+    def __init__(self, set_state, warn):
+        self._set_state = set_state
+        self._warn = warn
+        self._condition = threading.Condition()
+        self._waiting = {}
+        threading.Thread(target=self._run, name='gazebo', daemon=True).start()
+
+    def put(self, model, state):
+        """Have ``model`` set to ``state``; returns at once."""
+        with self._condition:
+            self._waiting[model] = (0.0, state)
+            self._condition.notify()
+
+    def forget(self, model):
+        """Set ``model`` no more."""
+        with self._condition:
+            self._waiting.pop(model, None)
+
+    def _run(self):
+        while True:
+            model, state = self._next()
+            fault = self._set_state(state)
+            if fault:
+                self._warn("model '{}' could not be placed: {}".format(model, fault))
+                with self._condition:
+                    self._waiting.setdefault(model, (time.monotonic() + _RETRY_SECONDS, state))
+
+    def _next(self):
+        with self._condition:
+            while True:
+                wall = time.monotonic()
+                for model, (not_before, state) in self._waiting.items():
+                    if not_before <= wall:
+                        del self._waiting[model]
+                        return model, state
+                first = min((not_before for not_before, _ in self._waiting.values()), default=None)
+                self._condition.wait(None if first is None else first - wall)
+
+
+class _Caller:
+    """The service over one connection, which is made anew after it failed."""
+
+    def __init__(self, service_type):
+        self._service_type = service_type
+        self._proxy = None
+
+    def __call__(self, state):
+        try:
+            if self._proxy is None:
+                self._proxy = rospy.ServiceProxy(SERVICE, self._service_type, persistent=True)
+            answer = self._proxy(model_state=state)
+        except (rospy.ROSException, rospy.ServiceException, OSError) as error:
+            self._proxy = None
+            return '{}: {}'.format(SERVICE, error)
+        clock_check.warn_if_shared('Gazebo')
+        return '' if answer.success else 'Gazebo says: {}'.format(answer.status_message)
+
+
+class _Types:
+    """The two types of gazebo_msgs that are used."""
+
+    def __init__(self):
+        from gazebo_msgs.msg import ModelState
+        from gazebo_msgs.srv import SetModelState
+        self.ModelState, self.SetModelState = ModelState, SetModelState
+
+
+def _import_types(where):
+    try:
+        return _Types()
+    except ImportError as error:
+        raise ConfigurationError(
+            "parameter {}/backend: got 'gazebo', which needs the ROS package gazebo_msgs ({}); install it (ROS Noetic: "
+            'apt install ros-noetic-gazebo-msgs; Debian has none, build it from gazebo_ros_pkgs 2.9) or choose '
+            'another backend'.format(where, error)) from None
+
+
+_lock = threading.Lock()
+_shared = []
+
+
+def _worker(service_type):
+    """Return the process's only worker."""
+    with _lock:
+        if not _shared:
+            throttle = WallThrottle(_WARNINGS_RATE)
+            _shared.append(ModelWorker(_Caller(service_type), lambda text: throttle.ready() and rospy.logwarn(
+                '%s: %s', rospy.get_name(), text)))
+        return _shared[0]

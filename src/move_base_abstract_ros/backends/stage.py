@@ -1,0 +1,167 @@
+"""Stage as the place where robots are seen: it is told each pose, and it tells where the robot is."""
+import threading
+import time
+
+import rospy
+from geometry_msgs.msg import Pose, PoseWithCovarianceStamped
+from nav_msgs.msg import Odometry
+
+from move_base_abstract.errors import FrameError
+from move_base_abstract.follow_check import FollowCheck
+from move_base_abstract.geometry import Pose2D
+
+from .. import conversions, tf_hub
+from ..tf_lookup import TfLookup
+from . import clock_check
+
+_REMINDER_SECONDS = 10.0
+
+
+class StageBackend:
+    """``cmd_pose`` to Stage, ``base_pose_ground_truth`` and ``odom`` from it; ``amcl_pose``, ``robot_pose`` and tf
+    ``map -> odom`` for everybody, so that Stage's own ``odom -> base_link`` ends where Stage shows the robot.
+
+    Threading: ``place`` and ``heartbeat`` come from one thread, Stage's topics from others; the lock guards what both
+    touch and is never held while tf is sent.
+    """  # noqa: D205
+
+    def __init__(self, names, settings):
+        values = settings.values
+        self._robot = names.robot
+        self._global_frame = values['global_frame']
+        self._odom_frame = settings.frame(values['odom_frame'])
+        self._lock = threading.Lock()
+        self._world = _StageWorld(names.robot, values)
+        self._check = FollowCheck()
+        self._silent_since = time.monotonic()
+        self._held = None
+        self._truth = self._odom = (None, None)
+        self._tf = None
+        self._sent = (-1, None)
+        self._cmd_pose = _latched(names.topic('cmd_pose'), Pose)
+        self._amcl_pose = _latched(names.topic('amcl_pose'), PoseWithCovarianceStamped)
+        self._robot_pose = _latched(names.topic('robot_pose'), Pose)
+        self._truth_topic = names.topic('base_pose_ground_truth')
+        self._subscribers = (rospy.Subscriber(self._truth_topic, Odometry, self._on_truth, queue_size=10),
+                             rospy.Subscriber(names.topic('odom'), Odometry, self._on_odom, queue_size=10))
+
+    def place(self, pose, _velocity, stamp_ns):
+        """Tell Stage and everybody that the robot is at ``pose``."""
+        message = conversions.to_pose(pose)
+        self._robot_pose.publish(message)
+        amcl_pose = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
+        amcl_pose.pose.pose = message
+        self._amcl_pose.publish(amcl_pose)
+        self._held = pose
+        self.heartbeat(pose, stamp_ns)
+
+    def heartbeat(self, _pose, stamp_ns):
+        """Repeat tf; tell Stage the last pose if that could not be done yet."""
+        if self._held is not None and self._world.pose() is not None:
+            self._command(self._held)
+            self._held = None
+        self._remind()
+        self._send_tf(stamp_ns)
+
+    def close(self):
+        """Leave the graph."""
+        self._world.close()
+        for topic in (*self._subscribers, self._cmd_pose, self._amcl_pose, self._robot_pose):
+            topic.unregister()
+
+    def _command(self, pose):
+        commanded = self._world.pose().compose(pose)
+        self._cmd_pose.publish(conversions.to_pose(commanded))
+        with self._lock:
+            self._check.placed(commanded, time.monotonic())
+
+    def _on_odom(self, message):
+        with self._lock:
+            self._odom = (message.header.stamp, conversions.from_pose(message.pose.pose))
+        self._locate()
+
+    def _on_truth(self, message):
+        reported = conversions.from_pose(message.pose.pose)
+        with self._lock:
+            self._silent_since = None
+            self._truth = (message.header.stamp, reported)
+            gap = self._check.reported(reported, time.monotonic())
+        clock_check.warn_if_shared('Stage')
+        if gap is not None:
+            self._complain(gap)
+        self._locate()
+
+    def _complain(self, gap):
+        deaf = '; nobody subscribes to cmd_pose: this stage_ros has no such topic, or another name for the robot'
+        rospy.logwarn('%s: Stage does not follow: the robot is %.2f m from where it was placed%s', self._robot, gap,
+                      '' if self._cmd_pose.get_num_connections() else deaf)
+
+    def _locate(self):
+        """Put odom where Stage's odometry and Stage's truth of one instant agree."""
+        world = self._world.pose()
+        with self._lock:
+            (odom_stamp, odom), (truth_stamp, truth) = self._odom, self._truth
+            if world is None or odom_stamp is None or odom_stamp != truth_stamp:
+                return
+            self._tf = world.inverse().compose(truth).compose(odom.inverse())
+        self._send_tf(odom_stamp.to_nsec())
+
+    def _send_tf(self, stamp_ns):
+        """Send map -> odom, dated 1 ns after what was said before if that is not earlier."""
+        with self._lock:
+            last_ns, last = self._sent
+            if self._tf is None or (stamp_ns <= last_ns and self._tf == last):
+                return
+            stamp_ns = max(stamp_ns, last_ns + 1)
+            self._sent = (stamp_ns, self._tf)
+            transform = conversions.to_transform(self._tf, self._global_frame, self._odom_frame, stamp_ns)
+        tf_hub.send([transform])
+
+    def _remind(self):
+        with self._lock:
+            silent = self._silent_since is not None and time.monotonic() - self._silent_since > _REMINDER_SECONDS
+            if silent:
+                self._silent_since = time.monotonic()
+        if silent:
+            rospy.logwarn('%s: nothing has come on %s: is Stage running, and does it call the robot so?',
+                          self._robot, self._truth_topic)
+
+
+class _StageWorld:
+    """Where the global frame's origin lies in Stage's world: parameters, or tf once it knows."""
+
+    def __init__(self, robot, values):
+        self._robot = robot
+        self._frame = values['stage_world_frame']
+        self._pose = None
+        self._since = time.monotonic()
+        if self._frame is None:
+            self._pose = Pose2D(values['stage_offset_x'], values['stage_offset_y'], values['stage_offset_yaw'])
+        else:
+            self._lookup = TfLookup(values['global_frame'], 0.0)
+            self._lookup.wait_for(self._frame, 0)
+
+    def pose(self):
+        """Return the Pose2D, or None while it is not known. Never blocks."""
+        if self._pose is None:
+            try:
+                self._pose = self._lookup.lookup(self._frame, 0).inverse()
+                self._lookup.close()
+            except FrameError as error:
+                self._remind(error)
+        return self._pose
+
+    def close(self):
+        """Listen no more."""
+        if self._pose is None:
+            self._lookup.close()
+
+    def _remind(self, error):
+        if time.monotonic() - self._since > _REMINDER_SECONDS:
+            self._since = time.monotonic()
+            rospy.logwarn("%s: stage_world_frame '%s' is not known to tf yet, Stage is told nothing until then: %s",
+                          self._robot, self._frame, error)
+
+
+def _latched(topic, message_type):
+    return rospy.Publisher(topic, message_type, queue_size=10, latch=True)

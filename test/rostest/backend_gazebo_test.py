@@ -1,0 +1,121 @@
+#!/usr/bin/python3
+"""The backend for Gazebo, against a stand-in that has its service: late, slow, refusing, and not installed at all."""
+import importlib.util
+import os
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from nav_msgs.msg import Odometry
+from robot_harness import GUARD, Record, go, pose_stamped, simple_client
+from rosgraph_msgs.msg import Log
+
+from move_base_abstract_ros.loopback import find_executable
+
+INSTALLED = importlib.util.find_spec('gazebo_msgs') is not None
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', 'data', 'gazebo_fake'))
+SERVICE = '/gazebo/set_model_state'
+SLOW = 3.0  # s, wall; a call to a slow Gazebo
+REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
+
+
+class Gazebo:
+    """The service of Gazebo; ``models`` are those that it knows."""
+
+    def __init__(self):
+        from gazebo_msgs.srv import SetModelState
+        self.delay = 0.0
+        self.models = {'robot_0'}
+        self.states = []
+        self._changed = threading.Condition()
+        self._response = SetModelState._response_class
+        rospy.Service(SERVICE, SetModelState, self._serve)
+
+    def _serve(self, request):
+        time.sleep(self.delay)
+        state = request.model_state
+        if state.model_name not in self.models:
+            return self._response(False, 'SetModelState: model [{}] does not exist'.format(state.model_name))
+        with self._changed:
+            self.states.append(state)
+            self._changed.notify_all()
+        return self._response(True, 'SetModelState: set model state done')
+
+    def wait_for(self, model, x, y):
+        """Return the first state that puts ``model`` at (x, y)."""
+        def there():
+            return [state for state in self.states if state.model_name == model
+                    and abs(state.pose.position.x - x) + abs(state.pose.position.y - y) < 1e-9]
+        with self._changed:
+            assert self._changed.wait_for(there, GUARD), '{} did not come to ({}, {}); last: {}'.format(
+                model, x, y, self.states[-1:])
+            return there()[0]
+
+
+class GazeboBackend(unittest.TestCase):
+    """Tests in the order of their numbers: Gazebo comes up in the second one."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.log = Record('/rosout', Log)
+        cls.robots = [simple_client(f'/robot_{k}') for k in (0, 1)]
+
+    def warning(self, *words):
+        return self.log.wait_for(lambda entry: entry.level == Log.WARN and all(word in entry.msg for word in words))
+
+    def test_1_robots_work_and_warn_while_there_is_no_gazebo(self):
+        self.warning("model 'robot_0' could not be placed", SERVICE)
+        self.assertEqual(go(self.robots[0], pose_stamped(3.0, 4.0)), REACHED)
+
+    def test_2_a_gazebo_that_comes_late_learns_where_the_robot_is(self):
+        type(self).gazebo = Gazebo()
+        state = self.gazebo.wait_for('robot_0', 3.0, 4.0)
+        self.assertEqual((state.reference_frame, state.pose.position.z), ('world', 0.0))
+
+    def test_3_a_model_that_gazebo_does_not_know_is_warned_about_and_holds_nobody_up(self):
+        self.warning("model 'husky' could not be placed", 'does not exist')
+        self.assertEqual(go(self.robots[0], pose_stamped(5.0, 4.0)), REACHED)
+        self.gazebo.wait_for('robot_0', 5.0, 4.0)
+        self.gazebo.models.add('husky')
+        state = self.gazebo.wait_for('husky', 0.0, 0.0)
+        self.assertEqual((state.reference_frame, state.pose.position.z), ('field', 0.25))
+
+    def test_4_poses_come_on_the_way_and_the_pose_topics_tell_the_same(self):
+        truth = Record('/robot_1/base_pose_ground_truth', Odometry)
+        self.assertEqual(go(self.robots[1], pose_stamped(20.0)), REACHED)
+        self.gazebo.wait_for('husky', 20.0, 0.0)
+        told = {message.pose.pose.position.x for message in truth.messages}
+        shown = {state.pose.position.x for state in self.gazebo.states if state.model_name == 'husky'}
+        self.assertGreater(len(shown), 10)
+        self.assertEqual(shown - told - {0.0}, set())
+
+    def test_5_a_slow_gazebo_holds_no_robot_up(self):
+        self.gazebo.delay = SLOW
+        begin = time.monotonic()
+        for x in (25.0, 30.0):
+            self.assertEqual(go(self.robots[0], pose_stamped(x, 4.0)), REACHED)
+        self.assertLess(time.monotonic() - begin, 2.5 + SLOW)
+        before = len(self.gazebo.states)
+        self.gazebo.delay = 0.0
+        self.gazebo.wait_for('robot_0', 30.0, 4.0)
+        self.assertLess(len(self.gazebo.states) - before, 5, 'of what could not be told only the latest is')
+
+    @unittest.skipIf(INSTALLED, 'gazebo_msgs is installed')
+    def test_6_without_gazebo_msgs_the_node_says_what_to_install(self):
+        rospy.set_param('/robot_2/move_base/backend', 'gazebo')
+        command = [find_executable('move_base'), '__ns:=/robot_2', '__name:=move_base']
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=GUARD, check=False,
+                              universal_newlines=True)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        for words in ('/robot_2/move_base/backend', "got 'gazebo'", 'gazebo_msgs', 'ros-noetic-gazebo-msgs'):
+            self.assertIn(words, done.stdout)
+
+
+if __name__ == '__main__':
+    rospy.init_node('gazebo')
+    rostest.rosrun('move_base_abstract', 'backend_gazebo', GazeboBackend)

@@ -1,0 +1,151 @@
+#!/usr/bin/python3
+"""The backend for Stage, against a stand-in that has stage_ros's topics: poses out, truth in, a whole tf tree."""
+import threading
+import time
+import unittest
+
+import rosgraph
+import rospy
+import rostest
+import tf2_ros
+from actionlib_msgs.msg import GoalStatus
+from geometry_msgs.msg import Pose, PoseWithCovarianceStamped
+from nav_msgs.msg import Odometry
+from robot_harness import GUARD, Record, go, pose_stamped, simple_client
+from rosgraph_msgs.msg import Clock, Log
+
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract_ros import conversions
+
+QUARTER_TURN = 1.5707963267948966
+PERIOD = 0.05  # s, wall
+
+
+class Stage:
+    """One robot of stage_ros: goes where cmd_pose says, tells its truth, its odometry and odom -> base_link.
+
+    Like Stage's, its odometry starts where the robot started and does not notice that the robot is put elsewhere.
+    """
+
+    ODOMETRY = Pose2D(0.5, 0.25, 0.1)
+
+    def __init__(self, name):
+        self.name = name
+        self.follows = True
+        self._pose = Pose2D()
+        self._truth = rospy.Publisher(f'/{name}/base_pose_ground_truth', Odometry, queue_size=10)
+        self._odom = rospy.Publisher(f'/{name}/odom', Odometry, queue_size=10)
+        self._tf = tf2_ros.TransformBroadcaster()
+        rospy.Subscriber(f'/{name}/cmd_pose', Pose, self._on_cmd_pose, queue_size=10)
+        threading.Thread(target=self._run, daemon=True).start()
+
+    def _on_cmd_pose(self, message):
+        if self.follows:
+            self._pose = conversions.from_pose(message)
+
+    def _run(self):
+        last_ns = 0
+        while not rospy.is_shutdown():
+            time.sleep(PERIOD)
+            stamp_ns = rospy.Time.now().to_nsec()
+            if stamp_ns > last_ns:
+                last_ns = stamp_ns
+                self._tell(stamp_ns)
+
+    def _tell(self, stamp_ns):
+        odom, base = f'{self.name}/odom', f'{self.name}/base_link'
+        self._tf.sendTransform([conversions.to_transform(self.ODOMETRY, odom, base, stamp_ns)])
+        for publisher, frame, pose in ((self._odom, odom, self.ODOMETRY), (self._truth, '/truth', self._pose)):
+            message = Odometry(header=conversions.to_header(frame, stamp_ns))
+            message.pose.pose = conversions.to_pose(pose)
+            publisher.publish(message)
+
+
+class StageBackend(unittest.TestCase):
+    """robot_0 gets the offset of Stage's world by parameters, robot_1 by tf."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.log = Record('/rosout', Log)
+        cls.commands = [Record(f'/robot_{k}/cmd_pose', Pose) for k in (0, 1)]
+        cls.simple = simple_client('/robot_0')
+        cls.stages = [Stage(f'robot_{k}') for k in (0, 1)]
+        cls.buffer = tf2_ros.Buffer(debug=False)
+        cls.listener = tf2_ros.TransformListener(cls.buffer)
+
+    def assert_at(self, pose, x, y, yaw):
+        found = conversions.from_pose(pose)
+        self.assertAlmostEqual(found.x, x, places=6)
+        self.assertAlmostEqual(found.y, y, places=6)
+        self.assertAlmostEqual(found.yaw, yaw, places=6)
+
+    def wait_for_tf(self, child, x, y):
+        """Wait until tf shows ``child`` at (x, y) in the map; return its transform."""
+        deadline = time.monotonic() + GUARD
+        position = None
+        while time.monotonic() < deadline:
+            if self.buffer.can_transform('map', child, rospy.Time()):
+                position = self.buffer.lookup_transform('map', child, rospy.Time()).transform.translation
+                if abs(position.x - x) + abs(position.y - y) < 1e-6:
+                    return
+            time.sleep(PERIOD)
+        self.fail(f'{child} did not come to ({x}, {y}) in the map; tf has it at {position}')
+
+    def warning(self, *words):
+        return self.log.wait_for(lambda entry: entry.level == Log.WARN and all(word in entry.msg for word in words))
+
+    def test_1_stage_is_told_the_start_pose_in_its_own_world(self):
+        self.assert_at(self.commands[0].wait_for(), -12.0, 6.0, QUARTER_TURN)
+
+    def test_2_everybody_else_is_told_poses_in_the_map(self):
+        amcl = Record('/robot_0/amcl_pose', PoseWithCovarianceStamped).wait_for()
+        self.assertEqual(amcl.header.frame_id, 'map')
+        self.assert_at(amcl.pose.pose, 1.0, 2.0, 0.0)
+        self.assert_at(Record('/robot_0/robot_pose', Pose).wait_for(), 1.0, 2.0, 0.0)
+
+    def test_3_a_goal_moves_the_robot_in_stage_and_tf_follows_stages_truth(self):
+        self.assertEqual(go(self.simple, pose_stamped(4.0, 6.0)), (GoalStatus.SUCCEEDED, 'Goal reached.'))
+        self.commands[0].wait_for(lambda pose: abs(pose.position.x + 16.0) + abs(pose.position.y - 9.0) < 1e-6)
+        self.wait_for_tf('robot_0/base_link', 4.0, 6.0)
+
+    def test_4_what_stage_publishes_is_left_to_it(self):
+        published = dict(rosgraph.Master('/test').getSystemState()[0])
+        for topic in ('odom', 'base_pose_ground_truth'):
+            self.assertEqual(published[f'/robot_0/{topic}'], [rospy.get_name()])
+        for parent, child in (('map', 'robot_0/odom'), ('robot_0/odom', 'robot_0/base_link')):
+            self.assertTrue(self.buffer.can_transform(parent, child, rospy.Time()))
+
+    def test_5_an_offset_by_tf_is_used_once_it_is_known(self):
+        self.assertEqual(self.commands[1].messages, [])
+        tf = tf2_ros.StaticTransformBroadcaster()
+        tf.sendTransform(conversions.to_transform(Pose2D(100.0, 50.0), 'map', 'stage_world', 1))
+        self.assert_at(self.commands[1].wait_for(), -97.0, -50.0, 0.0)
+        self.wait_for_tf('robot_1/base_link', 3.0, 0.0)
+        self.assertTrue(self.stages[1].follows)
+
+    def test_6_a_stage_that_does_not_follow_is_told_of_once(self):
+        self.stages[0].follows = False
+        go(self.simple, pose_stamped(20.0, 6.0))
+        text = self.warning('robot_0', 'Stage does not follow').msg
+        self.assertIn('16.00 m', text)
+        self.assertNotIn('nobody subscribes', text)
+        time.sleep(3.0)
+        told = [entry for entry in self.log.messages if 'does not follow' in entry.msg]
+        self.assertEqual(len(told), 1, told)
+        self.wait_for_tf('robot_0/base_link', 4.0, 6.0)
+
+    def test_7_a_second_clock_is_warned_about_by_name(self):
+        """This runs before any other test as far as the node is concerned: it looks at Stage's first message."""
+        found = [entry.msg for entry in self.log.messages if '/clock is published by' in entry.msg]
+        self.assertTrue(found, 'no warning')
+        for text in found:
+            self.assertIn('/time_master', text)
+            self.assertIn(rospy.get_name(), text)
+            self.assertIn('time_master:=false', text)
+
+
+if __name__ == '__main__':
+    rospy.init_node('stageros')
+    # Stage advertises /clock; this one stays silent there, for two clocks would make time jump.
+    clock = rospy.Publisher('/clock', Clock, queue_size=1)
+    rostest.rosrun('move_base_abstract', 'backend_stage', StageBackend)
