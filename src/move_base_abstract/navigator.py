@@ -111,6 +111,9 @@ class Navigator:
 
     def _find_place(self, goal, now_ns):
         """Bring the goal into the global frame; wait if its stamp has yet to come."""
+        if self.planner.lacking:
+            self._bad_place(goal, self.planner.lacking, now_ns)
+            return
         if goal.stamp_ns > now_ns and self._moves(goal.frame_id, now_ns):
             self._at(goal.stamp_ns, lambda due_ns, _now_ns: self._find_place(goal, due_ns))
             return
@@ -148,8 +151,11 @@ class Navigator:
         self._listener.target(pose, now_ns)
         if self.planner.reachable(pose):
             self._travel(now_ns)
-        else:
-            self._give_up(now_ns)
+            return
+        refusal = self.planner.refusal(pose)
+        if refusal:
+            self._listener.warn(refusal)
+        self._give_up(now_ns)
 
     def _travel(self, now_ns):
         try:

@@ -59,6 +59,13 @@ def name(value):
     return stripped
 
 
+def topic(value):
+    """Return ``value`` if it is a string that is more than slashes; a leading slash stays."""
+    if not text(value).strip('/'):
+        raise ValueError
+    return value
+
+
 def one_of(*choices):
     """Return a converter of strings that are among ``choices``."""
     def convert(value):

@@ -1,11 +1,15 @@
-"""Where a robot can go, and the way there. Without a map every place is free, and the way is straight."""
+"""Where a robot can go, and the way there: straight, whatever lies between. Without a map every place is free."""
+import itertools
 import math
 from dataclasses import dataclass
 
 from .geometry import Pose2D
+from .map_check import square_rings
 
 _PATH_SPACING = 0.25
 _MAX_PATH_STEPS = 10_000
+_CELLS_BETWEEN_TRIES = 3
+_MAX_TRIES = 1_000_000  # some seconds
 
 
 @dataclass(frozen=True)
@@ -35,14 +39,26 @@ class WorldBounds:
 
 
 class StraightLinePlanner:
-    """Plans straight ways inside ``bounds``."""
+    """Plans straight ways to places inside ``bounds`` and, with a :class:`MapCheck`, to those that the map allows."""
 
-    def __init__(self, bounds=WorldBounds()):
+    def __init__(self, bounds=WorldBounds(), map_check=None):
         self._bounds = bounds
+        self._map_check = map_check
+
+    @property
+    def lacking(self):
+        """What is missing before goals can be judged, as a text, or None."""
+        if self._map_check is None or self._map_check.occupancy is not None:
+            return None
+        return self._map_check.lacking
+
+    def refusal(self, goal):
+        """Return what the map has against ``goal``, as a text, or None."""
+        return None if self._map_check is None else self._map_check.refusal(goal)
 
     def reachable(self, goal):
         """Return whether ``goal`` can be reached at all."""
-        return self._bounds.contains(goal)
+        return self._bounds.contains(goal) and self.refusal(goal) is None
 
     def plan(self, start, goal):
         """Return the way from ``start`` to ``goal`` as a list of poses some 0.25 m apart, or [] where there is none."""
@@ -51,17 +67,33 @@ class StraightLinePlanner:
         return straight_path(start, goal)
 
     def plan_near(self, start, goal, tolerance, add_goal=True):
-        """Return the way to ``goal``, or to the place nearest to it that lies within ``tolerance`` [m], or [].
+        """Return the way to ``goal``, or to a place near it that lies within ``tolerance`` [m], or [].
 
-        With ``add_goal`` a goal that was missed is appended all the same, as move_base does by default.
+        Without a map that is the nearest place inside the bounds, with one the first of move_base's search: on squares
+        around the goal, three cells apart. With ``add_goal`` a goal that was missed is appended all the same, as
+        move_base does by default.
         """
         if self.reachable(goal):
             return straight_path(start, goal)
-        near = self._bounds.nearest(goal)
-        if not near.distance_to(goal) <= tolerance:
+        near = self._near(goal, tolerance)
+        if near is None:
             return []
         path = straight_path(start, near)
         return path + [goal] if add_goal else path
+
+    def _near(self, goal, tolerance):
+        """Return a reachable pose within ``tolerance`` [m] of ``goal``, or None."""
+        if self._map_check is None:
+            near = self._bounds.nearest(goal)
+            return near if near.distance_to(goal) <= tolerance else None
+        occupancy = self._map_check.occupancy
+        if occupancy is None or not tolerance > 0.0:
+            return None
+        increment = min(_CELLS_BETWEEN_TRIES * occupancy.resolution, tolerance)
+        limit = min(tolerance, occupancy.reach_from(goal.x, goal.y) + increment)
+        offsets = itertools.islice(square_rings(increment, limit), _MAX_TRIES)
+        tries = (Pose2D(goal.x + dx, goal.y + dy, goal.yaw) for dx, dy in offsets)
+        return next((pose for pose in tries if self.reachable(pose)), None)
 
 
 def straight_path(start, goal):

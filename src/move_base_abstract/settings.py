@@ -19,6 +19,7 @@ from .parameter_table import (
     one_of,
     read_table,
     text,
+    topic,
     unknown_names,
 )
 from .planning import WorldBounds
@@ -66,6 +67,10 @@ TABLE = (
     Parameter('status_list_timeout', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]'),
     Parameter('min_answer_delay', 0.02, number(0.0, 1.0), 'a number in 0..1 [s, wall]'),
     Parameter('world_bounds', None, numbers(4), 'a list [x_min, y_min, x_max, y_max] [m, global frame]'),
+    Parameter('use_map', False, boolean, 'true or false'),
+    Parameter('map_topic', '/map', topic, 'a topic name'),
+    Parameter('allow_unknown', True, boolean, 'true or false'),
+    Parameter('allow_occupied_goals', False, boolean, 'true or false'),
     Parameter('controller_frequency', 20.0, number(above=0.0), _POSITIVE + ' [Hz, simulated]'),
     Parameter('planner_patience', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]'),
     Parameter('max_planning_retries', -1, integer(-1), 'a whole number >= -1'),

@@ -14,6 +14,7 @@ from . import backends, conversions
 from .goal_server import GoalServer
 from .planner_interface import PlannerInterface
 from .reconfigure import Reconfigure
+from .robot_map import RobotMap
 from .robot_publisher import RobotPublisher
 from .teleport import Teleport
 from .tf_lookup import TfLookup
@@ -39,7 +40,7 @@ class MoveBaseServer(NavigatorListener):
             now_ns = clock.now_ns()
             self._build(robot_index, now_ns)
         self._teleport = Teleport(names, clock, self.navigator, self._frames, self._prefetch_frame)
-        self._planner_interface = PlannerInterface(names, settings, clock, self.navigator)
+        self._planner_interface = PlannerInterface(names, settings, clock, self.navigator, self._map)
         self._reconfigure = Reconfigure(names, settings, self)
         self._goal_server.start(self.navigator, self._prefetch)
         self._own_goals = rospy.Publisher(names.action('goal'), MoveBaseActionGoal, queue_size=1)
@@ -51,12 +52,13 @@ class MoveBaseServer(NavigatorListener):
         backend = backends.make(values['backend'], self._names, settings)
         robot = Robot(robot_index, self._names.robot, settings.start, settings.limits, settings.tolerances, now_ns)
         self._lookup = TfLookup(values['global_frame'], values['frame_timeout'])
+        self._map = RobotMap(self._names, settings)
         self._frames = RobotFrames(robot, values['global_frame'], settings.frame(values['odom_frame']),
                                    settings.frame(values['robot_base_frame']), self._lookup.lookup)
         self._goal_server = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._host,
                                        values['min_answer_delay'], values['status_list_timeout'])
         self.navigator = Navigator(robot, self._clock.simulation, self._goal_server.ledger, self._frames, self,
-                                   StraightLinePlanner(settings.bounds))
+                                   StraightLinePlanner(settings.bounds, self._map.check))
         self.navigator.bad_frame_policy = settings.bad_frame_policy
         self.navigator.recovery_policy = settings.recovery
         self.navigator.set_feedback_frequency(values['feedback_freq'])
@@ -73,7 +75,7 @@ class MoveBaseServer(NavigatorListener):
         """Take the robot out of the world: its goal ends, its topics and services go."""
         self._simple_goals.unregister()
         self._own_goals.unregister()
-        for part in (self._teleport, self._reconfigure, self._planner_interface):
+        for part in (self._map, self._teleport, self._reconfigure, self._planner_interface):
             part.close()
         with self._clock.lock:
             self.navigator.shut_down(ROBOT_REMOVED, self._clock.now_ns())
@@ -150,6 +152,7 @@ class MoveBaseServer(NavigatorListener):
             rospy.logwarn('%s: %s', self._names.robot, text)
 
     def _prefetch(self, goal):
+        self._map.wait()
         self._prefetch_frame(goal.frame_id, goal.stamp_ns)
 
     def _prefetch_frame(self, frame_id, stamp_ns):

@@ -16,10 +16,11 @@ _COSTMAPS = ('global_costmap', 'local_costmap')
 class PlannerInterface:
     """Topics ``<planner>/plan`` and services ``make_plan``, ``<planner>/make_plan``, ``clear_costmaps``."""
 
-    def __init__(self, names, settings, clock, navigator):
+    def __init__(self, names, settings, clock, navigator, robot_map):
         self._names = names
         self._clock = clock
         self._navigator = navigator
+        self._map = robot_map
         self._global_frame = settings.values['global_frame']
         self.add_unreachable_goal = settings.values['make_plan_add_unreachable_goal']
         local = settings.local_planner
@@ -30,7 +31,7 @@ class PlannerInterface:
             rospy.Service(names.own('make_plan'), GetPlan, self._make_plan_when_idle),
             rospy.Service(names.own(planner + '/make_plan'), GetPlan, self._make_plan),
             rospy.Service(names.own('clear_costmaps'), Empty, lambda _request: EmptyResponse())]
-        self._costmaps = _CostmapTopics(names, settings)
+        self._costmaps = _CostmapTopics(names, settings, robot_map)
 
     def close(self):
         """Leave the graph."""
@@ -57,6 +58,10 @@ class PlannerInterface:
 
     def _make_plan(self, request):
         """Plan from the request's start (or from the robot) in the global frame; an empty plan if there is no way."""
+        self._map.wait()
+        lacking = self._navigator.planner.lacking
+        if lacking:
+            raise rospy.ServiceException('make_plan: {}'.format(lacking))
         with self._clock.lock:
             now_ns = self._clock.now_ns()
             start = self._navigator.robot.pose_at(now_ns)
@@ -84,24 +89,33 @@ class PlannerInterface:
 
 
 class _CostmapTopics:
-    """The costmaps' topics, so that existing RViz set-ups find them: free everywhere, a square footprint.
+    """The costmaps' topics, so that existing RViz set-ups find them: the map as it is, and a square footprint.
 
-    Without bounds the world has no end and thus no grid: then the grid topics are there and stay silent.
+    Without a map the grid is free everywhere inside the bounds. Without these the world has no end and thus no grid:
+    then the grid topics are there and stay silent.
     """
 
     _CELLS = 100
 
-    def __init__(self, names, settings):
+    def __init__(self, names, settings, robot_map):
         self._publishers = []
+        self._grids = []
         footprint = _footprint(settings)
         for costmap in _COSTMAPS:
             grid = rospy.Publisher(names.own(costmap + '/costmap'), OccupancyGrid, queue_size=1, latch=True)
             update = rospy.Publisher(names.own(costmap + '/costmap_updates'), OccupancyGridUpdate, queue_size=1)
             polygon = rospy.Publisher(names.own(costmap + '/footprint'), PolygonStamped, queue_size=1, latch=True)
             polygon.publish(footprint)
-            if settings.values['world_bounds']:
+            if settings.values['world_bounds'] and robot_map.check is None:
                 grid.publish(self._free_grid(settings))
             self._publishers += [grid, update, polygon]
+            self._grids.append(grid)
+        robot_map.follow(self._show_map)
+
+    def _show_map(self, message, _occupancy):
+        """Publish the map's own message: all robots of the process share it."""
+        for grid in self._grids:
+            grid.publish(message)
 
     def close(self):
         """Leave the graph."""

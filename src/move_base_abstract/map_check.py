@@ -1,0 +1,55 @@
+"""Whether a robot may be sent to a place. Needs no numpy, so that a robot without a map need not load it."""
+from enum import Enum
+
+#: what move_base logs of a goal off its costmap
+TEXT_OFF_MAP = ('The goal sent to the navfn planner is off the global costmap. '
+                'Planning will always fail to this goal.')
+
+
+class Ground(Enum):
+    """What is at a place, as move_base's costmap sees a map: values below 100 are free, -1 is unknown."""
+
+    FREE = 'free'
+    UNKNOWN = 'unknown'
+    OCCUPIED = 'occupied'
+    OFF_MAP = 'off the map'
+
+
+class MapCheck:
+    """What one robot makes of the map: where it may be sent. ``occupancy`` may be replaced at any time.
+
+    While ``occupancy`` is None no goal can be judged; ``lacking`` says why.
+    """
+
+    def __init__(self, occupancy=None, allow_unknown=True, allow_occupied=False, lacking='no map has come yet'):
+        self.occupancy = occupancy
+        self.lacking = lacking
+        self._allow_unknown = allow_unknown
+        self._allow_occupied = allow_occupied
+
+    def refusal(self, pose):
+        """Return why ``pose`` (map frame) is no place to be sent to, off the map in move_base's words, or None."""
+        occupancy = self.occupancy
+        if occupancy is None:
+            return self.lacking
+        if self._allow_occupied or occupancy.is_free(pose, self._allow_unknown):
+            return None
+        ground = occupancy.ground_at(pose.x, pose.y)
+        if ground is Ground.OFF_MAP:
+            return TEXT_OFF_MAP
+        return 'The goal ({:g}, {:g}) lies in an {} cell of the map.'.format(pose.x, pose.y, ground.value)
+
+
+def square_rings(increment, limit):
+    """Yield offsets (dx, dy) [m] on ever larger squares around (0, 0), ``increment`` [m] apart, up to ``limit`` [m].
+
+    The order is that in which move_base tries places near a goal: from the inside out; on a square by |dy|, then |dx|;
+    south before north, west before east.
+    """
+    count = int(limit / increment + 1e-9) if increment > 0.0 else 0
+    for ring in range(1, count + 1):
+        for row in range(ring + 1):
+            for column in range(ring + 1) if row == ring else (ring,):
+                for y_sign in (-1, 1) if row else (1,):
+                    for x_sign in (-1, 1) if column else (1,):
+                        yield x_sign * column * increment, y_sign * row * increment

@@ -1,0 +1,173 @@
+"""Reading maps from files: the YAML description and the image beside it, as map_server takes them.
+
+No node and no topic here: a file in, an :class:`OccupancyMap` out, or a ConfigurationError that names the file.
+"""
+import difflib
+import math
+import os
+import re
+from dataclasses import dataclass
+from typing import Tuple
+
+import numpy as np
+import yaml
+from PIL import Image
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract.occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
+
+_REQUIRED = ('image', 'resolution', 'origin', 'negate', 'occupied_thresh', 'free_thresh')
+_KEYS = _REQUIRED + ('mode',)
+_FLAGS = {0: False, 1: True}  # and so false and true, which equal them
+_MODES = tuple(mode.value for mode in MapMode)
+_CONVERSIONS = {'1': 'L', 'L': 'L', 'LA': 'RGBA', 'La': 'RGBA', 'P': 'RGB', 'PA': 'RGBA', 'RGB': 'RGB',
+                'RGBA': 'RGBA', 'RGBX': 'RGB', 'CMYK': 'RGB', 'YCbCr': 'RGB'}
+_GREY_16 = ('I', 'I;16', 'I;16B', 'I;16L')
+
+
+@dataclass(frozen=True)
+class MapDescription:
+    """What a map's YAML file says, with the image's path made absolute or relative to the working directory."""
+
+    image: str
+    resolution: float
+    origin: Pose2D = Pose2D()
+    rule: ImageRule = ImageRule()
+    warnings: Tuple[str, ...] = ()
+
+
+def load_map(description):
+    """Return the :class:`OccupancyMap` of a :class:`MapDescription`.
+
+    :raises ConfigurationError: if the image is missing, damaged or of a kind that cannot be read.
+    """
+    return OccupancyMap(cells_of_image(read_pixels(description.image), description.rule), description.resolution,
+                        description.origin)
+
+
+def read_description(path):
+    """Return the :class:`MapDescription` in the YAML file ``path``.
+
+    :raises ConfigurationError: naming the file, the key, what was got and what is allowed.
+    """
+    document = _parse(path)
+    for key in _REQUIRED:
+        if key not in document:
+            raise ConfigurationError('{}: {}: missing; a map needs the keys {}'.format(path, key, ', '.join(_REQUIRED)))
+    resolution = _number(document['resolution'], path, 'resolution', above=0.0, unit=' [m/cell]')
+    rule = ImageRule(_mode(document.get('mode', MapMode.TRINARY.value), path),
+                     _choice(document['negate'], path, 'negate', _FLAGS, '0 or 1'),
+                     _number(document['occupied_thresh'], path, 'occupied_thresh'),
+                     _number(document['free_thresh'], path, 'free_thresh'))
+    return MapDescription(_image_path(document['image'], path), resolution, _origin(document['origin'], path), rule,
+                          tuple(_warnings(document, rule, path)))
+
+
+def _parse(path):
+    try:
+        with open(path, encoding='utf-8') as stream:
+            document = yaml.safe_load(stream)
+    except OSError as error:
+        raise ConfigurationError('{}: cannot be opened: {}'.format(path, error.strerror)) from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ConfigurationError('{}: is not a YAML file: {}'.format(path, ' '.join(str(error).split()))) from None
+    if not isinstance(document, dict):
+        raise ConfigurationError('{}: got {}; allowed: a mapping with the keys {}'.format(
+            path, type(document).__name__, ', '.join(_REQUIRED)))
+    return document
+
+
+def _number(raw, path, key, above=None, unit=''):
+    """Return ``raw`` as a finite float; YAML 1.1 reads 5e-2 as a string, other readers of maps do not."""
+    try:
+        if isinstance(raw, bool):
+            raise ValueError
+        value = float(raw)
+        if not math.isfinite(value) or (above is not None and not value > above):
+            raise ValueError
+    except (TypeError, ValueError):
+        raise ConfigurationError('{}: {}: got {!r}; allowed: a finite number{}{}'.format(
+            path, key, raw, '' if above is None else ' > {:g}'.format(above), unit)) from None
+    return value
+
+
+def _choice(raw, path, key, choices, allowed):
+    if not isinstance(raw, (bool, int, str)) or raw not in choices:
+        raise ConfigurationError('{}: {}: got {!r}; allowed: {}'.format(path, key, raw, allowed))
+    return choices[raw]
+
+
+def _mode(raw, path):
+    return _choice(raw, path, 'mode', {mode.value: mode for mode in MapMode}, ', '.join(_MODES))
+
+
+def _origin(raw, path):
+    if not isinstance(raw, list) or len(raw) != 3:
+        raise ConfigurationError('{}: origin: got {!r}; allowed: [x, y, yaw] [m, m, rad], the pose of the lower left '
+                                 'corner'.format(path, raw))
+    return Pose2D(*(_number(part, path, 'origin[{}]'.format(index)) for index, part in enumerate(raw)))
+
+
+def _image_path(raw, path):
+    if not isinstance(raw, str) or not raw:
+        raise ConfigurationError('{}: image: got {!r}; allowed: the path of an image, relative to this file or '
+                                 'absolute'.format(path, raw))
+    return os.path.join(os.path.dirname(path), raw)
+
+
+def _warnings(document, rule, path):
+    for key in document:
+        if key not in _KEYS:
+            close = difflib.get_close_matches(str(key), _KEYS, n=1)
+            yield '{}: {}: unknown key, not used{}'.format(
+                path, key, "; did you mean '{}'?".format(close[0]) if close else '')
+    if rule.free_thresh > rule.occupied_thresh:
+        yield '{}: free_thresh {:g} is above occupied_thresh {:g}: what is above either is occupied'.format(
+            path, rule.free_thresh, rule.occupied_thresh)
+
+
+def read_pixels(path):
+    """Return the pixels of the image file ``path``: uint8 (rows from the top, columns, channels).
+
+    Channels: 1 = grey, 3 = colour, 4 = colour and alpha.
+
+    :raises ConfigurationError: if there is no such file, it is damaged, or its pixels are of another kind.
+    """
+    try:
+        with Image.open(path) as image:
+            image.load()
+            if image.format == 'PPM':
+                _check_plain_text(path, image)
+            return _to_channels(path, image)
+    except Image.UnidentifiedImageError:
+        raise ConfigurationError('{}: is not an image of a known kind, or its header is damaged; allowed: PGM, PNG and '
+                                 'other common formats'.format(path)) from None
+    except OSError as error:
+        raise ConfigurationError('{}: the image cannot be read: {}'.format(path, error.strerror or error)) from None
+    except (ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
+        raise ConfigurationError('{}: the image is damaged: {}'.format(path, error)) from None
+
+
+def _check_plain_text(path, image):
+    """Count the values of a plain-text PGM or PPM: the library fills in for missing ones without a word."""
+    with open(path, 'rb') as stream:
+        if stream.read(2) not in (b'P2', b'P3'):
+            return
+        values = len(re.sub(rb'#[^\n]*', b'', stream.read()).split()) - 3
+    wanted = image.width * image.height * len(image.getbands())
+    if values < wanted:
+        raise ConfigurationError('{}: the image is truncated: got {} values; its header announces {}'.format(
+            path, max(values, 0), wanted))
+
+
+def _to_channels(path, image):
+    if image.mode in _GREY_16 and image.format != 'PPM':
+        return (np.asarray(image).astype(np.uint16) >> 8).astype(np.uint8)[:, :, np.newaxis]
+    if image.mode not in _CONVERSIONS:
+        kind = 'more than 8 bits a value' if image.mode in _GREY_16 else "the mode '{}'".format(image.mode)
+        raise ConfigurationError('{}: got an image with {}; allowed: grey, colour or palette images with 8 bits a '
+                                 'value, with or without alpha'.format(path, kind))
+    mode = 'RGBA' if 'transparency' in image.info else _CONVERSIONS[image.mode]
+    pixels = np.asarray(image.convert(mode))
+    return pixels[:, :, np.newaxis] if pixels.ndim == 2 else pixels

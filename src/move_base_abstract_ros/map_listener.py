@@ -1,0 +1,77 @@
+"""Maps that come on a topic: one subscription and one copy per topic and process, whatever the number of robots."""
+import threading
+
+import rospy
+from nav_msgs.msg import OccupancyGrid
+from rospy.numpy_msg import numpy_msg
+
+from move_base_abstract.occupancy import OccupancyMap
+
+from . import conversions
+
+
+class MapListener:
+    """Receives the maps of one topic; use :meth:`on` to get the process's listener of a topic.
+
+    Threading: ``follow`` and ``leave`` from any thread; followers are called one at a time, in the thread that
+    receives maps or in that of ``follow``, and must not wait for another lock that a caller of ``follow`` may hold.
+    """
+
+    _listeners = {}
+    _listeners_lock = threading.Lock()
+
+    def __init__(self, topic):
+        self.topic = topic
+        self._lock = threading.RLock()
+        self._followers = []
+        self._latest = None
+        # With numpy_msg the cells stay the bytes that came; a list would take eight times as much.
+        self._subscriber = rospy.Subscriber(topic, numpy_msg(OccupancyGrid), self._on_map, queue_size=1)
+
+    @classmethod
+    def on(cls, topic):
+        """Return the process's listener of ``topic`` (an absolute name)."""
+        with cls._listeners_lock:
+            if topic not in cls._listeners:
+                cls._listeners[topic] = cls(topic)
+            return cls._listeners[topic]
+
+    def follow(self, follower):
+        """Call ``follower(message, occupancy)`` with the latest map, if there is one, and with each that comes."""
+        with self._lock:
+            self._followers.append(follower)
+            if self._latest is not None:
+                follower(*self._latest)
+
+    def leave(self, follower):
+        """Call ``follower`` no more."""
+        with self._lock:
+            self._followers.remove(follower)
+
+    def _on_map(self, message):
+        try:
+            occupancy = to_occupancy(message)
+        except ValueError as error:
+            rospy.logerr('%s: the map on %s is not used: %s', rospy.get_name(), self.topic, error)
+            return
+        rospy.loginfo('%s: map on %s: %d x %d cells of %g m in the frame %s', rospy.get_name(), self.topic,
+                      occupancy.width, occupancy.height, occupancy.resolution, message.header.frame_id)
+        with self._lock:
+            self._latest = message, occupancy
+            for follower in self._followers:
+                follower(message, occupancy)
+
+
+def to_occupancy(message):
+    """Return the OccupancyMap of a nav_msgs/OccupancyGrid whose data is a numpy array; the cells are not copied.
+
+    :raises ValueError: if size and data do not fit, or resolution or origin are impossible.
+    """
+    info = message.info
+    if len(message.data) != info.width * info.height:
+        raise ValueError('got {} cells; allowed: {} x {}, as its info says'.format(
+            len(message.data), info.width, info.height))
+    if not any(conversions.quaternion_tuple(info.origin.orientation)):
+        info.origin.orientation.w = 1.0  # who draws maps by hand often leaves the orientation out
+    return OccupancyMap(message.data.reshape(info.height, info.width), info.resolution,
+                        conversions.from_pose(info.origin))
