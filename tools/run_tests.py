@@ -6,6 +6,7 @@ Each step writes its results to a folder of its own below .ws/test_results, empt
 goes to output.log there. A step that dies, hangs or leaves no result counts as a failure of its own.
 """
 import argparse
+import fcntl
 import os
 import shutil
 import signal
@@ -127,6 +128,15 @@ def _write_failure(step, problem):
     ElementTree.ElementTree(suite).write(step.folder / 'step.xml', encoding='utf-8', xml_declaration=True)
 
 
+def wait_for_other_run(lock):
+    """Take the lock, so that two runs in one tree do not remove each other's results."""
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        print('waiting for another test run in this tree to end', flush=True)
+        fcntl.flock(lock, fcntl.LOCK_EX)
+
+
 def main():
     """Run the chosen steps and exit with 1 if anything failed."""
     parser = argparse.ArgumentParser(description='Run the tests of move_base_abstract.')
@@ -135,11 +145,14 @@ def main():
     steps = [step for step in all_steps() if only in step.name]
     if not steps:
         parser.error(f'no step is named like {only!r}; there are {", ".join(step.name for step in all_steps())}')
-    shutil.rmtree(RESULTS, ignore_errors=True)
     os.environ.setdefault('ROS_LOG_DIR', str(WS / 'ros_home' / 'log'))
-    for step in steps:
-        run_step(step)
-    sys.exit(test_summary.summarise(RESULTS))
+    os.environ['PYTHONUNBUFFERED'] = '1'  # so that a log is complete where a process must be killed
+    with open(WS / 'test.lock', 'w') as lock:
+        wait_for_other_run(lock)
+        shutil.rmtree(RESULTS, ignore_errors=True)
+        for step in steps:
+            run_step(step)
+        sys.exit(test_summary.summarise(RESULTS))
 
 
 if __name__ == '__main__':
