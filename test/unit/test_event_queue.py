@@ -176,6 +176,31 @@ def test_a_series_can_be_stopped_by_its_own_action():
     assert trace.run(0, 10, 20) == [(0, 0)]
 
 
+def test_a_series_may_be_started_anew_by_its_own_action():
+    trace = Trace()
+
+    def happen(due_ns, now_ns):
+        trace.lines.append((due_ns, now_ns))
+        if due_ns == 10:
+            series.start(27)
+
+    series = Series(trace.queue, 0, 10, happen)
+    series.start(0)
+    assert trace.run(0, 10, 20, 27, 37) == [(0, 0), (10, 10), (27, 27), (37, 37)]
+
+
+def test_a_series_with_nothing_to_do_for_a_while_pauses_and_comes_back_on_its_multiples():
+    trace = Trace()
+    pauses = iter([25, 0, None, 10, None, None])
+
+    def happen(due_ns, now_ns):
+        trace.lines.append((due_ns, now_ns))
+        return next(pauses)
+
+    Series(trace.queue, 0, 10, happen).start(0)
+    assert trace.run(*range(0, 80)) == [(0, 0), (30, 30), (40, 40), (50, 50), (70, 70)]
+
+
 @given(st.integers(1, 20), TIMES, st.lists(st.integers(0, 300), max_size=30))
 def test_any_leaps_give_one_call_each_on_the_first_multiple_still_due(period_ns, first_ns, instants):
     expected, multiple = [], first_ns

@@ -77,6 +77,13 @@ def test_composing_is_associative_keeps_distances_and_the_origin_changes_nothing
     assert Pose2D().compose(b) == b
 
 
+@given(POSES)
+def test_a_pose_and_its_inverse_undo_one_another(pose):
+    for nowhere in (pose.compose(pose.inverse()), pose.inverse().compose(pose)):
+        assert nowhere.distance_to(Pose2D()) < 1e-9
+        assert nowhere.yaw == pytest.approx(0.0, abs=1e-9)
+
+
 # ---- quaternions
 
 @given(ANGLES, st.floats(1e-2, 1e3))

@@ -260,6 +260,18 @@ def test_the_last_thousand_early_cancels_are_remembered(desk):
         True, True, False]
 
 
+def test_a_cleared_ledger_is_as_good_as_new_and_tells_nobody(desk):
+    desk.receive('a', 9 * S, at=10 * S)
+    desk.cancel('early', 20 * S)
+    desk.finish()
+    desk.receive('b')
+    desk.told()
+    desk.ledger.clear()
+    assert (desk.told(), desk.listed(), desk.ledger.active) == ([], {}, None)
+    assert [desk.receive(goal_id, S)[-1] for goal_id in ('a', 'early')] == [
+        ('status', {'a': 'ACTIVE'}), ('status', {'a': 'PREEMPTED', 'early': 'ACTIVE'})]
+
+
 # ---- any order of requests
 
 IDS = st.sampled_from(['', 'a', 'b', 'c'])

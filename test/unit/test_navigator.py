@@ -365,13 +365,13 @@ def test_the_feedbacks_frequency_can_be_changed_on_the_way(rig):
 
 # ---- teleports
 
-def test_a_teleport_on_the_way_goes_on_to_the_goal_from_there(rig):
-    robot = rig()
+@pytest.mark.parametrize('place, arrive_s', [(Pose2D(20.0, 4.0, UP), 5), (Pose2D(-20.0, 0.0), 23)])
+def test_a_teleport_on_the_way_goes_on_to_the_goal_from_there(rig, place, arrive_s):
+    robot, goal = rig(), Pose2D(20.0, 0.0)
     robot.send('g', 20.0, 0.0)
     robot.advance(3.0)
-    place, goal = Pose2D(20.0, 4.0, UP), Pose2D(20.0, 0.0)
     assert robot.place(place) == [('stands', place, 3 * S), ('departed', goal, 3 * S)]
-    assert robot.advance(99.0) == reaches('g', goal, 5 * S)
+    assert robot.advance(99.0) == reaches('g', goal, arrive_s * S)
 
 
 def test_a_teleport_of_a_standing_robot_moves_it_and_starts_nothing(rig):

@@ -109,6 +109,15 @@ def test_what_lies_too_many_doings_back_is_forgotten_and_said_so():
         robot.pose_at(0)
 
 
+def test_a_reset_robot_has_driven_nowhere_and_has_no_past():
+    robot = make_robot()
+    robot.depart(Pose2D(20.0, 0.0), 0)
+    robot.reset(Pose2D(1.0, 2.0), 3 * S)
+    assert (robot.leg, robot.pose_at(9 * S), robot.distance_at(9 * S)) == (None, Pose2D(1.0, 2.0), 0.0)
+    with pytest.raises(TimeError, match='nothing before 3000000000 ns is remembered'):
+        robot.pose_at(3 * S - 1)
+
+
 @given(st.lists(st.tuples(st.sampled_from(['depart', 'stop']), POSES, st.integers(0, 20 * S)), max_size=20),
        st.sampled_from([MotionLimits(2.0), MotionLimits(1.0, 0.3, 0.7)]))
 def test_no_doing_but_a_teleport_moves_a_robot_at_once(doings, limits):

@@ -182,6 +182,9 @@ FIELDS = [
     ('max_planning_retries', -2, 'a whole number >= -1'), ('max_planning_retries', 1.0, 'a whole number >= -1'),
     ('recovery_behavior_enabled', 1, 'true or false'), ('make_plan_add_unreachable_goal', 'yes', 'true or false'),
     ('base_local_planner', 1, 'the name of a plugin'), ('base_global_planner', None, 'the name of a plugin'),
+    ('status_list_timeout', -1.0, NOT_NEGATIVE + ' [s, simulated]'), ('marker_topic', '', 'a topic name'),
+    ('marker_size', 0, POSITIVE + " [m], the length of a robot's arrow"),
+    ('gazebo_model', 3, "the name of one of Gazebo's models"),
     ('recovery_behaviors', 'none', 'a list of {name, type}'), ('recovery_behaviors', 3, 'a list of {name, type}'),
     ('recovery_behaviors', [{'name': 'spin'}], 'a list of {name, type}')]
 

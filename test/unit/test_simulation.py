@@ -15,6 +15,15 @@ def test_the_present_is_where_it_began_and_then_where_it_was_advanced_to():
     assert seen == [7, 7, 9, 9, 20]
 
 
+def test_during_an_event_the_present_is_the_events_own_time():
+    simulation = Simulation(now_ns=10)
+    seen = []
+    for due_ns in (12, 5, 15):
+        simulation.queue.schedule(due_ns, 0, lambda due, now: seen.append((due, now, simulation.now_ns)))
+    simulation.advance(20)
+    assert (seen, simulation.now_ns) == ([(5, 20, 10), (12, 20, 12), (15, 20, 15)], 20)
+
+
 def test_time_does_not_go_back_and_what_is_due_stays_due():
     simulation = Simulation(now_ns=10)
     lines = []
