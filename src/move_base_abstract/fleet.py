@@ -4,6 +4,8 @@
     fleet.send('bot', 10.0, 0.0)
     fleet.run()
     fleet.trace[-1]        # TraceEntry(time_ns=6000000000, robot='bot', kind='ended', ...)
+
+The robots are those of the nodes, with the same settings, and time is kept in the same integer nanoseconds.
 """
 import itertools
 from typing import Any, NamedTuple

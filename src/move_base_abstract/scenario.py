@@ -6,6 +6,8 @@
       - {name: robot_0, start_x: 1.0, start_y: 2.0}
       - {name: tractor, max_speed: 4.0, acceleration: 0.5}
       - {name: drone, count: 10, start_y: 5.0, step_x: 2.0}    # drone_0 .. drone_9, 2 m apart
+
+The settings are the private parameters of the ``move_base`` node; a robot's own come before the defaults.
 """
 import difflib
 import re

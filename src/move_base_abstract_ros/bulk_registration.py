@@ -1,43 +1,112 @@
 """Telling the ROS master of thousands of topics and services in a few calls instead of one call each.
 
 rospy registers each topic by a call of its own, which is most of the time that a large fleet needs to start. Here the
-registrations are collected while the objects are made and sent together, as rospy itself does when it unregisters.
+registrations are collected while the objects are made and sent together, as rospy itself does when it unregisters,
+and parameters are read from one copy of the tree. The topics made here open a file descriptor when the first
+connection comes instead of one each from the start: a thousand robots would need more than a process may have.
 """
 import xmlrpc.client
 from contextlib import contextmanager
 
+import rosgraph
 import rospy
-from rospy.impl.registration import Registration, RegistrationListener, get_registration_listeners
+import rospy.topics
+from rospy.impl.registration import Registration, RegistrationListener, get_registration_listeners, get_topic_manager
+from rospy.impl.statistics import SubscriberStatisticsLogger
 
 _CALLS_AT_ONCE = 500
-_current = None
+
+
+class _State:
+    """The bulk registration that is under way, if any."""
+
+    collector = None
 
 
 @contextmanager
 def bulk_registration():
-    """Within this context, publishers, subscribers, services and :func:`set_param` reach the master at its end."""
-    global _current
+    """Within this context, publishers, subscribers, services and :func:`set_params` reach the master at its end."""
     listeners = get_registration_listeners()
     with listeners.lock:
         managers, listeners.listeners = listeners.listeners, []
         collector = _Collector(managers)
         listeners.listeners.append(collector)
-    _current = collector
+    _State.collector = collector
+    is_enabled = SubscriberStatisticsLogger.is_enabled
+    with_statistics = is_enabled()
+    SubscriberStatisticsLogger.is_enabled = staticmethod(lambda: with_statistics)  # it asks the master each time
+    _check_only_what_is_connected(get_topic_manager())
+    poller, rospy.topics.Poller = rospy.topics.Poller, _LazyPoller
     try:
         yield
     finally:
-        _current = None
+        rospy.topics.Poller = poller
+        _State.collector = None
+        SubscriberStatisticsLogger.is_enabled = staticmethod(is_enabled)
         with listeners.lock:
             listeners.listeners = managers
         collector.send()
 
 
-def set_param(name, value):
-    """Set a parameter as rospy.set_param does; in a bulk registration, with all else that is collected."""
-    if _current is None:
-        rospy.set_param(name, value)
+def get_namespace(name):
+    """Return {key: value} of all parameters below ``name``, an absolute name."""
+    if _State.collector is None:
+        found = rospy.get_param(name, {})
     else:
-        _current.calls.append(('setParam', (rospy.resolve_name(name), value), None))
+        found = _State.collector.parameters
+        for part in name.strip('/').split('/'):
+            found = found.get(part, {}) if isinstance(found, dict) else {}
+    return found if isinstance(found, dict) else {}
+
+
+def set_params(namespace, values):
+    """Set {key: value} below ``namespace``, an absolute name; what else is there stays."""
+    if _State.collector is None:
+        for key, value in values.items():
+            rospy.set_param('{}/{}'.format(namespace, key), value)
+    else:
+        _State.collector.set_params(namespace, values)
+
+
+def _check_only_what_is_connected(manager):
+    """Make rospy's regular search for broken connections pass over topics that have none."""
+    def check_all():
+        with manager.lock:
+            topics = [topic for group in (manager.pubs, manager.subs) for topic in group.values() if topic.connections]
+        for topic in topics:
+            topic.check()
+
+    manager.check_all = check_all
+
+
+class _PlainTransport(xmlrpc.client.Transport):
+    """Asks for answers that are not compressed: they come from the same machine, or one near by."""
+
+    accept_gzip_encoding = False
+
+
+class _LazyPoller:
+    """rospy's watch over a topic's connections, made when there is one."""
+
+    _Poller = rospy.topics.Poller
+
+    def __init__(self):
+        self._poller = None
+
+    def add_fd(self, fd):
+        """Watch a connection."""
+        if self._poller is None:
+            self._poller = self._Poller()
+        self._poller.add_fd(fd)
+
+    def remove_fd(self, fd):
+        """Watch it no more."""
+        if self._poller is not None:
+            self._poller.remove_fd(fd)
+
+    def error_iter(self):
+        """Return those that have failed."""
+        return self._poller.error_iter() if self._poller is not None else ()
 
 
 class _Collector(RegistrationListener):
@@ -49,6 +118,16 @@ class _Collector(RegistrationListener):
     def __init__(self, managers):
         self._managers = managers
         self.calls = []
+        self.parameters = rospy.get_param('/', {})
+
+    def set_params(self, namespace, values):
+        """Note parameters; a namespace is set as a whole, in one call, where nothing else is in it."""
+        there = get_namespace(namespace)
+        if not there:
+            self.calls.append(('setParam', (namespace, values), None))
+            return
+        for key, value in values.items():
+            self.calls.append(('setParam', ('{}/{}'.format(namespace, key), value), None))
 
     def reg_added(self, resolved_name, data_type_or_uri, reg_type):
         """Note a new publisher, subscriber or service."""
@@ -62,7 +141,7 @@ class _Collector(RegistrationListener):
 
     def send(self):
         """Tell the master all, and the subscribers of the publishers that there are."""
-        master = xmlrpc.client.ServerProxy(rospy.core.rosgraph.get_master_uri())
+        master = xmlrpc.client.ServerProxy(rosgraph.get_master_uri(), transport=_PlainTransport())
         for begin in range(0, len(self.calls), _CALLS_AT_ONCE):
             calls = self.calls[begin:begin + _CALLS_AT_ONCE]
             multicall = xmlrpc.client.MultiCall(master)

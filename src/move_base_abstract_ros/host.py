@@ -49,13 +49,14 @@ def read_action_options():
 
 
 class Host:
-    """Made once per process; ``clock`` has started."""
+    """Made once per process; ``clock`` has started. ``is_crowded``: there may be very many robots."""
 
-    def __init__(self, clock, options):
+    def __init__(self, clock, options, is_crowded=False):
         if clock.simulation is None:
             raise ConfigurationError('the clock of a host must have started')
         self.clock = clock
         self.options = options
+        self.is_crowded = is_crowded
         self.robot_count = 0
         self.status_heartbeat = Heartbeat(self, options.status_frequency, _STATUS_RATE_CAP)
         self._tf_heartbeats = {}

@@ -8,7 +8,7 @@ from dynamic_reconfigure.server import Server
 from move_base_abstract.cfg import DWAPlannerConfig, MoveBaseConfig, TrajectoryPlannerConfig
 from move_base_abstract.motion import MotionLimits, Tolerances
 
-from .bulk_registration import set_param
+from .bulk_registration import get_namespace, set_params
 
 _PLANNER_TYPES = {'TrajectoryPlannerROS': TrajectoryPlannerConfig}
 _CASTS = {'double': float, 'int': int, 'bool': bool, 'str': str}
@@ -23,7 +23,7 @@ class _SafeServer(Server):
         super().__init__(config_type, callback, namespace)
 
     def _copy_from_parameter_server(self):
-        raw = rospy.get_param(self.ns.rstrip('/'), {})
+        raw = get_namespace(self.ns.rstrip('/'))
         for parameter in extract_params(self.type.config_description):
             name, cast = parameter['name'], _CASTS[parameter['type']]
             value = self._known.get(name, raw.get(name, self.config[name]))
@@ -34,11 +34,10 @@ class _SafeServer(Server):
             self.config[name] = cast(value)
 
     def _copy_to_parameter_server(self):
-        for parameter in extract_params(self.type.config_description):
-            name = parameter['name']
-            if self._registered.get(name) != self.config[name]:
-                self._registered[name] = self.config[name]
-                set_param(self.ns + name, self.config[name])
+        names = [parameter['name'] for parameter in extract_params(self.type.config_description)]
+        changed = {name: self.config[name] for name in names if self._registered.get(name) != self.config[name]}
+        self._registered.update(changed)
+        set_params(self.ns.rstrip('/'), changed)
 
 
     def close(self):

@@ -1,4 +1,5 @@
 """The node ``fleet``: many robots in one process, each under move_base's interface in a namespace of its own."""
+import resource
 import sys
 import time
 
@@ -26,6 +27,7 @@ def main():
     """Run the node until ROS shuts down; exits with 1 when a parameter or the scenario cannot be used."""
     rospy.init_node('fleet')
     begin = time.monotonic()
+    _allow_many_connections()
     try:
         fleet = away_from_signals(_build)
     except ConfigurationError as error:
@@ -56,8 +58,14 @@ def _build():
     clock = RosClock()
     if not clock.start():
         return None
-    return FleetServer(rospy.get_namespace(), Host(clock, read_action_options()),
+    return FleetServer(rospy.get_namespace(), Host(clock, read_action_options(), is_crowded=True),
                        _share(scenario.robots, values['part'], values['parts']), scenario.defaults)
+
+
+def _allow_many_connections():
+    """Each client of a robot needs some connections, and the usual limit of 1,024 is soon reached."""
+    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
 
 
 def _share(robots, part, parts):
