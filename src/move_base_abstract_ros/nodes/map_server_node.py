@@ -1,0 +1,170 @@
+"""The node ``map_server``: the real one where it is installed, else a stand-in with its command line and interface.
+
+Topics (latched): ``map``, ``map_metadata``. Services: ``static_map``, ``change_map``. Parameter: ``~frame_id``; with
+the old form of the command line also ``~negate``, ``~occupied_thresh``, ``~free_thresh``.
+"""
+import os
+import sys
+import threading
+import time
+
+import rospkg
+import rospy
+from nav_msgs.msg import MapMetaData, OccupancyGrid
+from nav_msgs.srv import GetMap, GetMapResponse, LoadMap, LoadMapResponse
+from roslib import packages
+from rospy.numpy_msg import numpy_msg
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.occupancy import ImageRule
+from move_base_abstract.parameter_table import Parameter, integer, name, number, read_table
+from move_base_abstract_ros import conversions
+from move_base_abstract_ros.map_files import MapDescription, load_map, read_description
+
+from .move_base_node import away_from_signals
+
+_USAGE = ('USAGE: map_server MAP.yaml\n'
+          '  MAP.yaml: the description of a map\n'
+          'DEPRECATED USAGE: map_server IMAGE RESOLUTION\n'
+          '  IMAGE: an image file\n'
+          '  RESOLUTION: the side of a pixel [m]')
+_FAILED = 255  # the exit code of the real one, too
+_POLL_SECONDS = 0.02
+_REMINDER_SECONDS = 5.0
+_OLD_FORM = (
+    Parameter('negate', 0, integer(0), 'a whole number >= 0; 0 = white is free'),
+    Parameter('occupied_thresh', 0.65, number(), 'a finite number'),
+    Parameter('free_thresh', 0.196, number(), 'a finite number'),
+)
+_FRAME = Parameter('frame_id', 'map', name, 'a frame name')
+
+
+def main():
+    """Run the node until ROS shuts down; exits with 255 if there is no map to be had."""
+    real = find_real_map_server()
+    if real:
+        os.execv(real, [real] + sys.argv[1:])
+    arguments = rospy.myargv(sys.argv)[1:]
+    if len(arguments) not in (1, 2):
+        print('map_server: got {} arguments; allowed: 1, or 2 in the old form\n{}'.format(len(arguments), _USAGE),
+              file=sys.stderr)
+        sys.exit(_FAILED)
+    rospy.init_node('map_server', anonymous=True)
+    try:
+        server = away_from_signals(lambda: _build(arguments))
+    except ConfigurationError as error:
+        rospy.logfatal('%s: %s', rospy.get_name(), error)
+        sys.exit(_FAILED)
+    if server is not None:
+        rospy.spin()
+
+
+def find_real_map_server():
+    """Return the path of the executable of the package map_server, or None where that is not installed."""
+    try:
+        paths = packages.find_node('map_server', 'map_server')
+    except rospkg.ResourceNotFound:
+        return None
+    return paths[0] if paths else None
+
+
+def _build(arguments):
+    raw = rospy.get_param('~', {})
+    where = rospy.get_name()
+    frame_id = read_table(raw, (_FRAME,), where)['frame_id']
+    if len(arguments) == 2:
+        rospy.logwarn('%s: IMAGE RESOLUTION is the old form; a YAML file says more', where)
+        description = _describe_old_form(arguments, raw, where)
+    else:
+        description = _describe(arguments[0])
+    return MapServer(frame_id, load_map(description))
+
+
+def _describe(path):
+    description = read_description(path)
+    for warning in description.warnings:
+        rospy.logwarn('%s: %s', rospy.get_name(), warning)
+    return description
+
+
+def _describe_old_form(arguments, raw, where):
+    image, resolution = arguments
+    values = read_table(raw, _OLD_FORM, where)
+    try:
+        resolution = number(above=0.0)(float(resolution))
+    except ValueError:
+        raise ConfigurationError("argument RESOLUTION: got '{}'; allowed: a finite number > 0 [m]\n{}".format(
+            resolution, _USAGE)) from None
+    return MapDescription(image, resolution, rule=ImageRule(
+        negate=bool(values['negate']), occupied_thresh=values['occupied_thresh'], free_thresh=values['free_thresh']))
+
+
+class MapServer:
+    """Publishes one map, hands it out, and exchanges it on request."""
+
+    def __init__(self, frame_id, occupancy):
+        self._frame_id = frame_id
+        self._lock = threading.Lock()
+        self._metadata = rospy.Publisher('map_metadata', MapMetaData, queue_size=1, latch=True)
+        # numpy_msg: the cells go out as they are, instead of one Python number each
+        self._map = rospy.Publisher('map', numpy_msg(OccupancyGrid), queue_size=1, latch=True)
+        self._grid = None
+        _wait_for_time()
+        self.show(occupancy)
+        self._services = [rospy.Service('static_map', GetMap, self._get_map),
+                          rospy.Service('change_map', LoadMap, self._change_map)]
+
+    def show(self, occupancy):
+        """Publish ``occupancy`` from now on."""
+        grid = numpy_msg(OccupancyGrid)()
+        grid.header.frame_id = self._frame_id
+        grid.header.stamp = grid.info.map_load_time = rospy.Time.now()
+        grid.info.resolution = occupancy.resolution
+        grid.info.width, grid.info.height = occupancy.width, occupancy.height
+        grid.info.origin = conversions.to_pose(occupancy.origin)
+        grid.data = occupancy.cells.reshape(-1)
+        with self._lock:
+            self._grid = grid
+            self._metadata.publish(grid.info)
+            self._map.publish(grid)
+        rospy.loginfo('%s: a map of %d x %d cells of %.3f m', rospy.get_name(), occupancy.width, occupancy.height,
+                      occupancy.resolution)
+
+    def _get_map(self, _request):
+        return numpy_msg(GetMapResponse)(self._grid)
+
+    def _change_map(self, request):
+        """Show the map of another YAML file; if that fails, the old one stays."""
+        try:
+            self.show(load_map(_describe(to_path(request.map_url))))
+        except ConfigurationError as error:
+            rospy.logerr('%s: change_map: %s; the map stays as it is', rospy.get_name(), error)
+            return LoadMapResponse(result=LoadMapResponse.RESULT_UNDEFINED_FAILURE)
+        return numpy_msg(LoadMapResponse)(self._grid, LoadMapResponse.RESULT_SUCCESS)
+
+
+def to_path(url):
+    """Return the path in ``url``: a path itself, ``file://PATH`` or ``package://PACKAGE/PATH``.
+
+    :raises ConfigurationError: if there is no such package.
+    """
+    if url.startswith('file://'):
+        return url[len('file://'):]
+    if not url.startswith('package://'):
+        return url
+    package, _, path = url[len('package://'):].partition('/')
+    try:
+        return os.path.join(rospkg.RosPack().get_path(package), path)
+    except rospkg.ResourceNotFound:
+        raise ConfigurationError("{}: there is no package '{}'".format(url, package)) from None
+
+
+def _wait_for_time():
+    """Wait for the first /clock where time is simulated: a stamp of 0 means something else."""
+    warned = time.monotonic()
+    while rospy.Time.now().is_zero() and not rospy.is_shutdown():
+        time.sleep(_POLL_SECONDS)
+        if time.monotonic() - warned > _REMINDER_SECONDS:
+            warned = time.monotonic()
+            rospy.logwarn('%s: use_sim_time is true but nothing has come on /clock yet: is a time master running?',
+                          rospy.get_name())
