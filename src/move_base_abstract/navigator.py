@@ -87,6 +87,11 @@ class Navigator:
         """Whether the robot has a goal."""
         return self._ledger.active is not None
 
+    @property
+    def target(self):
+        """The pose in the global frame that the robot works on, or None."""
+        return self._target
+
     def receive(self, goal_id, stamp_ns, goal, now_ns):
         """Take the :class:`GoalPose` ``goal`` in. The newest goal wins; whatever is wrong with it ends it."""
         record = self._ledger.receive(goal_id, stamp_ns, now_ns)

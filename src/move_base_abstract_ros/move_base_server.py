@@ -10,7 +10,7 @@ from move_base_abstract.planning import StraightLinePlanner
 from move_base_abstract.recovery import DEFAULT_BEHAVIORS, RecoveryPolicy
 from move_base_abstract.robot import Robot
 
-from . import backends, conversions
+from . import backends, conversions, robot_markers
 from .goal_server import GoalServer
 from .planner_interface import PlannerInterface
 from .reconfigure import Reconfigure
@@ -64,6 +64,7 @@ class MoveBaseServer(NavigatorListener):
         self.navigator.set_feedback_frequency(values['feedback_freq'])
         self._feedback_throttle = self._host.throttle(values['max_feedback_rate'])
         self._publisher = RobotPublisher(self._names, settings, self._host, robot, backend)
+        self._markers = robot_markers.add(self._clock, settings, self.navigator)
 
     def shut_down(self):
         """End the active goal as a killed move_base does, and let the answer leave."""
@@ -82,6 +83,7 @@ class MoveBaseServer(NavigatorListener):
             self._goal_server.flush()
             self._goal_server.close()
             self._publisher.close()
+            self._markers.close()
         self._host.robot_count -= 1
 
     def reset(self):
@@ -95,6 +97,7 @@ class MoveBaseServer(NavigatorListener):
             self.navigator.robot.limits, self.navigator.robot.tolerances = settings.limits, settings.tolerances
             self.navigator.robot.reset(settings.start, now_ns)
             self._publisher.stands(now_ns)
+            self._markers.changed()
 
     def set_motion(self, limits, tolerances):
         """Travel with other limits from the next leg on."""
@@ -123,10 +126,12 @@ class MoveBaseServer(NavigatorListener):
     def stands(self, robot, now_ns):
         """Show that the robot stands."""
         self._publisher.stands(now_ns)
+        self._markers.changed()
 
     def target(self, goal, now_ns):
         """Show the goal that is worked on."""
         self._publisher.target(goal, now_ns)
+        self._markers.changed()
 
     def stop_wheels(self):
         """Publish a zero velocity."""

@@ -1,0 +1,135 @@
+"""The robots of a process as one MarkerArray, drawn only while somebody looks.
+
+Whatever happens to a robot is drawn within 50 ms of wall time, robots under way five times a second, and what is drawn
+at one instant is one message.
+"""
+import threading
+import time
+
+import rospy
+from visualization_msgs.msg import MarkerArray
+
+from . import marker_builder
+from .marker_builder import Look, View
+
+_CHANGE_SECONDS = 0.05  # wall; the shortest time between two messages
+_REFRESH_SECONDS = 0.2  # wall; how often robots with a goal are drawn
+
+_lock = threading.Lock()
+_boards = {}
+
+
+def add(clock, settings, navigator):
+    """Draw the robot of ``navigator`` from now on; return its :class:`RobotMarkers`."""
+    topic = '/' + settings.values['marker_topic'].strip('/')
+    robot = navigator.robot
+    look = Look(robot.name, marker_builder.robot_number(robot.name, robot.index), settings.values['global_frame'],
+                settings.values['marker_size'])
+    with _lock:
+        if topic not in _boards:
+            _boards[topic] = _Board(clock, topic)
+        board = _boards[topic]
+    return RobotMarkers(board, look, navigator)
+
+
+class RobotMarkers:
+    """One robot on the board of its process."""
+
+    def __init__(self, board, look, navigator):
+        self.look = look
+        self.drawn_route = None
+        self._board = board
+        self._navigator = navigator
+        board.change(self)
+
+    def changed(self):
+        """Have the robot drawn soon; returns at once."""
+        self._board.change(self)
+
+    def close(self):
+        """Have the robot taken away."""
+        self._board.remove(self)
+
+    def view(self, now_ns):
+        """Return the :class:`View` of the robot at ``now_ns`` [ns]; the caller holds the clock's lock."""
+        robot, leg = self._navigator.robot, self._navigator.robot.leg
+        return View(robot.pose_at(now_ns), self._navigator.target, (leg.start, leg.end) if leg else None)
+
+
+class _Board(rospy.SubscribeListener):
+    """One publisher and one thread. The thread never waits for the clock's lock while it holds the condition."""
+
+    def __init__(self, clock, topic):
+        super().__init__()
+        self._clock = clock
+        self._condition = threading.Condition()
+        self._robots = {}
+        self._changed = set()
+        self._under_way = set()
+        self._removed = []
+        self._publisher = rospy.Publisher(topic, MarkerArray, subscriber_listener=self, queue_size=10)
+        threading.Thread(target=self._run, name='markers', daemon=True).start()
+
+    def change(self, robot):
+        """Draw ``robot`` soon; without a subscriber there is nothing to do before one comes."""
+        with self._condition:
+            self._robots[robot.look.name] = robot
+            if self._publisher.get_num_connections() > 0:
+                self._changed.add(robot)
+                self._condition.notify()
+
+    def remove(self, robot):
+        """Draw ``robot`` no more."""
+        with self._condition:
+            self._robots.pop(robot.look.name, None)
+            self._changed.discard(robot)
+            self._under_way.discard(robot)
+            self._removed.append(robot)
+            self._condition.notify()
+
+    def peer_subscribe(self, _topic_name, _topic_publish, _peer_publish):
+        """Draw everything for who comes anew."""
+        with self._condition:
+            for robot in self._robots.values():
+                robot.drawn_route = None
+                self._changed.add(robot)
+            self._condition.notify()
+
+    def _run(self):
+        while not rospy.is_shutdown():
+            chosen, removed = self._wait()
+            if self._publisher.get_num_connections() == 0:
+                continue
+            markers = [marker for robot in removed for marker in marker_builder.farewell(robot.look)]
+            for robot, view in self._views(chosen):
+                markers += self._draw(robot, view)
+            try:
+                self._publisher.publish(MarkerArray(markers))
+            except rospy.ROSException:
+                return  # the node is going down
+            time.sleep(_CHANGE_SECONDS)
+
+    def _wait(self):
+        """Return (robots to draw, robots to take away) when there is something to do."""
+        with self._condition:
+            watched = self._publisher.get_num_connections() > 0
+            self._condition.wait_for(lambda: self._changed or self._removed,
+                                     _REFRESH_SECONDS if watched and self._under_way else None)
+            chosen, removed = self._changed | self._under_way, self._removed
+            self._changed, self._under_way, self._removed = set(), set(), []
+        return sorted(chosen, key=lambda robot: robot.look.name), removed
+
+    def _views(self, robots):
+        with self._clock.lock:
+            now_ns = self._clock.now_ns()
+            return [(robot, robot.view(now_ns)) for robot in robots]
+
+    def _draw(self, robot, view):
+        markers = marker_builder.body(robot.look, view)
+        if robot.drawn_route != view.route:
+            robot.drawn_route = view.route
+            markers += marker_builder.route(robot.look, view)
+        with self._condition:
+            if view.goal and self._robots.get(robot.look.name) is robot:
+                self._under_way.add(robot)
+        return markers
