@@ -1,0 +1,148 @@
+#!/usr/bin/python3
+"""Fleets: many robots at once against the plain Python fleet, pre-emption and cancel, add, remove, reset."""
+import itertools
+import math
+import random
+import unittest
+
+import rosgraph
+import rospkg
+import rospy
+import rostest
+import tf2_ros
+from actionlib_msgs.msg import GoalStatus
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.scenario import read_scenario
+from move_base_abstract.srv import AddRobot, RemoveRobot
+from nav_msgs.msg import Odometry
+from robot_harness import ANOTHER_GOAL, GUARD, RawClient, Record, active_since_ns, pose_stamped
+from std_srvs.srv import Trigger
+
+NAMES = ['{}_{}'.format(kind, number) for kind in ('robot', 'truck') for number in range(10)]
+FIRST, SECOND = '/fleet_0', '/fleet_1'  # ten robots each
+
+
+def service(name, kind):
+    """Return a proxy of a service that must be there."""
+    rospy.wait_for_service(name, GUARD * 20)
+    return rospy.ServiceProxy(name, kind)
+
+
+class FleetTrial(unittest.TestCase):
+    """Two processes with ten robots each."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.scenario = read_scenario(rospkg.RosPack().get_path('move_base_abstract') + '/test/data/twenty_robots.yaml')
+        for node in (FIRST, SECOND):
+            rospy.wait_for_service(node + '/reset', GUARD * 20)
+        cls.clients = {name: RawClient('/' + name) for name in NAMES}
+        cls.odom = {name: Record('/{}/odom'.format(name), Odometry) for name in NAMES}
+
+    def setUp(self):
+        for node in (FIRST, SECOND):
+            self.assertTrue(service(node + '/reset', Trigger)().success)
+        for client in self.clients.values():
+            client.result.clear()
+            client.status.clear()
+
+    def test_all_robots_do_exactly_what_the_plain_python_fleet_does(self):
+        rng = random.Random(7)
+        goals = {name: (rng.uniform(-50, 50), rng.uniform(-50, 50), rng.uniform(-3, 3)) for name in NAMES}
+        oracle = Fleet(self.scenario)
+        for name, goal in goals.items():
+            oracle.send(name, *goal)
+        oracle.run()
+        expected = {entry.robot: entry.time_ns - 1_000_000_000 for entry in oracle.trace if entry.kind == 'ended'}
+        ids = {name: self.clients[name].send(pose_stamped(*goal)) for name, goal in goals.items()}
+        for name, goal_id in ids.items():
+            start_ns = active_since_ns(self.clients[name], goal_id)
+            ended = self.clients[name].ending(goal_id)
+            self.assertEqual(ended.status.status, GoalStatus.SUCCEEDED, name)
+            self.assertEqual(ended.header.stamp.to_nsec() - start_ns, expected[name], name)
+            pose = oracle.pose(name)
+            self.odom[name].wait_for(lambda odom, pose=pose: (odom.pose.pose.position.x,
+                                                              odom.pose.pose.position.y) == (pose.x, pose.y))
+
+    def test_twenty_robots_under_preemption_and_cancel_end_each_goal_once(self):
+        ids = {name: [self.clients[name].send(pose_stamped(500.0, number)) for number in range(5)] for name in NAMES}
+        for name in NAMES:
+            self.clients[name].wait_for_state(ids[name][-1], GoalStatus.ACTIVE)
+            self.clients[name].cancel(ids[name][-1])
+        for name in NAMES:
+            client = self.clients[name]
+            self.assertEqual(client.ending(ids[name][-1]).status.status, GoalStatus.PREEMPTED)
+            for goal_id in ids[name][:-1]:
+                self.assertEqual(client.endings(goal_id), [(GoalStatus.PREEMPTED, ANOTHER_GOAL)], name)
+            self.assertEqual(client.endings(ids[name][-1]), [(GoalStatus.PREEMPTED, '')], name)
+
+    def test_each_robot_has_frames_of_its_own(self):
+        buffer = tf2_ros.Buffer(debug=False)
+        listener = tf2_ros.TransformListener(buffer)
+        for name in NAMES:  # until the listener has connected, the present is too early
+            buffer.lookup_transform('map', name + '/base_link', rospy.Time(), rospy.Duration(200.0))
+        for name in NAMES:
+            found = buffer.lookup_transform('map', name + '/base_link', rospy.Time.now(), rospy.Duration(200.0))
+            spec = next(spec for spec in self.scenario.robots if spec.name == name)
+            self.assertEqual((found.transform.translation.x, found.transform.translation.y),
+                             (spec.settings.start.x, spec.settings.start.y))
+        listener.unregister()
+
+    def test_reset_ends_goals_and_brings_robots_home_but_time_goes_on(self):
+        client = self.clients['robot_3']
+        goal_id = client.send(pose_stamped(500.0))
+        start_ns = active_since_ns(client, goal_id)
+        self.odom['robot_3'].clear()
+        self.assertTrue(service(FIRST + '/reset', Trigger)().success)
+        ended = client.ending(goal_id)
+        self.assertEqual((ended.status.status, ended.status.text),
+                         (GoalStatus.ABORTED, 'Aborting on the goal because the robots have been reset'))
+        home = self.odom['robot_3'].wait_for(lambda odom: odom.pose.pose.position.x == 3.0)
+        self.assertGreaterEqual(home.header.stamp.to_nsec(), start_ns)
+        self.assertEqual(self.clients['robot_3'].status.wait_for(lambda array: not array.status_list).status_list, [])
+
+    def test_a_robot_is_added_works_and_is_removed_without_a_trace(self):
+        answer = service(SECOND + '/add_robot', AddRobot)('newcomer', 7.0, 8.0, math.pi, 'max_speed: 4.0')
+        self.assertTrue(answer.success, answer.message)
+        client = RawClient('/newcomer')
+        goal_id = client.send(pose_stamped(7.0, 28.0))
+        start_ns = active_since_ns(client, goal_id)
+        self.assertEqual(client.ending(goal_id).header.stamp.to_nsec() - start_ns, 5_000_000_000)
+        second = client.send(pose_stamped(900.0))
+        client.wait_for_state(second, GoalStatus.ACTIVE)
+        self.assertTrue(service(SECOND + '/remove_robot', RemoveRobot)('newcomer').success)
+        ended = client.ending(second)
+        self.assertEqual((ended.status.status, ended.status.text),
+                         (GoalStatus.ABORTED, 'Aborting on the goal because the robot has been removed'))
+        publishers, subscribers, services = rosgraph.Master('/fleet_test').getSystemState()
+        mine = [(name, nodes) for name, nodes in itertools.chain(publishers, subscribers, services)
+                if name.startswith('/newcomer/') and SECOND in nodes]
+        self.assertEqual(mine, [])
+        self.assertTrue(service(SECOND + '/add_robot', AddRobot)('newcomer', 0.0, 0.0, 0.0, '').success)
+        self.assertTrue(service(SECOND + '/remove_robot', RemoveRobot)('newcomer').success)
+
+    def test_bad_requests_are_refused_with_a_reason(self):
+        add = service(FIRST + '/add_robot', AddRobot)
+        for arguments, reason in ((('robot_0', 0, 0, 0, ''), 'is there already'),
+                                  (('7up', 0, 0, 0, ''), 'a letter first'),
+                                  (('ok', math.nan, 0, 0, ''), 'start_x'),
+                                  (('ok', 0, 0, 0, 'max_sped: 1'), "did you mean 'max_speed'?"),
+                                  (('ok', 0, 0, 0, 'max_speed: -1'), 'a finite number > 0'),
+                                  (('ok', 0, 0, 0, '[1, 2'), 'parameters')):
+            answer = add(*arguments)
+            self.assertFalse(answer.success)
+            self.assertIn(reason, answer.message)
+        answer = service(FIRST + '/remove_robot', RemoveRobot)('nobody')
+        self.assertFalse(answer.success)
+        self.assertIn("robot 'nobody' is unknown", answer.message)
+
+    def test_rviz_goals_reach_a_robot_of_a_fleet(self):
+        publisher = rospy.Publisher('/robot_5/move_base_simple/goal', type(pose_stamped()), queue_size=1, latch=True)
+        publisher.publish(pose_stamped(5.0, 4.0))
+        self.assertEqual(self.clients['robot_5'].result.wait_for().status.status, GoalStatus.SUCCEEDED)
+        publisher.unregister()
+
+
+if __name__ == '__main__':
+    rospy.init_node('fleet_test')
+    rostest.rosrun('move_base_abstract', 'fleet_trial', FleetTrial)
