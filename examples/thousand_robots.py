@@ -1,0 +1,45 @@
+#!/usr/bin/env python3
+"""A thousand robots for an hour, in plain Python without ROS: each drives to random places, one after the other.
+
+    source .ws/setup.sh && python3 examples/thousand_robots.py [ROBOTS [HOURS]]
+
+It prints how many goals were reached, how far the robots went, and how much faster than real time that was.
+"""
+import random
+import sys
+import time
+
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.scenario import make_scenario
+
+FIELD = 300.0  # m, square
+SEED = 1
+
+
+def main(robots=1000, hours=1.0):
+    """Simulate ``robots`` robots for ``hours`` hours and print what happened."""
+    scenario = make_scenario({'seed': SEED, 'defaults': {'max_speed': 2.0, 'acceleration': 1.0},
+                              'robots': [{'name': 'robot', 'count': robots, 'step_x': FIELD / robots}]})
+    # One generator per robot: another robot more moves nobody else.
+    chance = {spec.name: random.Random('{}/{}'.format(SEED, spec.name)) for spec in scenario.robots}
+
+    def send_next(name):
+        fleet.send(name, chance[name].uniform(0.0, FIELD), chance[name].uniform(0.0, FIELD))
+
+    def on_end(name, _goal_id, _state, _text, _now_ns):
+        send_next(name)
+
+    fleet = Fleet(scenario, on_end=on_end)
+    for name in fleet.names:
+        send_next(name)
+    begin = time.perf_counter()
+    fleet.run_for(3600.0 * hours)
+    wall = time.perf_counter() - begin
+    goals = sum(1 for entry in fleet.trace if entry.kind == 'ended')
+    distance = sum(fleet.distance(name) for name in fleet.names)
+    print('{} robots, {:g} h: {} goals, {:.1f} km, {:.2f} s of wall time, {:.0f}x real time, {:.0f} goals/s'.format(
+        robots, hours, goals, distance / 1000.0, wall, 3600.0 * hours / wall, goals / wall))
+
+
+if __name__ == '__main__':
+    main(*(kind(word) for kind, word in zip((int, float), sys.argv[1:])))
