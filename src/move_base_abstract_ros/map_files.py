@@ -143,10 +143,12 @@ def read_pixels(path):
     except Image.UnidentifiedImageError:
         raise ConfigurationError('{}: is not an image of a known kind, or its header is damaged; allowed: PGM, PNG and '
                                  'other common formats'.format(path)) from None
-    except OSError as error:
-        raise ConfigurationError('{}: the image cannot be read: {}'.format(path, error.strerror or error)) from None
-    except (ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
-        raise ConfigurationError('{}: the image is damaged: {}'.format(path, error)) from None
+    except ConfigurationError:
+        raise
+    except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
+        if getattr(error, 'strerror', None):
+            raise ConfigurationError('{}: the image cannot be read: {}'.format(path, error.strerror)) from None
+        raise ConfigurationError('{}: the image is damaged or truncated: {}'.format(path, error)) from None
 
 
 def _check_plain_text(path, image):

@@ -1,0 +1,186 @@
+"""Maps from files: what the YAML may say, which images can be read, and what is said about those that cannot."""
+
+import os
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract.map_check import Ground
+from move_base_abstract.occupancy import ImageRule, MapMode
+from move_base_abstract_ros.map_files import (  # noqa: TID251 (reads files, knows no ROS)
+    MapDescription,
+    load_map,
+    read_description,
+    read_pixels,
+)
+
+GOOD = {'image': 'm.pgm', 'resolution': '0.05', 'origin': '[1, -2.5, 0.5]', 'negate': '0', 'occupied_thresh': '0.65',
+        'free_thresh': '0.196'}
+SHIPPED = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'maps', 'farm_yard.yaml')
+
+
+@pytest.fixture
+def describe(tmp_path):
+    """Return a function: the description in a YAML file with ``changes``; None leaves a key out."""
+    def read(text=None, **changes):
+        pairs = dict(GOOD, **changes)
+        path = tmp_path / 'm.yaml'
+        path.write_text(text if text is not None else ''.join(
+            '{}: {}\n'.format(*pair) for pair in pairs.items() if pair[1] is not None))
+        return read_description(str(path))
+    return read
+
+
+@pytest.fixture
+def pixels(tmp_path):
+    """Return a function: the pixels of a file with these bytes, or of this image as PNG."""
+    def read(content, **options):
+        path = tmp_path / 'image'
+        if isinstance(content, bytes):
+            path.write_bytes(content)
+        else:
+            content.save(path, 'PNG', **options)
+        return read_pixels(str(path)).tolist()
+    return read
+
+
+def refusal(function, *arguments, **keywords):
+    with pytest.raises(ConfigurationError) as error:
+        function(*arguments, **keywords)
+    return str(error.value)
+
+
+# ---- YAML
+
+def test_a_description_with_all_that_it_needs(describe, tmp_path):
+    assert describe() == MapDescription(str(tmp_path / 'm.pgm'), 0.05, Pose2D(1.0, -2.5, 0.5),
+                                        ImageRule(MapMode.TRINARY, False, 0.65, 0.196))
+    assert describe(mode='scale', negate='1').rule == ImageRule(MapMode.SCALE, True, 0.65, 0.196)
+    assert describe(mode='raw', negate='true').rule == ImageRule(MapMode.RAW, True, 0.65, 0.196)
+    assert describe(image='/maps/m.png').image == '/maps/m.png'
+
+
+def test_numbers_in_the_form_that_only_yaml_1_2_knows(describe):
+    assert describe(resolution='5e-2').resolution == 0.05
+
+
+@pytest.mark.parametrize('key', sorted(GOOD))
+def test_a_missing_key_is_named(describe, key, tmp_path):
+    assert refusal(describe, **{key: None}) == (
+        '{}: {}: missing; a map needs the keys image, resolution, origin, negate, occupied_thresh, free_thresh'.format(
+            tmp_path / 'm.yaml', key))
+
+
+@pytest.mark.parametrize('key, value, got, allowed', [
+    ('resolution', '0', '0', 'a finite number > 0 [m/cell]'), ('resolution', '-0.1', '-0.1', 'a finite number > 0'),
+    ('resolution', '.nan', 'nan', 'a finite number > 0'), ('resolution', 'fine', "'fine'", 'a finite number > 0'),
+    ('resolution', 'true', 'True', 'a finite number > 0'), ('resolution', '[1]', '[1]', 'a finite number > 0'),
+    ('occupied_thresh', 'high', "'high'", 'a finite number'), ('free_thresh', '.inf', 'inf', 'a finite number'),
+    ('negate', '2', '2', '0 or 1'), ('negate', 'maybe', "'maybe'", '0 or 1'), ('negate', '[0]', '[0]', '0 or 1'),
+    ('mode', 'binary', "'binary'", 'trinary, scale, raw'), ('mode', '', 'None', 'trinary, scale, raw'),
+    ('origin', '[1, 2]', '[1, 2]', '[x, y, yaw] [m, m, rad]'), ('origin', '0', '0', '[x, y, yaw]'),
+    ('image', '""', "''", 'the path of an image'), ('image', '3', '3', 'the path of an image')])
+def test_a_bad_value_is_named_with_what_is_allowed(describe, tmp_path, key, value, got, allowed):
+    text = refusal(describe, **{key: value})
+    assert text.startswith('{}: {}: got {}; allowed: {}'.format(tmp_path / 'm.yaml', key, got, allowed))
+
+
+def test_a_bad_part_of_the_origin_is_named(describe):
+    assert 'origin[2]: got None; allowed: a finite number' in refusal(describe, origin='[0, 0, ~]')
+
+
+@pytest.mark.parametrize('text, words', [
+    ('image: [', 'is not a YAML file: '), ('', 'got NoneType; allowed: a mapping'), ('- 1', 'got list; allowed'),
+    ('!!python/object/apply:os.getcwd []', 'is not a YAML file: could not determine a constructor')])
+def test_what_is_no_mapping_is_refused(describe, text, words):
+    assert words in refusal(describe, text)
+
+
+def test_files_that_are_not_there_or_not_text(tmp_path):
+    assert refusal(read_description, '/no/m.yaml') == '/no/m.yaml: cannot be opened: No such file or directory'
+    assert refusal(read_description, str(tmp_path)) == '{}: cannot be opened: Is a directory'.format(tmp_path)
+    (tmp_path / 'm').write_bytes(b'P5\n1 1\n255\n\xff')
+    assert 'm: is not a YAML file: ' in refusal(read_description, str(tmp_path / 'm'))
+
+
+def test_unknown_keys_and_thresholds_the_wrong_way_round_are_warned_of(describe, tmp_path):
+    where = str(tmp_path / 'm.yaml')
+    assert describe(modes='scale', author='me', free_thresh='0.7').warnings == (
+        where + ": modes: unknown key, not used; did you mean 'mode'?", where + ': author: unknown key, not used',
+        where + ': free_thresh 0.7 is above occupied_thresh 0.65: what is above either is occupied')
+
+
+# ---- images
+
+def test_pgm_in_bytes_and_in_text(pixels):
+    wanted = [[[0], [100], [255]]]
+    assert pixels(b'P5\n3 1\n255\n\x00\x64\xff') == wanted
+    assert pixels(b'P2\n# made by hand: 1 2 3\n3 1 # width, height\n255\n0 100\n255') == wanted
+    assert pixels(b'P2 3 1 15 0 10 15') == [[[0], [170], [255]]]
+
+
+def test_png_of_all_kinds(pixels):
+    def image(mode, values):
+        return Image.fromarray(np.array([values], np.uint8), mode)
+
+    assert pixels(image('L', [7, 200])) == [[[7], [200]]]
+    assert pixels(image('LA', [[7, 255], [8, 0]])) == [[[7, 7, 7, 255], [8, 8, 8, 0]]]
+    assert pixels(image('RGB', [[1, 2, 3]])) == [[[1, 2, 3]]]
+    assert pixels(image('RGBA', [[1, 2, 3, 4]])) == [[[1, 2, 3, 4]]]
+    assert pixels(image('L', [0, 255]).convert('1')) == [[[0], [255]]]
+    palette = image('P', [0, 1])
+    palette.putpalette([255, 254, 253, 0, 1, 2])
+    assert pixels(palette) == [[[255, 254, 253], [0, 1, 2]]]
+    assert pixels(palette, transparency=1) == [[[255, 254, 253, 255], [0, 1, 2, 0]]]
+
+
+def test_16_bits_lose_the_lower_8_in_png_and_are_refused_in_pgm(pixels):
+    assert pixels(Image.fromarray(np.array([[0, 255, 256, 65535]], np.uint16))) == [[[0], [0], [1], [255]]]
+    text = refusal(pixels, b'P5\n1 1\n65535\n\x01\x00')
+    assert 'got an image with more than 8 bits a value; allowed: grey, colour or palette images with 8 bits' in text
+
+
+@pytest.mark.parametrize('content, words', [
+    (b'P5\n2 2\n255\n\x00\x01\x02', 'is damaged or truncated: '), (b'P5\n2 2\n255\n', 'is damaged or truncated: '),
+    (b'P2\n2 2\n255\n0 1 2', 'is truncated: got 3 values; its header announces 4'),
+    (b'P2\n2 2\n255\n', 'truncated: '), (b'P2\n2 2\n255\n0 1 2 256', 'damaged'), (b'P5\n2', 'damaged'),
+    (b'P5\n0 2\n255\n', 'not an image of a known kind'), (b'hello', 'not an image of a known kind'),
+    (b'', 'not an image of a known kind')])
+def test_a_damaged_image_is_refused(pixels, tmp_path, content, words):
+    text = refusal(pixels, content)
+    assert text.startswith(str(tmp_path / 'image')) and words in text
+
+
+def test_a_png_that_ends_too_soon_is_refused(pixels, tmp_path):
+    rows = np.random.default_rng(1).integers(0, 256, (100, 100), np.uint8)
+    pixels(Image.fromarray(rows))
+    assert 'truncated' in refusal(pixels, (tmp_path / 'image').read_bytes()[:3000])
+
+
+def test_an_image_that_is_not_there(tmp_path):
+    path = str(tmp_path / 'none.pgm')
+    wanted = path + ': the image cannot be read: No such file or directory'
+    assert refusal(load_map, MapDescription(path, 1.0)) == wanted
+
+
+# ---- the whole
+
+def test_a_map_from_its_files(describe, tmp_path):
+    (tmp_path / 'm.pgm').write_bytes(b'P5\n2 2\n255\n\x00\xfe\xcd\x00')
+    terrain = load_map(describe(origin='[1, 2, 0]'))
+    assert (terrain.cells.tolist(), terrain.resolution, terrain.origin) == ([[-1, 100], [100, 0]], 0.05, Pose2D(1, 2))
+
+
+def test_the_map_that_ships_has_free_streets_and_closed_walls():
+    terrain = load_map(read_description(SHIPPED))
+    assert terrain.size == pytest.approx((60.0, 40.0))
+    assert {int(value) for value in np.unique(terrain.cells)} == {0, 100, -1}
+    steps = np.arange(1.0, 59.0, 0.05)
+    east_west = [(x, y) for y in (4.0, 20.0, 36.0) for x in steps]
+    north_south = [(x, y) for x in (4.0, 30.0, 56.0) for y in steps if y < 39.0]
+    assert {terrain.ground_at(*place) for place in east_west + north_south} == {Ground.FREE}
+    assert {terrain.ground_at(x, y) for x in steps for y in (0.1, 39.9)} == {Ground.OCCUPIED}
+    assert (terrain.ground_at(14.5, 28.0), terrain.ground_at(12.0, 12.0)) == (Ground.OCCUPIED, Ground.UNKNOWN)
