@@ -20,6 +20,8 @@ from move_base_abstract_ros.loopback import Loopback, LoopbackError, PACKAGE
 from move_base_abstract_ros.nodes import demo_report
 from move_base_abstract_ros.nodes.demo_mission import MissionFailed, MissionRun
 
+FACTOR_MIN, FACTOR_MAX = 0.01, 1e6  # those of the time master
+
 
 def main():
     """Run the demo and exit with its code."""
@@ -52,6 +54,9 @@ def _run(arguments, plan):
             print(f'{len(plan.robots)} robots at {arguments.speed:g} m/s, {plan.goal_count} goals, factor '
                   f'{arguments.factor:g}; started in {time.monotonic() - begin:.1f} s; ROS master {ros.uri}', flush=True)
             _carry_out(run, ros)
+        except Exception:
+            print(f"demo: the nodes' logs are kept in {ros.log_dir}", file=sys.stderr)
+            raise
         finally:
             rospy.signal_shutdown('demo over')
     simulated_s, wall_s = run.elapsed()
@@ -99,7 +104,7 @@ def _choose_mission(arguments):
 def _parse(words):
     parser = argparse.ArgumentParser(prog='demo', description='Run a mission of several robots faster than real time '
                                      'on a ROS master of its own (127.0.0.1, free port).')
-    parser.add_argument('--factor', type=_positive, default=20.0, metavar='F',
+    parser.add_argument('--factor', type=_factor, default=20.0, metavar='F',
                         help='simulated seconds per second of wall time, 0.01..1e6 (default: %(default)g)')
     source = parser.add_mutually_exclusive_group()
     source.add_argument('--csv', metavar='FILE', help='visit points of this field: columns lat, lon [deg] and a value')
@@ -119,6 +124,13 @@ def _positive(text):
     value = float(text)
     if not 0.0 < value < math.inf:
         raise argparse.ArgumentTypeError(f'must be a finite number > 0, got {text}')
+    return value
+
+
+def _factor(text):
+    value = float(text)
+    if not FACTOR_MIN <= value <= FACTOR_MAX:
+        raise argparse.ArgumentTypeError(f'must be a number in {FACTOR_MIN:g}..{FACTOR_MAX:g}, got {text}')
     return value
 
 

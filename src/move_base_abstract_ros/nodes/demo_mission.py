@@ -57,8 +57,8 @@ class RobotRun:
         self._handle = None  # a client forgets a goal whose handle is gone
 
     def ready(self):
-        """Tell whether client and server are connected and the robot's first pose is known."""
-        return self._client.wait_for_server(rospy.Duration.from_sec(1e-9)) and self.odometer.ready
+        """Tell, without waiting, whether client and server are connected and the robot's first pose is known."""
+        return self.odometer.ready and self._client.wait_for_server(rospy.Duration(nsecs=-1))
 
     def send_next(self, events):
         """Send the next goal; its end will be put on the queue as (self, handle)."""
@@ -94,10 +94,12 @@ class MissionRun:
         waiting = list(self.robots)
         while waiting:
             check()
-            waiting = [robot for robot in waiting if not robot.ready()]
+            if rospy.get_rostime():  # 0 until the first /clock
+                waiting = [robot for robot in waiting if not robot.ready()]
             if waiting and time.monotonic() > deadline:
                 names = ', '.join(f'/{robot.plan.name}/move_base' for robot in waiting)
-                raise MissionFailed(f'no action server after {SERVER_TIMEOUT:g} s: {names}')
+                raise MissionFailed(f'after {SERVER_TIMEOUT:g} s there is no ' + (
+                    f'action server: {names}' if rospy.get_rostime() else 'message on /clock'))
             time.sleep(0.02)
 
     def run(self, tick, period=0.1):
