@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo test lint bench clean
+.PHONY: help deps build demo test lint bench picture clean
 
 WS := $(CURDIR)/.ws
 # Debian's own Python, the one that ROS was built for; another python3 may come first on PATH.
@@ -47,7 +47,11 @@ lint: build  ## ruff with the import borders, Python 3.8, catkin_lint, clang-for
 	@$(ENTER) tools/lint
 
 bench: build  ## the measurements, as JSON lines
-	@$(ENTER) $(PYTHON) bench/run $(BENCH_ARGS)
+	@$(ENTER) $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS)
+
+picture: build  ## take the picture of the README: RViz on a screen without a monitor
+	@tools/install_deps tools/apt-packages-picture.txt
+	@$(ENTER) $(PYTHON) tools/take_picture.py docs/images/rviz.png
 
 clean:  ## remove everything that was built
 	rm -rf $(WS)

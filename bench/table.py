@@ -7,6 +7,8 @@ COLUMNS = {
             'published_percent', 'wanted_percent', 'published_over_ours'),
     'stamps': ('factor', 'robots', 'legs', 'legs_with_departure', 'largest_travel_error_ns', 'poses',
                'largest_pose_error_ns'),
+    'scale': ('robots', 'processes', 'first_s', 'last_s', 'wanted_s', 'memory_mb', 'wanted_mb', 'threads',
+              'idle_cpu_percent'),
     'cpu': ('factor', 'robots', 'time_master_percent', 'move_base_percent', 'client_percent'),
 }
 
