@@ -5,10 +5,10 @@ import queue
 import statistics
 import time
 
+import rospy
 from actionlib import ActionClient, CommState, GoalStatus
 from move_base_msgs.msg import MoveBaseAction
 from nav_msgs.msg import Odometry
-import rospy
 
 from move_base_abstract.geometry import Pose2D
 from move_base_abstract_ros.nodes.demo_mission import make_goal

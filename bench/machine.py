@@ -4,10 +4,9 @@ import os
 import platform
 import subprocess
 
+import actionlib
 import psutil
 import rospkg
-
-import actionlib
 
 
 def describe():

@@ -1,6 +1,6 @@
 """Missions: which robots there are, where they start and which places they visit, in which order.
 
-A mission comes from a YAML file (read_mission) or from the readings of a field (read_field_points, mission_from_points).
+A mission comes from a YAML file (read_mission) or from a field's readings (read_field_points, mission_from_points).
 All places are in the map frame, in metres (x east, y north) and radians (yaw from x, counter-clockwise).
 Standard library and PyYAML only; everything is checked when it is read and immutable afterwards.
 """

@@ -10,14 +10,14 @@ import sys
 import unittest
 from xml.etree import ElementTree
 
-from actionlib import GoalStatus, SimpleActionClient
-from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
-from nav_msgs.msg import Odometry
 import roslaunch.config
 import roslaunch.xmlloader
 import rospkg
 import rospy
 import rostest
+from actionlib import GoalStatus, SimpleActionClient
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from nav_msgs.msg import Odometry
 
 GUARD = 600.0
 SPEED = 1.0  # m/s, DWAPlannerROS/max_vel_trans of the example

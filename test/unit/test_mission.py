@@ -3,10 +3,11 @@
 import math
 import os
 
+import pytest
+
 from move_base_abstract import mission
 from move_base_abstract.geometry import Pose2D
 from move_base_abstract.mission import FieldPoint, MissionError
-import pytest
 
 CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', 'config')
 GOOD = {'robots': [{'name': 'a', 'start': [0, 0], 'goals': [[3, 4], [3, 4, 1.5]]}]}

@@ -16,7 +16,7 @@ import rospkg
 import rospy
 
 from move_base_abstract import mission
-from move_base_abstract_ros.loopback import Loopback, LoopbackError, PACKAGE
+from move_base_abstract_ros.loopback import PACKAGE, Loopback, LoopbackError
 from move_base_abstract_ros.nodes import demo_report
 from move_base_abstract_ros.nodes.demo_mission import MissionFailed, MissionRun
 

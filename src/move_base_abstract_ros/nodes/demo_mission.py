@@ -7,10 +7,10 @@ SimpleActionClient loses replies when a goal is sent from its done callback).
 import queue
 import time
 
+import rospy
 from actionlib import ActionClient, CommState, GoalStatus
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
-import rospy
 
 from move_base_abstract.geometry import quaternion_of_yaw
 

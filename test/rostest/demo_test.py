@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""The demo as a user starts it: output, exit codes, and no process left behind.
+
+Everything waits for events; GUARD [s, wall] only ends a test that would never end.
+"""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import psutil
+import rosgraph
+import rostest
+
+from move_base_abstract_ros.loopback import find_executable
+
+GUARD = 60.0
+MISSION = """
+robots:
+  - {name: near, start: [0, 0], goals: [[30, 40], [30, 0]]}
+  - {name: far, start: [0, 5], goals: [[LENGTH, 5]]}
+"""
+
+
+class Demo(unittest.TestCase):
+    """One demo process per test; a far goal keeps it busy for as long as the test needs."""
+
+    def start(self, length_m, *arguments):
+        """Start the demo with a mission of two robots and return its Popen."""
+        with tempfile.NamedTemporaryFile('w', suffix='.yaml', delete=False) as stream:
+            stream.write(MISSION.replace('LENGTH', str(length_m)))
+        self.addCleanup(os.unlink, stream.name)
+        process = subprocess.Popen([find_executable('demo'), '--mission', stream.name, *arguments],
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.kill)
+        return process
+
+    def start_busy(self):
+        """Start a long demo; return its Popen and its child processes once the mission is under way."""
+        process = self.start(1000000)
+        for line in process.stdout:
+            if line.startswith('0/3 goals'):
+                return process, psutil.Process(process.pid).children()
+        self.fail('the demo ended before its first progress line')
+
+    def finish(self, process):
+        """Return what else the demo prints, and its exit code."""
+        output, _ = process.communicate(timeout=GUARD)
+        return output, process.returncode
+
+    def assert_all_gone(self, children):
+        self.assertEqual(len(children), 4)  # rosmaster, time master, two robots
+        _, alive = psutil.wait_procs(children, timeout=GUARD)
+        alive = [child for child in alive if child.status() != psutil.STATUS_ZOMBIE]
+        self.assertEqual(alive, [])
+
+    def test_it_prints_plain_progress_a_table_and_the_closing_line(self):
+        before = rosgraph.Master('/demo_test').getSystemState()
+        output, code = self.finish(self.start(80, '--factor', '100'))
+        self.assertEqual(code, 0, output)
+        self.assertIsNone(re.search(r'[\x00-\x09\x0b-\x1f]', output), 'control characters where there is no terminal')
+        self.assertIn('3/3 goals', output)
+        self.assertRegex(output, r'\nnear +2/2 +90\.0 +45\.00 ')
+        self.assertRegex(output, r'\nfar +1/1 +80\.0 +40\.00 ')
+        self.assertRegex(output, r'\n\d+\.\d\d s simulated in \d+\.\d\d s of wall time: \d+\.\dx real time\n$')
+        self.assertEqual(rosgraph.Master('/demo_test').getSystemState(), before)
+
+    def test_ctrl_c_ends_all_processes(self):
+        process, children = self.start_busy()
+        process.send_signal(signal.SIGINT)
+        output, code = self.finish(process)
+        self.assertEqual(code, 130, output)
+        self.assertIn('demo: interrupted', output)
+        self.assert_all_gone(children)
+
+    def test_a_node_that_dies_ends_the_demo_and_is_named(self):
+        process, children = self.start_busy()
+        next(child for child in children if '__ns:=/near' in child.cmdline()).kill()
+        output, code = self.finish(process)
+        self.assertEqual(code, 1, output)
+        self.assertIn('demo: /near/move_base ended unexpectedly (signal SIGKILL)', output)
+        self.assert_all_gone(children)
+
+    def test_a_demo_that_is_killed_leaves_no_process_behind(self):
+        process, children = self.start_busy()
+        process.kill()
+        process.wait(GUARD)
+        self.assert_all_gone(children)
+
+    def test_wrong_arguments_and_files_are_refused_before_anything_starts(self):
+        for arguments, code, words in ((['--factor', 'nan'], 2, 'must be a number in 0.01..1e+06, got nan'),
+                                       (['--speed', '0'], 2, 'must be a finite number > 0, got 0'),
+                                       (['--robots', '9'], 1, 'their number must be 1..2, got 9')):
+            output, got = self.finish(self.start(80, *arguments))
+            self.assertEqual(got, code, output)
+            self.assertIn(words, output)
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'demo_test', Demo, sys.argv)
