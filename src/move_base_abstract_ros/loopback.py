@@ -183,8 +183,8 @@ def find_executable(name):
     except rospkg.ResourceNotFound:
         paths = []
     if not paths:
-        raise LoopbackError(f"executable '{name}' of the package {PACKAGE} is not found; build the package (make build) "
-                            'and source its setup.sh in this shell')
+        raise LoopbackError(f"executable '{name}' of the package {PACKAGE} is not found; build the package (make build)"
+                            ' and source its setup.sh in this shell')
     return paths[0]
 
 

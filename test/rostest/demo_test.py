@@ -54,7 +54,7 @@ class Demo(unittest.TestCase):
         return output, process.returncode
 
     def assert_all_gone(self, children):
-        self.assertEqual(len(children), 4)  # rosmaster, time master, two robots
+        self.assertEqual(len(children), 3)  # rosmaster, time master, fleet
         _, alive = psutil.wait_procs(children, timeout=GUARD)
         alive = [child for child in alive if child.status() != psutil.STATUS_ZOMBIE]
         self.assertEqual(alive, [])
@@ -80,10 +80,10 @@ class Demo(unittest.TestCase):
 
     def test_a_node_that_dies_ends_the_demo_and_is_named(self):
         process, children = self.start_busy()
-        next(child for child in children if '__ns:=/near' in child.cmdline()).kill()
+        next(child for child in children if '__name:=fleet' in child.cmdline()).kill()
         output, code = self.finish(process)
         self.assertEqual(code, 1, output)
-        self.assertIn('demo: /near/move_base ended unexpectedly (signal SIGKILL)', output)
+        self.assertIn('demo: /fleet ended unexpectedly (signal SIGKILL)', output)
         self.assert_all_gone(children)
 
     def test_a_demo_that_is_killed_leaves_no_process_behind(self):

@@ -1,23 +1,22 @@
 """The demo: a mission of several robots, faster than real time, on a ROS master of its own.
 
-    demo [--factor F] [--csv FILE | --mission FILE] [--robots N] [--goals K] [--seed S] [--speed V]
+    demo [--factor F] [--csv FILE | --mission FILE] [--map FILE] [--robots N] [--goals K] [--seed S] [--speed V] [--rviz]
 
 Exit codes: 0 mission done; 1 it failed (the reason is printed); 2 wrong arguments; 130 interrupted (143 by SIGTERM).
 """
 
 import argparse
 import math
-import os
 import signal
 import sys
 import time
 
-import rospkg
 import rospy
 
 from move_base_abstract import mission
-from move_base_abstract_ros.loopback import PACKAGE, Loopback, LoopbackError
-from move_base_abstract_ros.nodes import demo_report
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_ros.loopback import Loopback, LoopbackError
+from move_base_abstract_ros.nodes import demo_nodes, demo_report
 from move_base_abstract_ros.nodes.demo_mission import MissionFailed, MissionRun
 
 FACTOR_MIN, FACTOR_MAX = 0.01, 1e6  # those of the time master
@@ -29,7 +28,7 @@ def main():
     signal.signal(signal.SIGTERM, _exit_on_sigterm)
     try:
         sys.exit(_run(arguments, _choose_mission(arguments)))
-    except (mission.MissionError, MissionFailed, LoopbackError) as error:
+    except (ConfigurationError, MissionFailed, LoopbackError) as error:
         print(f'demo: {error}', file=sys.stderr)
         sys.exit(1)
     except KeyboardInterrupt:
@@ -46,13 +45,16 @@ def _run(arguments, plan):
     begin = time.monotonic()
     with Loopback() as ros:
         ros.adopt()
-        _start_nodes(ros, arguments, plan)
+        map_path, why = demo_nodes.choose_map(arguments.map, 'field.yaml' if arguments.csv else 'farm_yard.yaml', plan)
+        print(why, flush=True)
+        demo_nodes.start(ros, plan, arguments.factor, arguments.speed, map_path, arguments.rviz)
         rospy.init_node('demo', disable_signals=True)
         try:
             run = MissionRun(plan)
             run.wait_until_ready(ros.check)
             print(f'{len(plan.robots)} robots at {arguments.speed:g} m/s, {plan.goal_count} goals, factor '
-                  f'{arguments.factor:g}; started in {time.monotonic() - begin:.1f} s; ROS master {ros.uri}', flush=True)
+                  f'{arguments.factor:g}; started in {time.monotonic() - begin:.1f} s; ROS master {ros.uri}',
+                  flush=True)
             _carry_out(run, ros)
         except Exception:
             print(f"demo: the nodes' logs are kept in {ros.log_dir}", file=sys.stderr)
@@ -64,14 +66,6 @@ def _run(arguments, plan):
                               robot.odometer.moving_s) for robot in run.robots], simulated_s))
     print(demo_report.closing_line(simulated_s, wall_s), flush=True)
     return 0
-
-
-def _start_nodes(ros, arguments, plan):
-    ros.run('time_master', 'time_master', parameters={'factor': arguments.factor})
-    for robot in plan.robots:
-        ros.run('move_base', 'move_base', namespace='/' + robot.name, parameters={
-            'max_speed': arguments.speed, 'tf_prefix': robot.name,
-            'start_x': robot.start.x, 'start_y': robot.start.y, 'start_yaw': robot.start.yaw})
 
 
 def _carry_out(run, ros):
@@ -95,9 +89,9 @@ def _choose_mission(arguments):
         points = mission.read_field_points(arguments.csv)
         print(f'field: {len(points)} points of {arguments.csv}, {max(point.x for point in points):.1f} m x '
               f'{max(point.y for point in points):.1f} m')
-        return mission.mission_from_points(points, arguments.robots or 3, arguments.goals or 6,
+        return mission.mission_from_points(points, arguments.robots or 5, arguments.goals or 6,
                                            1 if arguments.seed is None else arguments.seed)
-    path = arguments.mission or os.path.join(rospkg.RosPack().get_path(PACKAGE), 'config', 'demo_mission.yaml')
+    path = arguments.mission or demo_nodes.shipped('config', 'demo_mission.yaml')
     return mission.read_mission(path).first_robots(arguments.robots)
 
 
@@ -109,9 +103,13 @@ def _parse(words):
     source = parser.add_mutually_exclusive_group()
     source.add_argument('--csv', metavar='FILE', help='visit points of this field: columns lat, lon [deg] and a value')
     source.add_argument('--mission', metavar='FILE', help='mission file (default: the one that ships with the package)')
-    parser.add_argument('--robots', type=_count, metavar='N', help='number of robots (default: 3, or all of the mission)')
+    parser.add_argument('--robots', type=_count, metavar='N',
+                        help='number of robots (default: 5, or all of the mission)')
     parser.add_argument('--goals', type=_count, metavar='K', help='goals of each robot, with --csv only (default: 6)')
-    parser.add_argument('--seed', type=int, metavar='S', help='seed of the choice of points, with --csv only (default: 1)')
+    parser.add_argument('--seed', type=int, metavar='S',
+                        help='seed of the choice of points, with --csv only (default: 1)')
+    parser.add_argument('--map', metavar='FILE', help='YAML file of the map (default: one that ships with the package)')
+    parser.add_argument('--rviz', action='store_true', help='show it in RViz, which must be installed')
     parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
     arguments = parser.parse_args(words)
     for name in ('goals', 'seed'):

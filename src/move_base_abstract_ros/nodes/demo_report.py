@@ -72,4 +72,5 @@ def table(robots, mission_s):
 
 def closing_line(simulated_s, wall_s):
     """Return the demo's last line."""
-    return f'{simulated_s:.2f} s simulated in {wall_s:.2f} s of wall time: {speed_up(simulated_s, wall_s):.1f}x real time'
+    return (f'{simulated_s:.2f} s simulated in {wall_s:.2f} s of wall time: '
+            f'{speed_up(simulated_s, wall_s):.1f}x real time')
