@@ -34,9 +34,10 @@ deps:  ## install what is missing (Debian packages by apt, the rest in .ws/venv)
 build: deps  ## build the catkin package in .ws/
 	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE)
 
-demo: build  ## three robots, a mission, a progress bar and a table
+demo: build  ## five robots, a mission, a progress bar and a table; RVIZ=1 shows it
+	@$(if $(RVIZ),tools/install_deps tools/apt-packages-picture.txt)
 	@$(ENTER) rosrun move_base_abstract demo \
-	  $(if $(FACTOR),--factor '$(FACTOR)') $(if $(ROBOTS),--robots '$(ROBOTS)') \
+	  $(if $(FACTOR),--factor '$(FACTOR)') $(if $(ROBOTS),--robots '$(ROBOTS)') $(if $(RVIZ),--rviz) \
 	  $(if $(CSV),--csv '$(abspath $(CSV))') $(if $(MISSION),--mission '$(abspath $(MISSION))')
 
 test: build  ## all tests; ONLY=part_of_a_name for some

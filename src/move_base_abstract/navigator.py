@@ -73,6 +73,7 @@ class Navigator:
         self._feedback = None
         self._events = []
         self._target = None
+        self._starts_from_idle = True
 
     def set_feedback_frequency(self, frequency):
         """Tell where the robot is ``frequency`` times a simulated second while it has a goal; 0 = never."""
@@ -94,9 +95,11 @@ class Navigator:
 
     def receive(self, goal_id, stamp_ns, goal, now_ns):
         """Take the :class:`GoalPose` ``goal`` in. The newest goal wins; whatever is wrong with it ends it."""
+        was_active = self.is_active
         record = self._ledger.receive(goal_id, stamp_ns, now_ns)
         if record is None:
             return
+        self._starts_from_idle = not was_active
         self._forget_events()
         self._target = None
         if self.robot.leg is not None:
@@ -152,7 +155,8 @@ class Navigator:
     def _pursue(self, pose, now_ns):
         """Go to ``pose`` (global frame) if that is possible, else give up in the configured way."""
         self._target = pose
-        self._listener.stop_wheels()
+        if self._starts_from_idle:
+            self._listener.stop_wheels()
         self._listener.target(pose, now_ns)
         if self.planner.reachable(pose):
             self._travel(now_ns)

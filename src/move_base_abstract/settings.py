@@ -42,7 +42,7 @@ TABLE = (
     Parameter('start_y', 0.0, number(), _FINITE + ' [m, global frame]'),
     Parameter('start_yaw', 0.0, number(), _FINITE + ' [rad, global frame]'),
     Parameter('global_frame', None, name, 'a frame name'),
-    Parameter('odom_frame', 'odom', name, 'a frame name'),
+    Parameter('odom_frame', None, name, 'a frame name'),
     Parameter('robot_base_frame', None, name, 'a frame name'),
     Parameter('tf_prefix', None, text, 'a string'),
     Parameter('feedback_freq', None, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
@@ -79,6 +79,10 @@ TABLE = (
     Parameter('base_local_planner', upstream.DEFAULT_LOCAL_PLANNER, text, 'the name of a plugin'),
     Parameter('base_global_planner', upstream.DEFAULT_GLOBAL_PLANNER, text, 'the name of a plugin'),
 )
+#: (our parameter, the costmap that tells it in an existing set-up, its key there, the default)
+_COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
+                   ('robot_base_frame', 'global_costmap', 'robot_base_frame', 'base_link'),
+                   ('odom_frame', 'local_costmap', 'global_frame', 'odom'))
 _LIMITS = (SPEED, ACCELERATION, XY_TOLERANCE, YAW_TOLERANCE)
 OWN_NAMES = tuple(parameter.name for parameter in TABLE + _LIMITS) + ('recovery_behaviors',)
 
@@ -131,10 +135,12 @@ def read_settings(raw, where):
     xy_tolerance, xy_source = _limit(raw, XY_TOLERANCE, ('xy_goal_tolerance',), planners, where)
     yaw_tolerance, yaw_source = _limit(raw, YAW_TOLERANCE, ('yaw_goal_tolerance',), planners, where)
     used = [speed_source, acceleration_source, xy_source, yaw_source]
-    for key, default in (('global_frame', 'map'), ('robot_base_frame', 'base_link')):
-        if values[key] is None:
-            values[key], source = _costmap_frame(raw, key, default, where)
+    for own, costmap, key, default in _COSTMAP_FRAMES:
+        if values[own] is None:
+            values[own], source = _costmap_frame(raw, costmap, key, default, where)
             used.append(source)
+    if values['odom_frame'] == values['global_frame']:  # a local costmap in the map frame says nothing of odometry
+        values['odom_frame'] = 'odom'
     if values['feedback_freq'] is None:
         values['feedback_freq'] = values['controller_frequency']
     return RobotSettings(
@@ -167,12 +173,12 @@ def _limit(raw, parameter, upstream_keys, planners, where):
     return parameter.default, 'default'
 
 
-def _costmap_frame(raw, key, default, where):
-    """Return (frame name, where it came from): the global costmap's, else the default."""
-    group = raw.get('global_costmap')
+def _costmap_frame(raw, costmap, key, default, where):
+    """Return (frame name, where it came from): the costmap's, else the default."""
+    group = raw.get(costmap)
     if not isinstance(group, dict) or key not in group:
         return default, 'default'
-    path = 'global_costmap/' + key
+    path = '{}/{}'.format(costmap, key)
     return checked(group[key], path, Parameter(key, None, name, 'a frame name'), where), '~' + path
 
 

@@ -41,10 +41,12 @@ class BuiltinBackend(unittest.TestCase):
 
     def test_all_pose_topics_agree(self):
         self.put(3.0, 4.0, 1.0)
-        amcl = Record('/robot_0/amcl_pose', PoseWithCovarianceStamped).wait_for().pose.pose
-        odom = Record('/robot_0/odom', Odometry).wait_for()
-        truth = Record('/robot_0/base_pose_ground_truth', Odometry).wait_for()
-        plain = Record('/robot_0/robot_pose', Pose).wait_for()
+        amcl = Record('/robot_0/amcl_pose', PoseWithCovarianceStamped).wait_for(
+            lambda message: message.pose.pose.position.x == 3.0).pose.pose
+        odom = Record('/robot_0/odom', Odometry).wait_for(lambda message: message.pose.pose.position.x == 3.0)
+        truth = Record('/robot_0/base_pose_ground_truth', Odometry).wait_for(
+            lambda message: message.pose.pose.position.x == 3.0)
+        plain = Record('/robot_0/robot_pose', Pose).wait_for(lambda message: message.position.x == 3.0)
         self.assertEqual([odom.pose.pose, truth.pose.pose, plain], [amcl, amcl, amcl])
         self.assertEqual((odom.header.frame_id, odom.child_frame_id, truth.header.frame_id),
                          ('robot_0/odom', 'robot_0/base_link', 'map'))
@@ -120,8 +122,12 @@ class BuiltinBackend(unittest.TestCase):
             answer = self.set_pose(pose)
             self.assertFalse(answer.success)
             self.assertIn(reason, answer.message)
-        pose = Record('/robot_0/robot_pose', Pose).wait_for()
-        self.assertEqual((pose.position.x, pose.position.y), (7.0, 7.0))
+        records = Record('/robot_0/robot_pose', Pose)
+        records.wait_for(lambda pose: (pose.position.x, pose.position.y) == (7.0, 7.0))
+        self.put(7.0, 8.0)
+        records.wait_for(lambda pose: pose.position.y == 8.0)
+        self.assertEqual([(pose.position.x, pose.position.y) for pose in records.messages[-2:]],
+                         [(7.0, 7.0), (7.0, 8.0)])
 
     def test_a_robot_that_is_teleported_on_its_way_goes_on_to_its_goal(self):
         self.put()
@@ -144,13 +150,12 @@ class BuiltinBackend(unittest.TestCase):
         stop = odom.wait_for(lambda message: message.header.stamp == stamp).pose.pose.position.x
         later = self.buffer.lookup_transform('map', 'robot_0/base_link', stamp + rospy.Duration(0.5),
                                              rospy.Duration(100.0)).transform.translation.x
-        self.assertEqual(later, stop)
+        self.assertAlmostEqual(later, stop, places=9)
 
     def test_go_and_teleport_end_where_they_should(self):
         self.put()
         self.assertEqual(go(self.simple, pose_stamped(2.0, 2.0, -1.0)), REACHED)
-        pose = Record('/robot_0/robot_pose', Pose).wait_for()
-        self.assertEqual((pose.position.x, pose.position.y), (2.0, 2.0))
+        Record('/robot_0/robot_pose', Pose).wait_for(lambda pose: (pose.position.x, pose.position.y) == (2.0, 2.0))
 
 
 if __name__ == '__main__':

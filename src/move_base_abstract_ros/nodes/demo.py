@@ -1,6 +1,7 @@
 """The demo: a mission of several robots, faster than real time, on a ROS master of its own.
 
-    demo [--factor F] [--csv FILE | --mission FILE] [--map FILE] [--robots N] [--goals K] [--seed S] [--speed V] [--rviz]
+    demo [--factor F] [--csv FILE | --mission FILE] [--map FILE] [--robots N] [--goals K] [--seed S] [--speed V]
+         [--rviz]
 
 Exit codes: 0 mission done; 1 it failed (the reason is printed); 2 wrong arguments; 130 interrupted (143 by SIGTERM).
 """
