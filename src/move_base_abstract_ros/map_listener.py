@@ -54,12 +54,12 @@ class MapListener:
         except ValueError as error:
             rospy.logerr('%s: the map on %s is not used: %s', rospy.get_name(), self.topic, error)
             return
-        rospy.loginfo('%s: map on %s: %d x %d cells of %g m in the frame %s', rospy.get_name(), self.topic,
-                      occupancy.width, occupancy.height, occupancy.resolution, message.header.frame_id)
         with self._lock:
             self._latest = message, occupancy
             for follower in self._followers:
                 follower(message, occupancy)
+        rospy.loginfo('%s: map on %s: %d x %d cells of %g m in the frame %s', rospy.get_name(), self.topic,
+                      occupancy.width, occupancy.height, occupancy.resolution, message.header.frame_id)
 
 
 def to_occupancy(message):

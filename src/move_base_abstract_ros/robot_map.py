@@ -1,11 +1,9 @@
 """The map as one robot uses it, between the process's map listener and the core."""
-import time
+import threading
 
 import rospy
 
 from move_base_abstract.map_check import MapCheck
-
-_POLL_SECONDS = 0.02
 
 
 class RobotMap:
@@ -15,6 +13,7 @@ class RobotMap:
         values = settings.values
         self.check = None
         self._followers = []
+        self._came = threading.Event()
         if not values['use_map']:
             return
         self._global_frame = values['global_frame']
@@ -35,11 +34,8 @@ class RobotMap:
 
     def wait(self):
         """Wait for the first map, up to frame_timeout [s, wall]. May block; must not be called with a lock held."""
-        if self.check is None:
-            return
-        deadline = time.monotonic() + self._timeout
-        while self.check.occupancy is None and time.monotonic() < deadline and not rospy.is_shutdown():
-            time.sleep(_POLL_SECONDS)
+        if self.check is not None:
+            self._came.wait(self._timeout)
 
     def close(self):
         """Follow the map no more."""
@@ -55,3 +51,4 @@ class RobotMap:
             self.check.lacking = ("The map on '{}' cannot be used: it is given in the frame '{}', the robot's global "
                                   "frame is '{}'".format(self._listener.topic, frame_id, self._global_frame))
             self.check.occupancy = None
+        self._came.set()
