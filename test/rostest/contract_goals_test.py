@@ -176,8 +176,18 @@ class ContractGoals(unittest.TestCase):
 
     def test_wheels_are_stopped_at_start_and_at_the_end(self):
         self.client.ending(self.client.send(pose_stamped(2.0)))
-        self.cmd_vel.wait_for(lambda _twist: len(self.cmd_vel._messages) >= 2)
+        self.cmd_vel.wait_for(lambda _twist: len(self.cmd_vel.messages) >= 2)
         self.assertEqual(self.cmd_vel.messages, [Twist(), Twist()])
+
+    def test_a_goal_that_replaces_another_does_not_stop_the_wheels(self):
+        first = self.client.send(pose_stamped(FAR))
+        self.client.wait_for_state(first, GoalStatus.ACTIVE)
+        second = self.client.send(pose_stamped(2.0, 1.0))
+        self.client.ending(second)
+        third = self.client.send(pose_stamped(2.0, 2.0))
+        self.client.ending(third)
+        self.cmd_vel.wait_for(lambda _twist: len(self.cmd_vel.messages) >= 4)
+        self.assertEqual(len(self.cmd_vel.messages), 4, 'first: start; second: end; third: both')
 
     def test_a_position_that_is_no_number_aborts_and_the_next_goal_succeeds(self):
         bad = self.client.send(pose_stamped(NAN))

@@ -11,12 +11,13 @@ import rospy
 import rostest
 import tf2_ros
 from actionlib_msgs.msg import GoalStatus
-from move_base_abstract.fleet import Fleet
-from move_base_abstract.scenario import read_scenario
-from move_base_abstract.srv import AddRobot, RemoveRobot
 from nav_msgs.msg import Odometry
 from robot_harness import ANOTHER_GOAL, GUARD, RawClient, Record, active_since_ns, pose_stamped
 from std_srvs.srv import Trigger
+
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.scenario import read_scenario
+from move_base_abstract.srv import AddRobot, RemoveRobot
 
 NAMES = ['{}_{}'.format(kind, number) for kind in ('robot', 'truck') for number in range(10)]
 FIRST, SECOND = '/fleet_0', '/fleet_1'  # ten robots each

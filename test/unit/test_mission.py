@@ -35,7 +35,7 @@ def test_a_mission_is_read_with_the_yaw_of_travel_where_none_is_given():
 
 def test_the_mission_that_ships_with_the_package_is_readable():
     shipped = mission.read_mission(os.path.join(CONFIG, 'demo_mission.yaml'))
-    assert [robot.name for robot in shipped.robots] == ['robot_0', 'robot_1', 'robot_2']
+    assert [robot.name for robot in shipped.robots] == ['robot_{}'.format(number) for number in range(5)]
     assert shipped.goal_count >= 9
 
 
