@@ -46,7 +46,7 @@ class Demo(unittest.TestCase):
         for line in process.stdout:
             if line.startswith('0/3 goals'):
                 return process, psutil.Process(process.pid).children()
-        self.fail('the demo ended before its first progress line')
+        raise AssertionError('the demo ended before its first progress line')
 
     def finish(self, process):
         """Return what else the demo prints, and its exit code."""
