@@ -59,6 +59,17 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(parameter(config, '/b/move_base/start_x'), -4.5)
         self.assertEqual(parameter(config, '/time_master/factor'), 7)
 
+    def test_simulator_with_a_map_serves_it_and_tells_the_robots_to_use_it(self):
+        config = load('simulator.launch', 'map:=/some/map.yaml')
+        self.assertIn('/map_server', nodes(config))
+        [server] = [node for node in config.nodes if node.name == 'map_server']
+        self.assertEqual(server.args, '/some/map.yaml')
+        for number in range(3):
+            self.assertIs(parameter(config, f'/robot_{number}/move_base/use_map'), True)
+        without = load('simulator.launch')
+        self.assertNotIn('/map_server', nodes(without))
+        self.assertNotIn('/robot_0/move_base/use_map', without.params)
+
     def test_robot_launch_works_by_itself_and_its_own_parameters_win(self):
         config = load('robot.launch', 'name:=r', 'x:=1.5', 'required:=false', 'respawn:=true')
         self.assertEqual(nodes(config), ['/r/move_base'])
