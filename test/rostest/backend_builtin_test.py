@@ -57,7 +57,8 @@ class BuiltinBackend(unittest.TestCase):
             self.buffer.lookup_transform(parent, child, rospy.Time.now(), rospy.Duration(100.0))
         position = self.buffer.lookup_transform('map', 'robot_0/base_link', rospy.Time.now(),
                                                 rospy.Duration(100.0)).transform.translation
-        self.assertEqual((position.x, position.y), (5.0, -6.0))
+        self.assertAlmostEqual(position.x, 5.0, places=9)
+        self.assertAlmostEqual(position.y, -6.0, places=9)
 
     def test_look_ups_of_the_present_work_while_the_pose_topics_are_silent(self):
         self.put()

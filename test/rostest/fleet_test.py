@@ -85,8 +85,8 @@ class FleetTrial(unittest.TestCase):
         for name in NAMES:
             found = buffer.lookup_transform('map', name + '/base_link', rospy.Time.now(), rospy.Duration(200.0))
             spec = next(spec for spec in self.scenario.robots if spec.name == name)
-            self.assertEqual((found.transform.translation.x, found.transform.translation.y),
-                             (spec.settings.start.x, spec.settings.start.y))
+            self.assertAlmostEqual(found.transform.translation.x, spec.settings.start.x, places=9)
+            self.assertAlmostEqual(found.transform.translation.y, spec.settings.start.y, places=9)
         listener.unregister()
 
     def test_reset_ends_goals_and_brings_robots_home_but_time_goes_on(self):
