@@ -128,7 +128,9 @@ class MapServer(unittest.TestCase):
             width = 600 if 'farm' in url else 12
             answer = change(url)
             self.assertEqual((answer.result, answer.map.info.width), (answer.RESULT_SUCCESS, width))
-            self.assertEqual(grids.wait_for().info, metadata.wait_for())
+            told = answer.map.info
+            grids.wait_for(lambda grid, told=told: grid.info == told)
+            metadata.wait_for(lambda info, told=told: info == told)
         self.assertGreater(grids.messages[-1].info.map_load_time, first.info.map_load_time)
 
     def test_a_change_that_fails_leaves_the_old_map(self):
