@@ -15,7 +15,7 @@ from . import conversions
 ARROW, NAME, GOAL, LEG = range(4)
 
 _GOLDEN_RATIO = 0.618033988749895
-_SATURATION, _VALUE = 0.95, 0.8
+_SATURATION, _VALUE = 0.95, 0.75
 # heights [m]: what matters more lies on top, seen from above
 _LEG_Z, _GOAL_Z, _ARROW_Z, _NAME_Z = 0.02, 0.04, 0.06, 0.2
 
@@ -61,7 +61,7 @@ def body(look, view):
     nose, size = view.pose, look.size
     arrow = _marker(look, ARROW, Marker.ARROW, nose.compose(Pose2D(-size / 2.0)), _ARROW_Z, 1.0)
     arrow.scale.x, arrow.scale.y, arrow.scale.z = size, 0.45 * size, 0.2 * size
-    name = _marker(look, NAME, Marker.TEXT_VIEW_FACING, Pose2D(nose.x, nose.y + 0.9 * size), _NAME_Z, 1.0)
+    name = _marker(look, NAME, Marker.TEXT_VIEW_FACING, Pose2D(nose.x + 0.9 * size, nose.y + 0.9 * size), _NAME_Z, 1.0)
     name.scale.z = 0.7 * size
     name.text = look.name
     return [arrow, name]

@@ -1,7 +1,5 @@
 """One robot under move_base's interface: the core's navigator between its topics, services and parameters."""
 import rospy
-from geometry_msgs.msg import PoseStamped
-from move_base_msgs.msg import MoveBaseActionGoal
 
 from move_base_abstract.frames import RobotFrames
 from move_base_abstract.navigator import Navigator, NavigatorListener
@@ -16,6 +14,7 @@ from .planner_interface import PlannerInterface
 from .reconfigure import Reconfigure
 from .robot_map import RobotMap
 from .robot_publisher import RobotPublisher
+from .simple_goals import SimpleGoals
 from .teleport import Teleport
 from .tf_lookup import TfLookup
 from .throttle import WallThrottle
@@ -43,9 +42,7 @@ class MoveBaseServer(NavigatorListener):
         self._planner_interface = PlannerInterface(names, settings, clock, self.navigator, self._map)
         self._reconfigure = Reconfigure(names, settings, self)
         self._goal_server.start(self.navigator, self._prefetch)
-        self._own_goals = rospy.Publisher(names.action('goal'), MoveBaseActionGoal, queue_size=1)
-        self._simple_goals = rospy.Subscriber(names.topic('move_base_simple/goal'), PoseStamped, self._on_simple_goal,
-                                              queue_size=1)
+        self._simple_goals = SimpleGoals(names, clock, at_once=not host.is_crowded)
 
     def _build(self, robot_index, now_ns):
         settings, values = self._settings, self._settings.values
@@ -74,9 +71,7 @@ class MoveBaseServer(NavigatorListener):
 
     def close(self):
         """Take the robot out of the world: its goal ends, its topics and services go."""
-        self._simple_goals.unregister()
-        self._own_goals.unregister()
-        for part in (self._map, self._teleport, self._reconfigure, self._planner_interface):
+        for part in (self._map, self._simple_goals, self._teleport, self._reconfigure, self._planner_interface):
             part.close()
         with self._clock.lock:
             self.navigator.shut_down(ROBOT_REMOVED, self._clock.now_ns())
@@ -164,11 +159,3 @@ class MoveBaseServer(NavigatorListener):
         """Give a foreign frame time to become known; this blocks only the topic that asks for it."""
         if self._frames.is_foreign(frame_id) and not frame_id.startswith('/'):
             self._lookup.wait_for(frame_id, stamp_ns)
-
-    def _on_simple_goal(self, pose):
-        """Send an RViz goal the way any client does: on the action's own goal topic, without an id."""
-        goal = MoveBaseActionGoal()
-        with self._clock.lock:
-            goal.header.stamp = conversions.to_time(self._clock.now_ns())
-        goal.goal.target_pose = pose
-        self._own_goals.publish(goal)

@@ -41,7 +41,7 @@ class RvizLaunch(unittest.TestCase):
             ('/initialpose', '/tractor/initialpose'), ('/move_base_simple/goal', '/tractor/move_base_simple/goal')])
 
     def test_a_robot_without_a_namespace_can_be_chosen(self):
-        self.assertEqual(self.remaps('rviz.launch', 'robot:='), [
+        self.assertEqual(self.remaps('rviz.launch', 'robot:=/'), [
             ('/initialpose', '/initialpose'), ('/move_base_simple/goal', '/move_base_simple/goal')])
 
     def test_the_simulator_shows_rviz_when_asked_to_with_its_first_robot(self):

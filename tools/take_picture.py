@@ -1,0 +1,152 @@
+#!/usr/bin/python3
+"""Take the picture of the README: five robots on the map that ships with the package, as RViz shows them.
+
+usage: tools/take_picture.py OUTPUT.png
+
+Everything runs on a ROS master of its own on 127.0.0.1 and on a screen without a monitor (Xvfb) with OpenGL in
+software. Simulated time stands still while the picture is taken. WAIT [s, wall] ends what does not come.
+"""
+import io
+import math
+import os
+import subprocess
+import sys
+import time
+
+import rosgraph
+import rospkg
+import rospy
+from actionlib import SimpleActionClient
+from geometry_msgs.msg import PoseStamped
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from PIL import Image
+
+from move_base_abstract_ros.loopback import PACKAGE, Loopback
+from move_base_abstract_ros.time_master_client import TimeMasterClient
+
+WAIT = 60.0
+SCREEN = (1400, 860)  # as large as the window in rviz/simulator.rviz
+COLOURED_PIXELS = 2000  # at least so many belong to robots when RViz has drawn them
+COLOURS = 256  # of the picture's palette, which keeps the file small
+UNTIL = 8.0  # s, simulated, after the goals were sent: when the picture is taken
+# name: start, then goal; x, y [m] and heading [deg] in the map
+ROBOTS = {
+    'robot_0': ((4.0, 4.0, 0.0), (27.0, 4.0, 0.0)),
+    'robot_1': ((30.0, 4.0, 90.0), (30.0, 30.0, 90.0)),
+    'robot_2': ((4.0, 36.0, -90.0), (4.0, 12.0, -90.0)),
+    'robot_3': ((52.0, 36.0, 180.0), (12.0, 36.0, 180.0)),
+    'robot_4': ((56.0, 8.0, 90.0), (56.0, 32.0, 90.0)),
+}
+
+
+def main():
+    """Take the picture and write it to the file that the command line names."""
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    output = sys.argv[1]
+    with Loopback() as ros:
+        ros.adopt()
+        screen = Screen()
+        try:
+            start(ros)
+            rospy.init_node('picture', disable_signals=True)
+            clock = TimeMasterClient()
+            send_goals(clock)
+            shoot(ros, output)
+        finally:
+            rospy.signal_shutdown('the picture is taken')
+            screen.close()
+    print(f'{output}: {os.path.getsize(output) // 1024} KB')
+
+
+class Screen:
+    """An Xvfb on a display number that it chooses itself; this process and those that it starts use it."""
+
+    def __init__(self):
+        command = ['Xvfb', '-displayfd', '1', '-nolisten', 'tcp', '-screen', '0', '{}x{}x24'.format(*SCREEN)]
+        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        number = self._process.stdout.readline().decode().strip()
+        if not number:
+            raise RuntimeError('Xvfb did not start')
+        os.environ.update(DISPLAY=':' + number, LIBGL_ALWAYS_SOFTWARE='1', QT_X11_NO_MITSHM='1')
+
+    def close(self):
+        """End it."""
+        self._process.terminate()
+        self._process.wait()
+
+
+def start(ros):
+    """Start time, map, robots and RViz; RViz keeps its own files among the logs of this run."""
+    package = rospkg.RosPack().get_path(PACKAGE)
+    ros.run('time_master', 'time_master', parameters={'factor': 4.0, 'start_paused': False})
+    ros.run('map_server', 'map_server', arguments=[os.path.join(package, 'maps', 'farm_yard.yaml')])
+    robots = [dict(name=name, start_x=x, start_y=y, start_yaw=math.radians(heading))
+              for name, ((x, y, heading), _) in ROBOTS.items()]
+    ros.run('fleet', 'fleet', parameters={'defaults': {'max_speed': 2.0, 'marker_size': 2.0}, 'robots': robots})
+    os.environ.update(HOME=ros.log_dir, XDG_RUNTIME_DIR=ros.log_dir)
+    rviz = os.path.join(rospkg.RosPack().get_path('rviz'), '..', '..', 'lib', 'rviz', 'rviz')
+    config = os.path.join(package, 'rviz', 'simulator.rviz')
+    ros.spawn('/rviz', [rviz, '-d', config, '__name:=rviz'])
+
+
+def send_goals(clock):
+    """Give every robot its goal at one instant, and let time stop when they are on their way."""
+    clients = {name: SimpleActionClient(f'/{name}/move_base', MoveBaseAction) for name in ROBOTS}
+    for name, client in clients.items():
+        if not client.wait_for_server(rospy.Duration(100.0 * WAIT)):
+            raise RuntimeError(f'{name} takes no goals')
+    clock.pause()
+    for name, client in clients.items():
+        x, y, heading = ROBOTS[name][1]
+        target = PoseStamped()
+        target.header.frame_id = 'map'
+        target.pose.position.x, target.pose.position.y = x, y
+        target.pose.orientation.z = math.sin(math.radians(heading) / 2.0)
+        target.pose.orientation.w = math.cos(math.radians(heading) / 2.0)
+        client.send_goal(MoveBaseGoal(target))
+    time.sleep(0.5)
+    clock.step(UNTIL)
+
+
+def shoot(ros, output):
+    """Write the screen to ``output`` when RViz has drawn the robots and nothing moves any more."""
+    wait_for_subscriber('/robot_markers', '/rviz')
+    wait_for_subscriber('/map', '/rviz')
+    deadline = time.monotonic() + WAIT
+    before, now = 0, -1
+    while before != now or now < COLOURED_PIXELS:
+        ros.check()
+        if time.monotonic() > deadline:
+            raise RuntimeError(f'RViz has not drawn the robots: {now} coloured pixels')
+        time.sleep(2.0)
+        image = screenshot()
+        before, now = now, coloured_pixels(image)
+    image.quantize(COLOURS).save(output, optimize=True)
+
+
+def screenshot():
+    """Return what the screen shows."""
+    done = subprocess.run(['import', '-window', 'root', 'png:-'], stdout=subprocess.PIPE, check=True)
+    return Image.open(io.BytesIO(done.stdout)).convert('RGB')
+
+
+def coloured_pixels(image):
+    """Return how many pixels are neither grey nor pale."""
+    _, saturation, _ = image.convert('HSV').split()
+    return sum(saturation.histogram()[200:])
+
+
+def wait_for_subscriber(topic, node):
+    """Wait until the ROS master lists ``node`` as a subscriber of ``topic``."""
+    deadline = time.monotonic() + WAIT
+    while time.monotonic() < deadline:
+        subscribed = dict(rosgraph.Master('/picture').getSystemState()[1])
+        if node in subscribed.get(topic, []):
+            return
+        time.sleep(0.2)
+    raise RuntimeError(f'{node} does not subscribe to {topic}')
+
+
+if __name__ == '__main__':
+    main()
