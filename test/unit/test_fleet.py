@@ -1,0 +1,140 @@
+"""The fleet in plain Python: whole traces, order of equal times, reset, add, remove."""
+import random
+
+import pytest
+
+from move_base_abstract.errors import ConfigurationError, TimeError
+from move_base_abstract.fleet import Fleet, TraceEntry
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract.outcome import GoalState
+from move_base_abstract.scenario import make_scenario
+
+S = 1_000_000_000
+REACHED = ('SUCCEEDED', 'Goal reached.')
+
+
+def make_fleet(count=1, **keywords):
+    """Return a fleet of r_0, r_1... at 2 m/s, all at the origin."""
+    return Fleet(make_scenario({'defaults': {'max_speed': 2.0}, 'robots': [{'name': 'r', 'count': count}]}), **keywords)
+
+
+def endings(fleet):
+    """Return (time, robot, goal, state) of the goals that have ended."""
+    return [(entry.time_ns, entry.robot, *entry.values[:2]) for entry in fleet.trace if entry.kind == 'ended']
+
+
+def test_one_goal_leaves_the_trace_of_a_departure_an_arrival_and_an_ending():
+    fleet = make_fleet()
+    goal_id = fleet.send('r_0', 10.0, 0.0)
+    assert fleet.run() == 6 * S
+    assert fleet.trace == [TraceEntry(S, 'r_0', 'departed', (10.0, 0.0, 0.0)),
+                           TraceEntry(6 * S, 'r_0', 'stands', (10.0, 0.0, 0.0)),
+                           TraceEntry(6 * S, 'r_0', 'ended', (goal_id, *REACHED))]
+    assert fleet.distance('r_0') == 10.0
+
+
+def test_robots_that_arrive_at_one_instant_end_in_the_order_of_their_indices():
+    fleet = make_fleet(12)
+    for name in reversed(fleet.names):
+        fleet.send(name, 4.0, 0.0)
+    fleet.run()
+    assert [robot for _, robot, *_ in endings(fleet)] == ['r_{}'.format(number) for number in range(12)]
+
+
+def test_running_until_a_time_stops_there_with_exact_poses():
+    fleet = make_fleet()
+    fleet.send('r_0', 10.0, 0.0)
+    assert fleet.run(3 * S) == 3 * S
+    assert fleet.pose('r_0') == Pose2D(4.0, 0.0)
+    assert fleet.run_for(0.5) == 3_500_000_000
+    assert fleet.pose('r_0') == Pose2D(5.0, 0.0)
+
+
+def test_a_goal_sent_when_another_ends_starts_at_that_instant():
+    def on_end(name, _goal_id, state, _text, now_ns):
+        seen.append((now_ns, state))
+        if len(seen) < 3:
+            fleet.send(name, 2.0 * len(seen) % 4.0, 0.0)
+
+    seen = []
+    fleet = make_fleet(on_end=on_end)
+    fleet.send('r_0', 4.0, 0.0)
+    fleet.run()
+    assert seen == [(3 * S, GoalState.SUCCEEDED), (4 * S, GoalState.SUCCEEDED), (5 * S, GoalState.SUCCEEDED)]
+
+
+def test_what_a_user_schedules_comes_after_the_robots_events_of_that_instant():
+    fleet = make_fleet()
+    fleet.send('r_0', 4.0, 0.0)
+    poses = []
+    fleet.at(3 * S, lambda there: poses.append((there.now_ns, len(endings(there)))))
+    fleet.run()
+    assert poses == [(3 * S, 1)]
+    with pytest.raises(TimeError):
+        fleet.at(S, lambda there: None)
+
+
+def test_cancel_and_replacement_end_each_goal_once():
+    fleet = make_fleet()
+    fleet.send('r_0', 100.0, 0.0, goal_id='a')
+    fleet.at(2 * S, lambda there: there.send('r_0', 0.0, 50.0, goal_id='b'))
+    fleet.at(4 * S, lambda there: there.cancel('r_0'))
+    fleet.run()
+    assert endings(fleet) == [(2 * S, 'r_0', 'a', 'PREEMPTED'), (4 * S, 'r_0', 'b', 'PREEMPTED')]
+
+
+def test_reset_brings_home_and_keeps_the_time():
+    fleet = make_fleet(2)
+    fleet.send('r_1', 100.0, 0.0, goal_id='a')
+    fleet.run(5 * S)
+    fleet.reset()
+    assert (fleet.now_ns, fleet.pose('r_1'), fleet.distance('r_1')) == (5 * S, Pose2D(), 0.0)
+    assert endings(fleet) == [(5 * S, 'r_1', 'a', 'ABORTED')]
+    assert fleet.run() == 5 * S
+
+
+def test_robots_come_and_go():
+    fleet = make_fleet()
+    fleet.add('late', max_speed=4.0, start_x=1.0)
+    fleet.send('late', 5.0, 0.0, goal_id='a')
+    fleet.run(1_500_000_000)
+    fleet.remove('late')
+    assert endings(fleet) == [(1_500_000_000, 'late', 'a', 'ABORTED')]
+    assert fleet.names == ['r_0']
+    with pytest.raises(ConfigurationError, match="robot 'late' is unknown; there are: r_0"):
+        fleet.pose('late')
+    with pytest.raises(ConfigurationError, match="robot 'r_0' is there already"):
+        fleet.add('r_0')
+
+
+def test_a_goal_out_of_bounds_or_in_a_foreign_frame_is_refused():
+    fleet = Fleet(make_scenario({'robots': [{'name': 'r', 'world_bounds': [0, 0, 9, 9]}]}))
+    fleet.send('r', 10.0, 0.0, goal_id='out')
+    fleet.send('r', 1.0, 0.0, goal_id='far', frame='moon')
+    assert [values[:2] for _, _, *values in endings(fleet)] == [['out', 'ABORTED'], ['far', 'ABORTED']]
+    assert 'without ROS' in fleet.trace[-1].values[2]
+
+
+def test_one_robot_more_changes_nothing_for_the_others():
+    def trace_of_r_0(count):
+        fleet = make_fleet(count, on_end=lambda name, *_: send(name))
+        chance = {name: random.Random(name) for name in fleet.names}
+
+        def send(name):
+            fleet.send(name, chance[name].uniform(0, 50), chance[name].uniform(0, 50))
+
+        for name in fleet.names:
+            send(name)
+        fleet.run(500 * S)
+        return [entry for entry in fleet.trace if entry.robot == 'r_0']
+
+    alone = trace_of_r_0(1)
+    assert len(alone) > 20
+    assert trace_of_r_0(7) == alone
+
+
+def test_without_a_trace_nothing_is_kept():
+    fleet = make_fleet(trace=None)
+    fleet.send('r_0', 10.0, 0.0)
+    fleet.run()
+    assert fleet.trace is None
