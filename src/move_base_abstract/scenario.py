@@ -46,8 +46,8 @@ class Scenario:
     seed: int = 0
 
 
-def read_scenario(path):
-    """Return the :class:`Scenario` in the YAML file ``path``.
+def read_scenario(path, overrides=None):
+    """Return the :class:`Scenario` in the YAML file ``path``; ``overrides`` are settings that replace its defaults.
 
     :raises ConfigurationError: if the file cannot be read, a key is unknown, or a value is not allowed.
     """
@@ -56,11 +56,13 @@ def read_scenario(path):
             raw = yaml.safe_load(stream)
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ConfigurationError('{}: {}'.format(path, ' '.join(str(error).split()))) from None
-    return make_scenario(raw, str(path))
+    return make_scenario(raw, str(path), overrides)
 
 
-def make_scenario(raw, where='scenario'):
+def make_scenario(raw, where='scenario', overrides=None):
     """Return the :class:`Scenario` in the dictionary ``raw``; ``where`` is named in errors.
+
+    ``overrides`` are settings that replace the defaults of the same name, not what a robot says of itself.
 
     :raises ConfigurationError: if a key is unknown, a value is not allowed, or two robots bear one name.
     """
@@ -69,6 +71,7 @@ def make_scenario(raw, where='scenario'):
     defaults = raw.get('defaults') or {}
     _check_type(defaults, dict, 'a mapping of settings', where + ': defaults')
     _check_keys(defaults, OWN_NAMES, where, 'defaults.')
+    defaults = dict(defaults, **(overrides or {}))
     groups = raw.get('robots') or []
     _check_type(groups, list, 'a list of robots', where + ': robots')
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, where)]
@@ -76,7 +79,7 @@ def make_scenario(raw, where='scenario'):
     twice = sorted({name for name in names if names.count(name) > 1}) if len(set(names)) < len(names) else []
     if twice:
         raise ConfigurationError("{}: robots: the name '{}' is given to more than one robot".format(where, twice[0]))
-    return Scenario(tuple(specs), dict(defaults), checked(raw.get('seed', 0), 'seed', _SEED, where))
+    return Scenario(tuple(specs), defaults, checked(raw.get('seed', 0), 'seed', _SEED, where))
 
 
 def make_robot(name, parameters, where='robot'):

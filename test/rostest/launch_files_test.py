@@ -52,6 +52,15 @@ class LaunchFiles(unittest.TestCase):
             for arg in ElementTree.parse(path).getroot().findall('arg'):
                 self.assertTrue(arg.get('doc'), f"{path}: arg '{arg.get('name')}' has no doc")
 
+    def test_simulator_starts_a_fleet_instead_where_a_scenario_is_given(self):
+        scenario = os.path.join(LAUNCH, '..', 'config', 'scenario.yaml')
+        config = load('simulator.launch', 'scenario:=' + scenario, 'processes:=3', 'map:=/a/map.yaml')
+        self.assertEqual(nodes(config), ['/time_master', '/map_server', '/fleet_0', '/fleet_1', '/fleet_2'])
+        self.assertEqual([parameter(config, f'/fleet_2/{key}') for key in ('part', 'parts', 'use_map', 'scenario')],
+                         [2, 3, True, scenario])
+        self.assertEqual(nodes(load('fleet.launch')), ['/fleet'])
+        self.assertNotIn('/fleet/use_map', load('fleet.launch').params)
+
     def test_simulator_starts_as_many_robots_as_its_text_names_each_at_its_pose(self):
         config = load('simulator.launch', 'robots:=a 1 2 3; b -4.5 0 0;c 0 0 0', 'factor:=7')
         self.assertEqual(nodes(config), ['/time_master', '/a/move_base', '/b/move_base', '/c/move_base'])

@@ -32,6 +32,14 @@ def test_a_group_stands_in_a_row_from_its_start_on():
         ('d_0', 5.0, 1.0), ('d_1', 7.0, 0.0), ('d_2', 9.0, -1.0)]
 
 
+def test_overrides_replace_defaults_and_not_what_a_robot_says_of_itself():
+    scenario = make_scenario({'defaults': {'use_map': False},
+                              'robots': [{'name': 'a'}, {'name': 'b', 'use_map': False}]},
+                             overrides={'use_map': True})
+    assert [spec.settings.values['use_map'] for spec in scenario.robots] == [True, False]
+    assert scenario.defaults == {'use_map': True}
+
+
 def test_an_empty_scenario_has_no_robots():
     assert make_scenario({}).robots == ()
 

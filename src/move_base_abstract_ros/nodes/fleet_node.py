@@ -6,7 +6,7 @@ import time
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.parameter_table import Parameter, integer, read_table, text, unknown_names
+from move_base_abstract.parameter_table import Parameter, boolean, integer, read_table, text, unknown_names
 from move_base_abstract.scenario import make_scenario, read_scenario
 
 from ..fleet_server import FleetServer
@@ -19,6 +19,7 @@ _TABLE = (
     Parameter('scenario', '', text, 'the path of a scenario file'),
     Parameter('part', 0, integer(0), 'a whole number >= 0 and < parts'),
     Parameter('parts', 1, integer(1), 'a whole number >= 1'),
+    Parameter('use_map', None, boolean, 'true or false'),
 )
 _INLINE = ('seed', 'defaults', 'robots')
 
@@ -51,7 +52,9 @@ def _build():
     if values['scenario'] and inline:
         raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
             where, sorted(inline)[0]))
-    scenario = read_scenario(values['scenario']) if values['scenario'] else make_scenario(inline, where)
+    overrides = {} if values['use_map'] is None else {'use_map': values['use_map']}
+    scenario = (read_scenario(values['scenario'], overrides) if values['scenario']
+                else make_scenario(inline, where, overrides))
     if values['part'] >= values['parts']:
         raise ConfigurationError('parameter {}/part: got {}; allowed: less than parts, which is {}'.format(
             where, values['part'], values['parts']))
