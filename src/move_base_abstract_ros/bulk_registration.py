@@ -151,6 +151,6 @@ class _Collector(RegistrationListener):
                 if code != 1:
                     rospy.logfatal('%s: the ROS master refuses %s of %s: %s', rospy.get_name(), method, arguments[0],
                                    message)
-                elif topic is not None:
+                elif topic is not None and value:  # without publishers there is nothing to connect to
                     for manager in self._managers:
                         manager.publisher_update(topic, value)

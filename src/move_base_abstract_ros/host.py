@@ -12,7 +12,7 @@ from .throttle import WallThrottle
 #: heartbeats come after the robots' own events of the same instant
 _SHARED_INDEX = 2 ** 31 - 1
 _STATUS_RATE_CAP = 5.0  # Hz, wall
-_PUBLICATIONS_PER_SECOND = 1000.0  # wall; the robots of a process share them
+_PUBLICATIONS_PER_SECOND = 500.0  # wall; the robots of a process share them
 
 _OPTIONS = (
     Parameter('actionlib_server_pub_queue_size', 50, integer(-1), 'a whole number >= -1'),
