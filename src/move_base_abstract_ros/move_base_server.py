@@ -32,7 +32,6 @@ class MoveBaseServer(NavigatorListener):
         self._settings = settings
         self._clock = clock
         self._host = host
-        host.robot_count += 1
         self._last_warning = None
         self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
         with clock.lock:
@@ -43,6 +42,7 @@ class MoveBaseServer(NavigatorListener):
         self._reconfigure = Reconfigure(names, settings, self)
         self._goal_server.start(self.navigator, self._prefetch)
         self._simple_goals = SimpleGoals(names, clock, at_once=not host.is_crowded)
+        host.robot_count += 1  # last: a robot whose settings are refused takes no share
 
     def _build(self, robot_index, now_ns):
         settings, values = self._settings, self._settings.values

@@ -129,6 +129,7 @@ class FleetTrial(unittest.TestCase):
                                   (('ok', math.nan, 0, 0, ''), 'start_x'),
                                   (('ok', 0, 0, 0, 'max_sped: 1'), "did you mean 'max_speed'?"),
                                   (('ok', 0, 0, 0, 'max_speed: -1'), 'a finite number > 0'),
+                                  (('ok', 0, 0, 0, 'backend: nonsense'), "'nonsense'"),
                                   (('ok', 0, 0, 0, '[1, 2'), 'parameters')):
             answer = add(*arguments)
             self.assertFalse(answer.success)
