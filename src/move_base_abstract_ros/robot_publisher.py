@@ -17,7 +17,7 @@ class RobotPublisher:
         self._global_frame = settings.values['global_frame']
         self._pose_throttle = host.throttle(settings.values['max_pose_rate'])
         self._current_goal = rospy.Publisher(names.own('current_goal'), PoseStamped, queue_size=0)
-        self._cmd_vel = rospy.Publisher(names.topic('cmd_vel'), Twist, queue_size=1)
+        self._cmd_vel = rospy.Publisher(names.topic('cmd_vel'), Twist, queue_size=10)
         self._recovery = rospy.Publisher(names.action('recovery_status'), RecoveryStatus, queue_size=1)
         self._updates = simulation.series(robot.index, settings.values['pose_update_freq'], self._update)
         self._updates_beat = settings.values['pose_update_freq'] >= settings.values['tf_heartbeat_freq']

@@ -31,15 +31,23 @@ class ContractGoals(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.client = RawClient()
-        cls.odom = Record('/odom', Odometry)
-        cls.cmd_vel = Record('/cmd_vel', Twist)
-        cls.current_goal = Record('/move_base/current_goal', PoseStamped)
         cls.simple = simple_client()
 
     def setUp(self):
         self.assertEqual(go(self.simple, pose_stamped()), (GoalStatus.SUCCEEDED, 'Goal reached.'))
-        for record in (self.client.status, self.client.result, self.odom, self.cmd_vel, self.current_goal):
+        # The result may overtake, on its own connection, what else was published before it: these begin anew.
+        self.odom = self.fresh('/odom', Odometry)
+        self.odom.wait_for()  # latched
+        self.cmd_vel = self.fresh('/cmd_vel', Twist)
+        self.current_goal = self.fresh('/move_base/current_goal', PoseStamped)
+        for record in (self.client.status, self.client.result, self.odom):
             record.clear()
+
+    def fresh(self, topic, kind):
+        """Return a record of what is published from now on, for the length of the test."""
+        record = Record.fresh(topic, kind)
+        self.addCleanup(record.close)
+        return record
 
     def test_a_goal_is_accepted_and_reached_after_exactly_distance_over_speed(self):
         goal_id = self.client.send(pose_stamped(20.0))
@@ -115,6 +123,7 @@ class ContractGoals(unittest.TestCase):
         self.assertAlmostEqual(turn.pose.pose.position.x, SPEED * (second_ns - first_ns) * 1e-9, places=9)
         self.client.cancel(second)
         self.client.ending(second)
+        self.current_goal.wait_for(lambda goal: goal.pose.position.y == 10.0)
         self.assertEqual([goal.pose.position.y for goal in self.current_goal.messages], [0.0, 10.0])
 
     def test_of_three_quick_goals_the_last_one_runs_and_each_ends_once(self):
@@ -139,6 +148,7 @@ class ContractGoals(unittest.TestCase):
         other = self.client.send(pose_stamped(2.0))
         self.client.ending(other)
         self.assertEqual(self.client.endings(goal_id), [(GoalStatus.PREEMPTED, ANOTHER_GOAL)])
+        self.current_goal.wait_for(lambda goal: goal.pose.position.x == 2.0)
         self.assertEqual([goal.pose.position.x for goal in self.current_goal.messages], [FAR, 2.0])
 
     def test_a_goal_without_id_gets_one_with_the_present_as_its_stamp(self):
@@ -171,7 +181,7 @@ class ContractGoals(unittest.TestCase):
         self.assertEqual(self.client.endings(first), [(GoalStatus.PREEMPTED, ANOTHER_GOAL)])
         third = self.client.send(pose_stamped(0.0))
         self.client.ending(third)
-        self.cmd_vel.wait_for()
+        self.cmd_vel.wait_for(lambda _twist: len(self.cmd_vel.messages) >= 2)
         self.assertEqual(len(self.cmd_vel.messages), 2, 'only the third goal stops the wheels, at start and end')
 
     def test_wheels_are_stopped_at_start_and_at_the_end(self):

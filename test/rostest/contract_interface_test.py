@@ -195,13 +195,15 @@ class ContractInterface(unittest.TestCase):
         self.assertEqual(ended.header.stamp.to_nsec(), start_ns)
 
     def test_a_goal_out_of_reach_takes_upstreams_time_where_that_is_configured(self):
-        recoveries = Record('/robot_1/move_base/recovery_status', RecoveryStatus)
+        recoveries = Record.fresh('/robot_1/move_base/recovery_status', RecoveryStatus)
+        self.addCleanup(recoveries.close)
         goal_id = self.upstream.send(pose_stamped(OUTSIDE))
         start_ns = active_since_ns(self.upstream, goal_id)
         ended = self.upstream.ending(goal_id)
         self.assertEqual((ended.status.status, ended.status.text), (GoalStatus.ABORTED, NO_PLAN))
         two_turns_ns = 2 * round(2e9 * math.pi)
         self.assertEqual(ended.header.stamp.to_nsec() - start_ns, 25_000_000_000 + two_turns_ns)
+        recoveries.wait_for(lambda status: status.current_recovery_number == 3)
         self.assertEqual([(status.current_recovery_number, status.total_number_of_recoveries,
                            status.recovery_behavior_name) for status in recoveries.messages],
                          [(0, 4, 'conservative_reset'), (1, 4, 'rotate_recovery'), (2, 4, 'aggressive_reset'),

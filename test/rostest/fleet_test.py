@@ -141,7 +141,9 @@ class FleetTrial(unittest.TestCase):
     def test_rviz_goals_reach_a_robot_of_a_fleet(self):
         publisher = rospy.Publisher('/robot_5/move_base_simple/goal', type(pose_stamped()), queue_size=1, latch=True)
         publisher.publish(pose_stamped(5.0, 4.0))
-        self.assertEqual(self.clients['robot_5'].result.wait_for().status.status, GoalStatus.SUCCEEDED)
+        ended = self.clients['robot_5'].result.wait_for(  # its id is the server's; others are late ones of other tests
+            lambda message: message.status.goal_id.id.startswith('/robot_5/move_base-'))
+        self.assertEqual(ended.status.status, GoalStatus.SUCCEEDED)
         publisher.unregister()
 
 

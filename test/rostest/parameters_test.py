@@ -157,11 +157,12 @@ class Parameters(unittest.TestCase):
     def test_controller_frequency_sets_the_feedback_rate_as_upstream(self):
         node = self.start('move_base', {'controller_frequency': 4.0, 'max_speed': 1.0, 'max_feedback_rate': 1000.0})
         client = RawClient(node.namespace)
-        feedback = Record(node.private + '/feedback', MoveBaseActionFeedback)
-        client.ending(client.send(pose_stamped(1.0)))
-        goal_id = client.send(pose_stamped(21.0))
+        feedback = Record.fresh(node.private + '/feedback', MoveBaseActionFeedback)
+        goal_id = client.send(pose_stamped(20.0))
         start_ns = active_since_ns(client, goal_id)
         client.ending(goal_id)
+        feedback.wait_for(lambda message: message.feedback.base_position.header.stamp.to_nsec() == (
+            start_ns + 79 * 250_000_000))
         offsets = [(message.feedback.base_position.header.stamp.to_nsec() - start_ns)
                    for message in feedback.messages if message.status.goal_id.id == goal_id]
         self.assertEqual(offsets, [number * 250_000_000 for number in range(80)])

@@ -6,12 +6,15 @@ import itertools
 import math
 import threading
 import time
+import xmlrpc.client
 
 import actionlib
+import rosgraph
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from geometry_msgs.msg import PoseStamped, Quaternion
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseActionResult, MoveBaseGoal
+from rospy.impl.registration import get_topic_manager
 
 GUARD = 30.0
 SPEED = 2.0  # m/s, as in the .test files
@@ -31,6 +34,25 @@ class Record:
         self._messages = []
         self._changed = threading.Condition()
         self._subscriber = rospy.Subscriber(topic, kind, self._add, queue_size=10000)
+
+    @classmethod
+    def fresh(cls, topic, kind):
+        """Return a record that begins now: nothing published earlier can still be on its way to it, a latched one
+        aside, and the publishers know it. Nothing else in this process may listen to ``topic``: rospy would share
+        that one's connection, with all that is still under way on it.
+        """
+        assert not get_topic_manager().has_subscription(topic), '{} has a subscriber already'.format(topic)
+        before = _connections(topic)
+        record = cls(topic, kind)
+        deadline = time.monotonic() + GUARD
+        while len({node for node, _ in _connections(topic) - before}) < len(_publishers(topic)):
+            assert time.monotonic() < deadline, '{}: no connection'.format(topic)
+            time.sleep(0.005)
+        return record
+
+    def close(self):
+        """Listen no more."""
+        self._subscriber.unregister()
 
     def _add(self, message):
         with self._changed:
@@ -63,6 +85,21 @@ class Record:
                     raise AssertionError('{}: what was waited for did not come within {} s; got {} messages, the last: '
                                          '{}'.format(self.topic, GUARD, seen, self._messages[-1:]))
                 self._changed.wait(left)
+
+
+def _publishers(topic):
+    """Return the names of the nodes that publish ``topic``."""
+    published = rosgraph.Master(rospy.get_name()).getSystemState()[0]
+    return [node for name, nodes in published if name == topic for node in nodes]
+
+
+def _connections(topic):
+    """Return {(publisher, number)} of the connections of ``topic`` to this node, as its publishers see them."""
+    master = rosgraph.Master(rospy.get_name())
+    return {(node, number) for node in _publishers(topic)
+            for number, other, direction, _, name, *_ in
+            xmlrpc.client.ServerProxy(master.lookupNode(node)).getBusInfo(rospy.get_name())[2]
+            if (other, direction, name) == (rospy.get_name(), 'o', topic)}
 
 
 def pose_stamped(x=0.0, y=0.0, yaw=0.0, frame='map', stamp=None, quaternion=None):
