@@ -1,0 +1,167 @@
+"""The event logs of the event-driven clock: read them, and find the first difference of two.
+
+A log is text, one record per line, as JSON lines or as CSV:
+
+    {"event_log":1,"start_ns":1000000000}
+    {"time_ns":1500000000,"robot":"robot_0","kind":"arrived","values":[1.5,0.0]}
+    {"end":{"events":1,"repeatable":true,"not_repeatable_because":[],"degraded_because":[],"reason":"SIGTERM"}}
+
+In CSV the first and the last record are the same JSON after '# ', the second line names the columns and the values of
+an event are a JSON array in one field. A log that has no end record is that of a run which did not end properly; the
+time master calls such a file NAME.part. Only events are compared, by value: a JSON log may be compared with a CSV log.
+"""
+
+import csv
+import itertools
+import json
+import os
+from typing import Any, NamedTuple
+
+from move_base_abstract.errors import SimulatorError
+
+FORMAT = 1
+CSV_COLUMNS = ['time_ns', 'robot', 'kind', 'values']
+
+
+class EventLogError(SimulatorError):
+    """A file that is not an event log, or a damaged one; the text names file and line."""
+
+
+class Event(NamedTuple):
+    """One event, and where it is written."""
+
+    time_ns: int
+    robot: str
+    kind: str
+    values: str  # JSON, in one spelling for equal values
+    line: int
+    text: str  # the line as it stands in the file
+
+    @property
+    def compared(self):
+        """What makes two events equal."""
+        return self[:4]
+
+
+class EventLog:
+    """An event log, read while it is iterated over; `end` is known when all events were read."""
+
+    def __init__(self, lines, name):
+        """lines: an iterable of text lines with their ends; name: for error texts."""
+        self.name = name
+        self.events = 0  # read so far
+        self.end = None  # the end record, a dict; None: the run did not end properly
+        self._lines = enumerate(lines, 1)
+        self._csv = False
+        self._read_head()
+
+    def __iter__(self):
+        for number, line in self._lines:
+            record = self._record(number, line)
+            if self.end is not None:
+                raise self._error(number, 'there is text after the end record', line)
+            if record is None:
+                continue
+            if isinstance(record, dict):
+                self._take_end(number, record, line)
+            else:
+                self.events += 1
+                yield record
+
+    def remarks(self):
+        """Return what must be known about the run beside its events, as texts. Call it after all events were read."""
+        if self.end is None:
+            return ['has no end record: the run did not end properly']
+        return [*(f'not repeatable: {why}' for why in self.end['not_repeatable_because']),
+                *(f'degraded: {why}' for why in self.end['degraded_because'])]
+
+    def _read_head(self):
+        number, line = next(self._lines, (1, ''))
+        self._csv = line.startswith('# ')
+        head = self._json(number, line[2:] if self._csv else line)
+        version = head.get('event_log') if isinstance(head, dict) else None
+        if version != FORMAT or isinstance(version, bool):
+            raise self._error(number, f'is not the head of an event log of format {FORMAT}', line)
+        if self._csv:
+            number, line = next(self._lines, (2, ''))
+            if line.rstrip('\r\n').split(',') != CSV_COLUMNS:
+                raise self._error(number, f"must name the columns {','.join(CSV_COLUMNS)}", line)
+
+    def _record(self, number, line):
+        """Return an Event, a dict (the end record), or None for a last line that was cut off."""
+        if not line.endswith('\n'):
+            return None
+        if not self._csv:
+            record = self._json(number, line)
+            return record if isinstance(record, dict) and 'end' in record else self._event(number, line, record)
+        if line.startswith('# '):
+            return self._json(number, line[2:])
+        try:
+            time_ns, robot, kind, values = next(csv.reader([line], strict=True))
+            record = {'time_ns': int(time_ns), 'robot': robot, 'kind': kind, 'values': self._json(number, values)}
+        except (ValueError, csv.Error) as error:
+            raise self._error(number, f"must hold {','.join(CSV_COLUMNS)} ({error})", line) from error
+        return self._event(number, line, record)
+
+    def _event(self, number, line, record: Any):
+        kinds = {'time_ns': int, 'robot': str, 'kind': str, 'values': list}
+        if not isinstance(record, dict) or set(record) != set(kinds) or not all(
+                type(record[key]) is kind for key, kind in kinds.items()):
+            raise self._error(number, 'must hold time_ns (a whole number), robot and kind (texts) and values (a list)',
+                              line)
+        return Event(record['time_ns'], record['robot'], record['kind'],
+                     json.dumps(record['values'], sort_keys=True), number, line.rstrip('\r\n'))
+
+    def _take_end(self, number, record, line):
+        end = record.get('end')
+        if not isinstance(end, dict) or not all(isinstance(end.get(key), list) and all(
+                isinstance(why, str) for why in end[key]) for key in ('not_repeatable_because', 'degraded_because')):
+            raise self._error(number, 'must be an end record with not_repeatable_because and degraded_because', line)
+        if end.get('events') != self.events:
+            raise self._error(number, f'the end record counts another number of events than were read, {self.events}',
+                              line)
+        self.end = end
+
+    def _json(self, number, text):
+        try:
+            return json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise self._error(number, f'is not JSON ({error})', text) from error
+
+    def _error(self, number, what, line):
+        shown = line.rstrip('\r\n')
+        return EventLogError(f"{self.name}:{number}: {what}; got '{shown[:100]}{'...' if len(shown) > 100 else ''}'")
+
+
+class Comparison(NamedTuple):
+    """What compare found. The first differing events are None where a log has no more of them, or all are equal."""
+
+    first: Any
+    second: Any
+    counts: tuple
+
+    @property
+    def identical(self):
+        """Whether both logs hold the same events in the same order."""
+        return self.first is None and self.second is None
+
+
+def compare(first, second):
+    """Compare the events of two EventLogs, and read both to their ends."""
+    different = (None, None)
+    for pair in itertools.zip_longest(first, second):
+        if different == (None, None) and (None in pair or pair[0].compared != pair[1].compared):
+            different = pair
+    return Comparison(*different, (first.events, second.events))
+
+
+def open_text(path):
+    """Open a log file. Raises EventLogError; says so where only the file of an unfinished run is there."""
+    try:
+        # Bytes that are no text are a difference to be shown, not a reason to stop.
+        return open(path, encoding='utf-8', errors='surrogateescape', newline='\n')
+    except OSError as error:
+        part = ''
+        if os.path.exists(path + '.part'):
+            part = f'; {path}.part is there: that run has not ended properly, or not yet'
+        raise EventLogError(f'{path}: cannot be read: {error.strerror}{part}') from error
