@@ -1,0 +1,263 @@
+// Rounds of the event-driven clock: who is granted, when, with which mail. No ROS, no sockets.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_H
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "move_base_abstract/lockstep_wire.h"
+#include "move_base_abstract/scaled_clock.h"
+
+namespace move_base_abstract {
+
+/** @brief A participant's number: from 1 on, never reused. */
+using MemberId = std::uint32_t;
+
+/** @brief Whether @p a comes before @p b where runs of digits count as numbers (2 before 10). */
+bool naturalLess(std::string_view a, std::string_view b);
+
+/** @brief For tests only: each rule can be switched off, to see that the tests miss it. */
+struct LockstepRules {
+  bool barrier = true;                // nothing is decided while a granted participant works (R2)
+  bool grant_only_concerned = true;   // neither mail nor a due time: no grant (R1)
+  bool deliver_before_leap = true;    // mail first, then time (R3)
+  bool later_than_sent = true;        // what is sent in a round is delivered in a later microstep
+  bool leap_to_smallest = true;       // no wake-up is skipped (R3)
+  bool time_never_back = true;        // a wake-up in the past is due now (R3, R12)
+  bool microstep_bound = true;        // a zero-delay loop is stopped and named (R3)
+  bool sort_by_rank = true;           // (R4)
+  bool sort_by_sub = true;            // (R4)
+  bool natural_order = true;          // robot_2 before robot_10 (R4)
+  bool fifo_within_sender = true;     // (R4)
+  bool apply_in_order = true;         // actions by (rank, name), not by arrival of the report (R4)
+  bool links_are_mail = true;         // a new link is confirmed before time moves (R5)
+  bool replace = true;                // the newer of two of one name counts (R5)
+  bool calls_in_next_round = true;    // a call waits for no wake-up of its server (R7)
+  bool knock_counts = true;           // input from outside gets a grant (R8)
+  bool dead_not_awaited = true;       // (R10)
+  bool dead_delivers = true;          // what a dead one had reported is delivered (R10)
+  bool dead_cancels_calls = true;     // (R10)
+  bool silence_named = true;          // (R10)
+  bool deadlock_named = true;         // (R10)
+  bool gate_pause = true;             // (R11)
+  bool gate_target = true;            // (R11)
+  bool gate_limit = true;             // (R11)
+  bool start_waits_for_named = true;  // (R12)
+};
+
+enum class OnDeath { kGoOn, kEnd };
+enum class OnSilence { kWait, kDrop };
+
+struct LockstepSettings {
+  double start_time = 1.0;                // s simulated, 1e-6 to 2e9
+  std::vector<std::string> participants;  // the clock starts when all of these are there
+  double settle =
+      2.0;  // wall s without a new participant until it starts where none is named, 0-3600
+  double limit = 0.0;  // simulated s per wall s at most, 0.01 to 1e6; 0: none
+  bool start_paused = false;
+  std::uint32_t max_microsteps = 100'000;  // at one instant, at least 1
+  double silence_limit = 10.0;             // wall s that a report may take, 0.001 to 86400; 0: any
+  OnDeath on_death = OnDeath::kGoOn;
+  OnSilence on_silence = OnSilence::kWait;
+  bool end_when_idle = false;
+  bool log_messages = false;  // messages and calls between participants go into the log too
+};
+
+/** @brief Where a thing comes among those of its round: rank, robot, name, the sender's count. */
+struct MailOrder {
+  std::int32_t rank = 0;
+  std::uint32_t sub = 0;
+  std::uint32_t place = 0;   // of the sender's name among all members' names in natural order
+  std::uint64_t number = 0;  // of the action among all those of its sender
+};
+
+/** @brief Something to hand over with a receiver's next grant. */
+struct Mail {
+  MailOrder order;
+  wire::GrantItem item;  // its texts and bytes are kept alive by whoever posted it
+  bool link = false;     // a link came or went (PUBLISHER, SUBSCRIBER and their opposites)
+};
+
+enum class LockstepPhase {
+  kWaitingForParticipants,
+  kRunning,        // granted participants work
+  kWaiting,        // the same, but one has not reported for more than 1 s of wall time
+  kLimited,        // the speed limit holds the next leap back
+  kPaused,         // the present instant is finished, and no leap is allowed
+  kIdle,           // nobody wants to wake up ever
+  kDeadlock,       // idle, with application threads that wait without end
+  kZeroDelayLoop,  // too many microsteps at one instant; no more grants
+  kEnded
+};
+
+/** @return as in the state message: "waiting_for_participants", "running", ... */
+const char* phaseName(LockstepPhase phase);
+
+/**
+ * @brief Who is granted when, and with what: knows members, times and mail, not what it means.
+ *
+ * `wall` arguments are monotonic wall instants in ns. A refused call throws std::invalid_argument,
+ * says what it got and what is allowed, and changes nothing.
+ */
+class LockstepRounds {
+ public:
+  struct Grant {
+    MemberId member;
+    std::uint64_t round;
+    Nanoseconds time;
+    std::uint32_t microstep;
+    std::vector<Mail> mail;  // in the order in which it is to be handled
+  };
+
+  struct Event {
+    enum class Kind {
+      kStarted,
+      kSilent,    // of `member`; once per silence
+      kAnswered,  // of `member`, after a silence
+      kTargetReached,
+      kIdle,
+      kDeadlock,
+      kZeroDelayLoop
+    };
+    Kind kind;
+    MemberId member = 0;
+    Nanoseconds duration = 0;  // wall ns since the grant, of kSilent and kAnswered
+  };
+
+  struct MemberState {
+    std::string name;
+    std::int32_t rank = 0;
+    Nanoseconds next = kNever;  // simulated
+    std::uint32_t open = 0;     // application threads that wait without end
+    bool knocked = false;
+    bool present = true;  // false: it has gone, which counts when the round is over
+    bool owes = false;    // the report of round `round`
+    bool silence_told = false;
+    std::uint64_t round = 0;       // of its latest grant
+    Nanoseconds granted_wall = 0;  // of its latest grant
+    std::uint32_t granted_mail = 0;
+    bool granted_due = false;  // its wake-up was due with its latest grant
+    std::vector<Mail> mail;
+    bool ready = false;  // is in ready_
+  };
+
+  /** @throws std::invalid_argument if a setting is out of its range. */
+  explicit LockstepRounds(const LockstepSettings& settings, const LockstepRules& rules = {});
+
+  // ---- members ----
+  void add(MemberId id, const std::string& name, std::int32_t rank, Nanoseconds wall);
+  /** @brief It will not report any more; until remove() it still counts as a receiver. */
+  void gone(MemberId id);
+  void remove(MemberId id);
+  void knock(MemberId id);
+
+  /** @brief The report of its latest grant is in. @pre owes */
+  void report(MemberId id, Nanoseconds next, std::uint32_t open, Nanoseconds wall);
+  /** @brief Hand @p mail over with the next grant of @p id; nothing if it is not there. */
+  void post(MemberId id, Mail mail);
+
+  // ---- decisions ----
+  /** @return whether nobody owes a report, so that actions may be applied and decide() called. */
+  bool settled() const;
+  /** @return those to grant now; nothing if time may not move, or nobody has anything to do. */
+  std::vector<Grant> decide(Nanoseconds wall);
+  /** @brief Look for silent ones. decide() does not. */
+  void watch(Nanoseconds wall);
+  std::vector<Event> takeEvents();
+  /** @return the wall instant [ns] at which to call again even if nothing comes in, or kNever. */
+  Nanoseconds nextWake() const;
+
+  // ---- gate; of pause, resume, step and runUntil the last one called wins ----
+  void pause();
+  void resume();
+  /** @brief Run for @p duration [ns, simulated, > 0] from the present, or from the target of a step
+   * still under way, and pause there. @return the target [ns]. */
+  Nanoseconds step(Nanoseconds duration);
+  void runUntil(Nanoseconds target);
+  /** @brief At most @p factor simulated s per wall s (0.01 to 1e6); 0: no limit. */
+  void setLimit(double factor);
+  void end();
+
+  // ---- what is so ----
+  Nanoseconds now() const { return time_; }
+  std::uint32_t microstep() const { return microstep_; }
+  bool started() const { return started_; }
+  bool ended() const { return ended_; }
+  bool paused() const { return paused_; }
+  std::optional<Nanoseconds> target() const { return target_; }
+  double limit() const;
+  LockstepPhase phase(Nanoseconds wall) const;
+  std::uint64_t rounds() const { return rounds_; }
+  std::uint64_t leaps() const { return leaps_; }
+  bool mailWaiting() const { return mail_waiting_ > 0; }
+  /** @brief The members of the latest round, in the stated order. */
+  std::vector<MemberId> latestRound() const;
+  const std::map<MemberId, MemberState>& members() const { return members_; }
+  const MemberState* find(MemberId id) const;
+  /** @return the named participants that are not there, in the order of the setting. */
+  std::vector<std::string> missing() const;
+  /** @brief Where an action of @p id comes; places are those of the latest decision's members. */
+  MailOrder order(MemberId id, std::uint32_t sub, std::uint64_t number) const;
+  /** @brief Whether @p a comes before @p b: by rank, then name. */
+  bool before(MemberId a, MemberId b) const;
+  /** @brief The stated order of mail and log entries. */
+  bool before(const MailOrder& a, const MailOrder& b) const;
+
+ private:
+  enum class Gate { kOpen, kPaused, kLimited };
+
+  MemberState& at(MemberId id);
+  void makeReady(MemberId id, MemberState& member);
+  bool mayStart(Nanoseconds wall) const;
+  void orderNames();
+  void setNext(MemberId id, MemberState& member, Nanoseconds next);
+  std::vector<Grant> start(Nanoseconds wall);
+  std::vector<Grant> nextMicrostep(Nanoseconds wall);
+  std::vector<Grant> leap(Nanoseconds wall);
+  std::vector<Grant> grant(std::vector<MemberId> ids, Nanoseconds wall);
+  bool standsAtTarget(Nanoseconds next);
+  bool limitAllows(Nanoseconds to, Nanoseconds wall) const;
+  Nanoseconds leapWall(Nanoseconds to) const;
+  void moveTo(Nanoseconds to, Nanoseconds wall);
+  Nanoseconds nextTime() const;
+  void becomeIdle();
+  bool anyOpen() const;
+  void refuseIfEnded(const char* call) const;
+
+  LockstepSettings settings_;
+  LockstepRules rules_;
+  std::map<MemberId, MemberState> members_;
+  std::map<MemberId, std::uint32_t> places_;
+  bool names_changed_ = false;
+  std::set<std::pair<Nanoseconds, MemberId>> due_;  // of those that have a finite wake-up
+  std::vector<MemberId> ready_;                     // with mail, knocked, joined, or due now
+  std::vector<MemberId> granted_;                   // of the latest round
+  std::size_t owing_ = 0;
+  std::size_t mail_waiting_ = 0;
+  Nanoseconds time_;
+  std::uint32_t microstep_ = 0;
+  bool started_ = false;
+  bool ended_ = false;
+  bool paused_;
+  bool idle_ = false;
+  bool zero_delay_loop_ = false;
+  std::optional<Nanoseconds> target_;
+  FactorUnits limit_;
+  Nanoseconds last_join_ = 0;           // wall
+  Nanoseconds last_leap_ = 0;           // wall
+  Nanoseconds silence_check_ = kNever;  // wall
+  bool held_by_limit_ = false;
+  std::uint64_t rounds_ = 0;
+  std::uint64_t leaps_ = 0;
+  std::vector<Event> events_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_H
