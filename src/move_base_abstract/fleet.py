@@ -8,7 +8,6 @@
 The robots are those of the nodes, with the same settings, and time is kept in the same integer nanoseconds.
 """
 import itertools
-from typing import Any, NamedTuple
 
 from .errors import ConfigurationError, FrameError, TimeError
 from .frames import RobotFrames
@@ -18,32 +17,22 @@ from .navigator import GoalPose, Navigator, NavigatorListener
 from .outcome import ROBOT_REMOVED, ROBOT_RESET
 from .planning import StraightLinePlanner
 from .robot import Robot
+from .robot_trace import RobotTrace, TraceEntry
 from .scenario import Scenario, make_robot
 from .simulation import Simulation
 from .units import NS_PER_S, seconds_to_ns
 
+__all__ = ['Fleet', 'TraceEntry']
+
 #: what a user schedules comes after the robots' own events of the same instant
 _USER_INDEX = 2 ** 31 - 1
-
-
-class TraceEntry(NamedTuple):
-    """Something that happened: when [ns], to which robot, what, and the details.
-
-    Kinds and values: ``departed`` (x, y, yaw of the goal), ``stands`` (x, y, yaw), ``ended`` (goal id, state, text).
-    Positions in m, yaw in rad, global frame.
-    """
-
-    time_ns: int
-    robot: str
-    kind: str
-    values: Any
 
 
 class Fleet:
     """Robots on one event queue. At equal times: lower robot index first, then first scheduled, then users' calls.
 
     ``on_end(robot, goal_id, state, text, now_ns)``, if given, is called when a goal ends, and may send the next one.
-    With ``trace=None`` nothing is recorded; else entries are appended to that list.
+    With ``trace=None`` nothing is recorded; else each :class:`TraceEntry` is appended to that list.
     """
 
     def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=()):
@@ -144,12 +133,7 @@ class Fleet:
             raise ConfigurationError("robot '{}' is unknown; there are: {}".format(
                 name, ', '.join(list(self._members)[:10]) or 'none')) from None
 
-    def _record(self, time_ns, robot, kind, *values):
-        if self.trace is not None:
-            self.trace.append(TraceEntry(time_ns, robot, kind, values))
-
     def _ended(self, robot, record, stamp_ns):
-        self._record(stamp_ns, robot, 'ended', record.goal_id, record.state.name, record.text)
         if self._on_end is not None:
             # The goal's own event must be over before the next goal comes, so it comes at the end of this instant.
             self.at(max(stamp_ns, self.now_ns), lambda fleet: self._on_end(
@@ -163,11 +147,12 @@ class _Member(NavigatorListener):
         settings = spec.settings
         self._fleet = fleet
         self._settings = settings
+        self._trace = RobotTrace(spec.name, None if fleet.trace is None else fleet.trace.append)
         self.goal_numbers = itertools.count(1)
         self.robot = Robot(index, spec.name, settings.start, settings.limits, settings.tolerances, fleet.now_ns)
         frames = RobotFrames(self.robot, settings.values['global_frame'], settings.frame('odom'),
                              settings.frame('base_link'), _no_lookup)
-        self._ledger = GoalLedger(lambda: None, lambda record, stamp_ns: fleet._ended(spec.name, record, stamp_ns),
+        self._ledger = GoalLedger(lambda: None, self._ended,
                                   lambda now_ns: '{}-{}'.format(spec.name, now_ns))
         self.navigator = Navigator(self.robot, fleet.simulation, self._ledger, frames, self,
                                    planner or StraightLinePlanner(settings.bounds))
@@ -181,11 +166,14 @@ class _Member(NavigatorListener):
         self.stands(self.robot, now_ns)
 
     def departed(self, robot, goal, now_ns):
-        self._fleet._record(now_ns, robot.name, 'departed', goal.x, goal.y, goal.yaw)
+        self._trace.departed(goal, now_ns)
 
     def stands(self, robot, now_ns):
-        pose = robot.pose_at(now_ns)
-        self._fleet._record(now_ns, robot.name, 'stands', pose.x, pose.y, pose.yaw)
+        self._trace.stands(robot.pose_at(now_ns), now_ns)
+
+    def _ended(self, record, stamp_ns):
+        self._trace.ended(record, stamp_ns)
+        self._fleet._ended(self.robot.name, record, stamp_ns)
 
 
 def _no_lookup(frame_id, _stamp_ns):

@@ -46,8 +46,8 @@ class Scenario:
     seed: int = 0
 
 
-def read_scenario(path, overrides=None):
-    """Return the :class:`Scenario` in the YAML file ``path``; ``overrides`` are settings that replace its defaults.
+def read_scenario(path, overrides=None, base=None):
+    """Return the :class:`Scenario` in the YAML file ``path``; ``overrides`` and ``base`` as of :func:`make_scenario`.
 
     :raises ConfigurationError: if the file cannot be read, a key is unknown, or a value is not allowed.
     """
@@ -56,13 +56,14 @@ def read_scenario(path, overrides=None):
             raw = yaml.safe_load(stream)
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ConfigurationError('{}: {}'.format(path, ' '.join(str(error).split()))) from None
-    return make_scenario(raw, str(path), overrides)
+    return make_scenario(raw, str(path), overrides, base)
 
 
-def make_scenario(raw, where='scenario', overrides=None):
+def make_scenario(raw, where='scenario', overrides=None, base=None):
     """Return the :class:`Scenario` in the dictionary ``raw``; ``where`` is named in errors.
 
-    ``overrides`` are settings that replace the defaults of the same name, not what a robot says of itself.
+    ``overrides`` are settings that replace the defaults of the same name, not what a robot says of itself; ``base``
+    are settings that the defaults replace.
 
     :raises ConfigurationError: if a key is unknown, a value is not allowed, or two robots bear one name.
     """
@@ -71,7 +72,7 @@ def make_scenario(raw, where='scenario', overrides=None):
     defaults = raw.get('defaults') or {}
     _check_type(defaults, dict, 'a mapping of settings', where + ': defaults')
     _check_keys(defaults, OWN_NAMES, where, 'defaults.')
-    defaults = dict(defaults, **(overrides or {}))
+    defaults = {**(base or {}), **defaults, **(overrides or {})}
     groups = raw.get('robots') or []
     _check_type(groups, list, 'a list of robots', where + ': robots')
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, where)]

@@ -85,6 +85,9 @@ _COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
                    ('odom_frame', 'local_costmap', 'global_frame', 'odom'))
 _LIMITS = (SPEED, ACCELERATION, XY_TOLERANCE, YAW_TOLERANCE)
 OWN_NAMES = tuple(parameter.name for parameter in TABLE + _LIMITS) + ('recovery_behaviors',)
+#: what a robot's settings are made of, before all that is given, where time leaps from event to event: each of these
+#: would be an event more that time has to stop for
+EVENTS_ONLY = {'feedback_freq': 0.0, 'pose_update_freq': 0.0, 'tf_heartbeat_freq': 0.0}
 
 
 @dataclass

@@ -5,6 +5,7 @@ import pytest
 
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.scenario import make_robot, make_scenario, read_scenario
+from move_base_abstract.settings import EVENTS_ONLY
 
 CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', 'config')
 
@@ -38,6 +39,14 @@ def test_overrides_replace_defaults_and_not_what_a_robot_says_of_itself():
                              overrides={'use_map': True})
     assert [spec.settings.values['use_map'] for spec in scenario.robots] == [True, False]
     assert scenario.defaults == {'use_map': True}
+
+
+def test_a_base_comes_behind_all_that_is_given_and_is_there_for_robots_that_come_later():
+    scenario = make_scenario({'defaults': {'feedback_freq': 2.0}, 'robots': [{'name': 'a', 'pose_update_freq': 3.0}]},
+                             base=EVENTS_ONLY)
+    values = scenario.robots[0].settings.values
+    assert (values['feedback_freq'], values['pose_update_freq'], values['tf_heartbeat_freq']) == (2.0, 3.0, 0.0)
+    assert scenario.defaults == {'feedback_freq': 2.0, 'pose_update_freq': 0.0, 'tf_heartbeat_freq': 0.0}
 
 
 def test_an_empty_scenario_has_no_robots():

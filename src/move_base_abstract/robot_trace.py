@@ -1,0 +1,39 @@
+"""What is written down of a robot: the same entries in the trace of the plain Python fleet and in a run's event log."""
+from typing import Any, NamedTuple
+
+
+class TraceEntry(NamedTuple):
+    """Something that happened: when [ns], to which robot, what, and the details.
+
+    Kinds and values: ``departed`` (x, y, yaw of the goal), ``stands`` (x, y, yaw), ``ended`` (goal id, state, text).
+    Positions in m, yaw in rad, global frame.
+    """
+
+    time_ns: int
+    robot: str
+    kind: str
+    values: Any
+
+
+class RobotTrace:
+    """Makes the entries of one robot and hands them to ``record(entry)``; None records nothing."""
+
+    def __init__(self, robot_name, record=None):
+        self._robot_name = robot_name
+        self._record = record
+
+    def departed(self, goal, now_ns):
+        """The robot starts for ``goal`` (Pose2D)."""
+        self._add(now_ns, 'departed', goal.x, goal.y, goal.yaw)
+
+    def stands(self, pose, now_ns):
+        """The robot arrived at ``pose`` (Pose2D), was stopped there or was placed there."""
+        self._add(now_ns, 'stands', pose.x, pose.y, pose.yaw)
+
+    def ended(self, record, stamp_ns):
+        """A goal ended; ``record`` is the ledger's."""
+        self._add(stamp_ns, 'ended', record.goal_id, record.state.name, record.text)
+
+    def _add(self, time_ns, kind, *values):
+        if self._record is not None:
+            self._record(TraceEntry(time_ns, self._robot_name, kind, values))
