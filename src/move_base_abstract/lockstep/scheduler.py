@@ -1,0 +1,323 @@
+"""Who runs in a participant: one application thread at a time, and when it must wait, the next in a stated order.
+
+A thread of the application that runs has the *turn*. At a known wait it gives the turn away; when nobody can go on,
+the round is over, the report goes to the time master, and whoever waited last reads the next grant. Within a grant:
+messages in the order of the grant, then threads that these woke in the order in which they were woken, then the event
+source, then sleepers in the order of their times (of equal times: who began to sleep first).
+
+Messages are handled by worker threads that have nothing else on their stack. One that is stopped in the middle of a
+callback is a thread like any other, and another worker takes over; so a callback may sleep or call services.
+
+Nothing here knows ROS or sockets: ``channel`` has ``exchange() -> Round``, which reports and waits for the next grant.
+"""
+import heapq
+import threading
+from collections import deque
+from threading import get_ident
+
+from .wire import NEVER
+
+# The locks below must be the machine's own: those that the application gets are made of waits in this file.
+_make_lock = threading._allocate_lock
+_Thread_start = threading.Thread.start
+
+
+class TurnLost(Exception):
+    """The participant has left lockstep while this thread waited."""
+
+
+class Task:
+    """A thread as the scheduler sees it."""
+
+    __slots__ = ('name', 'ident', 'parking', 'is_waiting', 'wake_token', 'timed_out', 'waits_for', 'is_open',
+                 'is_finished', 'is_worker', 'joiners')
+
+    def __init__(self, name, is_worker=False):
+        self.name = name
+        self.ident = 0
+        self.parking = _make_lock()
+        self.parking.acquire()
+        self.is_waiting = False
+        self.wake_token = 0
+        self.timed_out = False
+        self.waits_for = ''
+        self.is_open = False
+        self.is_finished = False
+        self.is_worker = is_worker
+        self.joiners = []
+
+
+class Scheduler:
+    """Gives the turn to one thread of the process after the other."""
+
+    def __init__(self, channel):
+        self._channel = channel
+        self.now_ns = 0
+        self.source = None
+        self.is_closed = False
+        self.turn_ident = 0
+        self._tasks = {}
+        self._ready = deque()
+        self._mail = deque()
+        self._sleepers = []
+        self._sequence = 0
+        self._conditions = []
+        self._idle_workers = []
+        self._open = []
+        self._outside = deque()
+        self._outside_lock = _make_lock()
+
+    # --- who is who -------------------------------------------------------------------------------------------------
+
+    def is_mine(self):
+        """Return whether the calling thread has the turn."""
+        return self.turn_ident == get_ident() and not self.is_closed
+
+    def adopt_caller(self, name):
+        """Make the calling thread one of the application's, with the turn; for the first one only."""
+        task = Task(name)
+        self._enter(task)
+        self.turn_ident = task.ident
+
+    def _enter(self, task):
+        task.ident = get_ident()
+        self._tasks[task.ident] = task
+
+    def current(self):
+        """Return the task of the calling thread, or None."""
+        return self._tasks.get(get_ident())
+
+    def living(self):
+        """Return the tasks of threads that have not ended."""
+        return [task for task in self._tasks.values() if not task.is_worker and not task.is_finished]
+
+    # --- threads of the application ---------------------------------------------------------------------------------
+
+    def spawn(self, name):
+        """Return a task for a thread that is about to start; it is ready, behind those that are so already."""
+        task = Task(name)
+        self._ready.append(task)
+        return task
+
+    def begin(self, task):
+        """First word of a new thread: wait for the first turn."""
+        self._enter(task)
+        task.parking.acquire()
+        if not self.is_closed:
+            self.turn_ident = task.ident
+
+    def finish(self):
+        """Last word of a thread: pass the turn on."""
+        task = self._tasks.pop(get_ident(), None)
+        if task is None:
+            return
+        task.is_finished = True
+        for joiner in task.joiners:
+            self.wake(joiner)
+        if self.turn_ident == task.ident and not self.is_closed:
+            self._resume_worker()
+
+    # --- waiting ----------------------------------------------------------------------------------------------------
+
+    def wait(self, wake_ns=NEVER, waits_for='', is_open=True):
+        """Give the turn away until :meth:`wake` or ``wake_ns`` [ns]; return False if time was up.
+
+        ``is_open``: a wait without end that is open work, named by the time master when nothing is left to happen.
+
+        :raises TurnLost: if the participant leaves lockstep meanwhile.
+        """
+        task = self._tasks[get_ident()]
+        task.is_waiting = True
+        task.timed_out = False
+        task.wake_token += 1
+        if wake_ns != NEVER:
+            self._sequence += 1
+            heapq.heappush(self._sleepers, (wake_ns, self._sequence, task.wake_token, task))
+        task.waits_for = waits_for
+        is_open = is_open and wake_ns == NEVER
+        if is_open:
+            self._open.append(task)
+        try:
+            self._run(task)
+        finally:
+            task.is_waiting = False
+            if is_open:
+                self._open.remove(task)
+        return not task.timed_out
+
+    def wait_until(self, condition, wake_ns=NEVER, waits_for=''):
+        """Give the turn away until ``condition()`` holds or ``wake_ns`` [ns] has come; return what it says then.
+
+        It is looked at whenever something has happened in this process.
+        """
+        task = self._tasks[get_ident()]
+        while not condition():
+            if wake_ns <= self.now_ns:
+                return False
+            entry = (condition, task)
+            self._conditions.append(entry)
+            try:
+                self.wait(wake_ns, waits_for)
+            finally:
+                self._conditions.remove(entry)
+        return True
+
+    def wake(self, task):
+        """Make a waiting task ready; the caller has the turn."""
+        if task.is_waiting:
+            task.is_waiting = False
+            self._ready.append(task)
+
+    def post(self, action):
+        """Have ``action()`` called by a worker after what is to be delivered now; the caller has the turn."""
+        self._mail.append(action)
+
+    def from_outside(self, action):
+        """Have ``action()`` called by a worker in the next round; from any thread."""
+        with self._outside_lock:
+            self._outside.append(action)
+        self._channel.knock()
+
+    @property
+    def open_waits(self):
+        """The tasks that wait without end for something that is not time."""
+        return self._open
+
+    def next_ns(self):
+        """Return the earliest instant at which somebody wants to go on [ns], or NEVER."""
+        sleepers = self._sleepers
+        while sleepers and not _is_current(sleepers[0]):
+            heapq.heappop(sleepers)
+        wake_ns = sleepers[0][0] if sleepers else NEVER
+        due_ns = self.source.next_due_ns() if self.source is not None else None
+        return wake_ns if due_ns is None or wake_ns < due_ns else due_ns
+
+    # --- passing the turn -------------------------------------------------------------------------------------------
+
+    def _run(self, task):
+        """Let others go on, until ``task``, the caller's, is made ready and its turn has come."""
+        while True:
+            if self._mail:
+                self._park(task, self._worker())
+                return
+            other = self._next_ready()
+            if other is task:
+                return
+            if other is not None:
+                self._park(task, other)
+                return
+            if not self._mail:
+                self._begin_round()
+
+    def _next_ready(self):
+        """Return the next task that can go on at this instant, or None."""
+        while True:
+            if self._ready:
+                return self._ready.popleft()
+            for condition, task in self._conditions:
+                if task.is_waiting and condition():
+                    task.is_waiting = False
+                    return task
+            source = self.source
+            if source is not None:
+                due_ns = source.next_due_ns()
+                if due_ns is not None and due_ns <= self.now_ns:
+                    source.run(self.now_ns)
+                    if self._mail or self._ready:
+                        return self._ready.popleft() if self._ready else None
+                    continue
+            return self._next_sleeper()
+
+    def _next_sleeper(self):
+        sleepers = self._sleepers
+        while sleepers and (sleepers[0][0] <= self.now_ns or not _is_current(sleepers[0])):
+            entry = heapq.heappop(sleepers)
+            if _is_current(entry):
+                entry[3].is_waiting = False
+                entry[3].timed_out = True
+                return entry[3]
+        return None
+
+    def _begin_round(self):
+        """Nobody can go on: report, and take the next grant in."""
+        if self.is_closed:
+            raise TurnLost()
+        self._mail.extend(self._channel.exchange())
+        if self._outside:
+            with self._outside_lock:
+                self._mail.extend(self._outside)
+                self._outside.clear()
+
+    def _park(self, task, other):
+        """Give the turn to ``other`` and wait for it to come back."""
+        self.turn_ident = other.ident
+        other.parking.release()
+        task.parking.acquire()
+        if self.is_closed:
+            raise TurnLost()
+        self.turn_ident = task.ident
+
+    def _worker(self):
+        """Return a worker that is free."""
+        if self._idle_workers:
+            return self._idle_workers.pop()
+        task = Task('lockstep_worker', is_worker=True)
+        # While a thread is started, Python itself waits for it: not a wait of the application.
+        mine, self.turn_ident = self.turn_ident, 0
+        _Thread_start(threading.Thread(target=self._work, args=(task,), name=task.name, daemon=True))
+        self.turn_ident = mine
+        return task
+
+    def _resume_worker(self):
+        """Give the turn to a worker for good: the calling thread ends, or leaves the application."""
+        worker = self._worker()
+        self.turn_ident = worker.ident
+        worker.parking.release()
+
+    def _work(self, task):
+        """The life of a worker: handle messages while it has the turn, and pass it on."""
+        task.parking.acquire()
+        self._enter(task)
+        try:
+            while not self.is_closed:
+                self.turn_ident = task.ident
+                self._work_on(task)
+        except TurnLost:
+            pass
+
+    def _work_on(self, task):
+        mail = self._mail
+        while not self.is_closed:
+            while mail:
+                mail.popleft()()
+            other = self._next_ready()
+            if other is not None:
+                self._idle_workers.append(task)
+                self._park(task, other)
+                return
+            if not mail:
+                self._begin_round()
+
+    def run_worker(self):
+        """Be a worker in the calling thread, which has the turn, until the participant leaves lockstep."""
+        task = self._tasks[get_ident()]
+        try:
+            while not self.is_closed:
+                self._work_on(task)
+        except TurnLost:
+            pass
+
+    def close(self):
+        """Let go of all threads: from now on they run as they like."""
+        self.is_closed = True
+        self.turn_ident = 0
+        for task in list(self._tasks.values()) + self._idle_workers + list(self._ready):
+            try:
+                task.parking.release()
+            except RuntimeError:
+                pass  # it was not parked
+
+
+def _is_current(entry):
+    """Whether a sleeper still sleeps, and in the same wait."""
+    return entry[3].is_waiting and entry[3].wake_token == entry[2]

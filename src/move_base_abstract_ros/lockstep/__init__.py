@@ -1,0 +1,88 @@
+"""Taking part in lockstep, the event-driven clock: ``lockstep.join()`` after ``rospy.init_node()``.
+
+From then on ``rospy.sleep``, ``Rate``, ``Timer``, ``spin``, topics, services, ``wait_for_message``,
+``wait_for_service`` and actionlib's clients are exact in simulated time, and the node's threads run one at a time.
+docs/lockstep.md says what counts and what does not.
+"""
+import os
+import re
+from types import SimpleNamespace
+
+import rospy
+
+from move_base_abstract.errors import ConfigurationError
+
+from . import finish, threads, waits
+from .charge import make_charge
+from .participant import DEFAULT_RANK, Participant, connect
+from .topics import sender
+
+__all__ = ['Participant', 'is_lockstep', 'join', 'participant', 'sender']
+
+_ANONYMOUS = re.compile(r'_[0-9]+_[0-9]{13}$')
+_CONNECT_SECONDS = 30.0
+_state = SimpleNamespace(joined=None)
+
+
+def is_lockstep():
+    """Return whether the time master works, or will work, in lockstep (parameter ``/time_master/mode``)."""
+    return rospy.get_param('/time_master/mode', 'scaled') == 'lockstep'
+
+
+def participant():
+    """Return this process's :class:`Participant`, or None."""
+    return _state.joined
+
+
+def join(rank=None, own_threads=True):
+    """Take part in lockstep; return the :class:`Participant`, or None where the time master is not in lockstep.
+
+    To be called after ``rospy.init_node``, before topics, threads and locks are made (topics that are there already
+    are taken over; locks are not). Returns when the clock has started. ``rank`` orders messages of the same instant,
+    lowest first; without it and without the private parameter ``lockstep_rank`` nodes come after the robots, in the
+    order of their names. ``own_threads=False`` leaves Python's threads and locks alone: for a node without its own.
+
+    :raises ConfigurationError: for a bad parameter, or if there is no time master.
+    """
+    if _state.joined is not None or not is_lockstep():
+        return _state.joined
+    declared = rank if rank is not None else rospy.get_param('~lockstep_rank', None)
+    if declared is not None and (isinstance(declared, bool) or not isinstance(declared, int)):
+        raise ConfigurationError('parameter {}: got {!r}; allowed: a whole number'.format(
+            rospy.resolve_name('~lockstep_rank'), declared))
+    charge = make_charge(rospy.get_param('~lockstep_charge', 'none'))
+    joining = Participant(connect(_CONNECT_SECONDS), DEFAULT_RANK if declared is None else declared, charge)
+    for topic in rospy.get_param('/time_master/excluded_topics', []):
+        joining.topics.excluded.add(rospy.resolve_name(str(topic)))
+    _listen_to_clock_no_more()
+    rospy.on_shutdown(lambda: joining.leave('its node shuts down'))
+    joining.present(rospy.get_name(), rospy.get_node_uri(), declared is not None)
+    joining.topics.install()
+    joining.services.install()
+    waits.install(joining)
+    threads.install(joining, own_threads)
+    finish.install(joining)
+    _warn(joining, declared)
+    _state.joined = joining
+    return joining
+
+
+def _listen_to_clock_no_more():
+    """Time comes with the grants; a message on /clock may be earlier or later than they."""
+    clock = getattr(rospy.impl.simtime, '_clock_sub', None)
+    if clock is not None:
+        clock.unregister()
+    rospy.impl.simtime._set_rostime = lambda _time: None
+
+
+def _warn(joined, declared):
+    if not rospy.get_param('/use_sim_time', False):
+        rospy.logwarn('%s takes part in lockstep, but /use_sim_time is not true', rospy.get_name())
+    if declared is None and _ANONYMOUS.search(rospy.get_name()):
+        joined.label('the name {} is made of a process id and a time, so its place among equal events differs from run '
+                     'to run; give it ~lockstep_rank or a name'.format(rospy.get_name()))
+    if not joined.charge.is_repeatable:
+        joined.label('{} charges what it measures; replay the record to repeat the run'.format(rospy.get_name()))
+    if os.environ.get('PYTHONHASHSEED', 'random') == 'random':
+        rospy.logdebug('%s: sets of texts are iterated in another order in every run; PYTHONHASHSEED=0 fixes that',
+                       rospy.get_name())

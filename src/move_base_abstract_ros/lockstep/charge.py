@@ -1,0 +1,141 @@
+"""What a participant's computations cost in simulated time: nothing, a fixed time, what they take, what they took.
+
+A computation is a round in which the participant sends something; the messages leave when it is over, and what comes
+in the meantime waits.
+"""
+import json
+import os
+import time
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.units import seconds_to_ns
+
+_ALLOWED = ("'none', 'fixed:SECONDS', 'measured' or 'measured:FILE' (wall clock), 'measured_cpu' or "
+            "'measured_cpu:FILE' (this process's CPU), 'replay:FILE'")
+
+
+class NoCharge:
+    """Computations take no simulated time. Repeatable."""
+
+    is_repeatable = True
+
+    def begin(self):
+        """A round begins."""
+
+    def cost_ns(self, _now_ns):
+        """Return what the computation that ends now costs [ns]."""
+        return 0
+
+    def close(self):
+        """Write out what there is to write."""
+
+
+class FixedCharge(NoCharge):
+    """Each computation takes the same time. Repeatable."""
+
+    def __init__(self, cost_ns):
+        self._cost_ns = cost_ns
+
+    def cost_ns(self, _now_ns):
+        """Return the fixed time [ns]."""
+        return self._cost_ns
+
+
+class MeasuredCharge(NoCharge):
+    """Each computation takes what a clock of the machine says, which is recorded. Not repeatable, but see replay."""
+
+    is_repeatable = False
+
+    def __init__(self, path, clock_ns):
+        self._clock_ns = clock_ns
+        self._begin_ns = clock_ns()
+        self._path = path
+        self._record = _create(path + '.part') if path else None
+
+    def begin(self):
+        """A round begins: note when."""
+        self._begin_ns = self._clock_ns()
+
+    def cost_ns(self, now_ns):
+        """Return how long this round has taken [ns], and record it."""
+        cost_ns = self._clock_ns() - self._begin_ns
+        if self._record is not None:
+            self._record.write(json.dumps({'time_ns': now_ns, 'cost_ns': cost_ns}) + '\n')
+            self._record.flush()
+        return cost_ns
+
+    def close(self):
+        """Give the record its final name."""
+        if self._record is not None:
+            self._record.close()
+            os.replace(self._path + '.part', self._path)
+            self._record = None
+
+
+class ReplayCharge(NoCharge):
+    """Each computation takes what an earlier run recorded. Repeatable."""
+
+    def __init__(self, path):
+        self._path = path
+        self._costs = iter(_read(path))
+
+    def cost_ns(self, now_ns):
+        """Return the recorded time [ns].
+
+        :raises ConfigurationError: if the record has no more, or is of another instant: this is not the run that was
+            recorded.
+        """
+        number, time_ns, cost_ns = next(self._costs, (0, None, 0))
+        if time_ns != now_ns:
+            where = 'it is at its end' if time_ns is None else 'line {} is of {} ns'.format(number, time_ns)
+            raise ConfigurationError('charge replay:{}: the computation at {} ns is not in the record ({}): this is '
+                                     'not the run that was recorded'.format(self._path, now_ns, where))
+        return cost_ns
+
+
+def make_charge(text):
+    """Return the charge that ``text`` describes.
+
+    :raises ConfigurationError: if it describes none, or its file cannot be read or written.
+    """
+    kind, _, detail = str(text or 'none').partition(':')
+    if kind == 'none' and not detail:
+        return NoCharge()
+    if kind == 'fixed' and _is_time(detail):
+        return FixedCharge(seconds_to_ns(float(detail)))
+    if kind == 'measured':
+        return MeasuredCharge(detail, time.perf_counter_ns)
+    if kind == 'measured_cpu':
+        return MeasuredCharge(detail, time.process_time_ns)
+    if kind == 'replay' and detail:
+        return ReplayCharge(detail)
+    raise ConfigurationError("charge: got '{}'; allowed: {}".format(text, _ALLOWED))
+
+
+def _is_time(text):
+    try:
+        return 0.0 <= float(text) < 1e9
+    except ValueError:
+        return False
+
+
+def _create(path):
+    try:
+        return open(path, 'w')
+    except OSError as error:
+        raise ConfigurationError('charge measured: {} cannot be written: {}'.format(path, error.strerror)) from None
+
+
+def _read(path):
+    costs = []
+    try:
+        with open(path) as lines:
+            for number, line in enumerate(lines, 1):
+                entry = json.loads(line)
+                costs.append((number, int(entry['time_ns']), int(entry['cost_ns'])))
+    except OSError as error:
+        raise ConfigurationError('charge replay: {} cannot be read: {}'.format(path, error.strerror)) from None
+    except (ValueError, KeyError, TypeError) as error:
+        raise ConfigurationError('charge replay: {}, line {}: not a record of a charge ({})'.format(
+            path, len(costs) + 1, error)) from None
+    return costs

@@ -1,0 +1,84 @@
+"""The connection to the time master: whole frames in, whole frames out."""
+import socket
+import struct
+import threading
+import time
+
+from move_base_abstract.lockstep import wire
+
+_HEAD = struct.Struct('<IB')
+_RECEIVE_BYTES = 1 << 16
+_RETRY_SECONDS = 0.05
+
+
+class Closed(Exception):
+    """The connection has ended: the time master is gone, or has ended it."""
+
+
+class Connection:
+    """Blocking and in order. Any thread may send; one at a time may receive."""
+
+    def __init__(self, host, port, timeout):
+        """Connect to the time master.
+
+        :raises OSError: if there is none at that address within ``timeout`` [s, wall].
+        """
+        self._socket = _connect(host, port, timeout)
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._send_lock = threading.Lock()
+        self._buffer = bytearray()
+
+    def send(self, data):
+        """Send whole frames.
+
+        :raises Closed: if there is nobody to take them.
+        """
+        try:
+            with self._send_lock:
+                self._socket.sendall(data)
+        except OSError as error:
+            raise Closed(str(error)) from None
+
+    def receive(self):
+        """Wait for a frame and return (type, body).
+
+        :raises Closed: when there will be none any more.
+        """
+        buffer = self._buffer
+        while True:
+            if len(buffer) >= 5:
+                length, kind = _HEAD.unpack_from(buffer, 0)
+                if length < 1:
+                    raise wire.WireError('a frame of {} bytes'.format(length))
+                if len(buffer) >= 4 + length:
+                    body = bytes(buffer[5:4 + length])
+                    del buffer[:4 + length]
+                    return kind, body
+            try:
+                data = self._socket.recv(_RECEIVE_BYTES)
+            except OSError as error:
+                raise Closed(str(error)) from None
+            if not data:
+                raise Closed('the time master has closed the connection')
+            buffer += data
+
+    def close(self):
+        """End the connection; whoever waits in receive is told."""
+        try:
+            self._socket.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            pass
+        self._socket.close()
+
+
+def _connect(host, port, timeout):
+    deadline = time.monotonic() + timeout
+    while True:
+        try:
+            connected = socket.create_connection((host, port), timeout=max(_RETRY_SECONDS, deadline - time.monotonic()))
+            connected.settimeout(None)
+            return connected
+        except OSError:
+            if time.monotonic() >= deadline:
+                raise
+            time.sleep(_RETRY_SECONDS)

@@ -1,0 +1,236 @@
+"""One process that takes part in lockstep: what it tells the time master, and what becomes of what it is told."""
+import json
+import os
+import threading
+import time
+
+import rospy
+from rospy.rostime import _set_rostime
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.lockstep import wire
+from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
+
+from .connection import Closed, Connection
+from .services import Services
+from .topics import Topics
+
+#: topics that never go through the time master
+EXCLUDED = ('/clock', '/rosout', '/rosout_agg', '/statistics')
+_SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
+#: the rank of nodes that declare none; robots have 0
+DEFAULT_RANK = 1000
+
+
+class Participant:
+    """Made by :func:`join`. Whoever calls it holds the participant's turn, unless said otherwise."""
+
+    def __init__(self, connection, rank, charge):
+        self.scheduler = Scheduler(self)
+        self.connection = connection
+        self.rank = rank
+        self.own_id = 0
+        self.names = {}
+        self.uris = {}
+        self.sub = 0
+        self.microstep = 0
+        self._round = 0
+        self._items = []
+        self.charge = charge
+        self._is_granted = False
+        self._told = ''
+        self.topics = Topics(self, EXCLUDED)
+        self.services = Services(self)
+        self._handlers = {wire.PUBLISHER: self.topics.on_publisher, wire.NO_PUBLISHER: self.topics.on_no_publisher,
+                          wire.SUBSCRIBER: self.topics.on_subscriber, wire.NO_SUBSCRIBER: self.topics.on_no_subscriber,
+                          wire.DELIVER: self.topics.on_deliver, wire.CALLED: self.services.on_called,
+                          wire.ANSWERED: self.services.on_answered, wire.FOUND: self.services.on_found}
+
+    # --- what users call --------------------------------------------------------------------------------------------
+
+    @property
+    def now_ns(self):
+        """The simulated time of the present grant [ns]."""
+        return self.scheduler.now_ns
+
+    def log(self, robot, kind, values=(), sub=0):
+        """Add a line to the run's event log: who, what, details (a sequence of numbers and texts)."""
+        self.add(wire.log(sub, robot, kind, json.dumps(list(values), separators=(',', ':'))))
+
+    def label(self, text):
+        """Have the run called not repeatable, because of ``text``."""
+        self.add(wire.note(wire.NOT_REPEATABLE, text))
+
+    def constant(self, topic):
+        """Take what non-participants publish on ``topic`` as the same in every run: no label for it."""
+        self.topics.constants.add(rospy.resolve_name(topic))
+
+    def set_source(self, source):
+        """Have events driven by the grants: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``."""
+        self.scheduler.source = source
+
+    def serve(self):
+        """Let callbacks and events go on without the calling thread, which does nothing more by itself."""
+        self.scheduler.finish()
+
+    def leave(self, reason='it has left'):
+        """Take no more part; the process sees no time any more. Of use at its end only."""
+        if self.scheduler.is_closed:
+            return
+        holds_turn = self.scheduler.is_mine()
+        try:
+            if holds_turn and self._is_granted:
+                self.connection.send(wire.report(self._round, wire.LEAVING, wire.NEVER, 0, self._take_items()))
+            else:
+                self.connection.send(wire.frame(wire.LEAVE, wire.text(reason)))
+        except Closed:
+            pass
+        self.scheduler.close()
+        self.connection.close()
+
+    # --- what the other parts call ----------------------------------------------------------------------------------
+
+    def add(self, item):
+        """Have ``item`` (bytes, or a function that returns them at the end of the round) in the next report."""
+        if self.scheduler.is_mine():
+            self._items.append(item)
+        elif not self.scheduler.is_closed:
+            self.scheduler.from_outside(lambda: self._items.append(item))
+
+    def is_member(self, name):
+        """Return whether the node ``name`` takes part (as far as this process has been told)."""
+        return name in self.uris
+
+    def knock(self):
+        """Ask for a grant; from any thread."""
+        try:
+            self.connection.send(wire.frame(wire.KNOCK))
+        except Closed:
+            pass
+
+    # --- rounds -----------------------------------------------------------------------------------------------------
+
+    def present(self, name, uri, rank_declared):
+        """Say hello and wait for the first grant, in which the calling thread gets the turn."""
+        incarnation = (os.getpid() << 32) ^ (time.time_ns() & 0xffffffff)
+        self.connection.send(wire.hello(name, uri, self.rank, rank_declared, incarnation))
+        self.names[0] = name
+        self._await_grant()
+        self.scheduler.adopt_caller(threading.current_thread().name)
+
+    def exchange(self):
+        """Report and wait for the next grant; return what is to be done in it, in order (for the scheduler)."""
+        cost_ns = self.charge.cost_ns(self.now_ns) if self._sends else 0
+        deferred = self._compute(cost_ns) if cost_ns > 0 else []
+        self._report(self.now_ns if deferred else self.scheduler.next_ns())
+        return deferred + self._await_grant()
+
+    @property
+    def _sends(self):
+        """Whether this round has sent anything to others."""
+        return any(not callable(item) and item[0] in _SENDS for item in self._items)
+
+    def _compute(self, cost_ns):
+        """Let simulated time pass, after which the round's messages leave; return what has come meanwhile."""
+        held = self._items[:]
+        self._items.clear()
+        until_ns = self.now_ns + cost_ns
+        deferred = []
+        while self.now_ns < until_ns:
+            self._report(until_ns)
+            deferred += self._await_grant()
+        self._items[:0] = held
+        return deferred
+
+    def _take_items(self):
+        items = [item() if callable(item) else item for item in self._items]
+        self._items.clear()
+        return items
+
+    def _report(self, next_ns):
+        waits = self.scheduler.open_waits
+        if waits and next_ns == wire.NEVER:
+            told = ', '.join('{} waits for {}'.format(task.name, task.waits_for or 'another thread') for task in waits)
+        else:
+            told = ''
+        if told != self._told:
+            self._told = told
+            self._items.append(wire.note(wire.WAITS_FOR, told))
+        self._is_granted = False
+        try:
+            self.connection.send(wire.report(self._round, 0, next_ns, len(waits), self._take_items()))
+        except Closed as error:
+            self._lost(str(error))
+
+    def _await_grant(self):
+        """Return what the next grant lists, as functions to be called in this order."""
+        try:
+            while True:
+                kind, body = self.connection.receive()
+                if kind == wire.GRANT:
+                    return self._granted(body)
+                self._told_of_members(kind, body)
+        except Closed as error:
+            return self._lost(str(error))
+
+    def _granted(self, body):
+        self._round, now_ns, self.microstep, items = wire.read_grant(body)
+        self._is_granted = True
+        self.charge.begin()
+        if now_ns != self.scheduler.now_ns:
+            self.scheduler.now_ns = now_ns
+            _set_rostime(rospy.Time(now_ns // 1000000000, now_ns % 1000000000))
+        actions = []
+        for item in items:
+            action = self._handlers[item[0]](*item[1:])
+            if action is not None:
+                actions.append(action)
+        return actions
+
+    def _told_of_members(self, kind, body):
+        if kind == wire.END:
+            raise Closed(wire.read_text(body, 0)[0])
+        number = int.from_bytes(body[:4], 'little')
+        if kind == wire.WELCOME:
+            self.own_id = number
+            self.names[number] = self.names[0]
+            self.uris[self.names[0]] = rospy.get_node_uri()
+        elif kind == wire.MEMBER:
+            name, at = wire.read_text(body, 4)
+            self.names[number] = name
+            self.uris[name] = wire.read_text(body, at)[0]
+            self.topics.drop_connections_to(name)
+        elif kind == wire.GONE:
+            self.uris.pop(self.names.get(number), None)
+
+    def _lost(self, reason):
+        """The time master is gone, so that time will never move again: end the node."""
+        if not self.scheduler.is_closed:
+            self.scheduler.close()
+            if not rospy.core.is_shutdown_requested():
+                rospy.logfatal('%s: the time master has ended lockstep: %s', rospy.get_name(), reason)
+                # Not in this thread: it may be one that a shutdown hook waits for.
+                threading._start_new_thread(rospy.signal_shutdown, ('the time master has ended lockstep',))
+        raise TurnLost()
+
+
+def connect(timeout):
+    """Return a :class:`Connection` to the time master that the parameter names, waiting for it.
+
+    :raises ConfigurationError: if there is none within ``timeout`` [s, wall].
+    """
+    deadline = time.monotonic() + timeout
+    while not rospy.is_shutdown():
+        address = str(rospy.get_param('/time_master/lockstep_address', ''))
+        host, _, port = address.rpartition(':')
+        if host and port.isdigit():
+            try:
+                return Connection(host, int(port), 1.0)
+            except OSError:
+                pass  # left there by one that died; another will come
+        if time.monotonic() > deadline:
+            raise ConfigurationError(
+                '{}: no time master answers at {} (parameter /time_master/lockstep_address) after {:g} s'.format(
+                    rospy.get_name(), address or 'any address', timeout))
+        time.sleep(0.05)
+    raise rospy.ROSInterruptException('ROS shutdown request')

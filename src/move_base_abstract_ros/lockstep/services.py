@@ -1,0 +1,186 @@
+"""Service calls between participants, put in the place of rospy's connections.
+
+A call is handled in the next round, by a thread of its own as in rospy, and may itself sleep or call. Calls from other
+nodes come over rospy's connections and enter at the next grant; calls to other nodes block, with time standing still.
+"""
+import sys
+from io import BytesIO
+
+import genpy
+import rospy
+from rospy.impl import registration, tcpros_service
+
+from move_base_abstract.lockstep import wire
+from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
+
+from .topics import creating_index
+
+
+class Services:
+    """The services that a participant offers and calls."""
+
+    def __init__(self, participant):
+        self._participant = participant
+        self._names = []
+        self._offered = {}
+        self._calls = {}
+        self._call_count = 0
+        self._found = set()
+
+    def install(self):
+        """Take rospy's services over: those to come. Those of rospy itself are there already, and do not count."""
+        _patch(self)
+
+    # --- services of this node --------------------------------------------------------------------------------------
+
+    def register(self, name, service):
+        """A service is new."""
+        number = len(self._names)
+        self._names.append(name)
+        self._offered[number] = service
+        service._lockstep_number = number
+        self._participant.add(wire.serve(number, creating_index(), name))
+
+    def unregister(self, service):
+        """A service is gone."""
+        number = getattr(service, '_lockstep_number', None)
+        if self._offered.pop(number, None) is not None:
+            self._participant.add(wire.end_of(wire.UNSERVE, number))
+
+    def on_called(self, number, caller, call, data):
+        """A participant calls."""
+        return lambda: self._handle(number, caller, call, data)
+
+    def _handle(self, number, caller, call, data):
+        service = self._offered.get(number)
+        if service is None:
+            name = self._names[number] if number < len(self._names) else number
+            is_ok, answer = 0, 'service [{}] is not offered any more'.format(name).encode('utf-8')
+        else:
+            is_ok, answer = _serve(service, data)
+        self._participant.add(wire.response(caller, call, is_ok, answer))
+
+    def from_outside(self, service, handle):
+        """A node that does not take part calls: run ``handle()`` in the next round and wait for its end."""
+        over = _make_lock()
+        over.acquire()
+
+        def run():
+            self._participant.label('service {} was called by a node that does not take part'.format(
+                service.resolved_name))
+            try:
+                handle()
+            finally:
+                over.release()
+        self._participant.scheduler.from_outside(run)
+        while not over.acquire(True, 0.5):
+            if self._participant.scheduler.is_closed:
+                return
+
+    # --- calls of this node -----------------------------------------------------------------------------------------
+
+    def call(self, name, request):
+        """Call a participant's service; return (status of wire, bytes). The caller waits, others go on."""
+        self._call_count += 1
+        number = self._call_count
+        scheduler = self._participant.scheduler
+        self._calls[number] = [scheduler.current(), None]
+        self._participant.add(wire.call(number, creating_index(), name, request))
+        try:
+            while self._calls[number][1] is None:
+                scheduler.wait(waits_for='the answer of service {}'.format(name))
+            return self._calls[number][1]
+        finally:
+            del self._calls[number]
+
+    def on_answered(self, number, status, data):
+        """The answer to a call."""
+        def take():
+            if number in self._calls:
+                self._calls[number][1] = (status, data)
+                self._participant.scheduler.wake(self._calls[number][0])
+        return take
+
+    def on_found(self, name):
+        """A service that somebody waits for is offered."""
+        return lambda: self._found.add(name)
+
+    def wait_for(self, name, timeout_ns, is_there_outside):
+        """Wait until a participant offers the service, or another node does; return False when time is up."""
+        scheduler = self._participant.scheduler
+        self._found.discard(name)
+        self._participant.add(wire.watch(name))
+        # The answer about participants takes one round of the present instant.
+        scheduler.wait(scheduler.now_ns, waits_for='service {}'.format(name))
+        if name in self._found or is_there_outside():
+            return True
+        wake_ns = wire.NEVER if timeout_ns is None else scheduler.now_ns + timeout_ns
+        return scheduler.wait_until(lambda: name in self._found, wake_ns, 'service {}'.format(name))
+
+
+def _serve(service, data):
+    """Return (1, response) or (0, text of the error), as rospy's own connections would."""
+    request = service.request_class()
+    try:
+        request.deserialize(data)
+        response = tcpros_service.convert_return_to_response(service.handler(request), service.response_class)
+        buffer = BytesIO()
+        response.serialize(buffer)
+        service.seq += 1
+        return 1, buffer.getvalue()
+    except rospy.ServiceException as error:
+        return 0, 'service cannot process request: {}'.format(error).encode('utf-8')
+    except TurnLost:
+        raise
+    except Exception as error:
+        service.error_handler(error, *sys.exc_info())
+        return 0, 'error processing request: {}'.format(error).encode('utf-8')
+
+
+def _patch(services):
+    """Put this participant's services in the place of rospy's connections among participants."""
+    participant = services._participant
+    manager = registration.get_service_manager()
+    register, unregister = manager.register, manager.unregister
+    call = tcpros_service.ServiceProxy.call
+    handle_request = tcpros_service.ServiceImpl._handle_request
+
+    def _register(name, service):
+        register(name, service)
+        services.register(name, service)
+
+    def _unregister(name, service):
+        services.unregister(service)
+        unregister(name, service)
+
+    def _call(self, *args, **kwds):
+        if not participant.scheduler.is_mine():
+            return call(self, *args, **kwds)
+        request = rospy.msg.args_kwds_to_message(self.request_class, args, kwds)
+        buffer = BytesIO()
+        try:
+            request.serialize(buffer)
+        except genpy.SerializationError as error:
+            raise rospy.ROSSerializationException(str(error)) from None
+        status, answer = services.call(self.resolved_name, buffer.getvalue())
+        return call(self, request) if status == wire.ANSWER_UNKNOWN else _answer(self, status, answer)
+
+    def _handle_request(self, transport, request):
+        if hasattr(self, '_lockstep_number') and not participant.scheduler.is_closed:
+            services.from_outside(self, lambda: handle_request(self, transport, request))
+        else:
+            handle_request(self, transport, request)
+
+    manager.register, manager.unregister = _register, _unregister
+    tcpros_service.ServiceProxy.call = _call
+    tcpros_service.ServiceImpl._handle_request = _handle_request
+
+
+def _answer(proxy, status, data):
+    """Return the response, or raise what rospy raises."""
+    if status == wire.ANSWER_OK:
+        return proxy.response_class().deserialize(data)
+    if status == wire.ANSWER_GONE:
+        raise rospy.ServiceException('transport error completing service call: the server of {} is gone'.format(
+            proxy.resolved_name))
+    raise rospy.ServiceException('service [{}] responded with an error: {}'.format(proxy.resolved_name, data))

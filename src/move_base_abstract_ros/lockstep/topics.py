@@ -1,0 +1,356 @@
+"""Topics between participants, put in the place of rospy's connections.
+
+rospy's own topic objects stay in use: for all participants that listen, a publisher has one connection that writes into
+the report; a subscriber has one connection per participant that publishes. Connections to all other nodes are rospy's.
+"""
+import threading
+from collections import deque
+from contextlib import contextmanager
+
+import rospy
+from rospy.impl import registration, tcpros_pubsub
+from rospy.impl.registration import Registration
+
+from move_base_abstract.lockstep import wire
+
+_local = threading.local()
+
+
+@contextmanager
+def sender(index):
+    """What is created inside belongs to the robot with ``index``: it is sent in the order of the robots."""
+    before = getattr(_local, 'index', 0)
+    _local.index = index
+    try:
+        yield
+    finally:
+        _local.index = before
+
+
+def creating_index():
+    """Return the robot's index of what is created now."""
+    return getattr(_local, 'index', 0)
+
+
+class MemberLinks:
+    """The connection of a publisher to all participants that listen to it. Has what rospy expects of one."""
+
+    direction, transport_type = 'o', 'LOCKSTEP'
+    done = False
+    cleanup_cb = None
+    latch = None
+    is_latched = False
+    stat_bytes = 0
+    stat_num_msg = 0
+    id = 0
+    endpoint_id = callerid_pub = 'lockstep'
+
+    def __init__(self, participant, topic, sub):
+        self._participant = participant
+        self._topic = topic
+        self.sub = sub
+        self.target = 0
+        self.members = []
+
+    def for_one(self, member):
+        """Return a connection to one of them."""
+        link = MemberLinks(self._participant, self._topic, self.sub)
+        link.target = member
+        link.members = [member]
+        return link
+
+    @property
+    def count(self):
+        """How many nodes are behind it."""
+        return len(self.members)
+
+    def has_name(self, name):
+        """Return whether the node is one of them."""
+        return any(self._participant.names.get(member) == name for member in self.members)
+
+    def write_data(self, data):
+        """Have a serialised message, with its length before it, in the report."""
+        self.stat_bytes += len(data)
+        self.stat_num_msg += 1
+        self._participant.add(wire.send(self._topic, self.sub, self.target, data[4:]))
+        return True
+
+    def fileno(self):
+        """There is no file."""
+
+    def set_cleanup_callback(self, callback):
+        """It is never closed from the other side."""
+
+    def get_transport_info(self):
+        """Return what rosnode shows."""
+        return 'lockstep, through the time master'
+
+    def close(self):
+        """Nothing is open."""
+
+
+class PublisherLink(MemberLinks):
+    """The connection of a subscriber to one participant that publishes; its callbacks run one after the other."""
+
+    direction = 'i'
+
+    def __init__(self, participant, topic, impl, member, header):
+        super().__init__(participant, topic, 0)
+        self.members = [member]
+        self.endpoint_id = participant.uris.get(header['callerid'], header['callerid'])
+        self.callerid_pub = header['callerid']
+        self.header = header
+        self.is_latched = header['latching'] == '1'
+        self._impl = impl
+        self._backlog = deque()
+        self._is_busy = False
+
+    def take(self, data):
+        """Call the callbacks with a serialised message, behind those that are not through yet."""
+        backlog = self._backlog
+        backlog.append(data)
+        self._trim()
+        if self._is_busy:
+            return
+        self._is_busy = True
+        try:
+            while backlog:
+                self._deliver(backlog.popleft())
+        finally:
+            self._is_busy = False
+
+    def _trim(self):
+        """A subscriber's queue_size keeps the newest, as rospy does when it reads from a socket."""
+        size = self._impl.queue_size
+        while size is not None and len(self._backlog) > size:
+            self._backlog.popleft()
+
+    def _deliver(self, data):
+        impl = self._impl
+        if impl.closed:
+            return
+        self.stat_bytes += len(data)
+        self.stat_num_msg += 1
+        message = impl.data_class()
+        try:
+            message.deserialize(data)
+        except Exception as error:
+            rospy.logerr('%s: a message on %s from %s cannot be read: %s', rospy.get_name(), impl.resolved_name,
+                         self.callerid_pub, error)
+            return
+        message._connection_header = self.header
+        if self.is_latched:
+            self.latch = message
+        impl.receive_callback([message], self)
+
+
+class Topics:
+    """The topics of a participant, by numbers."""
+
+    def __init__(self, participant, excluded):
+        self._participant = participant
+        self.excluded = set(excluded)
+        self.constants = set()
+        self._numbers = {}
+        self._names = []
+        self._links = {}
+        self._publisher_links = {}
+
+    def install(self):
+        """Take rospy's topics over: those that there are, and those to come."""
+        manager = registration.get_topic_manager()
+        _patch(self, manager)
+        for reg_type, topics in ((Registration.PUB, manager.pubs), (Registration.SUB, manager.subs)):
+            for impl in topics.values():
+                self.added(impl, reg_type)
+
+    def _number(self, name):
+        if name not in self._numbers:
+            self._numbers[name] = len(self._names)
+            self._names.append(name)
+        return self._numbers[name]
+
+    # --- what this node does ----------------------------------------------------------------------------------------
+
+    def added(self, impl, reg_type):
+        """A publisher or subscriber is new."""
+        name = impl.resolved_name
+        if name in self.excluded:
+            return
+        number, sub = self._number(name), creating_index()
+        if reg_type == Registration.SUB:
+            self._participant.add(wire.subscribe(number, sub, name, impl.data_class._md5sum))
+            return
+        self._links[number] = MemberLinks(self._participant, number, sub)
+        # Whether it is latched is known only after rospy has made it.
+        self._participant.add(lambda: wire.advertise(
+            number, sub, name, impl.type, impl.data_class._md5sum if impl.data_class else '', impl.is_latch,
+            impl.data_class._full_text if impl.data_class else ''))
+
+    def removed(self, impl, reg_type):
+        """A publisher or subscriber is gone."""
+        number = self._numbers.get(impl.resolved_name)
+        if number is None:
+            return
+        if reg_type == Registration.SUB:
+            self._participant.add(wire.end_of(wire.UNSUBSCRIBE, number))
+            for key in [key for key in self._publisher_links if key[0] == number]:
+                del self._publisher_links[key]
+        else:
+            self._participant.add(wire.end_of(wire.UNADVERTISE, number))
+            self._links.pop(number, None)
+
+    # --- what the time master tells ---------------------------------------------------------------------------------
+
+    def on_publisher(self, number, member, type_name, md5, latched, definition):
+        """A participant publishes what this one listens to."""
+        return lambda: self._connect_publisher(number, member, {
+            'callerid': self._participant.names.get(member, ''), 'topic': self._names[number], 'type': type_name,
+            'md5sum': md5, 'latching': '1' if latched else '0', 'message_definition': definition})
+
+    def _connect_publisher(self, number, member, header):
+        impl = registration.get_topic_manager().get_subscriber_impl(self._names[number])
+        if impl is not None and (number, member) not in self._publisher_links:
+            link = PublisherLink(self._participant, number, impl, member, header)
+            self._publisher_links[number, member] = link
+            with impl.c_lock:
+                impl.connections = impl.connections + [link]
+
+    def on_no_publisher(self, number, member):
+        """It does so no more."""
+        return lambda: self._disconnect_publisher(number, member)
+
+    def _disconnect_publisher(self, number, member):
+        link = self._publisher_links.pop((number, member), None)
+        if link is not None and not link._impl.closed:
+            with link._impl.c_lock:
+                link._impl.connections = [other for other in link._impl.connections if other is not link]
+
+    def on_subscriber(self, number, member):
+        """A participant listens to what this one publishes."""
+        return lambda: self._connect_subscriber(number, member)
+
+    def _connect_subscriber(self, number, member):
+        link = self._links.get(number)
+        impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
+        if link is None or impl is None or impl.closed:
+            return
+        link.members = link.members + [member]
+        with impl.c_lock:
+            if link not in impl.connections:
+                impl.connections = impl.connections + [link]
+        one = link.for_one(member)
+
+        def publish_single(data):
+            impl.publish(data, connection_override=one)
+        for listener in impl.subscriber_listeners:
+            listener.peer_subscribe(impl.resolved_name, impl.publish, publish_single)
+        if impl.is_latch and impl.latch is not None:
+            with impl.publock:
+                impl.publish(impl.latch, connection_override=one)
+
+    def on_no_subscriber(self, number, member):
+        """It does so no more."""
+        return lambda: self._disconnect_subscriber(number, member)
+
+    def _disconnect_subscriber(self, number, member):
+        link = self._links.get(number)
+        impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
+        if link is None or impl is None or impl.closed:
+            return
+        link.members = [other for other in link.members if other != member]
+        if not link.members:
+            with impl.c_lock:
+                impl.connections = [other for other in impl.connections if other is not link]
+        count = impl.get_num_connections()
+        for listener in impl.subscriber_listeners:
+            listener.peer_unsubscribe(impl.resolved_name, count)
+
+    def on_deliver(self, number, member, data):
+        """A participant's message."""
+        def deliver():
+            link = self._publisher_links.get((number, member))
+            if link is not None:
+                link.take(data)
+        return deliver
+
+    # --- other nodes ------------------------------------------------------------------------------------------------
+
+    def drop_connections_to(self, name):
+        """A node has joined: what it sent and heard over connections of its own goes through the time master now."""
+        manager = registration.get_topic_manager()
+        with manager.lock:
+            impls = list(manager.pubs.values())
+        for impl in impls:
+            if impl.resolved_name not in self.excluded:
+                for connection in impl.connections:
+                    if connection.endpoint_id == name:
+                        connection.close()
+
+    def outside(self, impl, messages, connection, deliver):
+        """Messages have come from a node that does not take part, or over a connection that does not count."""
+        participant = self._participant
+        if participant.scheduler.is_closed or impl.resolved_name in self.excluded:
+            deliver(messages, connection)
+            return
+        if participant.is_member(connection.callerid_pub):
+            return
+
+        def take():
+            if participant.is_member(connection.callerid_pub):
+                return  # it has joined in the meantime
+            if impl.resolved_name not in self.constants:
+                participant.label('a message on {} came from {}, which does not take part'.format(
+                    impl.resolved_name, connection.callerid_pub))
+            deliver(messages, connection)
+        participant.scheduler.from_outside(take)
+
+
+def _patch(topics, manager):
+    """Put this participant's topics in the place of rospy's connections among participants."""
+    participant = topics._participant
+    add, remove = manager._add, manager._remove
+    implementation = rospy.topics._TopicImpl
+    subscriber = rospy.topics._SubscriberImpl
+    publisher = rospy.topics._PublisherImpl
+    receive_callback, add_connection = subscriber.receive_callback, publisher.add_connection
+    create_transport = tcpros_pubsub.TCPROSHandler.create_transport
+
+    def _add(impl, rmap, reg_type):
+        add(impl, rmap, reg_type)
+        topics.added(impl, reg_type)
+
+    def _remove(impl, rmap, reg_type):
+        topics.removed(impl, reg_type)
+        remove(impl, rmap, reg_type)
+
+    def _receive(self, messages, connection):
+        if isinstance(connection, PublisherLink):
+            receive_callback(self, messages, connection)
+        else:
+            topics.outside(self, messages, connection, lambda *args: receive_callback(self, *args))
+
+    def _add_connection(self, connection):
+        if self.resolved_name not in topics.excluded and participant.is_member(connection.endpoint_id):
+            connection.close()
+            return False
+        return add_connection(self, connection)
+
+    def _create_transport(self, resolved_name, pub_uri, protocol_params):
+        if resolved_name not in topics.excluded and pub_uri in participant.uris.values():
+            return 1, 'through the time master', 0
+        return create_transport(self, resolved_name, pub_uri, protocol_params)
+
+    manager._add, manager._remove = _add, _remove
+    subscriber.receive_callback = _receive
+    publisher.add_connection = _add_connection
+    tcpros_pubsub.TCPROSHandler.create_transport = _create_transport
+    implementation.get_num_connections = lambda self: sum(getattr(connection, 'count', 1)
+                                                          for connection in self.connections)
+    implementation.has_connection = lambda self, endpoint_id: any(
+        connection.endpoint_id == endpoint_id or getattr(connection, 'has_name', _never)(endpoint_id)
+        for connection in self.connections)
+
+
+def _never(_name):
+    return False
