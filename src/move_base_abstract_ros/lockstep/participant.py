@@ -10,6 +10,7 @@ from rospy.rostime import _set_rostime
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
+from move_base_abstract.units import seconds_to_ns
 
 from .connection import Closed, Connection
 from .services import Services
@@ -65,6 +66,19 @@ class Participant:
         """Take what non-participants publish on ``topic`` as the same in every run: no label for it."""
         self.topics.constants.add(rospy.resolve_name(topic))
 
+    def wait_until(self, condition, timeout=None, what='something'):
+        """Let the others go on until ``condition()`` holds; return whether it does when ``timeout`` [s] is over.
+
+        It is looked at whenever something has happened in this process. ``what`` is shown by ``why``.
+
+        :raises rospy.ROSInterruptException: if the run ends meanwhile.
+        """
+        wake_ns = wire.NEVER if timeout is None else self.now_ns + seconds_to_ns(timeout)
+        try:
+            return bool(self.scheduler.wait_until(condition, wake_ns, what))
+        except TurnLost:
+            raise rospy.ROSInterruptException('lockstep has ended') from None
+
     def set_source(self, source):
         """Have events driven by the grants: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``."""
         self.scheduler.source = source
@@ -87,6 +101,7 @@ class Participant:
             pass
         self.scheduler.close()
         self.connection.close()
+        self.charge.close()
 
     # --- what the other parts call ----------------------------------------------------------------------------------
 

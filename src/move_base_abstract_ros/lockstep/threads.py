@@ -40,9 +40,13 @@ class _Process:
 def install(participant, own_threads):
     """Follow the application's threads; with ``own_threads`` its locks as well."""
     _Process.scheduler = participant.scheduler
-    if not own_threads:
-        return
-    _follow_threads(participant.scheduler)
+    if own_threads:
+        replace_locks()
+        _follow_threads(participant.scheduler)
+
+
+def replace_locks():
+    """Have the locks that are made from now on give the turn away; until the process takes part they are ordinary."""
     threading._allocate_lock = threading.Lock = CooperativeLock
     threading.RLock = CooperativeRLock
     queue.SimpleQueue = queue._PySimpleQueue

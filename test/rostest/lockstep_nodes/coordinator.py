@@ -1,0 +1,118 @@
+#!/usr/bin/python3
+"""Sends robots about, with cancels and pre-emptions: the policy of test/cpp_nodes/lockstep_coordinator_cpp.cpp.
+
+Parameters: ~robots, ~goals (in all), ~seed, ~delay (the longest wall time [s] that is lost in callbacks, in sending and
+in connecting; its length is the wall clock's business, not the policy's).
+"""
+import random
+import threading
+import time
+
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatusArray
+from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult
+
+from move_base_abstract_ros import lockstep
+
+_MODULUS = 2 ** 64
+
+
+class Generator:
+    """A linear congruential generator that is the same in every language."""
+
+    def __init__(self, seed):
+        self._state = seed
+
+    def draw(self):
+        """Return 31 bits."""
+        self._state = (self._state * 6364136223846793005 + 1442695040888963407) % _MODULUS
+        return self._state >> 33
+
+
+class Coordinator:
+    """One goal after the other for each robot; a tenth of them is cancelled, a tenth is replaced."""
+
+    def __init__(self):
+        self._count = rospy.get_param('~robots')
+        self._goals = rospy.get_param('~goals')
+        self._delay = rospy.get_param('~delay', 0.0)
+        self._generator = Generator(rospy.get_param('~seed'))
+        self._sent = [0] * self._count
+        self._total = self._results = 0
+        self._heard = set()
+        self._publishers = []
+        for i in range(self._count):
+            self._lose_time()
+            prefix = '/robot_{}/move_base/'.format(i)
+            self._publishers.append((rospy.Publisher(prefix + 'goal', MoveBaseActionGoal, queue_size=10),
+                                     rospy.Publisher(prefix + 'cancel', GoalID, queue_size=10)))
+            rospy.Subscriber(prefix + 'result', MoveBaseActionResult, self._on_result, callback_args=i)
+            rospy.Subscriber(prefix + 'status', GoalStatusArray, self._on_status, callback_args=i)
+
+    def is_over(self):
+        """Return whether all goals are sent and have ended."""
+        return self._total >= self._goals and self._results >= self._total
+
+    def _lose_time(self):
+        if self._delay:
+            time.sleep(random.SystemRandom().uniform(0.0, self._delay))
+
+    def _on_status(self, _status, robot):
+        if robot not in self._heard:
+            self._heard.add(robot)
+            if len(self._heard) == self._count:
+                for i in range(self._count):
+                    self._next_goal(i)
+
+    def _on_result(self, _result, robot):
+        self._lose_time()
+        self._results += 1
+        if self._total < self._goals:
+            self._next_goal(robot)
+
+    def _send(self, robot):
+        self._lose_time()
+        self._total += 1
+        self._sent[robot] += 1
+        goal_id = 'robot_{}-{}'.format(robot, self._sent[robot])
+        goal = MoveBaseActionGoal()
+        goal.goal_id.id = goal_id
+        pose = goal.goal.target_pose
+        pose.header.frame_id = 'map'
+        pose.pose.position.x = (self._generator.draw() % 4000) / 100.0 - 20.0
+        pose.pose.position.y = (self._generator.draw() % 4000) / 100.0 - 20.0
+        pose.pose.orientation.w = 1.0
+        self._publishers[robot][0].publish(goal)
+        return goal_id
+
+    def _next_goal(self, robot):
+        goal_id = self._send(robot)
+        case = self._generator.draw() % 10
+        if case > 1:
+            return
+        pause = rospy.Duration.from_sec((self._generator.draw() % 50) / 10.0)
+        if case == 0:
+            action = lambda: self._publishers[robot][1].publish(GoalID(id=goal_id))  # noqa: E731
+        else:
+            action = lambda: self._total < self._goals and self._send(robot)  # noqa: E731
+        self._later(pause, action)
+
+    @staticmethod
+    def _later(pause, action):
+        """Not a rospy.Timer: that goes through a rate [Hz], and may be off by a nanosecond."""
+        def run():
+            rospy.sleep(pause)
+            action()
+        threading.Thread(target=run, daemon=True).start()
+
+
+def main():
+    """Run until all goals have ended."""
+    rospy.init_node('coordinator')
+    participant = lockstep.join()
+    coordinator = Coordinator()
+    participant.wait_until(coordinator.is_over, what='the goals')
+
+
+if __name__ == '__main__':
+    main()
