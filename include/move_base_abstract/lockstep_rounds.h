@@ -202,7 +202,8 @@ class LockstepRounds {
   const MemberState* find(MemberId id) const;
   /** @return the named participants that are not there, in the order of the setting. */
   std::vector<std::string> missing() const;
-  /** @brief Where an action of @p id comes; places are those of the latest decision's members. */
+  /** @brief Where an action of @p id comes. A member that joins or leaves moves the others' places:
+   * keep none from one decision to the next. */
   MailOrder order(MemberId id, std::uint32_t sub, std::uint64_t number) const;
   /** @brief Whether @p a comes before @p b: by rank, then name. */
   bool before(MemberId a, MemberId b) const;
@@ -215,14 +216,12 @@ class LockstepRounds {
   MemberState& at(MemberId id);
   void makeReady(MemberId id, MemberState& member);
   bool mayStart(Nanoseconds wall) const;
-  void orderNames();
+  void orderNames() const;
   void setNext(MemberId id, MemberState& member, Nanoseconds next);
   std::vector<Grant> start(Nanoseconds wall);
   std::vector<Grant> nextMicrostep(Nanoseconds wall);
   std::vector<Grant> leap(Nanoseconds wall);
   std::vector<Grant> grant(std::vector<MemberId> ids, Nanoseconds wall);
-  bool standsAtTarget(Nanoseconds next);
-  bool limitAllows(Nanoseconds to, Nanoseconds wall) const;
   Nanoseconds leapWall(Nanoseconds to) const;
   void moveTo(Nanoseconds to, Nanoseconds wall);
   Nanoseconds nextTime() const;
@@ -233,8 +232,8 @@ class LockstepRounds {
   LockstepSettings settings_;
   LockstepRules rules_;
   std::map<MemberId, MemberState> members_;
-  std::map<MemberId, std::uint32_t> places_;
-  bool names_changed_ = false;
+  mutable std::map<MemberId, std::uint32_t> places_;  // of names; put in order when asked for
+  mutable bool names_changed_ = false;
   std::set<std::pair<Nanoseconds, MemberId>> due_;  // of those that have a finite wake-up
   std::vector<MemberId> ready_;                     // with mail, knocked, joined, or due now
   std::vector<MemberId> granted_;                   // of the latest round

@@ -6,9 +6,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "move_base_abstract/lockstep_rounds.h"
@@ -130,58 +130,77 @@ class LockstepSession {
     bool close = false;
     bool listed = false;  // is in outgoing_
   };
+  /** @brief A report that waits for the end of its round, and the bytes that it points into. */
+  struct PendingReport {
+    std::unique_ptr<const std::string> frame;
+    wire::Report report;
+  };
   struct Member {
-    ConnectionId connection;  // 0 after it has gone
+    ConnectionId connection = 0;
+    std::string name;
     std::string node_uri;
     std::string waits_for;
     std::uint64_t actions = 0;  // so far
-  };
-  struct PendingReport {
-    MemberId member;
-    std::unique_ptr<const std::string> frame;  // keeps the texts of `report`
-    wire::Report report;
-  };
-  struct Departure {
-    MemberId member;
-    std::string how;  // for the log
+    PendingReport report;       // none where `frame` is null
+    bool departing = false;     // goes when the round is over
+    bool dead = false;          // ... without having left
+    std::string how;
+    bool input_told = false;
+    bool listed = false;  // is in changed_
   };
   struct OrderedLog {
     MailOrder order;
     LockstepLogEntry entry;
   };
+  using Level = LockstepMessage::Level;
 
-  void take(ConnectionId id, Connection& connection, std::string_view frame, Nanoseconds wall);
-  void hello(ConnectionId id, Connection& connection, const wire::Hello& hello, Nanoseconds wall);
-  void introduce(MemberId id, const wire::Hello& hello);
-  void replaceOlder(const std::string& name);
-  MemberId freshId(const std::string& name);
-  void report(Connection& connection, std::string_view frame, Nanoseconds wall);
+  void take(ConnectionId id, Connection& connection, std::string_view frame);
+  void hello(ConnectionId id, Connection& connection, const wire::Hello& hello);
+  void introduce(MemberId id);
+  void replaceOlder(std::string_view name);
+  MemberId freshId(std::string_view name);
+  void takeReport(MemberId id, std::string_view frame);
+  void takeKnock(MemberId id);
+  void takeLeave(MemberId id, const wire::Leave& leave);
   void drop(ConnectionId id, const std::string& reason);
-  void dropMember(MemberId id, const std::string& reason);
   void depart(MemberId id, const std::string& how);
-  void died(MemberId id, const std::string& how);
-  void labelJoin(const std::string& name, const wire::Hello& hello);
+  void die(MemberId id, const std::string& how);
+  void listChanged(MemberId id);
+  void labelJoin(std::string_view name, bool rank_declared);
   void labelNotRepeatable(const std::string& why);
   void labelDegraded(const std::string& why);
+  bool goesOnWithout(MemberId id) const;
+
   void applyRound();
-  void applyReport(const PendingReport& pending);
-  void applyNote(MemberId id, const wire::Note& note);
+  void applyReport(MemberId id, Member& member);
+  void applyItem(MemberId id, Member& member, const wire::ReportItem& item);
+  void applyNote(Member& member, const wire::Note& note);
   void applyLog(MemberId id, std::uint64_t number, const wire::Log& log);
-  void applyDeparture(const Departure& departure);
+  void applyDeparture(MemberId id);
   void trace(const MessageRouter::Delivery& delivery);
-  void sortLog();
-  void sendGrants(std::vector<LockstepRounds::Grant> grants);
+  void closeRoundLog();
+  void sendGrants(const std::vector<LockstepRounds::Grant>& grants);
   void sayGone();
   void handleEvents();
   void handle(const LockstepRounds::Event& event);
-  void nameMissing(Nanoseconds wall);
+  void handleSilence(const LockstepRounds::Event& event);
+  void handleStandstill(const LockstepRounds::Event& event);
+  void nameMissing();
+  std::vector<Output> flush();
+
   void send(ConnectionId id, std::string_view bytes);
+  void close(ConnectionId id, const std::string& reason);
   void list(ConnectionId id, Connection& connection);
-  void broadcast(std::string_view bytes, MemberId except);
-  void say(LockstepMessage::Level level, std::string text);
+  void say(Level level, std::string text);
+  std::string at() const;
+  std::string nameOf(MemberId id) const;
   std::string quoted(MemberId id) const;
   std::string owed(const LockstepRounds::MemberState& member) const;
-  std::string stuck(bool latest_round) const;
+  std::string stuck() const;
+  std::string latestRound() const;
+  std::string standstill() const;
+  std::vector<LockstepStatus::Waiting> waitingFor() const;
+  std::vector<LockstepStatus::Participant> participants() const;
 
   const LockstepSettings settings_;
   const LockstepRules rules_;
@@ -189,22 +208,23 @@ class LockstepSession {
   MessageRouter router_;
   Nanoseconds wall_;  // the latest
   const Nanoseconds began_;
-  Nanoseconds missing_due_;
+  Nanoseconds missing_due_;  // wall
   MemberId last_id_;
+  std::set<MemberId> used_ids_;  // of those that belong to named participants
   std::map<ConnectionId, Connection> connections_;
   std::map<MemberId, Member> members_;
   std::vector<ConnectionId> outgoing_;
-  std::vector<PendingReport> pending_;  // in the order of arrival
-  std::vector<Departure> departures_;
-  std::vector<PendingReport> applied_;  // kept while mail refers to their frames
+  std::vector<MemberId> changed_;       // have a report or depart, in the order of arrival
+  std::vector<PendingReport> applied_;  // kept while mail points into them
   std::vector<MemberId> gone_;          // GONE is due after the next grants
   std::vector<OrderedLog> round_log_;
   std::vector<LockstepLogEntry> log_;
   std::vector<LockstepMessage> messages_;
   std::vector<std::string> not_repeatable_;
   std::vector<std::string> degraded_;
+  std::string death_;  // on_death says that the run ends with it
   std::string reason_;
-  std::string end_frame_;  // not empty: the run is over
+  bool poll_due_ = false;
 };
 
 }  // namespace move_base_abstract

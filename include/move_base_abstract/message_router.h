@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -99,7 +100,6 @@ class MessageRouter {
   struct LocalTopic {
     Index topic;
     bool advertised = false;
-    bool subscribed = false;
     std::string_view md5;  // as advertised
   };
   struct Server {
@@ -152,6 +152,7 @@ class MessageRouter {
   std::string_view keep(std::string_view text);
   LocalTopic& declare(MemberId id, std::uint32_t number, std::string_view name);
   LocalTopic& declared(MemberId id, std::uint32_t number, const char* what);
+  void checkNumber(MemberId id, const Topic& topic, std::uint32_t known, std::uint32_t got) const;
   Index serviceOf(std::string_view name);
   Participant& participant(MemberId id) { return participants_.at(id); }
   void link(const Action& by, const Topic& topic, const Advertised& publisher,
