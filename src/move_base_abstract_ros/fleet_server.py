@@ -12,16 +12,21 @@ from .move_base_server import MoveBaseServer
 from .names import RobotNames
 
 
+def robot_names(namespace, name):
+    """Return the RobotNames of the robot ``name`` of a fleet in ``namespace``."""
+    return RobotNames('{}/{}'.format(namespace.rstrip('/'), name))
+
+
 class FleetServer:
     """The robots of one process below ``namespace``, in the order of their indices."""
 
-    def __init__(self, namespace, host, specs, defaults):
-        """``specs`` are (index, RobotSpec) pairs; ``defaults`` the settings of robots that are added later."""
-        self._namespace = namespace.rstrip('/')
+    def __init__(self, namespace, host, specs, defaults, indices):
+        """``specs``: (index, RobotSpec) pairs; ``defaults``, ``indices``: settings, indices of robots added later."""
+        self._namespace = namespace
         self._host = host
         self._defaults = defaults
         self._robots = {}
-        self._next_index = 0
+        self._indices = indices
         with bulk_registration():
             for index, spec in specs:
                 self._add(spec, index)
@@ -44,9 +49,7 @@ class FleetServer:
         settings = spec.settings
         if settings.tf_prefix is None:
             settings.tf_prefix = spec.name
-        names = RobotNames('{}/{}'.format(self._namespace, spec.name))
-        self._robots[spec.name] = MoveBaseServer(names, settings, self._host, index)
-        self._next_index = max(self._next_index, index + 1)
+        self._robots[spec.name] = MoveBaseServer(robot_names(self._namespace, spec.name), settings, self._host, index)
 
     def _on_add(self, request):
         try:
@@ -54,7 +57,7 @@ class FleetServer:
                 raise ConfigurationError("robot '{}' is there already".format(request.name))
             spec = make_robot(request.name, self._parameters(request), 'robot ' + request.name)
             with bulk_registration():
-                self._add(spec, self._next_index)
+                self._add(spec, next(self._indices))
         except ConfigurationError as error:
             rospy.logwarn('%s: add_robot is refused: %s', rospy.get_name(), error)
             return AddRobotResponse(False, str(error))

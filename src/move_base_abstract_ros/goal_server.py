@@ -20,14 +20,16 @@ class GoalServer:
     """Speaks the actionlib protocol on ``<ns>/{goal,cancel,status,feedback,result}`` for the action MoveBase.
 
     ``min_answer_delay`` [s, wall] is the shortest time between the arrival of a goal and its final answer, and a
-    quarter of it the shortest before any status that shows the goal. The :class:`Host` repeats the status.
+    quarter of it the shortest before any status that shows the goal; in lockstep there is none, since an answer comes
+    in a later round. The :class:`Host` repeats the status. ``trace`` is the RobotTrace that is told of endings.
     """
 
-    def __init__(self, ns, node_name, host, min_answer_delay, status_list_timeout):
+    def __init__(self, ns, node_name, host, trace, min_answer_delay, status_list_timeout):
         self.ns = ns
         self._host = host
         self._clock = host.clock
-        self._min_answer_delay = min_answer_delay
+        self._trace = trace
+        self._min_answer_delay = 0.0 if host.clock.is_lockstep else min_answer_delay
         self._arrivals = {}
         self._acceptance_wall = 0.0
         self._outbox = Outbox()
@@ -108,6 +110,7 @@ class GoalServer:
             self._publish_status()
 
     def _publish_result(self, record, stamp_ns):
+        self._trace.ended(record, stamp_ns)
         message = MoveBaseActionResult(header=conversions.to_header('', stamp_ns), status=_to_status(record))
         arrived = self._arrivals.pop(record.goal_id, None)
         self._outbox.send(self._result, message, 0.0 if arrived is None else arrived + self._min_answer_delay)

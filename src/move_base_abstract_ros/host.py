@@ -1,4 +1,5 @@
 """What the robots of one process share: the clock, heartbeats, and how much may be published in all."""
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 import rospy
@@ -7,17 +8,18 @@ from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.parameter_table import Parameter, integer, number, read_table
 
 from . import tf_hub
-from .throttle import WallThrottle
+from .throttle import NoThrottle, WallThrottle
 
 #: heartbeats come after the robots' own events of the same instant
 _SHARED_INDEX = 2 ** 31 - 1
 _STATUS_RATE_CAP = 5.0  # Hz, wall
 _PUBLICATIONS_PER_SECOND = 500.0  # wall; the robots of a process share them
 
+_FREQUENCY = 'actionlib_status_frequency'
 _OPTIONS = (
     Parameter('actionlib_server_pub_queue_size', 50, integer(-1), 'a whole number >= -1'),
     Parameter('actionlib_server_sub_queue_size', 50, integer(-1), 'a whole number >= -1'),
-    Parameter('actionlib_status_frequency', 5.0, number(0.0), 'a number >= 0 [Hz, simulated]'),
+    Parameter(_FREQUENCY, 5.0, number(0.0), 'a number >= 0 [Hz, simulated]'),
 )
 
 
@@ -30,22 +32,24 @@ class ActionOptions:
     status_frequency: float = 5.0
 
 
-def read_action_options():
+def read_action_options(is_lockstep=False):
     """Return the :class:`ActionOptions` on the parameter server, found the way actionlib finds them.
+
+    In lockstep the status is told on transitions only, unless the parameter says otherwise.
 
     :raises ConfigurationError: for a wrong type or an impossible value.
     """
-    raw = {}
+    raw = {_FREQUENCY: 0.0} if is_lockstep else {}
     for name in ('actionlib_server_pub_queue_size', 'actionlib_server_sub_queue_size'):
         if rospy.has_param(name):
             raw[name] = rospy.get_param(name)
-    frequency = rospy.search_param('actionlib_status_frequency')
+    frequency = rospy.search_param(_FREQUENCY)
     if frequency:
-        raw['actionlib_status_frequency'] = rospy.get_param(frequency)
+        raw[_FREQUENCY] = rospy.get_param(frequency)
     values = read_table(raw, _OPTIONS, rospy.get_namespace())
     sizes = [values[name] if values[name] > 0 else 50 for name in ('actionlib_server_pub_queue_size',
                                                                    'actionlib_server_sub_queue_size')]
-    return ActionOptions(*sizes, values['actionlib_status_frequency'])
+    return ActionOptions(*sizes, values[_FREQUENCY])
 
 
 class Host:
@@ -60,6 +64,8 @@ class Host:
         self.robot_count = 0
         self.status_heartbeat = Heartbeat(self, options.status_frequency, _STATUS_RATE_CAP)
         self._tf_heartbeats = {}
+        if clock.is_lockstep:
+            tf_hub.tell_newcomers()
 
     def tf_heartbeat(self, frequency, rate_cap):
         """Return the heartbeat of tf with ``frequency`` [Hz, simulated] and at most ``rate_cap`` [Hz, wall]."""
@@ -68,8 +74,11 @@ class Host:
         return self._tf_heartbeats[frequency, rate_cap]
 
     def throttle(self, rate):
-        """Return a throttle of ``rate`` [Hz, wall], or of the robot's share of all publications if that is less."""
-        return WallThrottle(rate, self.shortest_period)
+        """Return a throttle of ``rate`` [Hz, wall], or of the robot's share of all publications if that is less.
+
+        In lockstep nothing is held back: what is asked for comes at its instant.
+        """
+        return NoThrottle() if self.clock.is_lockstep else WallThrottle(rate, self.shortest_period)
 
     def shortest_period(self):
         """Return the time between two publications of one robot when all publish alike [s, wall]."""
@@ -100,7 +109,8 @@ class Heartbeat:
 
     def _beat(self, _due_ns, now_ns):
         if self._throttle.ready():
-            with tf_hub.batch():
+            # In lockstep each robot sends by itself, so that its messages keep its place among all others'.
+            with nullcontext() if self._clock.is_lockstep else tf_hub.batch():
                 for member in self._members:
                     member(now_ns)
         return self._clock.wall_to_ns(self._throttle.remaining())

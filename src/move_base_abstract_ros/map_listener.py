@@ -1,5 +1,6 @@
 """Maps that come on a topic: one subscription and one copy per topic and process, whatever the number of robots."""
 import threading
+import time
 
 import rospy
 from nav_msgs.msg import OccupancyGrid
@@ -8,6 +9,8 @@ from rospy.numpy_msg import numpy_msg
 from move_base_abstract.occupancy import OccupancyMap
 
 from . import conversions
+
+_REMINDER_SECONDS = 5.0
 
 
 class MapListener:
@@ -25,6 +28,7 @@ class MapListener:
         self._lock = threading.RLock()
         self._followers = []
         self._latest = None
+        self._came = threading.Event()
         # With numpy_msg the cells stay the bytes that came; a list would take eight times as much.
         self._subscriber = rospy.Subscriber(topic, numpy_msg(OccupancyGrid), self._on_map, queue_size=1)
 
@@ -35,6 +39,18 @@ class MapListener:
             if topic not in cls._listeners:
                 cls._listeners[topic] = cls(topic)
             return cls._listeners[topic]
+
+    def wait(self):
+        """Wait for the first map, however long that takes, and say so; False if ROS shuts down meanwhile."""
+        reminded = time.monotonic()
+        while not self._came.wait(0.1):
+            if rospy.is_shutdown():
+                return False
+            if time.monotonic() - reminded > _REMINDER_SECONDS:
+                reminded = time.monotonic()
+                rospy.logwarn('%s: no map has come on %s yet, and robots are to use it: is a map server running?',
+                              rospy.get_name(), self.topic)
+        return True
 
     def follow(self, follower):
         """Call ``follower(message, occupancy)`` with the latest map, if there is one, and with each that comes."""
@@ -58,6 +74,7 @@ class MapListener:
             self._latest = message, occupancy
             for follower in self._followers:
                 follower(message, occupancy)
+        self._came.set()
         rospy.loginfo('%s: map on %s: %d x %d cells of %g m in the frame %s', rospy.get_name(), self.topic,
                       occupancy.width, occupancy.height, occupancy.resolution, message.header.frame_id)
 

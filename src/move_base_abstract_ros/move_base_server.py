@@ -7,8 +7,9 @@ from move_base_abstract.outcome import NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
 from move_base_abstract.planning import StraightLinePlanner
 from move_base_abstract.recovery import DEFAULT_BEHAVIORS, RecoveryPolicy
 from move_base_abstract.robot import Robot
+from move_base_abstract.robot_trace import RobotTrace
 
-from . import backends, conversions, robot_markers
+from . import backends, conversions, lockstep, robot_markers
 from .goal_server import GoalServer
 from .planner_interface import PlannerInterface
 from .reconfigure import Reconfigure
@@ -34,6 +35,13 @@ class MoveBaseServer(NavigatorListener):
         self._host = host
         self._last_warning = None
         self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
+        self._trace = RobotTrace(names.robot, clock.record(robot_index))
+        with lockstep.sender(robot_index):
+            self._set_up(robot_index)
+        host.robot_count += 1  # last: a robot whose settings are refused takes no share
+
+    def _set_up(self, robot_index):
+        names, settings, clock, host = self._names, self._settings, self._clock, self._host
         with clock.lock:
             now_ns = clock.now_ns()
             self._build(robot_index, now_ns)
@@ -41,19 +49,18 @@ class MoveBaseServer(NavigatorListener):
         self._planner_interface = PlannerInterface(names, settings, clock, self.navigator, self._map)
         self._reconfigure = Reconfigure(names, settings, self)
         self._goal_server.start(self.navigator, self._prefetch)
-        self._simple_goals = SimpleGoals(names, clock, at_once=not host.is_crowded)
-        host.robot_count += 1  # last: a robot whose settings are refused takes no share
+        self._simple_goals = SimpleGoals(names, clock, at_once=clock.is_lockstep or not host.is_crowded)
 
     def _build(self, robot_index, now_ns):
         settings, values = self._settings, self._settings.values
-        backend = backends.make(values['backend'], self._names, settings)
+        backend = backends.make(values['backend'], self._names, settings, self._clock.is_lockstep)
         robot = Robot(robot_index, self._names.robot, settings.start, settings.limits, settings.tolerances, now_ns)
-        self._lookup = TfLookup(values['global_frame'], values['frame_timeout'])
-        self._map = RobotMap(self._names, settings)
+        self._lookup = TfLookup(values['global_frame'], values['frame_timeout'], self._clock)
+        self._map = RobotMap(self._names, settings, self._clock)
         self._frames = RobotFrames(robot, values['global_frame'], settings.frame(values['odom_frame']),
                                    settings.frame(values['robot_base_frame']), self._lookup.lookup)
         self._goal_server = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._host,
-                                       values['min_answer_delay'], values['status_list_timeout'])
+                                       self._trace, values['min_answer_delay'], values['status_list_timeout'])
         self.navigator = Navigator(robot, self._clock.simulation, self._goal_server.ledger, self._frames, self,
                                    StraightLinePlanner(settings.bounds, self._map.check))
         self.navigator.bad_frame_policy = settings.bad_frame_policy
@@ -91,8 +98,7 @@ class MoveBaseServer(NavigatorListener):
             self._goal_server.reset()
             self.navigator.robot.limits, self.navigator.robot.tolerances = settings.limits, settings.tolerances
             self.navigator.robot.reset(settings.start, now_ns)
-            self._publisher.stands(now_ns)
-            self._markers.changed()
+            self.stands(self.navigator.robot, now_ns)
 
     def set_motion(self, limits, tolerances):
         """Travel with other limits from the next leg on."""
@@ -115,11 +121,13 @@ class MoveBaseServer(NavigatorListener):
 
     def departed(self, robot, goal, now_ns):
         """Show that the robot starts."""
+        self._trace.departed(goal, now_ns)
         self._publisher.departed(now_ns)
         self._planner_interface.show(robot.pose_at(now_ns), goal, now_ns)
 
     def stands(self, robot, now_ns):
         """Show that the robot stands."""
+        self._trace.stands(robot.pose_at(now_ns), now_ns)
         self._publisher.stands(now_ns)
         self._markers.changed()
 

@@ -1,26 +1,42 @@
 """The map as one robot uses it, between the process's map listener and the core."""
-import threading
-
 import rospy
 
 from move_base_abstract.map_check import MapCheck
 
 
+def wait_for_maps(robots):
+    """Wait for the first map of all ``robots``, (RobotNames, RobotSettings) pairs; False if ROS shuts down meanwhile.
+
+    In lockstep this comes before the node takes part: a map that came at some later time of the wall would make a run
+    another one each time.
+    """
+    topics = sorted({_topic(names, settings) for names, settings in robots if settings.values['use_map']})
+    if topics:
+        from .map_listener import MapListener
+        return all(MapListener.on(topic).wait() for topic in topics)
+    return True
+
+
+def _topic(names, settings):
+    return rospy.resolve_name(settings.values['map_topic'], names.private)
+
+
 class RobotMap:
     """The map as one robot uses it: ``check`` judges its goals, or is None where the robot uses no map."""
 
-    def __init__(self, names, settings):
+    def __init__(self, names, settings, clock):
         values = settings.values
         self.check = None
         self._followers = []
-        self._came = threading.Event()
+        self._clock = clock
+        self._has_come = False
         if not values['use_map']:
             return
         self._global_frame = values['global_frame']
         self._timeout = values['frame_timeout']
         # Only who uses a map pays for numpy: some 0.1 s and 15 MB a process.
         from .map_listener import MapListener
-        self._listener = MapListener.on(rospy.resolve_name(values['map_topic'], names.private))
+        self._listener = MapListener.on(_topic(names, settings))
         self.check = MapCheck(None, values['allow_unknown'], values['allow_occupied_goals'],
                               "No map has come on '{}' yet (~use_map is true). Is a map server running?".format(
                                   self._listener.topic))
@@ -33,9 +49,9 @@ class RobotMap:
             self._listener.follow(follower)
 
     def wait(self):
-        """Wait for the first map, up to frame_timeout [s, wall]. May block; must not be called with a lock held."""
+        """Wait for the first map, up to frame_timeout [s, of the clock's wait_until]. May block; no lock is held."""
         if self.check is not None:
-            self._came.wait(self._timeout)
+            self._clock.wait_until(lambda: self._has_come, self._timeout, 'a map')
 
     def close(self):
         """Follow the map no more."""
@@ -51,4 +67,4 @@ class RobotMap:
             self.check.lacking = ("The map on '{}' cannot be used: it is given in the frame '{}', the robot's global "
                                   "frame is '{}'".format(self._listener.topic, frame_id, self._global_frame))
             self.check.occupancy = None
-        self._came.set()
+        self._has_come = True

@@ -121,7 +121,7 @@ class _Board(rospy.SubscribeListener):
 
     def _views(self, robots):
         with self._clock.lock:
-            now_ns = self._clock.now_ns()
+            now_ns = self._clock.look_ns()
             return [(robot, robot.view(now_ns)) for robot in robots]
 
     def _draw(self, robot, view):

@@ -3,7 +3,7 @@ import rospy
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
 
-from . import conversions
+from . import conversions, lockstep
 
 
 class RobotPublisher:
@@ -39,7 +39,8 @@ class RobotPublisher:
 
     def place(self, now_ns):
         """Show where the robot is at ``now_ns`` [ns]."""
-        self._backend.place(self._robot.pose_at(now_ns), self._robot.velocity_at(now_ns), now_ns)
+        with lockstep.sender(self._robot.index):  # tf is one topic of all robots of the process
+            self._backend.place(self._robot.pose_at(now_ns), self._robot.velocity_at(now_ns), now_ns)
 
     def target(self, goal, now_ns):
         """Show the goal that is worked on."""
@@ -73,4 +74,5 @@ class RobotPublisher:
     def _beat(self, now_ns):
         """Tell tf the pose at the latest instant, so that a look-up of the present need not wait for another one."""
         if not (self._updates_beat and self._robot.leg is not None):
-            self._backend.heartbeat(self._robot.pose_at(now_ns), now_ns)
+            with lockstep.sender(self._robot.index):
+                self._backend.heartbeat(self._robot.pose_at(now_ns), now_ns)

@@ -12,13 +12,30 @@ from rosgraph_msgs.msg import Clock
 from move_base_abstract.simulation import Simulation
 from move_base_abstract.units import NS_PER_S
 
+from . import lockstep
+from .lockstep_clock import LockstepClock
+
+#: robots come before all nodes that declare no rank
+ROBOTS_RANK = 0
 _POLL_SECONDS = 0.01
+_WAIT_POLL_SECONDS = 0.02
 _REMINDER_SECONDS = 5.0
 _SPEED_WINDOW_SECONDS = 0.02
 
 
+def make_clock():
+    """Return the clock of this process, not started: a LockstepClock where the time master works in lockstep."""
+    return LockstepClock(_join) if lockstep.is_lockstep() else RosClock()
+
+
+def _join():
+    return lockstep.join(rank=rospy.get_param('~lockstep_rank', ROBOTS_RANK), own_threads=False)
+
+
 class RosClock:
     """Drives one :class:`Simulation` by ``/clock``, or by the machine's clock where ROS uses that."""
+
+    is_lockstep = False
 
     def __init__(self):
         self.lock = threading.RLock()
@@ -59,6 +76,22 @@ class RosClock:
             self._latest_ns = max(self._latest_ns, rospy.Time.now().to_nsec())
         self.simulation.advance(max(self._latest_ns, self.simulation.now_ns))
         return self.simulation.now_ns
+
+    def look_ns(self):
+        """As :meth:`now_ns`."""
+        return self.now_ns()
+
+    def serve(self):
+        """Nothing to do: rospy's own threads call back from the start."""
+
+    def record(self, _index):
+        """Return None: only lockstep has an event log."""
+
+    def wait_until(self, condition, seconds, _what):
+        """Wait until ``condition()`` holds, for at most ``seconds`` of the wall clock. May block; no lock is held."""
+        deadline = time.monotonic() + seconds
+        while not condition() and time.monotonic() < deadline and not rospy.is_shutdown():
+            time.sleep(_WAIT_POLL_SECONDS)
 
     def wall_to_ns(self, seconds):
         """Return how far simulated time [ns] moves in ``seconds`` of the wall clock, at its present speed."""

@@ -1,14 +1,11 @@
 """Goals from RViz: ``move_base_simple/goal`` is passed on to the action's own goal topic, as move_base does."""
-import time
-
 import rospy
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseActionGoal
 
 from . import conversions
 
-_CONNECT_SECONDS = 5.0
-_POLL_SECONDS = 0.005
+_CONNECT_SECONDS = 5.0  # of the clock's wait_until
 
 
 class SimpleGoals:
@@ -39,9 +36,8 @@ class SimpleGoals:
     def _on_pose(self, pose):
         if self._goals is None:
             self._advertise()
-        deadline = time.monotonic() + _CONNECT_SECONDS
-        while self._goals.get_num_connections() == 0 and time.monotonic() < deadline:
-            time.sleep(_POLL_SECONDS)
+        # In lockstep this node is connected to itself within the present instant, or the goal topic is gone.
+        self._clock.wait_until(lambda: self._goals.get_num_connections() > 0, _CONNECT_SECONDS, 'its own goal topic')
         goal = MoveBaseActionGoal()
         with self._clock.lock:
             goal.header.stamp = conversions.to_time(self._clock.now_ns())

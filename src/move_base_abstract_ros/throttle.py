@@ -1,5 +1,17 @@
-"""A cap, in wall time, on how often something is published."""
+"""A cap, in wall time, on how often something is published; or none."""
 import time
+
+
+class NoThrottle:
+    """Always says yes, for a clock that does not run by the wall's."""
+
+    def ready(self):
+        """Return True."""
+        return True
+
+    def remaining(self):
+        """Return 0 [s, wall]."""
+        return 0.0
 
 
 class WallThrottle:

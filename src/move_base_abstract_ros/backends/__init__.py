@@ -16,6 +16,8 @@ def _gazebo(names, settings):
     return GazeboBackend(names, settings, BuiltinBackend)
 
 
+#: those that go by the time master's clock alone
+EVENT_DRIVEN = ('builtin', 'virtual_robots')
 BACKENDS = {
     'builtin': BuiltinBackend,
     'virtual_robots': BuiltinBackend,
@@ -25,12 +27,16 @@ BACKENDS = {
 }
 
 
-def make(name, names, settings):
+def make(name, names, settings, is_lockstep=False):
     """Return the backend ``name`` for one robot.
 
-    :raises ConfigurationError: if there is none of that name.
+    :raises ConfigurationError: if there is none of that name, or it has a clock of its own and time is event-driven.
     """
     if name not in BACKENDS:
         raise ConfigurationError("parameter {}/backend: got '{}'; allowed: {}".format(
             names.private, name, ', '.join(sorted(BACKENDS))))
+    if is_lockstep and name not in EVENT_DRIVEN:
+        raise ConfigurationError(
+            "parameter {}/backend: got '{}', a simulator with a clock of its own; allowed in lockstep (parameter "
+            '/time_master/mode): {}'.format(names.private, name, ', '.join(EVENT_DRIVEN)))
     return BACKENDS[name](names, settings)

@@ -50,6 +50,7 @@ class BuiltinBackend:
 
     def close(self):
         """Leave the graph."""
+        tf_hub.forget((self._odom_frame, self._base_frame))
         for publisher in (self._amcl_pose, self._odom, self._ground_truth, self._robot_pose):
             publisher.unregister()
 

@@ -138,7 +138,7 @@ class _StageWorld:
         if self._frame is None:
             self._pose = Pose2D(values['stage_offset_x'], values['stage_offset_y'], values['stage_offset_yaw'])
         else:
-            self._lookup = TfLookup(values['global_frame'], 0.0)
+            self._lookup = TfLookup(values['global_frame'])
             self._lookup.wait_for(self._frame, 0)
 
     def pose(self):

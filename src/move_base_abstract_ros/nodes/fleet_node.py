@@ -1,4 +1,5 @@
 """The node ``fleet``: many robots in one process, each under move_base's interface in a namespace of its own."""
+import itertools
 import resource
 import sys
 import time
@@ -8,11 +9,12 @@ import rospy
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.parameter_table import Parameter, boolean, integer, read_table, text, unknown_names
 from move_base_abstract.scenario import make_scenario, read_scenario
+from move_base_abstract.settings import EVENTS_ONLY
 
-from ..fleet_server import FleetServer
+from ..fleet_server import FleetServer, robot_names
 from ..host import Host, read_action_options
-from ..ros_clock import RosClock
-from .move_base_node import away_from_signals
+from ..ros_clock import make_clock
+from .move_base_node import LOCKSTEP_PARAMETERS, away_from_signals, start
 
 _LAST_WORDS_SECONDS = 0.2
 _TABLE = (
@@ -45,24 +47,34 @@ def _build():
     where = rospy.get_name()
     raw = rospy.get_param(where, {})
     values = read_table(raw, _TABLE, where)
-    known = tuple(parameter.name for parameter in _TABLE) + _INLINE
+    known = tuple(parameter.name for parameter in _TABLE) + _INLINE + LOCKSTEP_PARAMETERS
     for warning in unknown_names(raw, known, where):
         rospy.logwarn(warning)
+    clock = make_clock()
+    scenario = _read_scenario(raw, values, where, EVENTS_ONLY if clock.is_lockstep else {})
+    part, parts = values['part'], values['parts']
+    specs = _share(scenario.robots, part, parts)
+    namespace = rospy.get_namespace()
+    if not start(clock, [(robot_names(namespace, spec.name), spec.settings) for _, spec in specs]):
+        return None
+    # Robots that are added later get indices that no other process gives.
+    fleet = FleetServer(namespace, Host(clock, read_action_options(clock.is_lockstep), is_crowded=True), specs,
+                        scenario.defaults, itertools.count(len(scenario.robots) + part, parts))
+    clock.serve()
+    return fleet
+
+
+def _read_scenario(raw, values, where, base):
     inline = {key: raw[key] for key in _INLINE if key in raw}
     if values['scenario'] and inline:
         raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
             where, sorted(inline)[0]))
-    overrides = {} if values['use_map'] is None else {'use_map': values['use_map']}
-    scenario = (read_scenario(values['scenario'], overrides) if values['scenario']
-                else make_scenario(inline, where, overrides))
     if values['part'] >= values['parts']:
         raise ConfigurationError('parameter {}/part: got {}; allowed: less than parts, which is {}'.format(
             where, values['part'], values['parts']))
-    clock = RosClock()
-    if not clock.start():
-        return None
-    return FleetServer(rospy.get_namespace(), Host(clock, read_action_options(), is_crowded=True),
-                       _share(scenario.robots, values['part'], values['parts']), scenario.defaults)
+    overrides = {} if values['use_map'] is None else {'use_map': values['use_map']}
+    return (read_scenario(values['scenario'], overrides, base) if values['scenario']
+            else make_scenario(inline, where, overrides, base))
 
 
 def _allow_many_connections():

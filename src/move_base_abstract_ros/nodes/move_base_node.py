@@ -6,14 +6,18 @@ import time
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.settings import read_settings
+from move_base_abstract.settings import EVENTS_ONLY, read_settings
 from move_base_abstract_ros.host import Host, read_action_options
 from move_base_abstract_ros.move_base_server import MoveBaseServer
 from move_base_abstract_ros.names import RobotNames
-from move_base_abstract_ros.ros_clock import RosClock
+from move_base_abstract_ros.robot_map import wait_for_maps
+from move_base_abstract_ros.ros_clock import make_clock
+from move_base_abstract_ros.tf_lookup import listen_to_static_frames
 
 _LAST_WORDS_SECONDS = 0.1
 _POLL_SECONDS = 0.05
+#: private parameters that are read elsewhere
+LOCKSTEP_PARAMETERS = ('lockstep_rank', 'lockstep_charge')
 
 
 def main():
@@ -60,17 +64,33 @@ def away_from_signals(build):
 
 
 def _build(names, overrides, default_tf_prefix):
-    settings = read_robot_settings(overrides, default_tf_prefix)
-    clock = RosClock()
-    return MoveBaseServer(names, settings, Host(clock, read_action_options())) if clock.start() else None
+    clock = make_clock()
+    settings = read_robot_settings(overrides, default_tf_prefix, EVENTS_ONLY if clock.is_lockstep else {})
+    if not start(clock, [(names, settings)]):
+        return None
+    server = MoveBaseServer(names, settings, Host(clock, read_action_options(clock.is_lockstep)))
+    clock.serve()
+    return server
 
 
-def read_robot_settings(overrides, default_tf_prefix):
-    """Return the settings in the node's private namespace and tell where the important ones come from."""
+def start(clock, robots):
+    """Start ``clock`` for ``robots``, (RobotNames, RobotSettings) pairs; False if ROS shuts down meanwhile."""
+    if clock.is_lockstep:  # what comes from outside has to come before that
+        listen_to_static_frames()
+        if not wait_for_maps(robots):
+            return False
+    return clock.start()
+
+
+def read_robot_settings(overrides, default_tf_prefix, base):
+    """Return the settings in the node's private namespace and tell where the important ones come from.
+
+    ``overrides`` come before those, ``base`` behind them.
+    """
     where = rospy.get_name()
     raw = rospy.get_param(where, {})
     if isinstance(raw, dict):
-        raw = dict(raw, **overrides)
+        raw = {**base, **{key: value for key, value in raw.items() if key not in LOCKSTEP_PARAMETERS}, **overrides}
     settings = read_settings(raw, where)
     if settings.tf_prefix is None:
         inherited = rospy.search_param('tf_prefix')

@@ -1,0 +1,140 @@
+"""The robots' clock in lockstep, with a participant that only notes what it is told."""
+import pytest
+
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.frames import RobotFrames
+from move_base_abstract.geometry import quaternion_of_yaw
+from move_base_abstract.goal_ledger import GoalLedger
+from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.navigator import GoalPose, Navigator, NavigatorListener
+from move_base_abstract.robot import Robot
+from move_base_abstract.robot_trace import RobotTrace
+from move_base_abstract.scenario import make_scenario
+from move_base_abstract_ros.lockstep_clock import LockstepClock  # noqa: TID251 (knows no ROS)
+
+S = 1_000_000_000
+SCENARIO = {'defaults': {'max_speed': 2.0}, 'robots': [{'name': 'r', 'count': 3}]}
+
+
+class FakeParticipant:
+    """Grants by hand; it is its own scheduler."""
+
+    def __init__(self, now_ns=S):
+        self.now_ns = now_ns
+        self.source = None
+        self.logged = []
+        self.constants = []
+        self.waits = []
+        self.is_lost = False
+
+    @property
+    def scheduler(self):
+        return self
+
+    def set_source(self, source):
+        self.source = source
+
+    def constant(self, topic):
+        self.constants.append(topic)
+
+    def log(self, robot, kind, values=(), sub=0):
+        self.logged.append((self.now_ns, robot, kind, tuple(values), sub))
+
+    def wait_until(self, condition, wake_ns, what):
+        self.waits.append((wake_ns, what))
+        if self.is_lost:
+            raise TurnLost()
+
+    def grant(self, now_ns):
+        self.now_ns = now_ns
+        self.source.run(now_ns)
+
+    def run(self):
+        """Leap from event to event until there is none."""
+        while self.source.next_due_ns() is not None:
+            self.grant(self.source.next_due_ns())
+
+
+class Told(NavigatorListener):
+    """Tells a trace what a server would."""
+
+    def __init__(self, trace):
+        self._trace = trace
+
+    def departed(self, robot, goal, now_ns):
+        self._trace.departed(goal, now_ns)
+
+    def stands(self, robot, now_ns):
+        self._trace.stands(robot.pose_at(now_ns), now_ns)
+
+
+@pytest.fixture
+def participant():
+    return FakeParticipant()
+
+
+@pytest.fixture
+def clock(participant):
+    made = LockstepClock(lambda: participant)
+    assert made.start()
+    return made
+
+
+def make_navigator(clock, index, spec):
+    """Return the navigator of a robot that writes into the clock's event log."""
+    settings, now_ns = spec.settings, clock.now_ns()
+    robot = Robot(index, spec.name, settings.start, settings.limits, settings.tolerances, now_ns)
+    trace = RobotTrace(spec.name, clock.record(index))
+    ledger = GoalLedger(lambda: None, trace.ended, lambda now_ns: 'unnamed')
+    return Navigator(robot, clock.simulation, ledger, RobotFrames(robot, 'map', 'odom', 'base_link', None), Told(trace))
+
+
+def test_the_simulation_starts_with_the_clock_and_is_the_participants_source(clock, participant):
+    assert (clock.simulation.now_ns, participant.source, clock.next_due_ns()) == (S, clock, None)
+    assert participant.constants == ['/tf_static']
+
+
+def test_what_is_due_happens_at_its_instant_in_the_order_of_the_robots(clock, participant):
+    happened = []
+    for due_ns, index in ((3 * S, 0), (2 * S, 7), (2 * S, 1)):
+        clock.simulation.queue.schedule(due_ns, index, lambda *times, index=index: happened.append((index, *times)))
+    assert clock.next_due_ns() == 2 * S
+    participant.grant(2 * S)
+    assert happened == [(1, 2 * S, 2 * S), (7, 2 * S, 2 * S)]
+    assert (clock.next_due_ns(), clock.now_ns()) == (3 * S, 2 * S)
+
+
+def test_what_is_due_comes_before_a_command_of_the_same_instant_but_not_before_a_look(clock, participant):
+    happened = []
+    clock.simulation.queue.schedule(2 * S, 0, lambda *_times: happened.append('due'))
+    participant.now_ns = 2 * S
+    assert (clock.look_ns(), happened) == (S, [])
+    assert (clock.now_ns(), happened) == (2 * S, ['due'])
+
+
+def test_the_event_log_is_the_trace_of_the_plain_fleet(clock, participant):
+    goals = {'r_0': (4.0, 3.0), 'r_1': (0.0, 10.0), 'r_2': (0.0, 0.0)}
+    scenario = make_scenario(SCENARIO)
+    fleet = Fleet(scenario)
+    for name, place in goals.items():
+        fleet.send(name, *place, goal_id='goal')
+    fleet.at(3 * S, lambda fleet: fleet.cancel('r_1'))
+    fleet.run()
+    navigators = {spec.name: make_navigator(clock, index, spec) for index, spec in enumerate(scenario.robots)}
+    for name, place in goals.items():
+        navigators[name].receive('goal', 0, GoalPose('map', 0, place, quaternion_of_yaw(0.0)), clock.simulation.now_ns)
+    clock.simulation.queue.schedule(3 * S, 99, lambda due_ns, _now_ns: navigators['r_1'].cancel('', 0, due_ns))
+    participant.run()
+    assert [entry[:4] for entry in participant.logged] == fleet.trace
+    assert {entry[1]: entry[4] for entry in participant.logged} == {'r_0': 0, 'r_1': 1, 'r_2': 2}
+
+
+def test_waits_are_measured_in_simulated_time(clock, participant):
+    clock.wait_until(lambda: False, 0.25, 'the frame')
+    assert participant.waits == [(S + 250_000_000, 'the frame')]
+    assert clock.wall_to_ns(5.0) == 0
+
+
+def test_a_wait_ends_quietly_when_the_run_does(clock, participant):
+    participant.is_lost = True
+    clock.wait_until(lambda: False, 0.25, 'the frame')
