@@ -124,52 +124,62 @@ def read_text(body, at):
 
 
 def read_grant(body):
-    """Return (round, time [ns], microstep, list of items) of a grant; an item is a tuple that begins with its kind."""
-    round_number, time_ns, microstep = _GRANT.unpack_from(body, 0)
-    at, end, items = _GRANT.size, len(body), []
-    while at < end:
-        kind = body[at]
-        if kind == DELIVER:
-            topic, sender, length = _DELIVER.unpack_from(body, at + 1)
-            at += 13 + length
-            items.append((DELIVER, topic, sender, bytes(body[at - length:at])))
-        else:
-            item, at = _READERS[kind](body, at + 1)
-            items.append((kind,) + item)
+    """Return (round, time [ns], microstep, list of items) of a grant; an item is a tuple that begins with its kind.
+
+    :raises WireError: if it is none.
+    """
+    at = 0
+    try:
+        round_number, time_ns, microstep = _GRANT.unpack_from(body, 0)
+        at, end, items = _GRANT.size, len(body), []
+        while at < end:
+            item, at = _READERS[body[at]](body, at)
+            items.append(item)
+    except (struct.error, IndexError, KeyError, UnicodeDecodeError) as error:
+        raise WireError('a grant of {} bytes has something else at byte {}: {!r}'.format(
+            len(body), at, error)) from None
     if at != end:
         raise WireError('a grant of {} bytes ends within an item'.format(end))
     return round_number, time_ns, microstep, items
 
 
+# Each reads the item at ``at``, its kind included, and returns it and the position after it.
+
 def _read_publisher(body, at):
-    topic, sender = _TWO.unpack_from(body, at)
-    type_name, at = read_text(body, at + 8)
+    topic, sender = _TWO.unpack_from(body, at + 1)
+    type_name, at = read_text(body, at + 9)
     md5, at = read_text(body, at)
     latched = body[at]
     definition, at = read_text(body, at + 1)
-    return (topic, sender, type_name, md5, bool(latched), definition), at
+    return (PUBLISHER, topic, sender, type_name, md5, bool(latched), definition), at
 
 
 def _read_two(body, at):
-    return _TWO.unpack_from(body, at), at + 8
+    return (body[at],) + _TWO.unpack_from(body, at + 1), at + 9
+
+
+def _read_deliver(body, at):
+    topic, sender, length = _DELIVER.unpack_from(body, at + 1)
+    at += 13 + length
+    return (DELIVER, topic, sender, bytes(body[at - length:at])), at
 
 
 def _read_called(body, at):
-    service, caller, number, length = _CALLED.unpack_from(body, at)
-    at += 16 + length
-    return (service, caller, number, bytes(body[at - length:at])), at
+    service, caller, number, length = _CALLED.unpack_from(body, at + 1)
+    at += 17 + length
+    return (CALLED, service, caller, number, bytes(body[at - length:at])), at
 
 
 def _read_answered(body, at):
-    number, status, length = _ANSWERED.unpack_from(body, at)
-    at += 9 + length
-    return (number, status, bytes(body[at - length:at])), at
+    number, status, length = _ANSWERED.unpack_from(body, at + 1)
+    at += 10 + length
+    return (ANSWERED, number, status, bytes(body[at - length:at])), at
 
 
 def _read_found(body, at):
-    name, at = read_text(body, at)
-    return (name,), at
+    name, at = read_text(body, at + 1)
+    return (FOUND, name), at
 
 
 _READERS = {PUBLISHER: _read_publisher, NO_PUBLISHER: _read_two, SUBSCRIBER: _read_two, NO_SUBSCRIBER: _read_two,
-            CALLED: _read_called, ANSWERED: _read_answered, FOUND: _read_found}
+            DELIVER: _read_deliver, CALLED: _read_called, ANSWERED: _read_answered, FOUND: _read_found}

@@ -185,7 +185,7 @@ class Participant:
                 if kind == wire.GRANT:
                     return self._granted(body)
                 self._told_of_members(kind, body)
-        except Closed as error:
+        except (Closed, wire.WireError) as error:
             return self._lost(str(error))
 
     def _granted(self, body):
