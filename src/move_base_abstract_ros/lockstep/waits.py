@@ -137,6 +137,8 @@ class _Waits:
 
     def wait_for_server(self, client, timeout=genpy.Duration()):
         """ActionClient.wait_for_server, and through it SimpleActionClient's."""
+        if to_ns(timeout) < 0:  # as in actionlib: look once
+            return _is_connected(client)
         return self._until_or_shutdown(lambda: _is_connected(client), timeout,
                                        'the action server {}'.format(client.ns))
 
