@@ -13,6 +13,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <random>
+#include <regex>
 
 namespace ros {
 CallbackQueuePtr getInternalCallbackQueue();  // exported by roscpp, but in none of its headers
@@ -94,13 +95,36 @@ std::uint64_t newIncarnation() {
 }  // namespace
 
 Core::Core(const Options& options) : name_(ros::this_node::getName()) {
-  if (exists.exchange(true)) {
+  if (exists) {
     throw Error("lockstep: node " + name_ +
                 " has a Participant already; one per process is allowed");
   }
-  int rank = 0;
-  rank_declared_ = options.rank.has_value() || private_node_.getParam("lockstep_rank", rank);
-  rank_ = options.rank.value_or(rank);
+  readParameters(options);
+  exists = true;
+}
+
+void Core::readParameters(const Options& options) {
+  XmlRpc::XmlRpcValue value;
+  if (options.rank) {
+    rank_ = *options.rank;
+  } else if (private_node_.getParam("lockstep_rank", value)) {
+    if (value.getType() != XmlRpc::XmlRpcValue::TypeInt) {
+      throw Error("lockstep: parameter " + private_node_.resolveName("lockstep_rank") + ": got " +
+                  value.toXml() + "; allowed: a whole number");
+    }
+    rank_ = static_cast<int>(value);
+  }
+  rank_declared_ = options.rank || value.valid();
+  std::string charge = "none";
+  if (private_node_.getParam("lockstep_charge", charge) && charge != "none") {
+    throw Error("lockstep: parameter " + private_node_.resolveName("lockstep_charge") + ": got '" +
+                charge + "'; allowed in a roscpp node: 'none'");
+  }
+  std::vector<std::string> excluded;
+  ros::param::get("/time_master/excluded_topics", excluded);
+  for (const std::string& topic : excluded) {
+    excluded_.insert(ros::names::resolve(topic));
+  }
 }
 
 Core::~Core() { exists = false; }
@@ -111,6 +135,14 @@ void Core::join() {
   connectToTimeMaster();
   detachFromClock();
   sayHello();
+  if (!ros::param::param("/use_sim_time", false)) {
+    ROS_WARN("lockstep: %s takes part, but /use_sim_time is not true", name_.c_str());
+  }
+  if (!rank_declared_ && std::regex_search(name_, std::regex("_[0-9]{19}$"))) {
+    label("the name " + name_ +
+          " is made of a time, so its place among equal events differs from run " +
+          "to run; give it ~lockstep_rank or a name");
+  }
   awaitGrant();
   if (state_ != State::kTurn) {
     throw Error("lockstep: node " + name_ + " did not get to its first grant: " + end_reason_);
@@ -215,7 +247,8 @@ void Core::checkOutsideCallback(const char* what) const {
 
 // ---- rounds ----------------------------------------------------------------------------------
 
-Core::Woken Core::wait(Nanoseconds until, Callbacks callbacks, const std::function<bool()>& done) {
+Core::Woken Core::wait(Nanoseconds until, Callbacks callbacks, const std::function<bool()>& done,
+                       const std::string& what) {
   const bool runs = callbacks == Callbacks::kRun && !is_in_callback_;
   while (true) {
     if (runs) {
@@ -231,7 +264,7 @@ Core::Woken Core::wait(Nanoseconds until, Callbacks callbacks, const std::functi
     if (now_ >= until) {
       return Woken::kTime;
     }
-    open_ = done && until == kNever ? 1 : 0;
+    waits_for_ = until == kNever ? what : "";
     report(nextDue(until, runs ? Callbacks::kRun : Callbacks::kWait), false);
     awaitGrant();
   }
@@ -240,7 +273,7 @@ Core::Woken Core::wait(Nanoseconds until, Callbacks callbacks, const std::functi
 bool Core::giveWay() {
   runCallbacks();
   if (isActive()) {
-    open_ = 0;
+    waits_for_.clear();
     report(now_, false);
     awaitGrant();
     runCallbacks();
@@ -249,11 +282,15 @@ bool Core::giveWay() {
 }
 
 void Core::report(Nanoseconds next, bool leaving) {
+  if (waits_for_ != told_) {
+    append(wire::Note{wire::NoteKind::kWaitsFor, waits_for_});
+    told_ = waits_for_;
+  }
   wire::Report head;
   head.round = round_;
   head.leaving = leaving;
   head.next_ns = next;
-  head.open = open_;
+  head.open = waits_for_.empty() ? 0 : 1;
   const bool is_sent = link_.send(wire::encodeReport(head, items_));
   items_.clear();
   state_ = State::kReported;

@@ -38,6 +38,8 @@ struct Topic {
   int publications = 0;  // handles alive
   bool latched = false;
   bool has_header = false;
+  bool excluded = false;  // by the time master: roscpp alone carries it, uncounted
+  bool constant = false;  // what comes from outside is the same in every run
   std::uint32_t sequence = 0;
   std::string md5;                             // of what is published
   std::optional<std::string> last;             // latched
@@ -168,8 +170,10 @@ class Core : public std::enable_shared_from_this<Core> {
   /**
    * @brief Give the turn away until @p done() is true or simulated time has come to @p until.
    * Callbacks run meanwhile, or wait until after (as they do inside a callback anyway).
+   * @param what a wait for something without end is shown as a wait for this.
    */
-  Woken wait(Nanoseconds until, Callbacks callbacks, const std::function<bool()>& done = nullptr);
+  Woken wait(Nanoseconds until, Callbacks callbacks, const std::function<bool()>& done = nullptr,
+             const std::string& what = "");
   bool giveWay();
 
   /** @throws Error if the caller is another thread, or the participant has left. */
@@ -190,6 +194,7 @@ class Core : public std::enable_shared_from_this<Core> {
 
   void append(const wire::ReportItem& item);
   void label(const std::string& reason);
+  void makeConstant(const std::string& topic);
   void schedule(TimerState& timer);
   void unschedule(TimerState& timer);
   std::uint64_t nextTimerNumber() { return ++timers_made_; }
@@ -205,6 +210,7 @@ class Core : public std::enable_shared_from_this<Core> {
   enum class State { kJoining, kTurn, kReported, kLeft, kOver };
 
   void connectToTimeMaster();
+  void readParameters(const Options& options);
   void sayHello();
   void report(Nanoseconds next, bool leaving);
   void awaitGrant();
@@ -246,7 +252,7 @@ class Core : public std::enable_shared_from_this<Core> {
 
   const std::thread::id thread_ = std::this_thread::get_id();
   std::string name_;
-  std::int32_t rank_ = 0;
+  std::int32_t rank_ = 1000;  // robots have 0
   bool rank_declared_ = false;
   ros::NodeHandle node_;
   ros::NodeHandle private_node_{"~"};
@@ -264,7 +270,8 @@ class Core : public std::enable_shared_from_this<Core> {
   std::uint64_t round_ = 0;
   Nanoseconds now_ = 0;
   std::uint32_t microstep_ = 0;
-  std::uint32_t open_ = 0;
+  std::string waits_for_;  // a wait without end that is open work; else empty
+  std::string told_;       // of it, to the time master
   bool has_knocked_ = false;
   bool is_in_callback_ = false;
 
@@ -280,6 +287,7 @@ class Core : public std::enable_shared_from_this<Core> {
   std::deque<std::function<void()>> mail_;
   std::deque<std::function<void()>> outside_;  // to enter with the next grant
   std::set<std::string> labels_;
+  std::set<std::string> excluded_;
   std::map<std::pair<Nanoseconds, std::uint64_t>, TimerState*> timers_;  // by (due, creation)
   std::uint64_t timers_made_ = 0;
 };

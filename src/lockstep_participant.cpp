@@ -3,6 +3,7 @@
 
 #include <ros/init.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "lockstep_core.h"
@@ -10,6 +11,21 @@
 namespace move_base_abstract::lockstep {
 
 using internal::Core;
+
+namespace {
+
+/** @return the instant [ns] that lies @p duration after the present; the present if that is
+ * negative. */
+Nanoseconds after(const Core& core, const ros::Duration& duration) {
+  return addSaturated(core.now(), std::max<Nanoseconds>(duration.toNSec(), 0));
+}
+
+/** @return the end of a wait [ns]. */
+Nanoseconds endOf(const Core& core, const std::optional<ros::Duration>& timeout) {
+  return timeout ? after(core, *timeout) : kNever;
+}
+
+}  // namespace
 
 std::uint32_t Publisher::getNumSubscribers() const {
   const auto core = publication_ ? publication_->core() : nullptr;
@@ -82,8 +98,7 @@ std::optional<std::string> Participant::callBytes(const std::string& service,
 
 bool Participant::waitForService(const std::string& service,
                                  const std::optional<ros::Duration>& timeout) {
-  return core_->waitForService(service,
-                               timeout ? addSaturated(core_->now(), timeout->toNSec()) : kNever);
+  return core_->waitForService(service, endOf(*core_, timeout));
 }
 
 ros::Time Participant::now() const {
@@ -94,8 +109,7 @@ std::uint32_t Participant::microstep() const { return core_->microstep(); }
 
 bool Participant::sleep(const ros::Duration& duration) {
   core_->check("sleep");
-  return core_->wait(addSaturated(core_->now(), duration.toNSec()), Core::Callbacks::kRun) ==
-         Core::Woken::kTime;
+  return core_->wait(after(*core_, duration), Core::Callbacks::kRun) == Core::Woken::kTime;
 }
 
 bool Participant::sleepUntil(const ros::Time& time) {
@@ -115,10 +129,10 @@ bool Participant::spinOnce() {
 }
 
 bool Participant::spinUntil(const std::function<bool()>& done,
-                            const std::optional<ros::Duration>& timeout) {
+                            const std::optional<ros::Duration>& timeout, const std::string& what) {
   core_->checkOutsideCallback("spinUntil");
-  const Nanoseconds until = timeout ? addSaturated(core_->now(), timeout->toNSec()) : kNever;
-  return core_->wait(until, Core::Callbacks::kRun, done) == Core::Woken::kDone;
+  const Nanoseconds until = endOf(*core_, timeout);
+  return core_->wait(until, Core::Callbacks::kRun, done, what) == Core::Woken::kDone;
 }
 
 Timer Participant::createTimer(const ros::Duration& period,
@@ -148,6 +162,11 @@ void Participant::log(const std::string& robot, const std::string& kind, const s
 void Participant::label(const std::string& reason) {
   core_->check("label");
   core_->label(reason);
+}
+
+void Participant::constant(const std::string& topic) {
+  core_->check("constant");
+  core_->makeConstant(topic);
 }
 
 ros::CallbackQueueInterface* Participant::outsideQueue() { return &core_->userQueue(); }

@@ -35,6 +35,11 @@ void Core::label(const std::string& reason) {
   }
 }
 
+void Core::makeConstant(const std::string& topic) {
+  std::string rest;
+  topicOf(nodeFor(topic, &rest).resolveName(rest)).constant = true;
+}
+
 ros::NodeHandle& Core::nodeFor(const std::string& name, std::string* rest) {
   const bool is_private = !name.empty() && name[0] == '~';
   *rest = is_private ? name.substr(1) : name;
@@ -48,6 +53,7 @@ Topic& Core::topicOf(const std::string& name) {
   if (is_new) {
     topic.number = at->second;
     topic.name = name;
+    topic.excluded = excluded_.count(name) > 0;
   }
   return topic;
 }
@@ -76,8 +82,10 @@ std::shared_ptr<Publication> Core::advertise(const ros::AdvertiseOptions& option
     topic.md5 = options.md5sum;
     topic.latched = options.latch;
     topic.has_header = options.has_header;
-    append(wire::Advertise{topic.number, 0, topic.name, options.datatype, options.md5sum,
-                           options.latch, options.message_definition});
+    if (!topic.excluded) {
+      append(wire::Advertise{topic.number, 0, topic.name, options.datatype, options.md5sum,
+                             options.latch, options.message_definition});
+    }
     ros::AdvertiseOptions outside = options;
     outside.topic = rest;
     outside.callback_queue = own_queue_.get();
@@ -104,7 +112,9 @@ void Core::unadvertise(Topic& topic) {
   if (--topic.publications > 0) {
     return;
   }
-  append(wire::Unadvertise{topic.number});
+  if (!topic.excluded) {
+    append(wire::Unadvertise{topic.number});
+  }
   topic.outside.shutdown();
   topic.connected.clear();
   topic.receivers.clear();
@@ -121,7 +131,9 @@ void Core::publish(Topic& topic, const ros::SerializedMessage& message, const st
     writeSequence(message, topic.sequence++);
   }
   const std::string_view payload = payloadOf(message);
-  if (!topic.latched) {
+  if (topic.excluded) {
+    // nothing to tell the time master
+  } else if (!topic.latched) {
     append(wire::Send{topic.number, 0, 0, payload});
   } else {
     // Only to those that are known: who is not gets it when its SUBSCRIBER item comes, once.
@@ -149,7 +161,7 @@ void Core::connectionChanged(std::uint32_t number, const std::string& node, bool
 
 bool Core::hasOutsiders(const Topic& topic) const {
   return std::any_of(topic.connected.begin(), topic.connected.end(),
-                     [this](const std::string& node) { return !isMember(node); });
+                     [&](const std::string& node) { return topic.excluded || !isMember(node); });
 }
 
 std::uint32_t Core::subscribers(Topic& topic) {
@@ -241,7 +253,7 @@ std::shared_ptr<Subscription> Core::subscribe(const ros::SubscribeOptions& optio
     }
   }
   const auto subscription = std::make_shared<Subscription>(shared_from_this(), topic, options);
-  if (topic.subscriptions.empty()) {
+  if (topic.subscriptions.empty() && !topic.excluded) {
     append(wire::Subscribe{topic.number, 0, topic.name, options.md5sum});
   }
   topic.subscriptions.push_back(subscription.get());
@@ -261,7 +273,7 @@ void Core::unsubscribe(Subscription& subscription) {
   Topic& topic = subscription.topic();
   auto& all = topic.subscriptions;
   all.erase(std::remove(all.begin(), all.end(), &subscription), all.end());
-  if (all.empty()) {
+  if (all.empty() && !topic.excluded) {
     append(wire::Unsubscribe{topic.number});
     topic.publishers.clear();
   }
@@ -340,10 +352,14 @@ void Core::takeOutside() {
 void Core::fromOutside(const std::weak_ptr<Subscription>& weak,
                        const ros::MessageEvent<void const>& event) {
   const auto subscription = weak.lock();
-  if (!subscription || isMember(event.getPublisherName())) {
+  const std::string& sender = event.getPublisherName();
+  if (!subscription || (isMember(sender) && !subscription->topic().excluded)) {
     return;  // a member's message comes with a grant; this is the copy for those that are none
   }
-  label("input from outside: " + subscription->topic().name + " from " + event.getPublisherName());
+  const Topic& topic = subscription->topic();
+  if (!topic.constant && !topic.excluded) {
+    label("a message on " + topic.name + " came from " + sender + ", which does not take part");
+  }
   subscription->expect();
   outside_.emplace_back([weak, event] {
     const auto alive = weak.lock();
@@ -367,7 +383,7 @@ void Core::enterOutside() {
   }
   outside_.clear();
   while (const auto callback = user_queue_->take()) {
-    label("input from outside: ordinary roscpp callbacks");
+    label("a call, a message or a timer has reached " + name_ + " from outside of lockstep");
     mail_.emplace_back([callback] { callback->call(); });
   }
 }
@@ -458,8 +474,8 @@ std::optional<std::string> Core::call(const std::string& service,
   const std::string name = nodeFor(service, &rest).resolveName(rest);
   const std::uint32_t number = ++calls_made_;
   append(wire::Call{number, 0, name, payloadOf(request)});
-  const auto woken =
-      wait(kNever, Callbacks::kWait, [this, number] { return answers_.count(number) > 0; });
+  const auto is_answered = [this, number] { return answers_.count(number) > 0; };
+  const auto woken = wait(kNever, Callbacks::kWait, is_answered, "an answer of " + name);
   if (woken != Woken::kDone) {
     return std::nullopt;
   }
@@ -484,8 +500,8 @@ bool Core::waitForService(const std::string& service, Nanoseconds until) {
   const std::string name = nodeFor(service, &rest).resolveName(rest);
   found_.erase(name);
   append(wire::Watch{name});
-  return wait(until, Callbacks::kWait, [this, &name] { return found_.count(name) > 0; }) ==
-         Woken::kDone;
+  const auto is_found = [this, &name] { return found_.count(name) > 0; };
+  return wait(until, Callbacks::kWait, is_found, "service " + name) == Woken::kDone;
 }
 
 void Core::handle(const wire::Found& item) { found_.insert(std::string(item.service)); }

@@ -231,10 +231,11 @@ class Participant {
   /**
    * @brief Run callbacks until @p done() is true, looked at after each grant. Without a timeout
    * this counts as open work: if nothing is left to happen, the time master names it as a deadlock.
-   * @return what done() says.
+   * @param what is shown as what the node waits for. @return what done() says.
    */
   bool spinUntil(const std::function<bool()>& done,
-                 const std::optional<ros::Duration>& timeout = std::nullopt);
+                 const std::optional<ros::Duration>& timeout = std::nullopt,
+                 const std::string& what = "a condition");
 
   /** @brief Call @p callback every @p period (> 0; a oneshot timer's may be 0), on an exact grid.
    */
@@ -251,6 +252,10 @@ class Participant {
 
   /** @brief Say why this run cannot be repeated exactly. */
   void label(const std::string& reason);
+
+  /** @brief What comes on @p topic from outside is the same in every run (a map): no label for it.
+   */
+  void constant(const std::string& topic);
 
   /**
    * @brief For ordinary roscpp parts of this node: nodehandle.setCallbackQueue(outsideQueue()).

@@ -1,0 +1,186 @@
+// A coordinator that sends goals to N robots over MoveBase's action topics, for comparing runs.
+//
+// Parameters: ~robots (how many), ~goals (how many in all), ~seed. Names are robot_0 ..
+// robot_{N-1}. Topics of robot i: publishes /robot_i/move_base/goal and /robot_i/move_base/cancel;
+// listens to /robot_i/move_base/result and /robot_i/move_base/status. Advertised and subscribed in
+// this order, robot by robot: goal, cancel, result, status.
+//
+// The policy, exact so that a twin in another language sends the same messages in the same order:
+//
+//  draw():     x = x * 6364136223846793005 + 1442695040888963407 mod 2^64 (at first x = seed); the
+//              value is x >> 33.
+//  send(i):    sent[i] += 1; sent_in_all += 1; out_in_all += 1; K = sent[i]
+//              x = (draw() % 4000) / 100.0 - 20; y = (draw() % 4000) / 100.0 - 20, in this order
+//              publish a goal: header and goal_id.stamp and target_pose.header.stamp all 0,
+//              goal_id.id = 'robot_i-K', target_pose.header.frame_id = 'map',
+//              position (x, y, 0), orientation (0, 0, 0, 1)
+//  order(i):   send(i), then c = draw() % 10
+//              c = 0: delay = (draw() % 50) / 10.0 s; a one-shot timer of that delay publishes a
+//                     cancel (stamp 0, id of the goal just sent), whatever has become of the goal
+//              c = 1: delay = (draw() % 50) / 10.0 s; a one-shot timer of that delay calls send(i)
+//                     if sent_in_all < goals then (no draw after it: it is not followed by another)
+//              otherwise nothing.
+//  start:      when a status message of each robot has come: order(i) for i = 0 .. N-1 while
+//              sent_in_all < goals, all at that instant, in the callback of the last one's status.
+//  result:     any status, from robot i (each goal has exactly one; a replaced goal has one too):
+//              out_in_all -= 1; if sent_in_all < goals: order(i)
+//  end:        sent_in_all = goals and out_in_all = 0: leave, exit code 0.
+//
+// Timers that are due at one instant fire in the order (due, made); messages come before timers.
+// All delays are made of whole nanoseconds: (draw() % 50) * 100,000,000 ns.
+#include <actionlib_msgs/GoalID.h>
+#include <actionlib_msgs/GoalStatusArray.h>
+#include <move_base_abstract/lockstep_participant.h>
+#include <move_base_msgs/MoveBaseActionGoal.h>
+#include <move_base_msgs/MoveBaseActionResult.h>
+#include <ros/ros.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <list>
+#include <string>
+#include <vector>
+
+namespace lockstep = move_base_abstract::lockstep;
+
+namespace {
+
+struct Robot {
+  std::string name;
+  lockstep::Publisher goal;
+  lockstep::Publisher cancel;
+  lockstep::Subscriber result;
+  lockstep::Subscriber status;
+  bool is_there = false;
+  int sent = 0;
+};
+
+class Coordinator {
+ public:
+  explicit Coordinator(const ros::NodeHandle& parameters)
+      : goals_(parameters.param("goals", 10)),
+        x_(static_cast<std::uint64_t>(parameters.param("seed", 1))),
+        robots_(static_cast<std::size_t>(parameters.param("robots", 1))) {
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      Robot& robot = robots_[i];
+      robot.name = "robot_" + std::to_string(i);
+      const std::string action = "/" + robot.name + "/move_base";
+      robot.goal = participant_.advertise<move_base_msgs::MoveBaseActionGoal>(action + "/goal");
+      robot.cancel = participant_.advertise<actionlib_msgs::GoalID>(action + "/cancel");
+      robot.result = participant_.subscribe<move_base_msgs::MoveBaseActionResult>(
+          action + "/result",
+          [this, &robot](const move_base_msgs::MoveBaseActionResult&) { finished(robot); });
+      robot.status = participant_.subscribe<actionlib_msgs::GoalStatusArray>(
+          action + "/status",
+          [this, &robot](const actionlib_msgs::GoalStatusArray&) { appeared(robot); });
+    }
+  }
+
+  /** @return whether all results have come. */
+  bool run() {
+    return participant_.spinUntil([this] { return sent_ == goals_ && out_ == 0; }, std::nullopt,
+                                  "the results of " + std::to_string(goals_) + " goals");
+  }
+
+  int sent() const { return sent_; }
+  ros::Time now() const { return participant_.now(); }
+
+ private:
+  std::uint64_t draw() {
+    x_ = x_ * 6364136223846793005ULL + 1442695040888963407ULL;
+    return x_ >> 33;
+  }
+
+  double drawCoordinate() { return static_cast<double>(draw() % 4000) / 100.0 - 20.0; }
+
+  void appeared(Robot& robot) {
+    if (robot.is_there) {
+      return;
+    }
+    robot.is_there = true;
+    if (++there_ < robots_.size()) {
+      return;
+    }
+    for (Robot& each : robots_) {
+      if (sent_ < goals_) {
+        order(each);
+      }
+    }
+  }
+
+  void finished(Robot& robot) {
+    --out_;
+    if (sent_ < goals_) {
+      order(robot);
+    }
+  }
+
+  std::string send(Robot& robot) {
+    ++robot.sent;
+    ++sent_;
+    ++out_;
+    move_base_msgs::MoveBaseActionGoal message;
+    message.goal_id.id = robot.name + "-" + std::to_string(robot.sent);
+    message.goal.target_pose.header.frame_id = "map";
+    message.goal.target_pose.pose.position.x = drawCoordinate();
+    message.goal.target_pose.pose.position.y = drawCoordinate();
+    message.goal.target_pose.pose.orientation.w = 1.0;
+    robot.goal.publish(message);
+    return message.goal_id.id;
+  }
+
+  void order(Robot& robot) {
+    const std::string id = send(robot);
+    switch (draw() % 10) {
+      case 0:
+        after(drawDelay(), [&robot, id] {
+          actionlib_msgs::GoalID cancel;
+          cancel.id = id;
+          robot.cancel.publish(cancel);
+        });
+        break;
+      case 1:
+        after(drawDelay(), [this, &robot] {
+          if (sent_ < goals_) {
+            send(robot);
+          }
+        });
+        break;
+      default:
+        break;
+    }
+  }
+
+  ros::Duration drawDelay() {
+    return ros::Duration().fromNSec(static_cast<std::int64_t>(draw() % 50) * 100'000'000);
+  }
+
+  void after(const ros::Duration& delay, const std::function<void()>& action) {
+    timers_.remove_if([](const lockstep::Timer& timer) { return !timer.isRunning(); });
+    timers_.push_back(participant_.createTimer(
+        delay, [action](const ros::TimerEvent&) { action(); }, true));
+  }
+
+  const int goals_;
+  std::uint64_t x_;
+  lockstep::Participant participant_;
+  std::vector<Robot> robots_;
+  std::list<lockstep::Timer> timers_;
+  std::size_t there_ = 0;
+  int sent_ = 0;
+  int out_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "coordinator");
+  Coordinator coordinator(ros::NodeHandle("~"));
+  const ros::WallTime begin = ros::WallTime::now();
+  const bool is_complete = coordinator.run();
+  std::printf("%d goals, %.9f s simulated, %.3f s wall, %s\n", coordinator.sent(),
+              coordinator.now().toSec(), (ros::WallTime::now() - begin).toSec(),
+              is_complete ? "all results are in" : "the run has ended before");
+  return is_complete ? 0 : 1;
+}

@@ -1,0 +1,36 @@
+// A timer that publishes: the smallest participant, and the measure of ticks per second of wall
+// time.
+//
+// ~period [s, simulated], ~ticks (0: without end), ~topic. Publishes the time of each tick; after
+// the last one it prints the rate and leaves.
+#include <move_base_abstract/lockstep_participant.h>
+#include <ros/ros.h>
+#include <std_msgs/Time.h>
+
+#include <cstdio>
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "lockstep_ticker");
+  ros::NodeHandle node("~");
+  const double period = node.param("period", 1.0);
+  const int ticks = node.param("ticks", 0);
+  const std::string topic = node.param<std::string>("topic", "/ticks");
+
+  move_base_abstract::lockstep::Participant participant;
+  const auto publisher = participant.advertise<std_msgs::Time>(topic);
+  int done = 0;
+  const ros::WallTime begin = ros::WallTime::now();
+  const auto timer =
+      participant.createTimer(ros::Duration(period), [&](const ros::TimerEvent& event) {
+        std_msgs::Time message;
+        message.data = event.current_real;
+        publisher.publish(message);
+        if (++done == ticks) {
+          participant.leave("all ticks are done");
+        }
+      });
+  participant.spin();
+  const double wall = (ros::WallTime::now() - begin).toSec();
+  std::printf("%d ticks in %.3f s: %.0f ticks/s\n", done, wall, done / wall);
+  return 0;
+}
