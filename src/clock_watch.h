@@ -6,40 +6,15 @@
 #include <ros/network.h>
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
-#include <xmlrpcpp/XmlRpcClient.h>
 
 #include <chrono>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "node_probe.h"
+
 namespace move_base_abstract {
-
-using WallClock = std::chrono::steady_clock;
-
-/** @brief A request to another node's own server with a limit on the waiting. */
-class NodeProbe : private XmlRpc::XmlRpcClient {
- public:
-  NodeProbe(const std::string& host, int port) : XmlRpcClient(host.c_str(), port, "/") {}
-
-  /** @return whether the node answered within @p limit [wall]. */
-  bool answers(std::chrono::milliseconds limit) {
-    XmlRpc::XmlRpcValue request;
-    request[0] = ros::this_node::getName();
-    if (!executeNonBlock("getPid", request)) {
-      return false;
-    }
-    const auto deadline = WallClock::now() + limit;
-    XmlRpc::XmlRpcValue result;
-    while (WallClock::now() < deadline) {
-      _disp.work(0.05);
-      if (executeCheckDone(result)) {
-        return result.valid();
-      }
-    }
-    return false;
-  }
-};
 
 /** @return whether a living node already bears this node's name. Call it before ros::start(). */
 inline bool ownNameIsTaken() {

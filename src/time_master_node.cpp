@@ -1,8 +1,9 @@
-// The time master's ROS side: parameters, /clock, services and the state topic, in one thread.
+// The time master's ROS side: services, the state topic and the change of mode, in one thread.
 #include <move_base_abstract/AcquireHold.h>
 #include <move_base_abstract/ReleaseHold.h>
 #include <move_base_abstract/RunUntil.h>
 #include <move_base_abstract/SetFactor.h>
+#include <move_base_abstract/SetMode.h>
 #include <move_base_abstract/Step.h>
 #include <move_base_abstract/TimeState.h>
 #include <ros/callback_queue.h>
@@ -12,47 +13,35 @@
 #include <std_srvs/Trigger.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
-#include <cstdio>
 #include <string>
 
 #include "clock_watch.h"
-#include "move_base_abstract/time_master.h"
+#include "lockstep_mode.h"
+#include "ros_master_watch.h"
+#include "scaled_mode.h"
 #include "time_master_parameters.h"
 
 namespace move_base_abstract {
 namespace {
 
-constexpr Nanoseconds kLongestWait = kNanosecondsPerSecond / 10;  // so that SIGINT is seen soon
+constexpr Nanoseconds kLongestWait = kNanosecondsPerSecond / 10;  // so that a signal is seen soon
 
-Nanoseconds wallNow() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(WallClock::now().time_since_epoch())
-      .count();
-}
+std::atomic<int> signal_number{0};
 
-ros::Time toRos(Nanoseconds time) {
-  return ros::Time(static_cast<uint32_t>(time / kNanosecondsPerSecond),
-                   static_cast<uint32_t>(time % kNanosecondsPerSecond));
+/** @return the path of the event log of the @p run th run: a.jsonl, a_2.jsonl, ... */
+std::string numbered(const std::string& path, int run) {
+  const std::size_t dot = path.rfind('.');
+  return run == 1 || dot == std::string::npos
+             ? path
+             : path.substr(0, dot) + "_" + std::to_string(run) + path.substr(dot);
 }
 
 /** @brief An instant or duration of ROS in ns; exact, also where it is negative. */
 template <typename RosTime>
 Nanoseconds fromRos(const RosTime& time) {
   return static_cast<Nanoseconds>(time.sec) * kNanosecondsPerSecond + time.nsec;
-}
-
-std::string text(Nanoseconds time) {
-  char buffer[40];
-  std::snprintf(buffer, sizeof(buffer), "%lld.%09lld s",
-                static_cast<long long>(time / kNanosecondsPerSecond),
-                static_cast<long long>(time % kNanosecondsPerSecond));
-  return buffer;
-}
-
-std::string text(double value) {
-  char buffer[40];
-  std::snprintf(buffer, sizeof(buffer), "%.12g", value);
-  return buffer;
 }
 
 }  // namespace
@@ -62,12 +51,16 @@ class TimeMasterNode {
   TimeMasterNode(ros::NodeHandle node, ros::NodeHandle own, const NodeParameters& parameters,
                  ClockWatch& watch)
       : watch_(watch),
-        master_(parameters.master, wallNow()),
+        parameters_(parameters),
         state_gap_(static_cast<Nanoseconds>(1e9 / parameters.state_rate)) {
+    // Of a run that was killed; participants would take it for that of this run.
+    ros::param::del("/time_master/lockstep_address");
     clock_publisher_ = node.advertise<rosgraph_msgs::Clock>("/clock", 10, true);
+    begin(parameters.in_lockstep, 0);
     state_publisher_ = own.advertise<TimeState>("state", 10, true);
     factor_subscriber_ = node.subscribe("/sim_time_factor", 10, &TimeMasterNode::onFactor, this);
     services_ = {own.advertiseService("set_factor", &TimeMasterNode::onSetFactor, this),
+                 own.advertiseService("set_mode", &TimeMasterNode::onSetMode, this),
                  own.advertiseService("pause", &TimeMasterNode::onPause, this),
                  own.advertiseService("resume", &TimeMasterNode::onResume, this),
                  own.advertiseService("step", &TimeMasterNode::onStep, this),
@@ -76,45 +69,49 @@ class TimeMasterNode {
                  own.advertiseService("release", &TimeMasterNode::onRelease, this)};
   }
 
-  /** @brief Publish and answer until ROS shuts down. */
-  void run() {
-    while (ros::ok()) {
-      publishClock();
-      logEvents();
+  /** @brief Publish and answer until ROS shuts down or the run ends. @return the exit code. */
+  int run() {
+    while (ros::ok() && signal_number == 0 && !mode_->ended()) {
+      changed_ = mode_->work() || changed_;
       publishState();
-      const Nanoseconds due = std::min(master_.nextWake(), state_due_);
+      const Nanoseconds due = std::min(mode_->nextWork(), state_due_);
       const Nanoseconds wait = std::clamp<Nanoseconds>(due - wallNow(), 0, kLongestWait);
       ros::getGlobalCallbackQueue()->callAvailable(
           ros::WallDuration(0, static_cast<int32_t>(wait)));
     }
+    return finish();
   }
 
  private:
-  void publishClock() {
-    if (const auto time = master_.poll(wallNow())) {
-      rosgraph_msgs::Clock message;
-      message.clock = toRos(*time);
-      clock_publisher_.publish(message);
+  int finish() {
+    const std::optional<TimeMode::End> end = mode_->ended();
+    const bool kept = mode_->finish(end ? end->reason : "the time master was told to end");
+    if (!end) {
+      return kept ? 0 : 1;
     }
+    if (end->good) {
+      ROS_INFO("the run is over: %s", end->reason.c_str());
+    } else {
+      ROS_FATAL("the run is over: %s", end->reason.c_str());
+    }
+    state_publisher_.publish(state());
+    return end->good && kept ? 0 : 1;
   }
 
-  void logEvents() {
-    for (const TimeMaster::Event& event : master_.takeEvents()) {
-      changed_ = true;
-      switch (event.kind) {
-        case TimeMaster::Event::Kind::kHoldExpired:
-          ROS_WARN("hold by '%s' timed out at %s and was released; did its holder die?",
-                   event.holder.c_str(), text(event.time).c_str());
-          break;
-        case TimeMaster::Event::Kind::kTargetReached:
-          ROS_DEBUG("reached %s, paused", text(event.time).c_str());
-          break;
-        case TimeMaster::Event::Kind::kEndOfTime:
-          ROS_ERROR("simulated time is at its end, %s, and stands still: start all nodes anew",
-                    text(event.time).c_str());
-          break;
+  /** @brief Start a mode at @p time, or at the parameter's start_time where that is 0. */
+  void begin(bool in_lockstep, Nanoseconds time) {
+    if (in_lockstep) {
+      NodeParameters parameters = parameters_;
+      parameters.event_log = numbered(parameters_.event_log, ++runs_);
+      mode_ = std::make_unique<LockstepMode>(parameters, clock_publisher_, time);
+    } else {
+      TimeMaster::Settings settings = parameters_.master;
+      if (time > 0) {
+        settings.start_time = secondsNotBefore(time);
       }
+      mode_ = std::make_unique<ScaledMode>(settings, clock_publisher_);
     }
+    ros::param::set("/time_master/mode", mode_->name());
   }
 
   void publishState() {
@@ -123,47 +120,27 @@ class TimeMasterNode {
     if (!changed_ && wall < state_due_) {
       return;
     }
-    master_.advance(wall);
     state_publisher_.publish(state());
     changed_ = false;
     state_due_ = wall + state_gap_;
   }
 
-  TimeState state() const {
+  TimeState state() {
     TimeState state;
-    state.mode = "scaled";
-    state.paused = master_.paused();
-    state.sim_time = toRos(master_.now());
-    state.wanted_factor = master_.wantedFactor();
-    state.effective_factor = master_.effectiveFactor();
-    state.achieved_factor = master_.achievedFactor();
-    state.busy_factor = master_.busyFactor();
-    state.run_until = toRos(master_.target().value_or(0));
-    for (const TimeMaster::Hold& held : master_.holds()) {
-      Hold hold;
-      hold.holder = held.holder;
-      hold.remaining = static_cast<double>(held.remaining) / 1e9;
-      state.holds.push_back(hold);
-    }
+    state.mode = mode_->name();
+    mode_->describe(state);
     state.other_clock_publishers = watch_.heard();
     return state;
   }
 
   void onFactor(const ros::MessageEvent<std_msgs::Float64 const>& event) {
     try {
-      setFactor(event.getMessage()->data);
+      mode_->setFactor(event.getMessage()->data);
+      changed_ = true;
     } catch (const std::invalid_argument& error) {
       ROS_WARN("/sim_time_factor from %s refused: %s", event.getPublisherName().c_str(),
                error.what());
     }
-  }
-
-  std::string setFactor(double factor) {
-    master_.setFactor(factor, wallNow());
-    changed_ = true;
-    const std::string done = "factor is " + text(master_.wantedFactor());
-    ROS_INFO("%s, from %s on", done.c_str(), text(master_.now()).c_str());
-    return done;
   }
 
   /** @brief Do @p action, which returns what it did, and turn a refusal into the answer. */
@@ -183,26 +160,48 @@ class TimeMasterNode {
   }
 
   bool onSetFactor(SetFactor::Request& request, SetFactor::Response& response) {
-    return answer("set_factor", response, [&] { return setFactor(request.factor); });
+    return answer("set_factor", response, [&] { return mode_->setFactor(request.factor); });
+  }
+
+  bool onSetMode(SetMode::Request& request, SetMode::Response& response) {
+    return answer("set_mode", response, [&] { return setMode(request.mode); });
+  }
+
+  std::string setMode(const std::string& wanted) {
+    if (wanted != "scaled" && wanted != "lockstep") {
+      throw std::invalid_argument("mode must be scaled or lockstep, got '" + wanted + "'");
+    }
+    if (wanted == mode_->name()) {
+      return "the mode is " + wanted + " already";
+    }
+    const std::string in_use = mode_->inUse();
+    if (!in_use.empty()) {
+      throw std::invalid_argument("mode must not be changed from " + std::string(mode_->name()) +
+                                  " to " + wanted + " while somebody uses it: " + in_use);
+    }
+    mode_->finish("the mode is changed to " + wanted);
+    const std::string before = mode_->name();
+    try {
+      begin(wanted == "lockstep", mode_->now());
+    } catch (const std::exception& error) {
+      begin(before == "lockstep", mode_->now());
+      throw std::invalid_argument("mode cannot be changed to " + wanted + ": " + error.what());
+    }
+    ROS_INFO("the mode is %s from %s on", wanted.c_str(), text(mode_->now()).c_str());
+    return "the mode is " + wanted + " from " + text(mode_->now()) + " on";
   }
 
   bool onPause(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    return answer("pause", response, [&] {
-      master_.pause(wallNow());
-      return "paused at " + text(master_.now());
-    });
+    return answer("pause", response, [&] { return mode_->pause(); });
   }
 
   bool onResume(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    return answer("resume", response, [&] {
-      master_.resume(wallNow());
-      return "running from " + text(master_.now()) + " on";
-    });
+    return answer("resume", response, [&] { return mode_->resume(); });
   }
 
   bool onStep(Step::Request& request, Step::Response& response) {
     return answer("step", response, [&] {
-      const Nanoseconds target = master_.step(fromRos(request.duration), wallNow());
+      const Nanoseconds target = mode_->step(fromRos(request.duration));
       response.target = toRos(target);
       return "running until " + text(target);
     });
@@ -210,44 +209,28 @@ class TimeMasterNode {
 
   bool onRunUntil(RunUntil::Request& request, RunUntil::Response& response) {
     return answer("run_until", response, [&] {
-      master_.runUntil(fromRos(request.target), wallNow());
+      mode_->runUntil(fromRos(request.target));
       return "running until " + text(fromRos(request.target));
     });
   }
 
   bool onHold(AcquireHold::Request& request, AcquireHold::Response& response) {
-    return answer("hold", response, [&] {
-      master_.hold(request.holder, request.timeout, wallNow());
-      return "'" + request.holder + "' holds; factor is " + text(master_.effectiveFactor());
-    });
+    return answer("hold", response, [&] { return mode_->hold(request.holder, request.timeout); });
   }
 
   bool onRelease(ReleaseHold::Request& request, ReleaseHold::Response& response) {
-    return answer("release", response, [&] {
-      if (!master_.release(request.holder, wallNow())) {
-        throw std::invalid_argument(
-            "release: '" + request.holder +
-            "' does not hold (released before, timed out, or never held); " + holders());
-      }
-      return "'" + request.holder + "' released; " + holders();
-    });
-  }
-
-  std::string holders() const {
-    std::string names;
-    for (const TimeMaster::Hold& hold : master_.holds()) {
-      names += (names.empty() ? "holders are: " : ", ") + hold.holder;
-    }
-    return names.empty() ? "nobody holds" : names;
+    return answer("release", response, [&] { return mode_->release(request.holder); });
   }
 
   ClockWatch& watch_;
-  TimeMaster master_;
+  const NodeParameters parameters_;
   const Nanoseconds state_gap_;
   Nanoseconds state_due_ = 0;
+  int runs_ = 0;  // in lockstep
   bool changed_ = false;
   ros::Publisher clock_publisher_;
   ros::Publisher state_publisher_;
+  std::unique_ptr<TimeMode> mode_;
   ros::Subscriber factor_subscriber_;
   std::vector<ros::ServiceServer> services_;
 };
@@ -279,6 +262,21 @@ void warnUnlessSimTime() {
   }
 }
 
+void announce(const NodeParameters& parameters) {
+  const std::string start = text(parameters.master.start_time);
+  const char* paused = parameters.master.start_paused ? ", paused" : "";
+  if (parameters.in_lockstep) {
+    const std::string named = parameters.lockstep.participants.empty()
+                                  ? "the first participants"
+                                  : joined(parameters.lockstep.participants);
+    ROS_INFO("simulated time starts at %s s, in lockstep, when there are: %s%s", start.c_str(),
+             named.c_str(), paused);
+  } else {
+    ROS_INFO("simulated time starts at %s s, factor %s%s", start.c_str(),
+             text(parameters.master.factor).c_str(), paused);
+  }
+}
+
 int runNode() {
   if (ownNameIsTaken()) {
     ROS_FATAL("a time master runs already as %s: a second one would set time back; stop it first",
@@ -296,23 +294,25 @@ int runNode() {
       return 1;
     }
     TimeMasterNode master(node, own, parameters, watch);
-    ROS_INFO("simulated time starts at %s s, factor %s%s",
-             text(parameters.master.start_time).c_str(), text(parameters.master.factor).c_str(),
-             parameters.master.start_paused ? ", paused" : "");
-    master.run();
+    announce(parameters);
+    return master.run();
   } catch (const std::invalid_argument& error) {
     ROS_FATAL("parameter %s/%s", own.getNamespace().c_str(), error.what());
-    return 1;
+  } catch (const std::runtime_error& error) {
+    ROS_FATAL("%s", error.what());
   }
-  return 0;
+  return 1;
 }
 
 }  // namespace
 }  // namespace move_base_abstract
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "time_master");
-  std::signal(SIGTERM, [](int) { ros::requestShutdown(); });  // roscpp does so on SIGINT only
+  ros::init(argc, argv, "time_master", ros::init_options::NoSigintHandler);
+  // The run's end is told to participants and written down before ROS goes.
+  for (const int number : {SIGINT, SIGTERM}) {
+    std::signal(number, [](int got) { move_base_abstract::signal_number = got; });
+  }
   const int code = move_base_abstract::runNode();
   ros::shutdown();
   return code;

@@ -4,11 +4,17 @@
 
 #include <ros/ros.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "move_base_abstract/lockstep_rounds.h"
 #include "move_base_abstract/time_master.h"
 
 namespace move_base_abstract {
@@ -44,6 +50,70 @@ class ParameterReader {
     }
     value = static_cast<bool>(raw);
   }
+
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  void read(const std::string& key, int& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeInt) {
+      refuse(key, "a whole number", raw);
+    }
+    value = static_cast<int>(raw);
+  }
+
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  void read(const std::string& key, std::string& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeString) {
+      refuse(key, "a text", raw);
+    }
+    value = static_cast<std::string>(raw);
+  }
+
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  void read(const std::string& key, std::vector<std::string>& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeArray) {
+      refuse(key, "a list of texts", raw);
+    }
+    value.clear();
+    for (int index = 0; index < raw.size(); ++index) {
+      if (raw[index].getType() != XmlRpc::XmlRpcValue::TypeString) {
+        refuse(key, "a list of texts", raw);
+      }
+      value.push_back(static_cast<std::string>(raw[index]));
+    }
+  }
+
+  /** @brief Replace @p value by what @p choices has for the parameter's text, if that is set. */
+  template <typename Value>
+  void choose(const std::string& key, const std::map<std::string, Value>& choices, Value& value) {
+    std::string chosen;
+    for (const auto& choice : choices) {
+      chosen = choice.second == value ? choice.first : chosen;
+    }
+    read(key, chosen);
+    const auto found = choices.find(chosen);
+    if (found == choices.end()) {
+      std::string allowed;
+      for (const auto& choice : choices) {
+        allowed += (allowed.empty() ? "" : " or ") + choice.first;
+      }
+      throw std::invalid_argument(key + " must be " + allowed + ", got '" + chosen + "'");
+    }
+    value = found->second;
+  }
+
+  /** @brief A parameter of this name is not unknown. */
+  void know(const std::string& key) { known_.insert(key); }
 
   /** @brief Log a warning for each parameter of this namespace that was not asked for. */
   void warnOfUnknown() const {
@@ -81,13 +151,87 @@ class ParameterReader {
 
 struct NodeParameters {
   TimeMaster::Settings master;
-  double state_rate = 2.0;  // state messages per wall second, 0.1 to 100; also one on each change
+  double state_rate = 2.0;   // state messages per wall second, 0.1 to 100; also one on each change
+  bool in_lockstep = false;  // mode at the start
+  LockstepSettings lockstep;
+  int lockstep_port = 0;  // 0: any free one
+  std::string event_log;  // path, .jsonl or .csv; '': none
 };
+
+/** @return the least number of seconds that is not before @p time [ns] when it is turned back. */
+inline double secondsNotBefore(Nanoseconds time) {
+  double seconds = static_cast<double>(time) / 1e9;
+  while (std::llround(seconds * 1e9) < time) {
+    seconds = std::nextafter(seconds, std::numeric_limits<double>::infinity());
+  }
+  return seconds;
+}
+
+/** @throws std::invalid_argument unless @p value is in the range, both ends included. */
+inline void checkRange(const char* key, double value, double low, double high, const char* unit) {
+  if (!(value >= low && value <= high)) {
+    std::ostringstream text;
+    text.precision(9);
+    text << key << " must be from " << low << " to " << high << unit << ", got " << value;
+    throw std::invalid_argument(text.str());
+  }
+}
+
+/** @return the names of nodes, those without a leading '/' below the root. */
+inline std::vector<std::string> absoluteNames(const std::vector<std::string>& names) {
+  std::vector<std::string> absolute;
+  for (const std::string& name : names) {
+    std::string error;
+    if (name.empty() || name == "/" || !ros::names::validate(name, error) || name[0] == '~') {
+      throw std::invalid_argument("participants must be a list of node names, got '" + name + "'" +
+                                  (error.empty() ? "" : " (" + error + ")"));
+    }
+    const std::string full = ros::names::clean(name[0] == '/' ? name : "/" + name);
+    if (std::find(absolute.begin(), absolute.end(), full) != absolute.end()) {
+      throw std::invalid_argument("participants must name each node once, got '" + full +
+                                  "' twice");
+    }
+    absolute.push_back(full);
+  }
+  return absolute;
+}
+
+inline void readLockstepParameters(ParameterReader& reader, NodeParameters& parameters) {
+  LockstepSettings& lockstep = parameters.lockstep;
+  int max_microsteps = static_cast<int>(lockstep.max_microsteps);
+  reader.read("participants", lockstep.participants);
+  reader.read("settle", lockstep.settle);
+  reader.read("speed_limit", lockstep.limit);
+  reader.read("silence_limit", lockstep.silence_limit);
+  reader.choose("on_silence", {{"wait", OnSilence::kWait}, {"drop", OnSilence::kDrop}},
+                lockstep.on_silence);
+  reader.choose("on_death", {{"go_on", OnDeath::kGoOn}, {"end", OnDeath::kEnd}}, lockstep.on_death);
+  reader.read("max_microsteps", max_microsteps);
+  reader.read("end_when_idle", lockstep.end_when_idle);
+  reader.read("log_messages", lockstep.log_messages);
+  reader.read("lockstep_port", parameters.lockstep_port);
+  reader.read("event_log", parameters.event_log);
+  lockstep.participants = absoluteNames(lockstep.participants);
+  checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
+  if (lockstep.limit != 0.0) {
+    checkRange("speed_limit", lockstep.limit, TimeMaster::kSmallestFactor,
+               TimeMaster::kLargestFactor, " simulated seconds per wall second, or 0 for none");
+  }
+  if (lockstep.silence_limit != 0.0) {
+    checkRange("silence_limit", lockstep.silence_limit, 0.001, 86400.0, " s, or 0 for none");
+  }
+  checkRange("max_microsteps", max_microsteps, 1.0, 1e8, "");
+  checkRange("lockstep_port", parameters.lockstep_port, 0.0, 65535.0, ", where 0 is any free one");
+  lockstep.max_microsteps = static_cast<std::uint32_t>(max_microsteps);
+  lockstep.start_time = parameters.master.start_time;
+  lockstep.start_paused = parameters.master.start_paused;
+}
 
 /** @throws std::invalid_argument that begins with the key of a parameter of a wrong type. */
 inline NodeParameters readParameters(const ros::NodeHandle& node) {
   NodeParameters parameters;
   ParameterReader reader(node);
+  reader.choose("mode", {{"scaled", false}, {"lockstep", true}}, parameters.in_lockstep);
   reader.read("factor", parameters.master.factor);
   reader.read("busy_factor", parameters.master.busy_factor);
   reader.read("finest_step", parameters.master.finest_step);
@@ -96,11 +240,10 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   reader.read("start_paused", parameters.master.start_paused);
   reader.read("repeat_rate", parameters.master.repeat_rate);
   reader.read("state_rate", parameters.state_rate);
-  if (!(parameters.state_rate >= 0.1 && parameters.state_rate <= 100.0)) {
-    std::ostringstream text;
-    text << "state_rate must be from 0.1 to 100 Hz, got " << parameters.state_rate;
-    throw std::invalid_argument(text.str());
-  }
+  checkRange("state_rate", parameters.state_rate, 0.1, 100.0, " Hz");
+  TimeMaster(parameters.master, 0);  // checks the others, whatever the mode is now
+  readLockstepParameters(reader, parameters);
+  reader.know("lockstep_address");  // our own, of a run that was killed
   reader.warnOfUnknown();
   return parameters;
 }

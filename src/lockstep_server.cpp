@@ -1,0 +1,359 @@
+#include "lockstep_server.h"
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+
+namespace move_base_abstract {
+namespace {
+
+constexpr std::uint64_t kListener = 0;
+constexpr std::uint64_t kEvent = 1;
+constexpr std::uint64_t kTimer = 2;
+constexpr ConnectionId kFirstConnection = 3;
+
+constexpr std::size_t kBufferSize = 1 << 18;                 // bytes received at once
+constexpr Nanoseconds kCloseLimit = kNanosecondsPerSecond;   // wall, for the last bytes
+constexpr Nanoseconds kFinishLimit = kNanosecondsPerSecond;  // wall, for everybody's last bytes
+
+Nanoseconds wallNow() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+[[noreturn]] void fail(const std::string& what, int error) {
+  throw std::runtime_error("lockstep: " + what + ": " + std::strerror(error));
+}
+
+Descriptor checked(int fd, const char* what) {
+  if (fd < 0) {
+    fail(what, errno);
+  }
+  return Descriptor(fd);
+}
+
+template <typename Value>
+void setOption(int fd, int level, int option, Value value) {
+  setsockopt(fd, level, option, &value, sizeof(value));
+}
+
+/** @brief Small frames go out at once; a computer that has lost its power is noticed. */
+void tune(int fd) {
+  setOption(fd, IPPROTO_TCP, TCP_NODELAY, 1);
+  setOption(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
+  setOption(fd, IPPROTO_TCP, TCP_KEEPIDLE, 10);  // s
+  setOption(fd, IPPROTO_TCP, TCP_KEEPINTVL, 5);  // s
+  setOption(fd, IPPROTO_TCP, TCP_KEEPCNT, 4);
+  setOption(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, 30'000U);  // ms
+}
+
+using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
+
+Addresses addressesOf(const std::string& host, int port) {
+  addrinfo wanted{};
+  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  const int error = getaddrinfo(host.c_str(), std::to_string(port).c_str(), &wanted, &found);
+  if (error != 0) {
+    throw std::runtime_error("lockstep: the host name '" + host + "' is not known (" +
+                             gai_strerror(error) + "); set ROS_IP to an address of this computer");
+  }
+  return {found, &freeaddrinfo};
+}
+
+int portOf(int fd) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof(address);
+  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  return ntohs(address.ss_family == AF_INET6
+                   ? reinterpret_cast<const sockaddr_in6*>(&address)->sin6_port
+                   : reinterpret_cast<const sockaddr_in*>(&address)->sin_port);
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (fd_ >= 0) {
+    close(fd_);
+  }
+}
+
+LockstepServer::LockstepServer(const LockstepSettings& settings, const std::string& host, int port,
+                               Listeners listeners)
+    : session_(settings, wallNow()),
+      listeners_(std::move(listeners)),
+      epoll_(checked(epoll_create1(EPOLL_CLOEXEC), "epoll")),
+      event_(checked(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd")),
+      timer_(checked(timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK), "timerfd")),
+      last_id_(kFirstConnection),
+      buffer_(kBufferSize) {
+  listen(host, port);
+  watch(listener_.get(), kListener, EPOLLIN, EPOLL_CTL_ADD);
+  watch(event_.get(), kEvent, EPOLLIN, EPOLL_CTL_ADD);
+  watch(timer_.get(), kTimer, EPOLLIN, EPOLL_CTL_ADD);
+  wake();  // so that the session's first wake-up is asked for
+  thread_ = std::thread([this] { run(); });
+}
+
+LockstepServer::~LockstepServer() { finish("the time master ends"); }
+
+void LockstepServer::listen(const std::string& host, int port) {
+  const Addresses addresses = addressesOf(host, port);
+  int error = EADDRNOTAVAIL;
+  for (const addrinfo* one = addresses.get(); one != nullptr; one = one->ai_next) {
+    Descriptor fd(socket(one->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    setOption(fd.get(), SOL_SOCKET, SO_REUSEADDR, 1);
+    if (fd.get() >= 0 && bind(fd.get(), one->ai_addr, one->ai_addrlen) == 0 &&
+        ::listen(fd.get(), SOMAXCONN) == 0) {
+      address_ = host + ":" + std::to_string(portOf(fd.get()));
+      listener_ = std::move(fd);
+      return;
+    }
+    error = errno;
+  }
+  fail("cannot listen on " + host + ":" + std::to_string(port) +
+           " (lockstep_port; ROS_IP and ROS_HOSTNAME say which address)",
+       error);
+}
+
+void LockstepServer::watch(int fd, std::uint64_t id, std::uint32_t events, int operation) {
+  epoll_event event{};
+  event.events = events;
+  event.data.u64 = id;
+  epoll_ctl(epoll_.get(), operation, fd, &event);
+}
+
+void LockstepServer::wake() const {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = write(event_.get(), &one, sizeof(one));
+}
+
+std::vector<LockstepMessage> LockstepServer::takeMessages() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return std::exchange(messages_, {});
+}
+
+void LockstepServer::finish(const std::string& reason) {
+  if (!thread_.joinable()) {
+    return;
+  }
+  with([&](LockstepSession& session) {
+    if (session.phase() != LockstepPhase::kEnded) {
+      session.end(reason);
+    }
+  });
+  stopping_ = true;
+  wake();
+  thread_.join();
+}
+
+void LockstepServer::run() {
+  std::array<epoll_event, 64> events;
+  Nanoseconds stop_due = kNever;
+  while (wallNow() < stop_due) {
+    const int count = epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), -1);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const Nanoseconds wall = wallNow();
+    for (int index = 0; index < count; ++index) {
+      const epoll_event& event = events[static_cast<std::size_t>(index)];
+      handle(event.data.u64, event.events, wall);
+    }
+    work();
+    if (stopping_) {
+      if (connections_.empty()) {
+        return;
+      }
+      stop_due = std::min(stop_due, wall + kFinishLimit);
+    }
+    arm(std::min(stop_due, session_.nextWake()));
+  }
+}
+
+/** @brief Ask for a wake-up. One asked for before and earlier stands: it only costs a look. */
+void LockstepServer::arm(Nanoseconds due) {
+  if (!closing_.empty()) {
+    due = std::min(due, connections_.at(closing_.front()).close_due);
+  }
+  if (due >= armed_) {
+    return;
+  }
+  armed_ = due;
+  itimerspec when{};
+  const Nanoseconds at = std::max<Nanoseconds>(due, 1);  // 0 would switch it off
+  when.it_value.tv_sec = at / kNanosecondsPerSecond;
+  when.it_value.tv_nsec = at % kNanosecondsPerSecond;
+  timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &when, nullptr);
+}
+
+void LockstepServer::work() {
+  const Nanoseconds wall = wallNow();
+  for (LockstepSession::Output& output : session_.poll(wall)) {
+    send(output);
+  }
+  tellListeners();
+  closeOverdue(wall);
+}
+
+void LockstepServer::tellListeners() {
+  for (const LockstepLogEntry& entry : session_.takeLog()) {
+    listeners_.event(entry);
+  }
+  for (LockstepMessage& message : session_.takeMessages()) {
+    messages_.push_back(std::move(message));
+  }
+  if (session_.now() == told_) {
+    return;
+  }
+  const LockstepPhase phase = session_.phase();
+  const bool never_started = phase == LockstepPhase::kEnded && told_ == 0;
+  if (phase != LockstepPhase::kWaitingForParticipants && !never_started) {
+    told_ = session_.now();
+    listeners_.time(told_);
+  }
+}
+
+void LockstepServer::handle(std::uint64_t id, std::uint32_t events, Nanoseconds wall) {
+  std::uint64_t ignored = 0;
+  if (id == kListener) {
+    acceptAll();
+  } else if (id == kEvent) {
+    [[maybe_unused]] const auto got = read(event_.get(), &ignored, sizeof(ignored));
+  } else if (id == kTimer) {
+    [[maybe_unused]] const auto got = read(timer_.get(), &ignored, sizeof(ignored));
+    armed_ = kNever;
+  } else if (const auto found = connections_.find(id); found != connections_.end()) {
+    if ((events & EPOLLOUT) != 0) {
+      sendMore(id, found->second);
+    }
+    if ((events & (EPOLLIN | EPOLLERR | EPOLLHUP)) != 0) {
+      receive(id, found->second, wall);
+    }
+  }
+}
+
+void LockstepServer::acceptAll() {
+  while (accept()) {
+  }
+}
+
+bool LockstepServer::accept() {
+  Descriptor fd(accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+  if (fd.get() < 0) {
+    if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
+      // The connection stays in the queue: looking at it again and again would take a whole core.
+      listening_ = false;
+      watch(listener_.get(), kListener, 0, EPOLL_CTL_MOD);
+      messages_.push_back({LockstepMessage::Level::kError,
+                           std::string("a participant cannot be taken: ") + std::strerror(errno)});
+      return false;
+    }
+    return errno == ECONNABORTED || errno == EINTR;
+  }
+  tune(fd.get());
+  const ConnectionId id = ++last_id_;
+  watch(fd.get(), id, EPOLLIN, EPOLL_CTL_ADD);
+  connections_[id].socket = std::move(fd);
+  session_.connect(id);
+  return true;
+}
+
+void LockstepServer::receive(ConnectionId id, Connection& connection, Nanoseconds wall) {
+  while (true) {
+    const ssize_t size = recv(connection.socket.get(), buffer_.data(), buffer_.size(), 0);
+    if (size < 0 && (errno == EAGAIN || errno == EINTR)) {
+      return;
+    }
+    if (size <= 0) {
+      lose(id, wall);
+      return;
+    }
+    if (!connection.closing) {
+      session_.received(id, {buffer_.data(), static_cast<std::size_t>(size)}, wall);
+    }
+    if (static_cast<std::size_t>(size) < buffer_.size()) {
+      return;
+    }
+  }
+}
+
+void LockstepServer::lose(ConnectionId id, Nanoseconds wall) {
+  session_.disconnected(id, wall);
+  forget(id);
+}
+
+void LockstepServer::forget(ConnectionId id) {
+  connections_.erase(id);  // epoll forgets a closed descriptor by itself
+  closing_.erase(std::remove(closing_.begin(), closing_.end(), id), closing_.end());
+  if (!listening_) {
+    listening_ = true;
+    watch(listener_.get(), kListener, EPOLLIN, EPOLL_CTL_MOD);
+  }
+}
+
+void LockstepServer::send(LockstepSession::Output& output) {
+  const auto found = connections_.find(output.connection);
+  if (found == connections_.end()) {
+    return;
+  }
+  Connection& connection = found->second;
+  if (connection.unsent.empty()) {
+    connection.unsent = std::move(output.bytes);
+  } else {
+    connection.unsent += output.bytes;
+  }
+  if (output.close) {
+    connection.closing = true;
+    connection.close_due = wallNow() + kCloseLimit;
+    closing_.push_back(output.connection);
+  }
+  sendMore(output.connection, connection);
+}
+
+/** @brief Send what the socket takes. An error is left to receive(), which sees it too. */
+void LockstepServer::sendMore(ConnectionId id, Connection& connection) {
+  std::size_t sent = 0;
+  while (sent < connection.unsent.size()) {
+    const ssize_t size = ::send(connection.socket.get(), connection.unsent.data() + sent,
+                                connection.unsent.size() - sent, MSG_NOSIGNAL);
+    if (size < 0 && errno != EINTR) {
+      if (errno != EAGAIN) {
+        sent = connection.unsent.size();  // nobody will read it
+      }
+      break;
+    }
+    sent += size > 0 ? static_cast<std::size_t>(size) : 0;
+  }
+  connection.unsent.erase(0, sent);
+  const bool awaits_space = !connection.unsent.empty();
+  if (awaits_space != connection.awaits_space) {
+    connection.awaits_space = awaits_space;
+    watch(connection.socket.get(), id, EPOLLIN | (awaits_space ? EPOLLOUT : 0U), EPOLL_CTL_MOD);
+  }
+  if (connection.closing && !awaits_space) {
+    // Not close(): unread bytes of the other side would make the kernel throw away our last ones.
+    shutdown(connection.socket.get(), SHUT_WR);
+  }
+}
+
+/** @brief Close those that were told the end and have not closed their side in time. */
+void LockstepServer::closeOverdue(Nanoseconds wall) {
+  while (!closing_.empty() && connections_.at(closing_.front()).close_due <= wall) {
+    forget(closing_.front());
+  }
+}
+
+}  // namespace move_base_abstract

@@ -1,0 +1,168 @@
+"""Say in plain lines why simulated time moves, or why it does not.
+
+    rosrun move_base_abstract why [--json] [--timeout S] [--ns /time_master]
+
+Asks the time master once: what is going on, who owes what since when, the next wake-up, which nodes time does not wait
+for, and what keeps the run from being repeatable.
+
+Exit codes: 0 the time master has answered; 1 it has not; 2 wrong arguments.
+"""
+
+import argparse
+import json
+import math
+import sys
+
+import genpy
+import rosgraph
+import rospy
+
+from move_base_abstract.msg import TimeState
+
+SHOWN = 10  # participants of a kind that are named one by one
+
+PHASES = {
+    'waiting_for_participants': 'stands still: the run has not started',
+    'running': 'moves',
+    'waiting': 'stands still: somebody has not reported for a while',
+    'limited': 'moves, held back by the speed limit',
+    'paused': 'stands still: paused',
+    'idle': 'stands still: nobody ever wants to wake up (idle); a message from outside or a newcomer wakes the run',
+    'deadlock': 'stands still: deadlock',
+    'zero_delay_loop': 'stands still: zero-delay loop',
+    'ended': 'stands still: the run is over',
+}
+
+
+def main(words=None):
+    """Ask, print the answer and exit with the code."""
+    arguments = _parse(rospy.myargv()[1:] if words is None else words)
+    topic = arguments.ns.rstrip('/') + '/state'
+    try:
+        state = _ask(topic, arguments.timeout)
+    except (rospy.ROSException, OSError) as error:
+        print(f'why: {error}', file=sys.stderr)
+        sys.exit(1)
+    print(json.dumps(as_data(state), indent=2) if arguments.json else '\n'.join(lines(state)))
+
+
+def _parse(words):
+    parser = argparse.ArgumentParser(prog='why', description='Say why simulated time moves, or why it does not.',
+                                     epilog='exit codes: 0 the time master has answered, 1 it has not')
+    parser.add_argument('--json', action='store_true', help="the time master's whole state as one JSON object")
+    parser.add_argument('--timeout', type=_seconds, default=5.0, metavar='S', help='s, wall (default: %(default)g)')
+    parser.add_argument('--ns', default='/time_master', metavar='NAME', help='time master (default: %(default)s)')
+    return parser.parse_args(words)
+
+
+def _seconds(text):
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f'must be a finite number > 0, got {text}')
+    return value
+
+
+def _ask(topic, timeout):
+    """Return the TimeState that the time master sends. Raises rospy.ROSException if none comes in time."""
+    if not rosgraph.is_master_online():
+        raise rospy.ROSException(f'no ROS master at {rosgraph.get_master_uri()}')
+    # Without ROS time: the question must not make this node one of those that use the clock.
+    rospy.init_node('why', anonymous=True, disable_rostime=True, disable_signals=True)
+    try:
+        return rospy.wait_for_message(topic, TimeState, timeout)
+    except rospy.ROSException as error:
+        raise rospy.ROSException(f'no time master answers on {topic} within {timeout:g} s; is one running there?'
+                                 ) from error
+    finally:
+        rospy.signal_shutdown('asked')
+
+
+def as_data(message):
+    """Return a message as dicts, lists, numbers and texts; times in ns, under names that end in _ns."""
+    data = {}
+    for name in message.__slots__:
+        value = getattr(message, name)
+        if isinstance(value, genpy.Time):
+            data[name + '_ns'] = value.to_nsec()
+        elif isinstance(value, list):
+            data[name] = [as_data(one) if isinstance(one, genpy.Message) else one for one in value]
+        else:
+            data[name] = value
+    return data
+
+
+def lines(state):
+    """Return the answer as lines for people."""
+    if state.mode != 'lockstep':
+        return _scaled_lines(state)
+    return [f'time {PHASES.get(state.phase, state.phase)}',
+            f'at {_time(state.sim_time)}, microstep {state.microstep}; {state.rounds} rounds, {state.leaps} leaps, '
+            f'{state.messages} messages so far; {state.achieved_factor:.4g} times real time lately',
+            *([state.reason] if state.reason else []), *_gate_lines(state), *_waiting_lines(state),
+            *_participant_lines(state), *_label_lines(state)]
+
+
+def _scaled_lines(state):
+    moves = f'moves at {state.effective_factor:g} times real time' if state.effective_factor else 'stands still'
+    if state.paused:
+        moves = 'stands still: paused'
+    elif state.holds and state.effective_factor < state.wanted_factor:
+        moves += f', held back (asked for: {state.wanted_factor:g}, busy_factor: {state.busy_factor:g})'
+    return [f'time {moves}', f'at {_time(state.sim_time)}; mode scaled: time follows the wall and waits for nobody',
+            *(f'held by {hold.holder}, for {hold.remaining:.1f} s more at most' for hold in state.holds),
+            *([f'stops at {_time(state.run_until)}'] if state.run_until else []),
+            *(f'{name} publishes /clock too' for name in state.other_clock_publishers)]
+
+
+def _gate_lines(state):
+    if state.paused and state.phase != 'paused':
+        yield 'paused: no leap after the present instant'
+    if state.run_until:
+        yield f'stops at {_time(state.run_until)}'
+    if state.wanted_factor:
+        yield f'at most {state.wanted_factor:g} times real time'
+
+
+def _waiting_lines(state):
+    waiting = sorted(state.waiting_for, key=lambda one: -one.since)
+    for one in waiting[:SHOWN]:
+        yield f'{one.name} owes {one.owes}, for {one.since:.1f} s'
+    if len(waiting) > SHOWN:
+        yield f'... and {len(waiting) - SHOWN} more'
+
+
+def _participant_lines(state):
+    due = [one for one in state.participants if not one.never]
+    if due:
+        first = min(one.next for one in due)
+        names = [one.name for one in due if one.next == first]
+        yield f'next wake-up: {_time(first)}, of {_some(names)}'
+    elif state.participants:
+        yield 'next wake-up: none'
+    stuck = [one for one in state.participants if one.waits_for or one.open]
+    for one in stuck[:SHOWN]:
+        threads = f'{one.open} thread{"s" if one.open > 1 else ""} waiting without end' if one.open else ''
+        yield f'{one.name}: {"; ".join(part for part in (threads, one.waits_for) if part)}'
+    if len(stuck) > SHOWN:
+        yield f'... and {len(stuck) - SHOWN} more that wait'
+    yield f'participants: {_some([one.name for one in state.participants])}'
+    if state.bystanders:
+        yield f'not waited for (they use /clock and do not take part): {_some(state.bystanders)}'
+    if state.other_clock_publishers:
+        yield f'others that publish /clock (an error): {_some(state.other_clock_publishers)}'
+
+
+def _label_lines(state):
+    yield from (f'not repeatable: {why}' for why in state.not_repeatable_because)
+    yield from (f'degraded: {why}' for why in state.degraded_because)
+    if state.repeatable:
+        yield 'repeatable so far'
+
+
+def _some(names):
+    rest = f' and {len(names) - SHOWN} more' if len(names) > SHOWN else ''
+    return ', '.join(names[:SHOWN]) + rest if names else 'none'
+
+
+def _time(time):
+    return f'{time.secs}.{time.nsecs:09d} s'

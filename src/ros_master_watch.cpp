@@ -1,0 +1,111 @@
+#include "ros_master_watch.h"
+
+#include <ros/master.h>
+#include <ros/this_node.h>
+
+#include <chrono>
+
+#include "node_probe.h"
+
+namespace move_base_abstract {
+namespace {
+
+constexpr std::chrono::milliseconds kGap{1000};    // wall, between two looks
+constexpr std::chrono::milliseconds kLimit{2000};  // wall, for an answer
+constexpr int kRefusals = 3;  // one refused connection may be an overflowing backlog
+
+NodeProbe masterProbe() {
+  return NodeProbe(ros::master::getHost(), static_cast<int>(ros::master::getPort()));
+}
+
+}  // namespace
+
+RosMasterWatch::RosMasterWatch() : thread_([this] { run(); }) {}
+
+RosMasterWatch::~RosMasterWatch() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ending_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+std::string RosMasterWatch::gone() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return gone_;
+}
+
+std::set<std::string> RosMasterWatch::clockSubscribers() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return subscribers_;
+}
+
+void RosMasterWatch::run() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!ending_ && gone_.empty()) {
+    lock.unlock();
+    look();
+    lock.lock();
+    wake_.wait_for(lock, kGap, [this] { return ending_; });
+  }
+}
+
+void RosMasterWatch::look() {
+  if (!canConnect(ros::master::getHost(), ros::master::getPort(), kLimit)) {
+    if (++refusals_ >= kRefusals) {
+      setGone("the ROS master at " + ros::master::getURI() + " no longer takes connections");
+    }
+    return;
+  }
+  refusals_ = 0;
+  XmlRpc::XmlRpcValue request, pid;
+  request[0] = ros::this_node::getName();
+  if (masterProbe().call("getPid", request, kLimit, pid) &&
+      pid.getType() == XmlRpc::XmlRpcValue::TypeInt) {
+    if (pid_ != 0 && static_cast<int>(pid) != pid_) {
+      setGone("another ROS master answers at " + ros::master::getURI() +
+              ": it knows none of the nodes");
+      return;
+    }
+    pid_ = static_cast<int>(pid);
+  }
+  readSubscribers();
+}
+
+void RosMasterWatch::readSubscribers() {
+  XmlRpc::XmlRpcValue request, state;
+  request[0] = ros::this_node::getName();
+  if (!masterProbe().call("getSystemState", request, kLimit, state) ||
+      state.getType() != XmlRpc::XmlRpcValue::TypeArray || state.size() < 2) {
+    return;
+  }
+  std::set<std::string> names;
+  XmlRpc::XmlRpcValue& topics = state[1];
+  for (int topic = 0; topic < topics.size(); ++topic) {
+    if (static_cast<std::string>(topics[topic][0]) != "/clock") {
+      continue;
+    }
+    for (int node = 0; node < topics[topic][1].size(); ++node) {
+      names.insert(static_cast<std::string>(topics[topic][1][node]));
+    }
+  }
+  names.erase(ros::this_node::getName());
+  const std::lock_guard<std::mutex> lock(mutex_);
+  subscribers_ = names;
+  ++answers_;
+}
+
+void RosMasterWatch::setGone(const std::string& why) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  gone_ = why;
+}
+
+void deleteParameter(const std::string& key) {
+  XmlRpc::XmlRpcValue request, result;
+  request[0] = ros::this_node::getName();
+  request[1] = key;
+  masterProbe().call("deleteParam", request, std::chrono::seconds(1), result);
+}
+
+}  // namespace move_base_abstract

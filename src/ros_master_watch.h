@@ -1,0 +1,60 @@
+// Watches the ROS master: does it live, and which nodes use simulated time? In a thread of its own.
+#ifndef MOVE_BASE_ABSTRACT_SRC_ROS_MASTER_WATCH_H
+#define MOVE_BASE_ABSTRACT_SRC_ROS_MASTER_WATCH_H
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+
+namespace move_base_abstract {
+
+/**
+ * @brief Asks the ROS master every wall second or two, so that nobody else has to wait for it.
+ *
+ * The master is gone when its port refuses connections three times in a row, or when another
+ * process answers there: it has forgotten all nodes. One that is only slow is not gone.
+ */
+class RosMasterWatch {
+ public:
+  /** Begins to watch. Call it after ros::init. */
+  RosMasterWatch();
+  ~RosMasterWatch();
+
+  RosMasterWatch(const RosMasterWatch&) = delete;
+  RosMasterWatch& operator=(const RosMasterWatch&) = delete;
+
+  /** @return why the ROS master counts as gone; '' while it does not. */
+  std::string gone() const;
+
+  /** @return the other nodes that subscribe to /clock, as of a second or two ago. */
+  std::set<std::string> clockSubscribers() const;
+
+  /** @return how often clockSubscribers() was asked of the master and answered. */
+  int answers() const { return answers_; }
+
+ private:
+  void run();
+  void look();
+  void readSubscribers();
+  void setGone(const std::string& why);
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  bool ending_ = false;
+  std::string gone_;
+  std::set<std::string> subscribers_;
+  std::atomic<int> answers_{0};
+  int refusals_ = 0;
+  int pid_ = 0;
+  std::thread thread_;  // last: it uses the others
+};
+
+/** @brief Delete a parameter, also while ROS shuts down. Waits a second at most for the master. */
+void deleteParameter(const std::string& key);
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_SRC_ROS_MASTER_WATCH_H
