@@ -18,14 +18,14 @@ unexport CMAKE_PREFIX_PATH PYTHONPATH ROS_PACKAGE_PATH ROS_HOSTNAME ROS_NAMESPAC
 export ROS_IP := 127.0.0.1
 export ROS_HOME := $(WS)/ros_home
 
-# make demo FACTOR=50 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml
+# make demo CLOCK=scaled FACTOR=10 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml
 FIELD_DATA := $(wildcard ../shared/data/riseholme_compaction_0cm_kpa.csv)
 CSV ?= $(if $(MISSION),,$(FIELD_DATA))
 
 help:  ## this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' Makefile | expand -t 16
 	@echo
-	@echo 'Options: make demo FACTOR=50 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml; make test ONLY=part_of_a_name'
+	@echo 'Options: make demo CLOCK=scaled FACTOR=10 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml; make test ONLY=part_of_a_name'
 	@echo 'A shell in the built environment: source .ws/setup.sh'
 
 deps:  ## install what is missing (Debian packages by apt, the rest in .ws/venv)
@@ -37,7 +37,7 @@ build: deps  ## build the catkin package in .ws/
 demo: build  ## five robots, a mission, a progress bar and a table; RVIZ=1 shows it
 	@$(if $(RVIZ),tools/install_deps tools/apt-packages-picture.txt)
 	@$(ENTER) rosrun move_base_abstract demo \
-	  $(if $(FACTOR),--factor '$(FACTOR)') $(if $(ROBOTS),--robots '$(ROBOTS)') $(if $(RVIZ),--rviz) \
+	  $(if $(CLOCK),--clock '$(CLOCK)') $(if $(FACTOR),--factor '$(FACTOR)') $(if $(ROBOTS),--robots '$(ROBOTS)') $(if $(RVIZ),--rviz) \
 	  $(if $(CSV),--csv '$(abspath $(CSV))') $(if $(MISSION),--mission '$(abspath $(MISSION))')
 
 test: build  ## all tests; ONLY=part_of_a_name for some

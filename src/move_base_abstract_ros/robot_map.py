@@ -4,13 +4,15 @@ import rospy
 from move_base_abstract.map_check import MapCheck
 
 
-def wait_for_maps(robots):
+def wait_for_maps(robots, participant):
     """Wait for the first map of all ``robots``, (RobotNames, RobotSettings) pairs; False if ROS shuts down meanwhile.
 
-    In lockstep this comes before the node takes part: a map that came at some later time of the wall would make a run
-    another one each time.
+    In lockstep this is done in the first round: a map that came at some later time of the wall would make a run
+    another one each time. (Not before it: map_server waits for the first /clock.)
     """
     topics = sorted({_topic(names, settings) for names, settings in robots if settings.values['use_map']})
+    for topic in topics:
+        participant.constant(topic)
     if topics:
         from .map_listener import MapListener
         return all(MapListener.on(topic).wait() for topic in topics)

@@ -39,6 +39,7 @@ class Participant:
         self._items = []
         self.charge = charge
         self._is_granted = False
+        self.is_starting = True
         self._told = ''
         self.topics = Topics(self, EXCLUDED)
         self.services = Services(self)
@@ -63,7 +64,10 @@ class Participant:
         self.add(wire.note(wire.NOT_REPEATABLE, text))
 
     def constant(self, topic):
-        """Take what non-participants publish on ``topic`` as the same in every run: no label for it."""
+        """Take what non-participants publish on ``topic`` as the same in every run: no label for it.
+
+        In this node's first round, before which no time passes, it is delivered at once, in rospy's own thread.
+        """
         self.topics.constants.add(rospy.resolve_name(topic))
 
     def wait_until(self, condition, timeout=None, what='something'):
@@ -171,7 +175,7 @@ class Participant:
         if told != self._told:
             self._told = told
             self._items.append(wire.note(wire.WAITS_FOR, told))
-        self._is_granted = False
+        self._is_granted = self.is_starting = False
         try:
             self.connection.send(wire.report(self._round, 0, next_ns, len(waits), self._take_items()))
         except Closed as error:

@@ -290,7 +290,9 @@ class Topics:
     def outside(self, impl, messages, connection, deliver):
         """Messages have come from a node that does not take part, or over a connection that does not count."""
         participant = self._participant
-        if participant.scheduler.is_closed or impl.resolved_name in self.excluded:
+        is_free = impl.resolved_name in self.excluded or (participant.is_starting
+                                                          and impl.resolved_name in self.constants)
+        if participant.scheduler.is_closed or is_free:
             deliver(messages, connection)
             return
         if participant.is_member(connection.callerid_pub):

@@ -1,7 +1,7 @@
 """The demo: a mission of several robots, faster than real time, on a ROS master of its own.
 
-    demo [--factor F] [--csv FILE | --mission FILE] [--map FILE] [--robots N] [--goals K] [--seed S] [--speed V]
-         [--rviz]
+    demo [--clock lockstep|scaled] [--factor F] [--csv FILE | --mission FILE] [--map FILE] [--robots N] [--goals K]
+         [--seed S] [--speed V] [--rviz]
 
 Exit codes: 0 mission done; 1 it failed (the reason is printed); 2 wrong arguments; 130 interrupted (143 by SIGTERM).
 """
@@ -16,6 +16,7 @@ import rospy
 
 from move_base_abstract import mission
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
 from move_base_abstract_ros.nodes import demo_nodes, demo_report
 from move_base_abstract_ros.nodes.demo_mission import MissionFailed, MissionRun
@@ -48,15 +49,18 @@ def _run(arguments, plan):
         ros.adopt()
         map_path, why = demo_nodes.choose_map(arguments.map, 'field.yaml' if arguments.csv else 'farm_yard.yaml', plan)
         print(why, flush=True)
-        demo_nodes.start(ros, plan, arguments.factor, arguments.speed, map_path, arguments.rviz)
+        clock = demo_nodes.clock_parameters(arguments.clock, arguments.factor, ['/fleet', '/demo'])
+        demo_nodes.start(ros, plan, clock, arguments.speed, map_path, arguments.rviz)
         rospy.init_node('demo', disable_signals=True)
         try:
-            run = MissionRun(plan)
+            run = MissionRun(plan, lockstep.join() if arguments.clock == 'lockstep' else None)
             run.wait_until_ready(ros.check)
-            print(f'{len(plan.robots)} robots at {arguments.speed:g} m/s, {plan.goal_count} goals, factor '
-                  f'{arguments.factor:g}; started in {time.monotonic() - begin:.1f} s; ROS master {ros.uri}',
-                  flush=True)
+            print(f'{len(plan.robots)} robots at {arguments.speed:g} m/s, {plan.goal_count} goals, {_speed(clock)}; '
+                  f'started in {time.monotonic() - begin:.1f} s; ROS master {ros.uri}', flush=True)
             _carry_out(run, ros)
+        except rospy.ROSInterruptException:
+            ros.check()
+            raise MissionFailed('the run ended before the mission did') from None
         except Exception:
             print(f"demo: the nodes' logs are kept in {ros.log_dir}", file=sys.stderr)
             raise
@@ -67,6 +71,13 @@ def _run(arguments, plan):
                               robot.odometer.moving_s) for robot in run.robots], simulated_s))
     print(demo_report.closing_line(simulated_s, wall_s), flush=True)
     return 0
+
+
+def _speed(clock):
+    """Return the clock's parameters in words."""
+    if clock['mode'] == 'scaled':
+        return f"factor {clock['factor']:g}"
+    return f"lockstep, at most {clock['speed_limit']:g}x" if clock['speed_limit'] else 'lockstep'
 
 
 def _carry_out(run, ros):
@@ -99,8 +110,11 @@ def _choose_mission(arguments):
 def _parse(words):
     parser = argparse.ArgumentParser(prog='demo', description='Run a mission of several robots faster than real time '
                                      'on a ROS master of its own (127.0.0.1, free port).')
-    parser.add_argument('--factor', type=_factor, default=20.0, metavar='F',
-                        help='simulated seconds per second of wall time, 0.01..1e6 (default: %(default)g)')
+    parser.add_argument('--clock', choices=('lockstep', 'scaled'), default='lockstep',
+                        help='leap from event to event, or run at a factor (default: %(default)s)')
+    parser.add_argument('--factor', type=_factor, metavar='F',
+                        help='simulated seconds per second of wall time, 0.01..1e6; in lockstep: at most '
+                        '(default: no limit; scaled: 20; with --rviz 20)')
     source = parser.add_mutually_exclusive_group()
     source.add_argument('--csv', metavar='FILE', help='visit points of this field: columns lat, lon [deg] and a value')
     source.add_argument('--mission', metavar='FILE', help='mission file (default: the one that ships with the package)')
@@ -113,6 +127,8 @@ def _parse(words):
     parser.add_argument('--rviz', action='store_true', help='show it in RViz, which must be installed')
     parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
     arguments = parser.parse_args(words)
+    if arguments.rviz and arguments.factor is None:
+        arguments.factor = 20.0
     for name in ('goals', 'seed'):
         if getattr(arguments, name) is not None and not arguments.csv:
             parser.error(f'--{name} needs --csv: a mission file says by itself which goals there are')

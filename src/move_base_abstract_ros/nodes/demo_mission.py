@@ -67,9 +67,13 @@ class RobotRun:
 
 
 class MissionRun:
-    """All robots of a mission. Call wait_until_ready, then run; single-threaded for its user."""
+    """All robots of a mission. Call wait_until_ready, then run; single-threaded for its user.
 
-    def __init__(self, mission):
+    ``participant``: that of this process in lockstep, or None on the scaled clock.
+    """
+
+    def __init__(self, mission, participant=None):
+        self._participant = participant
         self.mission = mission
         self.robots = [RobotRun(plan) for plan in mission.robots]
         self.started = None  # (simulated, wall) s, when the first goal was sent
@@ -90,6 +94,9 @@ class MissionRun:
 
     def wait_until_ready(self, check):
         """Wait for all action servers; call check, which may raise, again and again meanwhile."""
+        if self._participant is not None:
+            self._participant.wait_until(lambda: all(robot.ready() for robot in self.robots), what='the robots')
+            return
         deadline = time.monotonic() + SERVER_TIMEOUT
         waiting = list(self.robots)
         while waiting:
@@ -113,12 +120,20 @@ class MissionRun:
             if time.monotonic() >= next_tick:
                 tick()
                 next_tick = time.monotonic() + period
-            try:
-                robot, handle = self._events.get(timeout=period)
-            except queue.Empty:
-                continue
-            last_stamp = max(last_stamp, self._finish_goal(robot, handle))
+            ended = self._next_ended(period)
+            if ended is not None:
+                last_stamp = max(last_stamp, self._finish_goal(*ended))
         self.ended = last_stamp, time.monotonic()
+
+    def _next_ended(self, period):
+        """Return the next (robot, handle) of a goal that has ended; None if there is none within ``period`` [s]."""
+        if self._participant is not None:  # in lockstep a period would be one of simulated time
+            self._participant.wait_until(self._events.qsize, what='the end of a goal')
+            return self._events.get_nowait()
+        try:
+            return self._events.get(timeout=period)
+        except queue.Empty:
+            return None
 
     def _finish_goal(self, robot, handle):
         """Count a goal and send the next; return the simulated time of its end [s]."""

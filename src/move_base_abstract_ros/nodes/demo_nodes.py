@@ -7,14 +7,27 @@ from move_base_abstract.errors import ConfigurationError
 from move_base_abstract_ros.loopback import PACKAGE
 from move_base_abstract_ros.map_files import load_map, read_description
 
+WATCHED_POSES = 10.0  # Hz, simulated: in lockstep poses on the way are told only where they are asked for
 
-def start(ros, plan, factor, speed, map_path, rviz):
-    """Start them on the master of ``ros`` (Loopback); ``map_path`` may be None: no map."""
-    ros.run('time_master', 'time_master', parameters={'factor': factor})
+
+def clock_parameters(kind, factor, names):
+    """Return the time master's parameters; ``factor`` None: as fast as can be, or 20 on the scaled clock."""
+    if kind == 'scaled':
+        return {'mode': 'scaled', 'factor': 20.0 if factor is None else factor}
+    return {'mode': 'lockstep', 'participants': names, 'speed_limit': factor or 0.0, 'on_death': 'end'}
+
+
+def start(ros, plan, clock, speed, map_path, rviz):
+    """Start them on the master of ``ros`` (Loopback); ``map_path`` may be None: no map.
+
+    ``clock``: the parameters of the time master. ``speed``: of the robots [m/s].
+    """
+    ros.run('time_master', 'time_master', parameters=clock)
     if map_path is not None:
         ros.run('map_server', 'map_server', arguments=(map_path,))
     ros.run('fleet', 'fleet', parameters={
-        'defaults': {'max_speed': speed, 'use_map': map_path is not None},
+        'defaults': dict({'max_speed': speed, 'use_map': map_path is not None},
+                         **({'pose_update_freq': WATCHED_POSES} if rviz else {})),
         'robots': [{'name': robot.name, 'start_x': robot.start.x, 'start_y': robot.start.y,
                     'start_yaw': robot.start.yaw} for robot in plan.robots]})
     if rviz:

@@ -75,11 +75,12 @@ def _build(names, overrides, default_tf_prefix):
 
 def start(clock, robots):
     """Start ``clock`` for ``robots``, (RobotNames, RobotSettings) pairs; False if ROS shuts down meanwhile."""
-    if clock.is_lockstep:  # what comes from outside has to come before that
+    if not clock.start():
+        return False
+    if clock.is_lockstep:  # what comes from outside has to come in the first round, in which time stands still
         listen_to_static_frames()
-        if not wait_for_maps(robots):
-            return False
-    return clock.start()
+        return wait_for_maps(robots, clock.participant)
+    return True
 
 
 def read_robot_settings(overrides, default_tf_prefix, base):
