@@ -11,6 +11,7 @@ callback is a thread like any other, and another worker takes over; so a callbac
 Nothing here knows ROS or sockets: ``channel`` has ``exchange() -> Round``, which reports and waits for the next grant.
 """
 import heapq
+import sys
 import threading
 from collections import deque
 from threading import get_ident
@@ -54,6 +55,7 @@ class Scheduler:
         self._channel = channel
         self.now_ns = 0
         self.source = None
+        self._is_source_busy = False
         self.is_closed = False
         self.turn_ident = 0
         self._tasks = {}
@@ -188,9 +190,7 @@ class Scheduler:
         sleepers = self._sleepers
         while sleepers and not _is_current(sleepers[0]):
             heapq.heappop(sleepers)
-        wake_ns = sleepers[0][0] if sleepers else NEVER
-        due_ns = self.source.next_due_ns() if self.source is not None else None
-        return wake_ns if due_ns is None or wake_ns < due_ns else due_ns
+        return min(sleepers[0][0] if sleepers else NEVER, self._source_due_ns())
 
     # --- passing the turn -------------------------------------------------------------------------------------------
 
@@ -210,23 +210,29 @@ class Scheduler:
                 self._begin_round()
 
     def _next_ready(self):
-        """Return the next task that can go on at this instant, or None."""
-        while True:
-            if self._ready:
-                return self._ready.popleft()
-            for condition, task in self._conditions:
-                if task.is_waiting and condition():
-                    task.is_waiting = False
-                    return task
-            source = self.source
-            if source is not None:
-                due_ns = source.next_due_ns()
-                if due_ns is not None and due_ns <= self.now_ns:
-                    source.run(self.now_ns)
-                    if self._mail or self._ready:
-                        return self._ready.popleft() if self._ready else None
-                    continue
-            return self._next_sleeper()
+        """Return the next task that can go on at this instant; None if there is none, or mail comes first."""
+        if self._ready:
+            return self._ready.popleft()
+        for condition, task in self._conditions:
+            if task.is_waiting and _holds(condition):
+                task.is_waiting = False
+                return task
+        if self._source_due_ns() <= self.now_ns:
+            # By a worker: an event may have to wait, and the calling thread may be in the middle of a wait.
+            self._mail.append(self._run_source)
+            return None
+        return self._next_sleeper()
+
+    def _source_due_ns(self):
+        due_ns = None if self.source is None or self._is_source_busy else self.source.next_due_ns()
+        return NEVER if due_ns is None else due_ns
+
+    def _run_source(self):
+        self._is_source_busy = True
+        try:
+            self.source.run(self.now_ns)
+        finally:
+            self._is_source_busy = False
 
     def _next_sleeper(self):
         sleepers = self._sleepers
@@ -250,8 +256,11 @@ class Scheduler:
 
     def _park(self, task, other):
         """Give the turn to ``other`` and wait for it to come back."""
+        if self.is_closed:
+            _release(other)
+            raise TurnLost()  # close() lets each thread go once, and this one may have gone already
         self.turn_ident = other.ident
-        other.parking.release()
+        _release(other)
         task.parking.acquire()
         if self.is_closed:
             raise TurnLost()
@@ -272,7 +281,7 @@ class Scheduler:
         """Give the turn to a worker for good: the calling thread ends, or leaves the application."""
         worker = self._worker()
         self.turn_ident = worker.ident
-        worker.parking.release()
+        _release(worker)
 
     def _work(self, task):
         """The life of a worker: handle messages while it has the turn, and pass it on."""
@@ -289,7 +298,7 @@ class Scheduler:
         mail = self._mail
         while not self.is_closed:
             while mail:
-                mail.popleft()()
+                _handle(mail.popleft())
             other = self._next_ready()
             if other is not None:
                 self._idle_workers.append(task)
@@ -312,12 +321,35 @@ class Scheduler:
         self.is_closed = True
         self.turn_ident = 0
         for task in list(self._tasks.values()) + self._idle_workers + list(self._ready):
-            try:
-                task.parking.release()
-            except RuntimeError:
-                pass  # it was not parked
+            _release(task)
+
+
+def _release(task):
+    """Let a parked thread go. One may be let go twice: by who has the turn, and by the end of lockstep."""
+    try:
+        task.parking.release()
+    except RuntimeError:
+        pass
 
 
 def _is_current(entry):
     """Whether a sleeper still sleeps, and in the same wait."""
     return entry[3].is_waiting and entry[3].wake_token == entry[2]
+
+
+def _holds(condition):
+    """Whether a thread's condition holds, or fails: then that thread is to look at it, so that the error is its own."""
+    try:
+        return bool(condition())
+    except Exception:
+        return True
+
+
+def _handle(action):
+    """Call what is delivered; what it raises is shown, and the worker goes on with what comes next."""
+    try:
+        action()
+    except TurnLost:
+        raise
+    except BaseException:
+        threading.excepthook(threading.ExceptHookArgs((*sys.exc_info(), threading.current_thread())))

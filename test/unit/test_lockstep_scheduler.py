@@ -1,0 +1,562 @@
+"""Whose turn it is: the order within a grant, callbacks that block, waits, and the end of it all.
+
+The time master is played by a script: what it delivers and when, or what is due next.
+"""
+
+import random
+import sys
+import threading
+from collections import Counter
+
+import pytest
+
+from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
+from move_base_abstract.lockstep.wire import NEVER
+
+GUARD = 20.0  # s, wall
+
+
+class Master:
+    """A channel: grants the mail of a script at its time, and what the scheduler asks for; ends when nothing is left.
+
+    script: list of (time, [actions]), in the order of time.
+    """
+
+    def __init__(self, *script):
+        self.script = list(script)
+        self.asked = []
+        self.knocks = 0
+        self.scheduler = Scheduler(self)
+
+    def knock(self):
+        self.knocks += 1
+
+    def exchange(self):
+        scheduler = self.scheduler
+        self.asked.append(scheduler.next_ns())
+        if self.knocks:
+            self.knocks = 0
+            return []
+        time_ns = min([scheduler.next_ns()] + [time_ns for time_ns, _ in self.script[:1]])
+        if time_ns == NEVER:
+            scheduler.close()
+            raise TurnLost()
+        scheduler.now_ns = max(time_ns, scheduler.now_ns)
+        return self.script.pop(0)[1] if self.script and self.script[0][0] <= scheduler.now_ns else []
+
+
+class Program:
+    """Threads of an application under a Master; ``trace`` has what they say, in order."""
+
+    def __init__(self, *script):
+        self.master = Master(*script)
+        self.scheduler = self.master.scheduler
+        self.trace = []
+        self.threads = []
+
+    def say(self, *what):
+        assert self.scheduler.is_mine()
+        self.trace.append((*what, self.scheduler.now_ns))
+
+    def sayer(self, *what):
+        return lambda: self.say(*what)
+
+    def sleep(self, pause):
+        self.scheduler.wait(self.scheduler.now_ns + pause)
+
+    def thread(self, name, function, *arguments):
+        """Start a thread; the caller has the turn."""
+        task = self.scheduler.spawn(name)
+
+        def live():
+            self.scheduler.begin(task)
+            try:
+                function(*arguments)
+            except TurnLost:
+                pass
+            finally:
+                self.scheduler.finish()
+        thread = threading.Thread(target=live, daemon=True)
+        self.threads.append(thread)
+        thread.start()
+        return task
+
+    def run(self, main):
+        """Run main as the first thread until nothing is left to happen, and all threads have ended."""
+        errors = []
+
+        def live():
+            self.scheduler.adopt_caller('main')
+            try:
+                main()
+            except TurnLost:
+                pass
+            except BaseException as error:
+                errors.append(error)
+                self.scheduler.close()
+            finally:
+                self.scheduler.finish()
+        thread = threading.Thread(target=live, daemon=True)
+        self.threads.append(thread)
+        thread.start()
+        while any(thread.is_alive() for thread in self.threads + workers()):
+            for thread in self.threads + workers():
+                thread.join(GUARD)
+                assert not thread.is_alive()
+        if errors:
+            raise errors[0]
+        return self.trace
+
+
+def workers():
+    return [thread for thread in threading.enumerate() if thread.name == 'lockstep_worker']
+
+
+class Source:
+    """Events at stated times."""
+
+    def __init__(self, program, *times):
+        self.program = program
+        self.times = list(times)
+
+    def next_due_ns(self):
+        return self.times[0] if self.times else None
+
+    def run(self, now_ns):
+        while self.times and self.times[0] <= now_ns:
+            self.program.say('event', self.times.pop(0))
+
+
+def test_a_sleeper_goes_on_at_its_instant_and_not_before():
+    program = Program()
+
+    def main():
+        for pause in (5, 1, 3):
+            program.sleep(pause)
+            program.say('main')
+    assert program.run(main) == [('main', 5), ('main', 6), ('main', 9)]
+    assert program.master.asked == [5, 6, 9, NEVER]
+
+
+def test_within_a_grant_mail_comes_first_then_those_it_woke_then_events_then_sleepers():
+    program = Program()
+    tasks = {}
+
+    def sleeper(name, pause):
+        program.sleep(pause)
+        program.say(name)
+
+    def waiter(name):
+        program.scheduler.wait()
+        program.say(name)
+
+    def wake(name):
+        program.say('mail', name)
+        program.scheduler.wake(tasks[name])
+
+    program.master.script = [(10, [lambda: wake('second'), lambda: wake('first')])]
+    program.scheduler.source = Source(program, 10, 12)
+
+    def main():
+        for name in ('first', 'second'):
+            tasks[name] = program.thread(name, waiter, name)
+        program.thread('late', sleeper, 'late', 10)
+        program.thread('early', sleeper, 'early', 9)
+        program.sleep(10)
+        program.say('main')
+    assert program.run(main) == [
+        ('early', 9), ('mail', 'second', 10), ('mail', 'first', 10), ('second', 10), ('first', 10), ('event', 10, 10),
+        ('main', 10), ('late', 10), ('event', 12, 12)]
+
+
+def test_of_equal_times_who_began_to_sleep_first_goes_on_first():
+    program = Program()
+
+    def sleeper(name, naps):
+        for nap in naps:
+            program.sleep(nap)
+        program.say(name)
+
+    def main():
+        program.thread('a', sleeper, 'a', (1, 5))
+        program.thread('b', sleeper, 'b', (6,))
+        program.thread('c', sleeper, 'c', (2, 4))
+        program.sleep(6)
+        program.say('main')
+    assert program.run(main) == [('main', 6), ('b', 6), ('a', 6), ('c', 6)]
+
+
+def test_another_worker_takes_over_where_a_callback_blocks():
+    program = Program()
+
+    def blocks():
+        program.say('begins')
+        program.sleep(5)
+        program.say('ends')
+    program.master.script = [(1, [blocks, program.sayer('next')]), (3, [program.sayer('later')])]
+    assert program.run(program.scheduler.run_worker) == [
+        ('begins', 1), ('next', 1), ('later', 3), ('ends', 6)]
+
+
+def test_callbacks_that_block_within_callbacks_that_block_all_come_to_their_ends():
+    program = Program()
+
+    def blocks(name, pause):
+        def callback():
+            program.say('begins', name)
+            program.sleep(pause)
+            program.say('ends', name)
+        return callback
+    program.master.script = [(1, [blocks('a', 3), blocks('b', 1), blocks('c', 2)]), (2, [blocks('d', 2)])]
+    assert program.run(program.scheduler.run_worker) == [
+        ('begins', 'a', 1), ('begins', 'b', 1), ('begins', 'c', 1), ('begins', 'd', 2), ('ends', 'b', 2),
+        ('ends', 'c', 3), ('ends', 'a', 4), ('ends', 'd', 4)]
+
+
+def test_workers_are_used_again():
+    program = Program()
+    seen = Counter()
+
+    def nap():
+        seen[threading.get_ident()] += 1
+        program.sleep(1)
+    program.master.script = [(10 * step, [nap, nap]) for step in range(1, 20)]
+    program.run(program.scheduler.run_worker)
+    assert sum(seen.values()) == 38
+    assert len(seen) <= 3
+
+
+def test_wait_tells_waking_from_time_being_up():
+    program = Program()
+    told = []
+
+    def main():
+        mine = program.scheduler.current()
+        program.master.script = [(5, [lambda: program.scheduler.wake(mine)])]
+        told.append((program.scheduler.wait(9), program.scheduler.now_ns))
+        told.append((program.scheduler.wait(20), program.scheduler.now_ns))
+    program.run(main)
+    assert told == [(True, 5), (False, 20)]
+
+
+def test_a_wait_that_was_woken_leaves_no_time_behind():
+    program = Program()
+
+    def main():
+        mine = program.scheduler.current()
+        program.master.script = [(5, [lambda: program.scheduler.wake(mine)])]
+        program.scheduler.wait(100)
+        assert program.scheduler.next_ns() == NEVER
+        program.scheduler.wait()
+    program.run(main)
+    assert program.master.asked == [100, NEVER]
+
+
+def test_waking_at_the_very_instant_of_the_time_out_counts_as_waking():
+    program = Program()
+    told = []
+
+    def main():
+        mine = program.scheduler.current()
+        program.master.script = [(5, [lambda: program.scheduler.wake(mine)])]
+        told.append(program.scheduler.wait(5))
+    program.run(main)
+    assert told == [True]
+
+
+def test_waking_who_does_not_wait_is_nothing():
+    program = Program()
+
+    def main():
+        program.scheduler.wake(program.scheduler.current())
+        program.scheduler.wait(3)
+        program.say('main')
+    assert program.run(main) == [('main', 3)]
+
+
+def test_wait_until_looks_whenever_something_has_happened():
+    program = Program()
+    box = []
+    told = []
+    program.master.script = [(2, [lambda: box.append(1)]), (4, [lambda: box.append(2)])]
+
+    def main():
+        told.append(program.scheduler.wait_until(lambda: len(box) == 2, 10))
+        program.say('both')
+        told.append(program.scheduler.wait_until(lambda: len(box) == 3, 10))
+        program.say('time is up')
+        told.append(program.scheduler.wait_until(lambda: box, 10))
+    assert program.run(main) == [('both', 4), ('time is up', 10)]
+    assert told == [True, False, True]
+
+
+def test_wait_until_sees_what_another_thread_does_at_the_same_instant():
+    program = Program()
+    box = []
+
+    def other():
+        program.sleep(5)
+        box.append(1)
+        program.say('put')
+
+    def main():
+        program.thread('other', other)
+        program.scheduler.wait_until(lambda: box)
+        program.say('seen')
+    assert program.run(main) == [('put', 5), ('seen', 5)]
+
+
+def test_waits_without_end_are_open_work_and_named():
+    program = Program()
+    told = []
+
+    def other():
+        program.scheduler.wait(waits_for='the end', is_open=False)
+
+    def main():
+        program.thread('other', other)
+        exchange = program.master.exchange
+        program.master.exchange = lambda: (
+            told.append([(task.name, task.waits_for) for task in program.scheduler.open_waits]), exchange())[1]
+        program.scheduler.wait(3, 'a while')
+        program.scheduler.wait(waits_for='a message')
+    program.run(main)
+    assert told == [[], [('main', 'a message')]]
+
+
+def test_new_threads_run_in_the_order_in_which_they_were_started_after_who_starts_them():
+    program = Program()
+
+    def main():
+        for name in 'abc':
+            program.thread(name, program.say, name)
+        program.say('main')
+        program.sleep(1)
+        program.say('main')
+    assert program.run(main) == [('main', 0), ('a', 0), ('b', 0), ('c', 0), ('main', 1)]
+
+
+def test_the_end_of_a_thread_is_seen_at_once_and_the_others_go_on():
+    program = Program()
+
+    def main():
+        task = program.thread('other', program.sleep, 4)
+        program.scheduler.wait_until(lambda: task.is_finished)
+        program.say('joined')
+        assert [task.name for task in program.scheduler.living()] == ['main']
+    assert program.run(main) == [('joined', 4)]
+
+
+def test_when_the_main_thread_ends_others_and_messages_go_on():
+    program = Program((7, [lambda: program.say('mail')]))
+
+    def other():
+        program.sleep(5)
+        program.say('other')
+        program.sleep(5)
+        program.say('other')
+    assert program.run(lambda: program.thread('other', other)) == [('other', 5), ('mail', 7), ('other', 10)]
+
+
+def test_what_is_posted_is_done_after_what_is_to_be_delivered():
+    program = Program()
+    program.master.script = [(1, [lambda: (program.say('a'), program.scheduler.post(program.sayer('posted'))),
+                                  program.sayer('b')])]
+    assert program.run(program.scheduler.run_worker) == [('a', 1), ('b', 1), ('posted', 1)]
+
+
+def test_what_comes_from_outside_knocks_and_enters_after_the_mail_of_the_next_round():
+    program = Program()
+
+    def main():
+        outside = threading.Thread(target=program.scheduler.from_outside, args=(program.sayer('outside'),))
+        outside.start()
+        outside.join(GUARD)
+        assert program.master.knocks == 1
+        assert program.trace == []
+        program.sleep(5)
+        program.say('main')
+    assert program.run(main) == [('outside', 0), ('main', 5)]
+
+
+def test_an_event_that_waits_does_not_spoil_the_wait_of_the_thread_in_whose_turn_it_happened():
+    program = Program()
+
+    class Waits(Source):
+        def run(self, now_ns):
+            self.times.pop(0)
+            program.sleep(2)
+            program.say('event')
+    program.scheduler.source = Waits(program, 5)
+
+    def main():
+        program.sleep(10)
+        program.say('main')
+    assert program.run(main) == [('event', 7), ('main', 10)]
+
+
+def test_an_error_in_a_condition_is_its_owners_and_nobody_elses():
+    program = Program((3, [lambda: program.say('mail')]))
+
+    def broken():
+        if program.scheduler.now_ns >= 3:
+            raise KeyError('broken')
+        return False
+
+    def other():
+        try:
+            program.scheduler.wait_until(broken)
+        except KeyError:
+            program.say('error')
+
+    def main():
+        program.thread('other', other)
+        program.sleep(5)
+        program.say('main')
+    assert program.run(main) == [('mail', 3), ('error', 3), ('main', 5)]
+
+
+def test_an_error_in_a_message_s_handling_ends_neither_the_worker_nor_the_round(monkeypatch):
+    shown = []
+    monkeypatch.setattr(threading, 'excepthook', lambda raised: shown.append(raised.exc_type))
+
+    def broken():
+        raise KeyError('broken')
+    program = Program((1, [broken, lambda: program.say('next')]), (2, [lambda: program.say('later')]))
+
+    def main():
+        program.sleep(5)
+        program.say('main')
+    assert program.run(main) == [('next', 1), ('later', 2), ('main', 5)]
+
+
+
+@pytest.mark.parametrize('count', [1, 5])
+def test_close_lets_go_of_all_threads_wherever_they_wait(count):
+    program = Program()
+    lost = []
+
+    def waits(wait):
+        try:
+            wait()
+        except TurnLost:
+            lost.append(wait)
+
+    def blocks():
+        waits(lambda: program.sleep(1000))
+    program.master.script = [(1, [blocks] * count)]
+
+    def main():
+        for _ in range(count):
+            program.thread('sleeps', waits, lambda: program.sleep(2000))
+            program.thread('waits', waits, program.scheduler.wait)
+            program.thread('looks', waits, lambda: program.scheduler.wait_until(lambda: False))
+        program.sleep(10)
+        program.thread('has not begun', lost.append, 'goes as it likes')
+        program.scheduler.close()
+    assert program.run(main) == []
+    assert len(lost) == 4 * count + 1
+    assert not program.scheduler.is_mine()
+
+
+def test_close_from_a_thread_without_the_turn():
+    program = Program()
+
+    def exchange():
+        closing = threading.Thread(target=program.scheduler.close)
+        closing.start()
+        closing.join(GUARD)
+        raise TurnLost()
+    program.master.exchange = exchange
+
+    def main():
+        program.thread('other', program.sleep, 5)
+        with pytest.raises(TurnLost):
+            program.sleep(10)
+        with pytest.raises(TurnLost):
+            program.sleep(10)
+    program.run(main)
+
+
+class Chance:
+    """A random program: threads that sleep, wake, wait, start others and are interrupted by messages that may block."""
+
+    def __init__(self, seed):
+        self.random = random.Random(seed)
+        self.program = Program()
+        self.counter = 0
+        self.waiting = []
+        self.budget = 120
+
+    def run(self):
+        self.program.master.script = [
+            (time_ns, [self.message(index, number) for number in range(self.random.randint(1, 3))])
+            for index, time_ns in enumerate(sorted(self.random.randint(0, 40) for _ in range(12)))]
+        self.program.run(lambda: self.live('main', 3))
+        return self.program.trace
+
+    def message(self, index, number):
+        pause = self.random.choice((0, 0, 0, 1, 7))
+
+        def handle():
+            self.program.say('message', index, number)
+            self.counter += 1
+            if pause:
+                self.program.sleep(pause)
+                self.program.say('message ends', index, number)
+        return handle
+
+    def live(self, name, depth):
+        for step in range(8):
+            self.budget -= 1
+            if self.budget < 0:
+                return
+            choice = self.random.randint(0, 5)
+            self.program.say(name, step, choice)
+            getattr(self, 'do_{}'.format(choice))(name, step, depth)
+        self.program.say(name, 'ends')
+
+    def do_0(self, _name, _step, _depth):
+        self.program.sleep(self.random.choice((1, 2, 2, 5)))
+
+    def do_1(self, name, step, depth):
+        if depth:
+            self.program.thread('t', self.live, '{}.{}'.format(name, step), depth - 1)
+
+    def do_2(self, name, _step, _depth):
+        self.waiting.append(self.program.scheduler.current())
+        woken = self.program.scheduler.wait(self.program.scheduler.now_ns + self.random.randint(1, 9))
+        self.program.say(name, 'woken' if woken else 'time is up')
+
+    def do_3(self, _name, _step, _depth):
+        while self.waiting:
+            self.program.scheduler.wake(self.waiting.pop())
+
+    def do_4(self, name, _step, _depth):
+        wanted = self.counter + 2
+        reached = self.program.scheduler.wait_until(lambda: self.counter >= wanted, self.program.scheduler.now_ns + 9)
+        self.program.say(name, 'reached' if reached else 'not reached')
+
+    def do_5(self, name, step, _depth):
+        self.counter += 1
+        self.program.scheduler.post(self.program.sayer(name, 'posted', step))
+
+
+@pytest.fixture
+def _frequent_switches():
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(before)
+
+
+@pytest.mark.parametrize('seed', range(6))
+def test_random_programs_go_the_same_way_in_fifty_runs(seed, _frequent_switches):
+    first = Chance(seed).run()
+    assert len(first) > 40
+    for _ in range(49):
+        assert Chance(seed).run() == first
+
+
+def test_random_programs_differ():
+    assert Chance(1).run() != Chance(2).run()
