@@ -204,7 +204,7 @@ void LockstepRounds::post(MemberId id, Mail mail) {
     return;
   }
   MemberState& member = found->second;
-  if (rules_.links_are_mail || !mail.link) {
+  if (!mail.waits) {
     makeReady(id, member);
   }
   member.mail.push_back(mail);

@@ -188,8 +188,9 @@ void MessageRouter::link(const Action& by, const Topic& topic, const Advertised&
   post_(subscriber.member, {order,
                             wire::Publisher{subscriber.topic, publisher.member, publisher.type,
                                             publisher.md5, publisher.latched, publisher.definition},
-                            true});
-  post_(publisher.member, {order, wire::Subscriber{publisher.topic, subscriber.member}, true});
+                            !rules_.links_are_mail});
+  post_(publisher.member,
+        {order, wire::Subscriber{publisher.topic, subscriber.member}, !rules_.links_are_mail});
 }
 
 bool MessageRouter::linked(const Topic& topic, MemberId publisher, MemberId subscriber) const {
@@ -207,11 +208,11 @@ void MessageRouter::finishRound() {
       continue;
     }
     if (closing.publisher) {
-      post_(closing.receiver,
-            {closing.order, wire::NoPublisher{closing.number, closing.other}, true});
+      post_(closing.receiver, {closing.order, wire::NoPublisher{closing.number, closing.other},
+                               !rules_.links_are_mail});
     } else {
-      post_(closing.receiver,
-            {closing.order, wire::NoSubscriber{closing.number, closing.other}, true});
+      post_(closing.receiver, {closing.order, wire::NoSubscriber{closing.number, closing.other},
+                               !rules_.links_are_mail});
     }
   }
   closings_.clear();
@@ -338,7 +339,6 @@ void MessageRouter::act(const Action& by, const wire::Call& item) {
   const Service& service = services_[known->second];
   const Server& server = service.servers.back();
   calls_[{by.sender, item.number}] = {known->second, server};
-  // A call that is no reason for a grant waits until its server wakes up by itself.
   post_(server.member, {order, wire::CallIn{server.service, by.sender, item.number, item.request},
                         !rules_.calls_in_next_round});
   if (trace_) {

@@ -81,7 +81,7 @@ struct MailOrder {
 struct Mail {
   MailOrder order;
   wire::GrantItem item;  // its texts and bytes are kept alive by whoever posted it
-  bool link = false;     // a link came or went (PUBLISHER, SUBSCRIBER and their opposites)
+  bool waits = false;    // no reason for a grant by itself; only where a test switches a rule off
 };
 
 enum class LockstepPhase {
