@@ -1,15 +1,16 @@
 // A coordinator that sends goals to N robots over MoveBase's action topics, for comparing runs.
 //
-// Parameters: ~robots (how many), ~goals (how many in all), ~seed. Names are robot_0 ..
-// robot_{N-1}. Topics of robot i: publishes /robot_i/move_base/goal and /robot_i/move_base/cancel;
-// listens to /robot_i/move_base/result and /robot_i/move_base/status. Advertised and subscribed in
-// this order, robot by robot: goal, cancel, result, status.
+// Parameters: ~robots (how many), ~goals (how many in all), ~seed, ~patient (default false). Names
+// are robot_0 .. robot_{N-1}. Topics of robot i: publishes /robot_i/move_base/goal and
+// /robot_i/move_base/cancel; listens to /robot_i/move_base/result and /robot_i/move_base/status.
+// Advertised and subscribed in this order, robot by robot: goal, cancel, result, status.
 //
 // The policy, exact so that a twin in another language sends the same messages in the same order:
 //
 //  draw():     x = x * 6364136223846793005 + 1442695040888963407 mod 2^64 (at first x = seed); the
 //              value is x >> 33.
-//  send(i):    sent[i] += 1; sent_in_all += 1; out_in_all += 1; K = sent[i]
+//  send(i):    sent[i] += 1; sent_in_all += 1; out_in_all += 1; out[i] += 1;
+//              K = sent[i]
 //              x = (draw() % 4000) / 100.0 - 20; y = (draw() % 4000) / 100.0 - 20, in this order
 //              publish a goal: header and goal_id.stamp and target_pose.header.stamp all 0,
 //              goal_id.id = 'robot_i-K', target_pose.header.frame_id = 'map',
@@ -23,7 +24,10 @@
 //  start:      when a status message of each robot has come: order(i) for i = 0 .. N-1 while
 //              sent_in_all < goals, all at that instant, in the callback of the last one's status.
 //  result:     any status, from robot i (each goal has exactly one; a replaced goal has one too):
-//              out_in_all -= 1; if sent_in_all < goals: order(i)
+//              out_in_all -= 1; out[i] -= 1; if sent_in_all < goals: order(i)
+//              With ~patient only if out[i] = 0 too. (Without, the first replaced goal of a robot
+//              sets off a chain: the result of the replaced goal makes for one more goal, which
+//              replaces the other, and so on at that instant until all goals are sent.)
 //  end:        sent_in_all = goals and out_in_all = 0: leave, exit code 0.
 //
 // Timers that are due at one instant fire in the order (due, made); messages come before timers.
@@ -54,12 +58,14 @@ struct Robot {
   lockstep::Subscriber status;
   bool is_there = false;
   int sent = 0;
+  int out = 0;
 };
 
 class Coordinator {
  public:
   explicit Coordinator(const ros::NodeHandle& parameters)
       : goals_(parameters.param("goals", 10)),
+        is_patient_(parameters.param("patient", false)),
         x_(static_cast<std::uint64_t>(parameters.param("seed", 1))),
         robots_(static_cast<std::size_t>(parameters.param("robots", 1))) {
     for (std::size_t i = 0; i < robots_.size(); ++i) {
@@ -111,7 +117,8 @@ class Coordinator {
 
   void finished(Robot& robot) {
     --out_;
-    if (sent_ < goals_) {
+    --robot.out;
+    if (sent_ < goals_ && (!is_patient_ || robot.out == 0)) {
       order(robot);
     }
   }
@@ -120,6 +127,7 @@ class Coordinator {
     ++robot.sent;
     ++sent_;
     ++out_;
+    ++robot.out;
     move_base_msgs::MoveBaseActionGoal message;
     message.goal_id.id = robot.name + "-" + std::to_string(robot.sent);
     message.goal.target_pose.header.frame_id = "map";
@@ -163,6 +171,7 @@ class Coordinator {
   }
 
   const int goals_;
+  const bool is_patient_;
   std::uint64_t x_;
   lockstep::Participant participant_;
   std::vector<Robot> robots_;

@@ -63,6 +63,7 @@ class Player {
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "lockstep_pingpong");
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
   Player().play();
   return 0;
 }

@@ -1,0 +1,256 @@
+#!/usr/bin/env python3
+"""roscpp nodes in lockstep (test/cpp_nodes), each test under a ROS master and a time master of its own.
+
+Everything waits for events; GUARD [s, wall] only ends a test that would never end.
+"""
+
+import os
+import signal
+import time
+import unittest
+
+import rosgraph
+import rospy
+import rostest
+from std_msgs.msg import Time
+from std_srvs.srv import Trigger
+
+from move_base_abstract.msg import TimeState
+from move_base_abstract_ros.loopback import Loopback
+
+GUARD = 30.0
+NS = 1000000000
+
+SCRIPT = """
+1000000000 0 first grant
+1250000000 0 quarter
+1500000000 0 half
+1500000000 0 quarter
+1500000000 0 once
+1500000000 0 slept
+1750000000 0 quarter
+1750000000 0 slept until
+1750000000 0 slept not
+1750000000 0 at once
+1750000000 1 gave way
+2083333333 0 rate
+2416666666 0 rate
+2749999999 0 rate
+3249999999 0 rate is late
+3416666665 0 rate
+3416666665 1 in gets a
+3416666665 1 in gets b
+3416666665 1 newest gets b
+3416666665 1 in gets c
+3416666665 1 newest gets c
+3916666665 2 late gets k2
+4416666665 0 later gets k2
+4416666665 1 late gets k3
+4416666665 1 later gets k3
+4916666665 0 1 subscriber
+4916666665 1 begins one
+5416666665 0 ends one
+5416666665 0 begins two
+5916666665 0 ends two
+5916666665 0 tick
+5916666665 0 slept too long
+6116666665 0 tick
+6116666665 0 slept
+6116666665 0 timer: lockstep: the period of a timer of /exact must be more than 0 s (a oneshot timer's may be 0), \
+got 0.000000
+6116666665 0 second: lockstep: node /exact has a Participant already; one per process is allowed
+6116666665 0 spin: lockstep: spin of /exact was called in a callback; only sleep and service calls may
+7116666665 0 timed out
+""".strip().splitlines()
+
+
+def output(child):
+    with open(child.log_path, errors='replace') as log:
+        return log.read()
+
+
+def lines(child):
+    """Return what a node has printed itself, without roscpp's log."""
+    return [line for line in output(child).splitlines() if line and '\x1b' not in line]
+
+
+def wait_for(what, condition):
+    deadline = time.monotonic() + GUARD
+    while not condition():
+        if time.monotonic() > deadline:
+            raise AssertionError(f'not within {GUARD} s: {what}')
+        time.sleep(0.01)
+
+
+class LockstepCppTest(unittest.TestCase):
+    def start(self, ros, *participants, **parameters):
+        """Start a time master that waits for the participants."""
+        return ros.run('time_master', 'time_master',
+                       parameters=dict(parameters, mode='lockstep', participants=list(participants)))
+
+    def assert_ends(self, child, code=0):
+        self.assertEqual(child.process.wait(GUARD), code, output(child))
+
+    def test_sleeps_timers_rates_topics_and_queues_are_exact(self):
+        with Loopback() as ros:
+            node = ros.run('lockstep_exact', 'exact')  # before the time master, for which it waits
+            self.start(ros, '/exact')
+            self.assert_ends(node)
+            self.assertEqual(lines(node), SCRIPT)
+
+    def test_two_play_ping_pong_with_thinking_time(self):
+        common = dict(rounds=3, pause=0.25, verbose=True)
+        with Loopback() as ros:
+            self.start(ros, '/one', '/two')
+            one = ros.run('lockstep_pingpong', 'one', parameters={'begin': True, 'to': '/a', 'from': '/b', **common})
+            two = ros.run('lockstep_pingpong', 'two', parameters={'to': '/b', 'from': '/a', **common})
+            self.assert_ends(one)
+            self.assert_ends(two)
+            self.assertEqual(lines(two)[:-1], ['1000000000 0', '1500000000 2', '2000000000 4'])
+            self.assertEqual(lines(one)[:-1], ['1250000000 1', '1750000000 3', '2250000000 5'])
+
+    def test_messages_of_one_instant_come_by_rank_and_then_by_name_in_natural_order(self):
+        nodes = ['ticker_10', 'ticker_2', 'a_last', 'z_first']
+        ranks = {'a_last': 2000, 'z_first': -5}
+        with Loopback() as ros:
+            self.start(ros, '/listener', *('/' + node for node in nodes))
+            listener = ros.run('lockstep_listener', 'listener',
+                               parameters=dict(topics=['/' + node for node in nodes], until=4.5))
+            for node in nodes:
+                parameters = dict(period=1.0, ticks=3, topic='/' + node)
+                if node in ranks:
+                    parameters['lockstep_rank'] = ranks[node]
+                ros.run('lockstep_ticker', f'{node}', parameters=parameters)
+            self.assert_ends(listener)  # though the others have left
+            expected = [f'{second * NS} 1 /{node} {second * NS}' for second in (2, 3, 4)
+                        for node in ('z_first', 'ticker_2', 'ticker_10', 'a_last')]
+            self.assertEqual(lines(listener), expected)
+
+    def test_services_between_participants(self):
+        with Loopback() as ros:
+            self.start(ros, '/client', '/server')
+            client = ros.run('lockstep_service', 'client')
+            ros.run('lockstep_service', 'server', parameters=dict(serve=True))
+            self.assert_ends(client)
+            self.assertEqual(lines(client), ['1250000000 nobody', '1750000000 waited', '2250000000 failed',
+                                             '2750000000 waited', '2750000000 failed'])
+            self.assertIn('service /wait of /server returned false', output(client))
+            self.assertIn('a call of /nobody by /client failed: no participant offers it', output(client))
+
+    def test_the_others_go_on_when_one_is_killed(self):
+        with Loopback() as ros:
+            self.start(ros, '/listener', '/doomed', speed_limit=20.0)
+            listener = ros.run('lockstep_listener', 'listener', parameters=dict(until=60.5))
+            doomed = ros.run('lockstep_ticker', 'doomed')
+            wait_for('a tick', lambda: lines(listener))
+            os.kill(doomed.pid, signal.SIGKILL)
+            self.assert_ends(listener)
+            ticks = lines(listener)
+            self.assertLess(len(ticks), 59)
+            self.assertEqual(ticks, [f'{second * NS} 1 /ticks {second * NS}' for second in range(2, len(ticks) + 2)])
+
+    def test_a_node_ends_with_its_time_master_whether_that_is_killed_or_ends(self):
+        for number in (signal.SIGKILL, signal.SIGTERM):
+            with Loopback() as ros:
+                self.check_end(ros, number)
+
+    def check_end(self, ros, number):
+        master = self.start(ros, '/ticker', '/listener')
+        ticker = ros.run('lockstep_ticker', 'ticker')
+        listener = ros.run('lockstep_listener', 'listener', parameters=dict(until=1e9))
+        wait_for('a tick', lambda: lines(listener))
+        os.kill(master.pid, number)
+        self.assert_ends(ticker)
+        self.assertIn('the run is over for /ticker', output(ticker))
+        self.assert_ends(listener, 1)  # its sleep did not come to its end
+
+    def test_sigint_ends_a_node_and_nobody_else(self):
+        with Loopback() as ros:
+            master = self.start(ros, '/ticker', '/listener', speed_limit=20.0)
+            ticker = ros.run('lockstep_ticker', 'ticker')
+            listener = ros.run('lockstep_listener', 'listener', parameters=dict(until=40.5))
+            wait_for('a tick', lambda: lines(listener))
+            os.kill(ticker.pid, signal.SIGINT)
+            self.assert_ends(ticker)
+            self.assert_ends(listener)
+            self.assertIsNone(master.process.poll())
+
+    def test_on_the_scaled_clock_the_error_names_the_mode(self):
+        with Loopback() as ros:
+            ros.set_param('/time_master/mode', 'scaled')
+            node = ros.run('lockstep_exact', 'exact')
+            self.assert_ends(node, 3)
+            self.assertIn("/time_master/mode is 'scaled', not 'lockstep'", output(node))
+
+    def test_a_bad_rank_is_refused_with_its_name(self):
+        with Loopback() as ros:
+            node = ros.run('lockstep_listener', 'listener', parameters=dict(lockstep_rank='first'))
+            self.assertNotEqual(node.process.wait(GUARD), 0)
+            self.assertRegex(output(node), 'parameter /listener/lockstep_rank: got .*first.*; allowed: a whole number')
+
+    def test_nodes_that_do_not_take_part_hear_all_and_are_heard_with_a_label(self):
+        with Loopback() as ros:
+            ros.adopt()
+            rospy.init_node('outside', disable_signals=True)
+            self.addCleanup(rospy.signal_shutdown, 'the test is over')
+            heard, states = [], []
+            ticks = rospy.Subscriber('/ticks', Time, lambda message: heard.append(message.data.to_nsec()))
+            rospy.Subscriber('/time_master/state', TimeState, states.append)
+            said = rospy.Publisher('/said', Time, queue_size=1)
+            self.start(ros, '/ticker', '/listener', start_paused=True)
+            ros.run('lockstep_ticker', 'ticker', parameters=dict(period=1.0, ticks=50))
+            listener = ros.run('lockstep_listener', 'listener', parameters=dict(until=60.0, topics=['/said', '/ticks']))
+            wait_for('the connections', lambda: ticks.get_num_connections() and said.get_num_connections())
+            self.assertTrue(states[-1].repeatable, states[-1])
+            self.assert_not_on_clock(ros, '/ticker', '/listener')
+            said.publish(rospy.Time(5))
+            wait_for('the message', lambda: lines(listener))
+            self.assertEqual(lines(listener), ['1000000000 2 /said 5000000000'])
+            label = 'a message on /said came from /outside, which does not take part'
+            wait_for('the label', lambda: any(label in text for text in states[-1].not_repeatable_because))
+            self.assertFalse(states[-1].repeatable)
+            rospy.ServiceProxy('/time_master/resume', Trigger)()
+            self.assert_ends(listener)
+            self.assertEqual(lines(listener)[1:], [f'{second * NS} 1 /ticks {second * NS}' for second in range(2, 52)])
+            wait_for('all ticks', lambda: len(heard) == 50)
+            self.assertEqual(heard, [second * NS for second in range(2, 52)])
+
+    def assert_not_on_clock(self, ros, *nodes):
+        _, subscribers, _ = rosgraph.Master('/test', master_uri=ros.uri).getSystemState()
+        listening = [name for topic, names in subscribers if topic == '/clock' for name in names]
+        self.assertFalse(set(nodes) & set(listening), listening)
+
+
+class CoordinatorTest(unittest.TestCase):
+    """A coordinator in C++ and a fleet in Python."""
+
+    def run_once(self, log):
+        robots = [dict(name='robot', count=4, step_x=1.0)]
+        with Loopback() as ros:
+            ros.run('time_master', 'time_master',
+                    parameters=dict(mode='lockstep', participants=['/fleet', '/coordinator'], event_log=log))
+            ros.run('fleet', 'fleet', parameters=dict(robots=robots))
+            coordinator = ros.run('lockstep_coordinator_cpp', 'coordinator',
+                                  parameters=dict(robots=4, goals=120, seed=11, patient=True))
+            self.assertEqual(coordinator.process.wait(GUARD), 0, output(coordinator))
+            self.assertIn('120 goals', output(coordinator))
+            self.assertIn('all results are in', output(coordinator))
+        with open(log, 'rb') as written:
+            return written.read()
+
+    def test_a_run_can_be_repeated_to_the_byte(self):
+        with Loopback() as ros:
+            first = self.run_once(os.path.join(ros.log_dir, 'first.jsonl'))
+            second = self.run_once(os.path.join(ros.log_dir, 'second.jsonl'))
+        self.assertGreater(first.count(b'\n'), 240)
+        for status in (b'SUCCEEDED', b'PREEMPTED'):
+            self.assertIn(status, first)
+        self.assertEqual(first, second)
+
+
+class Tests(LockstepCppTest, CoordinatorTest):
+    """rostest runs one class."""
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_cpp', Tests)
