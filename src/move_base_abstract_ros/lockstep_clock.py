@@ -5,9 +5,7 @@ turn; a thread without the turn may only look (:meth:`LockstepClock.look_ns`), u
 """
 import threading
 
-from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.simulation import Simulation
-from move_base_abstract.units import seconds_to_ns
 
 
 class LockstepClock:
@@ -56,10 +54,7 @@ class LockstepClock:
 
     def wait_until(self, condition, seconds, what):
         """Wait until ``condition()`` holds, for at most ``seconds``: simulated ones. The caller has the turn."""
-        try:
-            self.participant.scheduler.wait_until(condition, self.participant.now_ns + seconds_to_ns(seconds), what)
-        except TurnLost:
-            pass  # the run is over, and this node is about to end
+        self.participant.wait_until(condition, seconds, what)
 
     def record(self, index):
         """Return what takes the :class:`TraceEntry` of the robot with ``index``: the run's event log."""

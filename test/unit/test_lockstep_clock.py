@@ -5,7 +5,6 @@ from move_base_abstract.fleet import Fleet
 from move_base_abstract.frames import RobotFrames
 from move_base_abstract.geometry import quaternion_of_yaw
 from move_base_abstract.goal_ledger import GoalLedger
-from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.navigator import GoalPose, Navigator, NavigatorListener
 from move_base_abstract.robot import Robot
 from move_base_abstract.robot_trace import RobotTrace
@@ -17,7 +16,7 @@ SCENARIO = {'defaults': {'max_speed': 2.0}, 'robots': [{'name': 'r', 'count': 3}
 
 
 class FakeParticipant:
-    """Grants by hand; it is its own scheduler."""
+    """Grants by hand."""
 
     def __init__(self, now_ns=S):
         self.now_ns = now_ns
@@ -25,11 +24,6 @@ class FakeParticipant:
         self.logged = []
         self.constants = []
         self.waits = []
-        self.is_lost = False
-
-    @property
-    def scheduler(self):
-        return self
 
     def set_source(self, source):
         self.source = source
@@ -40,10 +34,8 @@ class FakeParticipant:
     def log(self, robot, kind, values=(), sub=0):
         self.logged.append((self.now_ns, robot, kind, tuple(values), sub))
 
-    def wait_until(self, condition, wake_ns, what):
-        self.waits.append((wake_ns, what))
-        if self.is_lost:
-            raise TurnLost()
+    def wait_until(self, condition, timeout, what):
+        self.waits.append((condition(), timeout, what))
 
     def grant(self, now_ns):
         self.now_ns = now_ns
@@ -129,12 +121,7 @@ def test_the_event_log_is_the_trace_of_the_plain_fleet(clock, participant):
     assert {entry[1]: entry[4] for entry in participant.logged} == {'r_0': 0, 'r_1': 1, 'r_2': 2}
 
 
-def test_waits_are_measured_in_simulated_time(clock, participant):
-    clock.wait_until(lambda: False, 0.25, 'the frame')
-    assert participant.waits == [(S + 250_000_000, 'the frame')]
+def test_waits_are_the_participants_and_nothing_waits_for_the_wall(clock, participant):
+    clock.wait_until(lambda: 'the condition', 0.25, 'the frame')
+    assert participant.waits == [('the condition', 0.25, 'the frame')]
     assert clock.wall_to_ns(5.0) == 0
-
-
-def test_a_wait_ends_quietly_when_the_run_does(clock, participant):
-    participant.is_lost = True
-    clock.wait_until(lambda: False, 0.25, 'the frame')
