@@ -1,0 +1,297 @@
+// Whatever the order in which bytes arrive, a run is the same, and it keeps to the rules; and each
+// rule is missed when it is switched off.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "lockstep_client.h"
+#include "lockstep_world.h"
+
+namespace move_base_abstract {
+namespace {
+
+const std::vector<ScriptNode> kPair{{"/a", 0, 1}, {"/b", 0, 1}};
+const std::vector<ScriptNode> kThree{{"/a", 0, 1}, {"/robot_2", 0, 2}, {"/robot_10", 0, 2}};
+const std::vector<ScriptNode> kFour{
+    {"/coordinator", 0, 1}, {"/robot_2", 1, 2}, {"/robot_10", 1, 3}, {"/task", 2, 1}};
+/** @brief The first ranks last: the order of names must not be the order of ranks everywhere. */
+const std::vector<ScriptNode> kReversed{{"/a", 2, 1}, {"/b", 1, 2}, {"/c", -1, 1}};
+
+WorldOptions busy(int grants) {
+  WorldOptions options;
+  options.grants = grants;
+  options.pieces = true;
+  options.leaving = true;
+  return options;
+}
+
+// ---- every order of arrival
+// ----------------------------------------------------------------------
+
+struct Exhaustive {
+  std::vector<ScriptNode> nodes;
+  int grants;
+  int most;  // runs
+};
+
+class EveryOrder : public testing::TestWithParam<Exhaustive> {};
+
+TEST_P(EveryOrder, GivesTheSameRun) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    AllChoices all;
+    std::string first;
+    int runs = 0;
+    do {
+      WorldOptions options;
+      options.grants = GetParam().grants;
+      World world(GetParam().nodes, seed, options, all.choices(), {});
+      ASSERT_EQ(world.run(), "") << "seed " << seed << ", run " << runs;
+      first = runs == 0 ? world.transcript() : first;
+      ASSERT_EQ(world.transcript(), first) << "seed " << seed << ", run " << runs;
+    } while (++runs < GetParam().most && all.advance());
+    EXPECT_GE(runs, 8);
+    EXPECT_NE(first, "");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Small, EveryOrder,
+                         testing::Values(Exhaustive{kPair, 5, 2'000}, Exhaustive{kThree, 2, 2'000},
+                                         Exhaustive{kReversed, 2, 2'000},
+                                         Exhaustive{kFour, 1, 2'000}));
+
+TEST(AnyOrder, OfBytesInPiecesGivesTheSameRun) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    std::string first;
+    for (std::uint64_t order = 0; order < 10; ++order) {
+      World world(kFour, seed, busy(25), randomChoices(order), {});
+      ASSERT_EQ(world.run(), "") << "seed " << seed << ", order " << order;
+      first = order == 0 ? world.transcript() : first;
+      ASSERT_EQ(world.transcript(), first) << "seed " << seed << ", order " << order;
+    }
+    EXPECT_NE(first, "");
+  }
+}
+
+TEST(AnyOrder, WithInputFromOutsideKeepsToTheRules) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    WorldOptions options = busy(15);
+    options.knocks = true;
+    World world(seed % 2 == 0 ? kFour : kReversed, seed, options, randomChoices(seed), {});
+    ASSERT_EQ(world.run(), "") << "seed " << seed;
+  }
+}
+
+TEST(AnyOrder, WithDeathsInTheMiddleOfAFrameKeepsToTheRules) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    WorldOptions options = busy(15);
+    options.deaths = true;
+    options.knocks = seed % 3 == 0;
+    World world(kFour, seed, options, randomChoices(seed), {});
+    ASSERT_EQ(world.run(), "") << "seed " << seed;
+  }
+}
+
+// ---- what only a scenario shows
+// --------------------------------------------------------------------
+
+/** @return the names of checks that failed. */
+using Checks = std::set<std::string>;
+
+void check(Checks& failed, bool holds, const std::string& name) {
+  if (!holds) {
+    failed.insert(name);
+  }
+}
+
+void zeroDelayLoop(const LockstepRules& rules, Checks& failed) {
+  LockstepSettings settings = named({"/a"});
+  settings.max_microsteps = 20;
+  Stage stage(settings, rules);
+  stage.join(1, "/a");
+  int grants = 0;
+  while (stage.grant(1) && grants < 100) {
+    ++grants;
+    stage.report(1, kOne);
+  }
+  const std::string reason = stage.session.status().reason;
+  check(failed, grants == 21 && stage.phase() == "zero_delay_loop", "zero-delay loop");
+  check(failed, reason.find("'/a'") != std::string::npos && stage.said(reason), "zero-delay loop");
+}
+
+void replaced(const LockstepRules& rules, Checks& failed) {
+  Stage stage(named({"/a", "/b"}), rules);
+  stage.join(1, "/a");
+  stage.join(2, "/b");
+  stage.grant(1);
+  stage.grant(2);
+  stage.report(1, kNever, {advertise(1, "/x")});
+  stage.join(3, "/b");  // a respawned one, while the old connection lives and owes its report
+  const auto grant = stage.grant(3);
+  check(failed, grant && grant->grant.microstep == 1, "replaced");
+  check(failed, stage.closed[2] && stage.session.status().participants.size() == 2, "replaced");
+}
+
+/** @brief What /a had reported arrives, and nobody waits for it or for its answer. */
+void lastWords(const LockstepRules& rules, Checks& failed) {
+  Stage stage(named({"/a", "/b"}), rules);
+  stage.join(1, "/a");
+  stage.join(2, "/b");
+  stage.grant(1);
+  stage.grant(2);
+  stage.report(1, 5 * kOne, {advertise(1, "/x"), wire::Serve{1, 0, "/service"}});
+  stage.report(2, 5 * kOne, {subscribe(1, "/x"), wire::Call{0, 0, "/service", "request"}});
+  stage.grant(1);
+  stage.grant(2);
+  stage.report(1, 5 * kOne, {wire::Send{1, 0, 0, "last words"}});
+  stage.cut(1);
+  stage.report(2, 5 * kOne);
+  const auto grant = stage.grant(2);
+  Checks got;
+  for (const wire::GrantItem& item : grant ? grant->grant.items : std::vector<wire::GrantItem>()) {
+    got.insert(itemText(item, [](std::uint32_t id) { return id; }));
+  }
+  check(failed, got.count("deliver 1 1 last words") == 1, "last words");
+  check(failed, got.count("answer 0 3") == 1, "cancelled call");
+  check(failed, got.count("no publisher 1 1") == 1, "closed link");
+}
+
+void silence(const LockstepRules& rules, Checks& failed) {
+  Stage stage(named({"/a", "/b"}), rules);
+  stage.join(1, "/a");
+  stage.join(2, "/b");
+  stage.grant(1);
+  stage.report(1, kNever);
+  stage.wall = 11 * kOne;
+  stage.poll();
+  check(failed, stage.said("'/b' has been silent for 11 s", LockstepMessage::Level::kWarn),
+        "silence");
+  check(failed, stage.said("the report of round 1"), "silence");
+}
+
+void deadlock(const LockstepRules& rules, Checks& failed) {
+  Stage stage(named({"/a"}), rules);
+  stage.join(1, "/a");
+  stage.grant(1);
+  stage.report(1, kNever, {wire::Note{wire::NoteKind::kWaitsFor, "a result"}}, 1);
+  check(failed, stage.phase() == "deadlock", "deadlock");
+  check(failed, stage.said("'/a' has 1 waiting thread (a result)", LockstepMessage::Level::kWarn),
+        "deadlock");
+}
+
+void gates(const LockstepRules& rules, Checks& failed) {
+  Stage stage(named({"/a"}), rules);
+  stage.session.pause();
+  stage.join(1, "/a");
+  stage.grant(1);
+  stage.report(1, kOne);
+  check(failed, stage.point(1) == "1000+1", "the present while paused");
+  stage.report(1, 2 * kOne);
+  check(failed, stage.point(1) == "none", "pause");
+  stage.session.runUntil(3 * kOne);
+  stage.poll();
+  stage.grant(1);
+  stage.report(1, 4 * kOne);
+  check(failed, stage.session.now() == 3 * kOne && stage.point(1) == "none", "target");
+}
+
+void limit(const LockstepRules& rules, Checks& failed) {
+  Stage stage(named({"/a"}), rules);
+  stage.session.setLimit(2.0);
+  stage.join(1, "/a");
+  stage.grant(1);
+  stage.report(1, 2 * kOne);
+  check(failed, stage.point(1) == "none", "limit");
+  stage.wall = kOne / 2;
+  stage.poll();
+  check(failed, stage.point(1) == "2000+0", "limit is no pause");
+}
+
+Checks failedScenarios(const LockstepRules& rules) {
+  Checks failed;
+  for (const auto& scenario :
+       {zeroDelayLoop, replaced, lastWords, silence, deadlock, gates, limit}) {
+    scenario(rules, failed);
+  }
+  return failed;
+}
+
+// ---- every rule is worth its test
+// ------------------------------------------------------------------
+
+/** @return the names of all checks that fail under @p rules, in runs of all kinds. */
+Checks failedChecks(const LockstepRules& rules) {
+  Checks failed = failedScenarios(rules);
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    WorldOptions options = busy(12);
+    options.knocks = seed % 3 == 1;
+    options.deaths = seed % 3 == 2;
+    World world(seed % 4 == 3 ? kReversed : kFour, seed, options, randomChoices(seed), rules);
+    const std::string violation = world.run();
+    if (!violation.empty()) {
+      failed.insert(violation.substr(0, violation.find(':')));
+    }
+  }
+  return failed;
+}
+
+struct RuleCase {
+  const char* name;
+  bool LockstepRules::*rule;
+  Checks expected;  // one of these has to fail
+};
+
+std::ostream& operator<<(std::ostream& out, const RuleCase& rule) { return out << rule.name; }
+
+class RuleOff : public testing::TestWithParam<RuleCase> {};
+
+TEST_P(RuleOff, IsNoticed) {
+  LockstepRules rules;
+  rules.*GetParam().rule = false;
+  const Checks failed = failedChecks(rules);
+  bool noticed = false;
+  std::string all;
+  for (const std::string& name : failed) {
+    noticed = noticed || GetParam().expected.count(name) != 0;
+    all += name + "; ";
+  }
+  EXPECT_TRUE(noticed) << "failed were: " << all;
+}
+
+TEST(AllRulesOn, NothingIsViolated) { EXPECT_EQ(failedChecks({}), Checks{}); }
+
+using Rules = LockstepRules;
+INSTANTIATE_TEST_SUITE_P(
+    Each, RuleOff,
+    testing::Values(
+        RuleCase{"barrier", &Rules::barrier, {"barrier"}},
+        RuleCase{"grant_only_concerned", &Rules::grant_only_concerned, {"extra grant"}},
+        RuleCase{"deliver_before_leap", &Rules::deliver_before_leap, {"undelivered"}},
+        RuleCase{"later_than_sent", &Rules::later_than_sent, {"microstep"}},
+        RuleCase{"leap_to_smallest", &Rules::leap_to_smallest, {"leap"}},
+        RuleCase{"time_never_back", &Rules::time_never_back, {"time back"}},
+        RuleCase{"microstep_bound", &Rules::microstep_bound, {"zero-delay loop"}},
+        RuleCase{"sort_by_rank", &Rules::sort_by_rank, {"mail order"}},
+        RuleCase{"sort_by_sub", &Rules::sort_by_sub, {"mail order"}},
+        RuleCase{"natural_order", &Rules::natural_order, {"mail order"}},
+        RuleCase{"fifo_within_sender", &Rules::fifo_within_sender, {"mail order"}},
+        RuleCase{"apply_in_order", &Rules::apply_in_order, {"mail", "mail order"}},
+        RuleCase{"links_are_mail", &Rules::links_are_mail, {"missing grant", "undelivered"}},
+        RuleCase{"replace", &Rules::replace, {"replaced"}},
+        RuleCase{"calls_in_next_round", &Rules::calls_in_next_round, {"undelivered", "stall"}},
+        RuleCase{"knock_counts", &Rules::knock_counts, {"stall", "missing grant"}},
+        RuleCase{"dead_not_awaited", &Rules::dead_not_awaited, {"stall"}},
+        RuleCase{"dead_delivers", &Rules::dead_delivers, {"last words"}},
+        RuleCase{"dead_cancels_calls", &Rules::dead_cancels_calls, {"cancelled call"}},
+        RuleCase{"silence_named", &Rules::silence_named, {"silence"}},
+        RuleCase{"deadlock_named", &Rules::deadlock_named, {"deadlock"}},
+        RuleCase{"gate_pause", &Rules::gate_pause, {"pause"}},
+        RuleCase{"gate_target", &Rules::gate_target, {"target"}},
+        RuleCase{"gate_limit", &Rules::gate_limit, {"limit"}},
+        RuleCase{"start_waits_for_named", &Rules::start_waits_for_named, {"start"}}),
+    [](const auto& rule_case) { return std::string(rule_case.param.name); });
+
+}  // namespace
+}  // namespace move_base_abstract

@@ -1,0 +1,227 @@
+// Who gets what: topics, latched links, services and departures, without time and rounds.
+#include "move_base_abstract/message_router.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "lockstep_client.h"
+#include "lockstep_model.h"
+
+namespace move_base_abstract {
+namespace {
+
+class Routing : public testing::Test {
+ protected:
+  Routing()
+      : router_([this](MemberId id, const Mail& mail) { take(id, mail); },
+                [](MemberId id, std::uint32_t sub, std::uint64_t number) {
+                  return MailOrder{0, sub, id, number};
+                },
+                [this](const MessageRouter::Delivery& delivery) {
+                  traced_.push_back(text(delivery));
+                }) {
+    for (const MemberId id : {1U, 2U, 3U}) {
+      router_.add(id, "/node_" + std::to_string(id));
+    }
+  }
+
+  void act(MemberId id, const wire::ReportItem& item) { router_.apply(id, number_++, item); }
+
+  std::string refusal(MemberId id, const wire::ReportItem& item) {
+    try {
+      act(id, item);
+    } catch (const MessageRouter::BadAction& error) {
+      return error.what();
+    }
+    return "was done";
+  }
+
+  /** @return what @p id got since the last call, and forget what others got. */
+  std::vector<std::string> got(MemberId id) {
+    router_.finishRound();
+    const std::vector<std::string> items = mail_[id];
+    mail_.clear();
+    return items;
+  }
+
+  static std::string text(const MessageRouter::Delivery& delivery) {
+    std::string text = std::string(delivery.name) + " " + std::to_string(delivery.sender) + " ->";
+    for (const MemberId id : delivery.receivers) {
+      text += " " + std::to_string(id);
+    }
+    return text;
+  }
+
+  MessageRouter router_;
+  std::vector<std::string> traced_;
+
+ private:
+  void take(MemberId id, const Mail& mail) {
+    mail_[id].push_back(itemText(mail.item, [](std::uint32_t other) { return other; }));
+  }
+
+  std::map<MemberId, std::vector<std::string>> mail_;
+  std::uint64_t number_ = 0;
+};
+
+using Items = std::vector<std::string>;
+
+TEST_F(Routing, BothEndsHearOfALinkWhoeverComesFirst) {
+  act(1, advertise(5, "/x"));
+  act(2, subscribe(6, "/x"));
+  EXPECT_EQ(got(1), Items{"subscriber 5 2"});
+  act(3, subscribe(7, "/x"));
+  EXPECT_EQ(got(3), Items{"publisher 7 1"});
+  act(2, advertise(6, "/x"));
+  EXPECT_EQ(got(2), (Items{"publisher 6 2", "subscriber 6 2", "subscriber 6 3"}));
+}
+
+TEST_F(Routing, AMessageGoesToAllThatSubscribeAtThatMomentAlsoItsSender) {
+  act(1, advertise(5, "/x"));
+  act(1, subscribe(5, "/x"));
+  act(2, subscribe(6, "/x"));
+  got(1);
+  act(1, wire::Send{5, 0, 0, "one"});
+  act(3, subscribe(7, "/x"));
+  act(2, wire::Unsubscribe{6});
+  act(1, wire::Send{5, 0, 0, "two"});
+  EXPECT_EQ(got(1),
+            (Items{"deliver 5 1 one", "subscriber 5 3", "deliver 5 1 two", "no subscriber 5 2"}));
+  act(1, wire::Send{5, 0, 0, "three"});
+  EXPECT_EQ(got(3), Items{"deliver 7 1 three"});
+  EXPECT_EQ(router_.messages(), 6U);
+  EXPECT_EQ(traced_, (Items{"/x 1 -> 1 2", "/x 1 -> 1 3", "/x 1 -> 1 3"}));
+}
+
+TEST_F(Routing, ALatchedMessageGoesToItsTargetOnly) {
+  act(1, advertise(5, "/x", "md5", true));
+  act(2, subscribe(6, "/x"));
+  act(3, subscribe(7, "/x"));
+  got(1);
+  act(1, wire::Send{5, 0, 3, "latched"});
+  act(1, wire::Send{5, 0, 99, "to nobody"});
+  EXPECT_EQ(got(2), Items{});
+  act(1, wire::Send{5, 0, 3, "latched"});
+  EXPECT_EQ(got(3), Items{"deliver 7 1 latched"});
+}
+
+TEST_F(Routing, TypesThatDifferAreNotConnectedAndNamed) {
+  act(1, advertise(5, "/x", "one"));
+  act(2, subscribe(6, "/x", "other"));
+  act(3, subscribe(7, "/x", "*"));
+  act(1, wire::Send{5, 0, 0, "data"});
+  EXPECT_EQ(got(2), Items{});
+  const auto warnings = router_.takeWarnings();
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(
+      warnings[0],
+      "topic '/x' is not connected from '/node_1' (type test/Type, md5 one) to '/node_2' (md5 "
+      "other): their types differ");
+  act(1, wire::Send{5, 0, 0, "data"});
+  EXPECT_EQ(got(3), Items{"deliver 7 1 data"});
+  act(2, subscribe(6, "/x", "one"));  // now with the right type
+  EXPECT_EQ(got(2), Items{"publisher 6 1"});
+}
+
+TEST_F(Routing, ALinkThatClosesAndOpensInOneRoundIsNotSaidToBeClosed) {
+  act(1, advertise(5, "/x"));
+  act(2, subscribe(6, "/x"));
+  got(1);
+  act(1, wire::Unadvertise{5});
+  act(1, advertise(5, "/x"));
+  EXPECT_EQ(got(2), Items{"publisher 6 1"});
+  act(1, wire::Unadvertise{5});
+  EXPECT_EQ(got(2), Items{"no publisher 6 1"});
+  EXPECT_EQ(got(2), Items{});
+}
+
+TEST_F(Routing, RepeatedDeclarationsOfOneNodeChangeNothing) {
+  act(1, advertise(5, "/x"));
+  act(2, subscribe(6, "/x"));
+  got(1);
+  act(1, advertise(5, "/x"));
+  act(2, subscribe(6, "/x"));
+  EXPECT_EQ(got(2), Items{});
+  act(1, wire::Send{5, 0, 0, "once"});
+  EXPECT_EQ(got(2), Items{"deliver 6 1 once"});
+}
+
+TEST_F(Routing, WhatWasNotDeclaredIsRefused) {
+  EXPECT_EQ(refusal(1, wire::Send{5, 0, 0, ""}),
+            "'/node_1': SEND must name a topic that was declared, got number 5");
+  act(1, subscribe(5, "/x"));
+  EXPECT_EQ(refusal(1, wire::Send{5, 0, 0, ""}),
+            "'/node_1': SEND must be on a topic that it advertises, got '/x'");
+  EXPECT_EQ(refusal(1, advertise(5, "/y")),
+            "'/node_1': number 5 is that of topic '/x', got it for '/y'");
+  EXPECT_EQ(refusal(1, subscribe(6, "/x")),
+            "'/node_1': topic '/x' has its number 5, got a second one, 6");
+  EXPECT_EQ(refusal(1, subscribe(8, "")), "'/node_1': topic 8 must have a name, got an empty one");
+  EXPECT_EQ(refusal(1, wire::Unserve{3}),
+            "'/node_1': UNSERVE must name a service that it serves, got number 3");
+  EXPECT_EQ(refusal(2, wire::Response{1, 4, true, ""}),
+            "'/node_2': RESPONSE must answer a call, got number 4 of '/node_1', which has not made "
+            "it");
+}
+
+TEST_F(Routing, ACallGoesToItsServerAndTheAnswerBack) {
+  act(2, wire::Serve{9, 0, "/s"});
+  act(1, wire::Call{0, 0, "/s", "request"});
+  act(1, wire::Call{1, 0, "/nobody", "request"});
+  EXPECT_EQ(got(1), Items{"answer 1 2"});
+  act(2, wire::Response{1, 0, true, "response"});
+  act(2, wire::Response{1, 0, true, "twice"});  // is ignored
+  EXPECT_EQ(got(1), Items{"answer 0 1"});
+  act(1, wire::Call{2, 0, "/s", "request"});
+  EXPECT_EQ(got(2), Items{"call 9 1 2"});
+  EXPECT_EQ(refusal(1, wire::Call{2, 0, "/s", ""}),
+            "'/node_1': CALL must count up, got number 2 after 2");
+  EXPECT_EQ(traced_, (Items{"/s 1 -> 2", "/nobody 0 -> 1", "/s 2 -> 1", "/s 1 -> 2"}));
+}
+
+TEST_F(Routing, TheLastServerOfANameServesAsWithTheRosMaster) {
+  act(2, wire::Serve{9, 0, "/s"});
+  act(3, wire::Serve{4, 0, "/s"});
+  EXPECT_EQ(router_.takeWarnings(), Items{"service '/s' of '/node_2' is taken over by '/node_3'"});
+  act(1, wire::Call{0, 0, "/s", ""});
+  EXPECT_EQ(got(3), Items{"call 4 1 0"});
+  act(3, wire::Unserve{4});
+  EXPECT_EQ(got(1), Items{"answer 0 3"});
+  act(1, wire::Call{1, 0, "/s", ""});
+  EXPECT_EQ(got(2), Items{"call 9 1 1"});
+}
+
+TEST_F(Routing, AWatcherHearsOnceOfAService) {
+  act(1, wire::Watch{"/s"});
+  act(1, wire::Watch{"/s"});
+  EXPECT_EQ(got(1), Items{});
+  act(2, wire::Serve{9, 0, "/s"});
+  EXPECT_EQ(got(1), Items{"found /s"});
+  act(3, wire::Serve{9, 0, "/s"});
+  EXPECT_EQ(got(1), Items{});
+  act(1, wire::Watch{"/s"});
+  EXPECT_EQ(got(1), Items{"found /s"});
+}
+
+TEST_F(Routing, ADepartureEndsLinksAndCallsOfBothDirections) {
+  act(1, advertise(5, "/x"));
+  act(2, subscribe(6, "/x"));
+  act(2, advertise(8, "/y"));
+  act(1, subscribe(7, "/y"));
+  act(1, wire::Serve{9, 0, "/s"});
+  act(2, wire::Call{0, 0, "/s", ""});
+  act(3, wire::Serve{4, 0, "/t"});
+  act(1, wire::Call{0, 0, "/t", ""});
+  got(1);
+  router_.remove(1, 99);
+  EXPECT_EQ(got(2), (Items{"answer 0 3", "no publisher 6 1", "no subscriber 8 1"}));
+  act(3, wire::Response{1, 0, true, "too late"});
+  act(2, wire::Send{8, 0, 0, "to nobody"});
+  EXPECT_EQ(got(1), Items{});
+}
+
+}  // namespace
+}  // namespace move_base_abstract
