@@ -5,10 +5,9 @@ in the meantime waits.
 """
 import json
 import os
-import time
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.units import seconds_to_ns
+from ..errors import ConfigurationError
+from ..units import seconds_to_ns
 
 _ALLOWED = ("'none', 'fixed:SECONDS', 'measured' or 'measured:FILE' (wall clock), 'measured_cpu' or "
             "'measured_cpu:FILE' (this process's CPU), 'replay:FILE'")
@@ -93,8 +92,8 @@ class ReplayCharge(NoCharge):
         return cost_ns
 
 
-def make_charge(text):
-    """Return the charge that ``text`` describes.
+def make_charge(text, wall_ns, cpu_ns):
+    """Return the charge that ``text`` describes; ``wall_ns()`` and ``cpu_ns()`` are the machine's clocks [ns].
 
     :raises ConfigurationError: if it describes none, or its file cannot be read or written.
     """
@@ -104,9 +103,9 @@ def make_charge(text):
     if kind == 'fixed' and _is_time(detail):
         return FixedCharge(seconds_to_ns(float(detail)))
     if kind == 'measured':
-        return MeasuredCharge(detail, time.perf_counter_ns)
+        return MeasuredCharge(detail, wall_ns)
     if kind == 'measured_cpu':
-        return MeasuredCharge(detail, time.process_time_ns)
+        return MeasuredCharge(detail, cpu_ns)
     if kind == 'replay' and detail:
         return ReplayCharge(detail)
     raise ConfigurationError("charge: got '{}'; allowed: {}".format(text, _ALLOWED))

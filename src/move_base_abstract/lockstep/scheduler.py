@@ -132,11 +132,11 @@ class Scheduler:
         task.is_waiting = True
         task.timed_out = False
         task.wake_token += 1
-        if wake_ns != NEVER:
+        if wake_ns < NEVER:
             self._sequence += 1
             heapq.heappush(self._sleepers, (wake_ns, self._sequence, task.wake_token, task))
         task.waits_for = waits_for
-        is_open = is_open and wake_ns == NEVER
+        is_open = is_open and wake_ns >= NEVER
         if is_open:
             self._open.append(task)
         try:

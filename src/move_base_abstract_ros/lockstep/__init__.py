@@ -6,14 +6,15 @@ docs/lockstep.md says what counts and what does not.
 """
 import os
 import re
+import time
 from types import SimpleNamespace
 
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.lockstep.charge import make_charge
 
 from . import finish, threads, waits
-from .charge import make_charge
 from .participant import DEFAULT_RANK, Participant, connect
 from .topics import sender
 
@@ -50,7 +51,7 @@ def join(rank=None, own_threads=True):
     if declared is not None and (isinstance(declared, bool) or not isinstance(declared, int)):
         raise ConfigurationError('parameter {}: got {!r}; allowed: a whole number'.format(
             rospy.resolve_name('~lockstep_rank'), declared))
-    charge = make_charge(rospy.get_param('~lockstep_charge', 'none'))
+    charge = make_charge(rospy.get_param('~lockstep_charge', 'none'), time.perf_counter_ns, time.process_time_ns)
     joining = Participant(connect(_CONNECT_SECONDS), DEFAULT_RANK if declared is None else declared, charge)
     for topic in rospy.get_param('/time_master/excluded_topics', []):
         joining.topics.excluded.add(rospy.resolve_name(str(topic)))

@@ -1,0 +1,174 @@
+"""Locks that give the turn away: as Python's, but an application thread that waits for another lets the others go on.
+
+``threading.Condition``, ``Event``, ``Semaphore``, ``Barrier`` and ``queue.Queue`` are made of these two, and ask
+:func:`clock` what is left of a time-out. Time-outs of application threads are simulated time. Threads that are not the
+application's wait as ever, and are waited for with simulated time standing still.
+"""
+from collections import deque
+from threading import TIMEOUT_MAX, get_ident
+
+from ..units import seconds_to_ns
+from .scheduler import TurnLost, _make_lock
+from .wire import NEVER
+
+
+class _NoScheduler:
+    """Before the process takes part, every thread runs freely."""
+
+    turn_ident = 0
+    is_closed = True
+
+    @staticmethod
+    def is_mine():
+        """No thread has a turn."""
+        return False
+
+
+class Process:
+    """Whom the locks of this process ask: its scheduler, once it takes part."""
+
+    scheduler = _NoScheduler()
+
+
+def clock(machine_clock):
+    """Return a function that tells application threads simulated time [s], and others what ``machine_clock()`` says."""
+    def now():
+        scheduler = Process.scheduler
+        return scheduler.now_ns * 1e-9 if scheduler.is_mine() else machine_clock()
+    return now
+
+
+def _wake_ns(timeout):
+    """Return when ``timeout`` [s] is over, or NEVER; what is left of one must not be lost in rounding."""
+    if timeout < 0 or timeout >= TIMEOUT_MAX:
+        return NEVER
+    return Process.scheduler.now_ns + (max(1, seconds_to_ns(timeout)) if timeout > 0 else 0)
+
+
+class CooperativeLock:
+    """A lock as Python's own; an application thread that waits for another one lets the others go on."""
+
+    __slots__ = ('_lock', '_waiting', '_is_applications', '__weakref__')
+
+    def __init__(self):
+        self._lock = _make_lock()
+        self._waiting = None
+        self._is_applications = False
+
+    def acquire(self, blocking=True, timeout=-1):
+        """As threading.Lock.acquire; the time-out is simulated in application threads."""
+        if self._lock.acquire(False):
+            self._is_applications = Process.scheduler.turn_ident == get_ident()
+            return True
+        if not blocking or timeout != -1 and timeout < 0:
+            return self._lock.acquire(blocking, timeout)  # False, or the error that Python raises
+        if not (self._is_applications and Process.scheduler.is_mine()):
+            # Held by a thread that runs freely and will let go by itself.
+            is_taken = self._lock.acquire(True, timeout)
+            self._is_applications = is_taken and Process.scheduler.is_mine()
+            return is_taken
+        return self._wait(timeout)
+
+    __enter__ = acquire
+
+    def _wait(self, timeout):
+        task = Process.scheduler.current()
+        wake_ns = _wake_ns(timeout)
+        if self._waiting is None:
+            self._waiting = deque()
+        while not self._lock.acquire(False):
+            if wake_ns <= Process.scheduler.now_ns:
+                return False
+            self._waiting.append(task)
+            try:
+                Process.scheduler.wait(wake_ns, 'another thread')
+            except TurnLost:
+                return self._lock.acquire(True, timeout)
+            finally:
+                if task in self._waiting:
+                    self._waiting.remove(task)
+        self._is_applications = True
+        return True
+
+    def release(self):
+        """As threading.Lock.release."""
+        self._is_applications = False
+        self._lock.release()
+        if self._waiting:
+            self._wake()
+
+    def __exit__(self, *_error):
+        self.release()
+
+    def _wake(self):
+        if Process.scheduler.is_mine():
+            Process.scheduler.wake(self._waiting.popleft())
+        elif not Process.scheduler.is_closed:
+            Process.scheduler.from_outside(self._wake_one)
+
+    def _wake_one(self):
+        if self._waiting:
+            Process.scheduler.wake(self._waiting.popleft())
+
+    def locked(self):
+        """As threading.Lock.locked."""
+        return self._lock.locked()
+
+    def _at_fork_reinit(self):
+        self._lock = _make_lock()
+        self._waiting = None
+
+
+class CooperativeRLock:
+    """A lock that its owner may take again, made of a :class:`CooperativeLock`."""
+
+    __slots__ = ('_block', '_owner', '_count', '__weakref__')
+
+    def __init__(self):
+        self._block = CooperativeLock()
+        self._owner = None
+        self._count = 0
+
+    def acquire(self, blocking=True, timeout=-1):
+        """As threading.RLock.acquire."""
+        me = get_ident()
+        if self._owner == me:
+            self._count += 1
+            return True
+        if not self._block.acquire(blocking, timeout):
+            return False
+        self._owner = me
+        self._count = 1
+        return True
+
+    __enter__ = acquire
+
+    def release(self):
+        """As threading.RLock.release."""
+        if self._owner != get_ident():
+            raise RuntimeError('cannot release un-acquired lock')
+        self._count -= 1
+        if not self._count:
+            self._owner = None
+            self._block.release()
+
+    def __exit__(self, *_error):
+        self.release()
+
+    # What threading.Condition asks for.
+
+    def _is_owned(self):
+        return self._owner == get_ident()
+
+    def _release_save(self):
+        count, self._count, self._owner = self._count, 0, None
+        self._block.release()
+        return count
+
+    def _acquire_restore(self, count):
+        self._block.acquire()
+        self._owner, self._count = get_ident(), count
+
+    def _at_fork_reinit(self):
+        self._block._at_fork_reinit()
+        self._owner, self._count = None, 0
