@@ -6,6 +6,8 @@ Everything waits for events; GUARD [s, wall] only ends a test that would never e
 
 import os
 import signal
+import subprocess
+import sys
 import time
 import unittest
 
@@ -20,6 +22,14 @@ from move_base_abstract_ros.loopback import Loopback
 
 GUARD = 30.0
 NS = 1000000000
+
+# A node that does not take part.
+CALLER = """
+import rospy
+from std_srvs.srv import SetBool
+rospy.wait_for_service('/wait')
+print(rospy.ServiceProxy('/wait', SetBool)(True).message, end='')
+"""
 
 SCRIPT = """
 1000000000 0 first grant
@@ -214,6 +224,14 @@ class LockstepCppTest(unittest.TestCase):
             self.assertEqual(lines(listener)[1:], [f'{second * NS} 1 /ticks {second * NS}' for second in range(2, 52)])
             wait_for('all ticks', lambda: len(heard) == 50)
             self.assertEqual(heard, [second * NS for second in range(2, 52)])
+
+    def test_a_service_answers_nodes_that_do_not_take_part_and_may_sleep_in_it(self):
+        with Loopback() as ros:
+            self.start(ros, '/server')
+            ros.run('lockstep_service', 'server', parameters=dict(serve=True))
+            command = [sys.executable, '-c', CALLER]
+            ran = subprocess.run(command, env=ros.environment, stdout=subprocess.PIPE, timeout=GUARD, check=True)
+            self.assertEqual(ran.stdout, b'waited')
 
     def assert_not_on_clock(self, ros, *nodes):
         _, subscribers, _ = rosgraph.Master('/test', master_uri=ros.uri).getSystemState()
