@@ -1,0 +1,418 @@
+// When the event-driven clock moves: start, leaps, pause, step, run until, limit, silence.
+#include "move_base_abstract/lockstep_rounds.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "lockstep_client.h"
+#include "move_base_abstract/time_master.h"
+
+namespace move_base_abstract {
+namespace {
+
+template <typename Call>
+std::string refusal(Call call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "was not refused";
+}
+
+/** @brief One participant that has started and reported that it wants to wake up at @p next. */
+struct Alone : Stage {
+  explicit Alone(Nanoseconds next, LockstepSettings settings = named({"/a"})) : Stage(settings) {
+    join(1, "/a");
+    grant(1);
+    report(1, next);
+  }
+};
+
+// ---- names and settings ----------------------------------------------------------------------
+
+TEST(NaturalOrder, CountsRunsOfDigitsAsNumbers) {
+  const std::vector<std::string> sorted{"",        "/a",       "/a/b",      "/a1",    "/a01b",
+                                        "/a2",     "/a02",     "/a10",      "/a10/x", "/a10b2",
+                                        "/a10b10", "/robot_9", "/robot_10", "/z",     "/\xC3\xA9"};
+  std::vector<std::string> names(sorted.rbegin(), sorted.rend());
+  std::sort(names.begin(), names.end(), naturalLess);
+  // "/a02" and "/a2" are one number: then the plain order decides.
+  std::vector<std::string> expected = sorted;
+  std::swap(expected[5], expected[6]);
+  EXPECT_EQ(names, expected);
+  EXPECT_TRUE(naturalLess("/r99999999999999999999998", "/r99999999999999999999999"));
+  EXPECT_FALSE(naturalLess("/a", "/a"));
+}
+
+TEST(Settings, OutOfRangeAreRefusedWithWhatIsAllowed) {
+  const auto refused = [](auto change) {
+    LockstepSettings settings;
+    change(settings);
+    return refusal([&] { LockstepRounds rounds(settings); });
+  };
+  EXPECT_EQ(refused([](auto& s) { s.start_time = 0.0; }),
+            "start_time must be from 1e-06 to 2000000000 s, got 0");
+  EXPECT_EQ(refused([](auto& s) { s.limit = -1.0; }),
+            "limit must be from 0.01 to 1000000 simulated seconds per wall second (or 0 for none), "
+            "got -1");
+  EXPECT_EQ(refused([](auto& s) { s.settle = std::numeric_limits<double>::quiet_NaN(); }),
+            "settle must be from 0 to 3600 s of wall time, got nan");
+  EXPECT_EQ(refused([](auto& s) { s.silence_limit = 1e-9; }),
+            "silence_limit must be from 0.001 to 86400 s of wall time (or 0 for any), got 1e-09");
+  EXPECT_EQ(refused([](auto& s) { s.max_microsteps = 0; }),
+            "max_microsteps must be at least 1, got 0");
+  EXPECT_EQ(refused([](auto& s) {
+              s.participants = {"/a", "/b", "/a"};
+            }),
+            "participants must be names that differ, got '/a' twice");
+}
+
+// ---- start -----------------------------------------------------------------------------------
+
+TEST(Start, WaitsForAllThatAreNamedAndNamesThoseThatAreMissing) {
+  Stage stage(named({"/a", "/b"}));
+  stage.join(1, "/a");
+  EXPECT_EQ(stage.point(1), "none");
+  EXPECT_EQ(stage.phase(), "waiting_for_participants");
+  EXPECT_EQ(stage.session.now(), kOne);
+  ASSERT_EQ(stage.session.status().waiting_for.size(), 1U);
+  EXPECT_EQ(stage.session.status().waiting_for[0].name, "/b");
+  EXPECT_EQ(stage.session.status().waiting_for[0].owes, "its HELLO");
+  for (int k = 1; k <= 3; ++k) {
+    stage.messages.clear();
+    ASSERT_EQ(stage.session.nextWake(), k * 5 * kOne);
+    stage.wall = k * 5 * kOne - 1;
+    stage.poll();
+    EXPECT_FALSE(stage.said("does not start without"));
+    stage.wall = k * 5 * kOne;
+    stage.poll();
+    EXPECT_TRUE(stage.said("the clock does not start without '/b' (1 participant there)"));
+  }
+  stage.join(2, "/b");
+  EXPECT_EQ(stage.point(1), "1000+0");
+  EXPECT_EQ(stage.point(2), "1000+0");
+  EXPECT_EQ(stage.session.status().not_repeatable, std::vector<std::string>{});
+}
+
+TEST(Start, OfUnnamedOnesComesWhenNobodyNewHasJoinedForAWhile) {
+  Stage stage(LockstepSettings{});
+  stage.join(1, "/a");
+  stage.wall = kOne;
+  stage.join(2, "/b");
+  EXPECT_EQ(stage.session.nextWake(), 3 * kOne);
+  stage.wall = 3 * kOne - 1;
+  stage.poll();
+  EXPECT_EQ(stage.point(1), "none");
+  stage.wall = 3 * kOne;
+  stage.poll();
+  EXPECT_EQ(stage.point(1), "1000+0");
+  ASSERT_EQ(stage.session.status().not_repeatable.size(), 1U);
+  EXPECT_NE(stage.session.status().not_repeatable[0].find("no participants are named"),
+            std::string::npos);
+}
+
+TEST(Start, OneThatDiesBeforeIsMissingAgainAndNothingIsDegraded) {
+  Stage stage(named({"/a", "/b"}));
+  stage.join(1, "/a");
+  stage.cut(1);
+  stage.join(2, "/b");
+  EXPECT_EQ(stage.point(2), "none");
+  EXPECT_TRUE(stage.session.status().degraded.empty());
+  stage.join(3, "/a");
+  EXPECT_EQ(stage.point(2), "1000+0");
+  EXPECT_EQ(stage.point(3), "1000+0");
+}
+
+// ---- leaps -----------------------------------------------------------------------------------
+
+TEST(Leaps, GoToTheSmallestWakeUpOfAllAndGrantOnlyThoseOfThatInstant) {
+  Stage stage(named({"/a", "/b", "/c"}));
+  for (const ConnectionId id : {1U, 2U, 3U}) {
+    stage.join(id, std::string("/") + static_cast<char>('a' + id - 1));
+  }
+  for (const ConnectionId id : {1U, 2U, 3U}) {
+    stage.grant(id);
+  }
+  stage.report(1, 5 * kOne);
+  stage.report(2, 3 * kOne);
+  EXPECT_EQ(stage.point(2), "none");  // /c is still at work
+  stage.report(3, 3 * kOne);
+  EXPECT_EQ(stage.point(1), "none");
+  EXPECT_EQ(stage.point(2), "3000+0");
+  EXPECT_EQ(stage.point(3), "3000+0");
+  stage.report(2, 3 * kOne);
+  stage.report(3, kNever);
+  EXPECT_EQ(stage.point(2), "3000+1");  // due at this very instant
+  EXPECT_EQ(stage.point(3), "none");
+  stage.report(2, kNever);
+  EXPECT_EQ(stage.point(1), "5000+0");
+  EXPECT_EQ(stage.session.status().leaps, 2U);
+  EXPECT_EQ(stage.session.status().rounds, 4U);
+}
+
+TEST(Leaps, ThousandsOfMicrostepsAtOneInstantAreNoLoopIfAllowed) {
+  Alone alone(kOne);
+  for (int k = 0; k < 5'000; ++k) {
+    ASSERT_TRUE(alone.grant(1));
+    alone.report(1, kOne);
+  }
+  EXPECT_EQ(alone.session.microstep(), 5'001U);
+}
+
+TEST(Leaps, NobodyIsGrantedBeyondTheEndOfTime) {
+  Alone alone(TimeMaster::kLastInstant + 1);
+  EXPECT_EQ(alone.phase(), "idle");
+  EXPECT_EQ(alone.session.now(), kOne);
+}
+
+TEST(Leaps, IdleEndsWithAKnock) {
+  Alone alone(kNever);
+  EXPECT_EQ(alone.phase(), "idle");
+  EXPECT_EQ(alone.session.nextWake(), kNever);
+  alone.frame(1, wire::Knock{});
+  EXPECT_EQ(alone.point(1), "1000+1");
+  EXPECT_EQ(alone.session.status().not_repeatable,
+            std::vector<std::string>{"'/a' had input from outside at 1 s"});
+}
+
+TEST(Leaps, AKnockThatCrossedAGrantIsServedAfterIt) {
+  Stage stage(named({"/a", "/b"}));
+  stage.join(1, "/a");
+  stage.join(2, "/b");
+  stage.grant(1);
+  stage.grant(2);
+  stage.frame(1, wire::Knock{});
+  stage.report(1, 9 * kOne);
+  EXPECT_EQ(stage.point(1), "none");
+  stage.report(2, 2 * kOne);
+  EXPECT_EQ(stage.point(1), "1000+1");  // before the leap to 2 s
+  EXPECT_EQ(stage.point(2), "none");
+}
+
+// ---- gate ------------------------------------------------------------------------------------
+
+TEST(Gate, PauseFinishesTheInstantAndResumeGoesOn) {
+  Alone alone(2 * kOne);
+  alone.grant(1);
+  alone.session.pause();
+  alone.report(1, 2 * kOne);
+  EXPECT_EQ(alone.point(1), "2000+1");
+  alone.report(1, 3 * kOne);
+  EXPECT_EQ(alone.point(1), "none");
+  EXPECT_EQ(alone.phase(), "paused");
+  EXPECT_EQ(alone.session.now(), 2 * kOne);
+  alone.session.resume();
+  EXPECT_LE(alone.session.nextWake(), alone.wall);  // there is something to decide
+  alone.poll();
+  EXPECT_EQ(alone.point(1), "3000+0");
+}
+
+TEST(Gate, StartPausedGrantsTheFirstInstantOnly) {
+  LockstepSettings settings = named({"/a"});
+  settings.start_paused = true;
+  Stage stage(settings);
+  stage.join(1, "/a");
+  EXPECT_EQ(stage.point(1), "1000+0");
+  stage.report(1, 2 * kOne);
+  EXPECT_EQ(stage.phase(), "paused");
+}
+
+TEST(Gate, RunUntilStopsAtExactlyItsTargetWithoutGrantingAnybody) {
+  Alone alone(2 * kOne);
+  alone.grant(1);
+  alone.session.runUntil(2'500'000'000);
+  alone.report(1, 3 * kOne);
+  EXPECT_EQ(alone.point(1), "none");
+  EXPECT_EQ(alone.session.now(), 2'500'000'000);
+  EXPECT_EQ(alone.phase(), "paused");
+  EXPECT_EQ(alone.session.status().run_until, std::nullopt);
+  EXPECT_TRUE(alone.said("reached 2.5 s, paused"));
+  alone.session.resume();
+  alone.poll();
+  EXPECT_EQ(alone.point(1), "3000+0");
+}
+
+TEST(Gate, RunUntilAWakeUpGrantsItAndFinishesThatInstant) {
+  Alone alone(2 * kOne);
+  alone.grant(1);
+  alone.session.runUntil(3 * kOne);
+  alone.report(1, 3 * kOne);
+  EXPECT_EQ(alone.point(1), "3000+0");
+  alone.report(1, 3 * kOne);
+  EXPECT_EQ(alone.point(1), "3000+1");
+  alone.report(1, 4 * kOne);
+  EXPECT_EQ(alone.phase(), "paused");
+  EXPECT_EQ(alone.session.now(), 3 * kOne);
+}
+
+TEST(Gate, ATargetIsReachedAlsoWhenEverybodyIsIdle) {
+  Alone alone(kNever);
+  alone.session.runUntil(2 * kOne);
+  alone.poll();
+  EXPECT_EQ(alone.session.now(), 2 * kOne);
+  EXPECT_EQ(alone.phase(), "paused");
+  alone.frame(1, wire::Knock{});
+  EXPECT_EQ(alone.point(1), "2000+1");  // input from outside while it is paused
+}
+
+TEST(Gate, StepsAddUpFromTheTargetOfOneThatIsUnderWay) {
+  Alone alone(2 * kOne);
+  EXPECT_EQ(alone.session.step(5 * kOne), 6 * kOne + 1 * kOne);
+  EXPECT_EQ(alone.session.step(kOne), 8 * kOne);
+  alone.grant(1);
+  alone.report(1, kNever);
+  EXPECT_EQ(alone.session.now(), 8 * kOne);
+  EXPECT_EQ(alone.session.step(kOne), 9 * kOne);
+}
+
+TEST(Gate, RefusalsSayWhatIsAllowedAndChangeNothing) {
+  Alone alone(kNever);
+  EXPECT_EQ(refusal([&] { alone.session.step(0); }),
+            "step: duration must be more than 0 and at most 2147483646 s from 1 s on, got 0 s");
+  EXPECT_EQ(refusal([&] { alone.session.runUntil(kOne - 1); }),
+            "run_until: target must be from the present, 1 s, to 2147483647 s, got 0.999999999 s");
+  EXPECT_NE(refusal([&] { alone.session.setLimit(1e7); }).find("got 10000000"), std::string::npos);
+  EXPECT_FALSE(alone.session.status().paused);
+  EXPECT_EQ(alone.session.status().run_until, std::nullopt);
+  alone.session.end("enough");
+  EXPECT_EQ(refusal([&] { alone.session.resume(); }), "resume: the run has ended, at 1 s");
+}
+
+TEST(Gate, ALimitIsNeverExceededAndNothingIsCaughtUp) {
+  LockstepSettings settings = named({"/a"});
+  settings.limit = 10.0;
+  Alone alone(2 * kOne, settings);
+  EXPECT_EQ(alone.phase(), "limited");
+  EXPECT_EQ(alone.session.nextWake(), kOne / 10);
+  alone.wall = kOne / 10 - 1;
+  alone.poll();
+  EXPECT_EQ(alone.point(1), "none");
+  alone.wall = 5 * kOne;  // somebody polls late
+  alone.poll();
+  EXPECT_EQ(alone.point(1), "2000+0");
+  alone.report(1, 2'000'000'001);
+  EXPECT_EQ(alone.session.nextWake(), 5 * kOne + 1);  // 0.1 ns, rounded up
+  alone.wall += 1;
+  alone.poll();
+  EXPECT_TRUE(alone.grant(1));
+  alone.report(1, 12'000'000'001);
+  EXPECT_EQ(alone.session.nextWake(), 6 * kOne + 1);
+  alone.session.setLimit(0.0);
+  alone.poll();
+  EXPECT_TRUE(alone.grant(1));
+}
+
+TEST(Gate, ALimitHoldsForTheWayToATargetToo) {
+  LockstepSettings settings = named({"/a"});
+  settings.limit = 1.0;
+  Alone alone(kNever, settings);
+  alone.session.runUntil(3 * kOne);
+  alone.poll();
+  EXPECT_EQ(alone.session.now(), kOne);
+  EXPECT_EQ(alone.session.nextWake(), 2 * kOne);
+  alone.wall = 2 * kOne;
+  alone.poll();
+  EXPECT_EQ(alone.session.now(), 3 * kOne);
+  EXPECT_EQ(alone.phase(), "paused");
+}
+
+// ---- silence and standstill ------------------------------------------------------------------
+
+TEST(Silence, IsNamedOnceWithWhatIsOwedAndSoIsItsEnd) {
+  Stage stage(named({"/a", "/b"}));
+  stage.join(1, "/a");
+  stage.join(2, "/b");
+  stage.grant(1);
+  stage.grant(2);
+  stage.report(1, kNever, {advertise(1, "/x"), wire::Send{1, 0, 0, "early"}});
+  stage.report(2, 4 * kOne, {subscribe(2, "/x")});
+  stage.grant(1);
+  stage.grant(2);
+  stage.report(1, kNever, {wire::Send{1, 0, 0, "data"}});
+  stage.report(2, kNever);
+  stage.grant(2);
+  EXPECT_EQ(stage.session.nextWake(), 10 * kOne);
+  stage.wall = 2 * kOne;
+  stage.poll();
+  EXPECT_EQ(stage.phase(), "waiting");
+  const auto waiting = stage.session.status().waiting_for;
+  ASSERT_EQ(waiting.size(), 1U);
+  EXPECT_EQ(waiting[0].name, "/b");
+  EXPECT_EQ(waiting[0].since, 0);
+  EXPECT_EQ(waiting[0].owes, "the report of round 3 (1 message)");
+  stage.wall = 12 * kOne;
+  stage.poll();
+  EXPECT_TRUE(
+      stage.said("'/b' has been silent for 12 s of wall time; it owes the report of round "
+                 "3 (1 message) at 1 s",
+                 LockstepMessage::Level::kWarn));
+  stage.messages.clear();
+  stage.wall = 40 * kOne;
+  stage.poll();
+  EXPECT_TRUE(stage.messages.empty());
+  stage.report(2, kNever);
+  EXPECT_TRUE(stage.said("'/b' answered after 40 s of wall time"));
+  EXPECT_TRUE(stage.session.status().degraded.empty());
+}
+
+TEST(Silence, CanMeanToBeDropped) {
+  LockstepSettings settings = named({"/a", "/b"});
+  settings.on_silence = OnSilence::kDrop;
+  Stage stage(settings);
+  stage.join(1, "/a");
+  stage.join(2, "/b");
+  stage.grant(1);
+  stage.report(1, 3 * kOne);
+  stage.wall = 10 * kOne;
+  stage.poll();
+  EXPECT_TRUE(stage.closed[2]);
+  EXPECT_EQ(stage.end[2], "it was dropped: silent for 10 s of wall time");
+  EXPECT_EQ(stage.point(1), "3000+0");
+  EXPECT_EQ(stage.session.status().degraded.size(), 1U);
+}
+
+TEST(Silence, OfAnyLengthIsAllowedByALimitOfZero) {
+  LockstepSettings settings = named({"/a"});
+  settings.silence_limit = 0.0;
+  Stage stage(settings);
+  stage.join(1, "/a");
+  EXPECT_EQ(stage.session.nextWake(), kNever);
+}
+
+TEST(Standstill, DeadlockIsNamedOnceAndCanBeResolved) {
+  Alone alone(kNever);
+  alone.messages.clear();
+  alone.frame(1, wire::Knock{});
+  alone.grant(1);
+  alone.report(1, kNever, {wire::Note{wire::NoteKind::kWaitsFor, "a result"}}, 2);
+  alone.poll();
+  EXPECT_EQ(alone.phase(), "deadlock");
+  const std::string text =
+      "deadlock at 1 s: nobody wants to wake up, but '/a' has 2 waiting threads (a result)";
+  EXPECT_EQ(alone.session.status().reason, text);
+  EXPECT_EQ(std::count_if(alone.messages.begin(), alone.messages.end(),
+                          [&](const auto& message) { return message.text == text; }),
+            1);
+  alone.frame(1, wire::Knock{});
+  EXPECT_EQ(alone.point(1), "1000+2");
+  alone.report(1, 2 * kOne, {}, 2);
+  EXPECT_EQ(alone.point(1), "2000+0");
+}
+
+TEST(Standstill, IdleEndsTheRunIfSoConfigured) {
+  LockstepSettings settings = named({"/a"});
+  settings.end_when_idle = true;
+  Alone alone(kNever, settings);
+  EXPECT_EQ(alone.phase(), "ended");
+  EXPECT_EQ(alone.end[1], "idle at 1 s: nobody wants to wake up");
+  EXPECT_TRUE(alone.closed[1]);
+}
+
+}  // namespace
+}  // namespace move_base_abstract

@@ -1,0 +1,459 @@
+// Connections, departures, labels and the event log of the event-driven clock.
+#include "move_base_abstract/lockstep_session.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <random>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lockstep_client.h"
+
+namespace move_base_abstract {
+namespace {
+
+using Texts = std::vector<std::string>;
+
+/** @brief Two participants that have got their first grants. */
+struct Pair : Stage {
+  explicit Pair(LockstepSettings settings = named({"/a", "/b"})) : Stage(settings) {
+    join(1, "/a");
+    join(2, "/b");
+    grant(1);
+    grant(2);
+  }
+};
+
+Texts lines(LockstepSession& session) {
+  Texts lines;
+  for (const LockstepLogEntry& entry : session.takeLog()) {
+    lines.push_back(std::to_string(entry.time / 1'000'000) + " " + entry.robot + " " + entry.kind +
+                    " " + entry.values);
+  }
+  return lines;
+}
+
+// ---- members ---------------------------------------------------------------------------------
+
+TEST(Members, NamedOnesHaveTheSameIdsWhoeverComesFirst) {
+  Stage stage(named({"/a", "/b"}));
+  stage.join(1, "/other");
+  stage.join(2, "/b");
+  stage.join(3, "/a");
+  EXPECT_EQ(stage.ids, (std::map<ConnectionId, MemberId>{{1, 3}, {2, 2}, {3, 1}}));
+  EXPECT_EQ(stage.members[1], (Texts{"2 /b", "1 /a"}));
+  EXPECT_EQ(stage.members[3], (Texts{"2 /b", "3 /other"}));
+  EXPECT_EQ(stage.session.status().not_repeatable,
+            Texts{"'/other' takes part but is not named in 'participants'"});
+}
+
+TEST(Members, OneThatJoinsLateGetsAMicrostepAndALabel) {
+  Pair pair;
+  pair.report(1, 5 * kOne);
+  pair.join(3, "/late");
+  EXPECT_EQ(pair.point(3), "none");
+  pair.report(2, 5 * kOne);
+  EXPECT_EQ(pair.point(3), "1000+1");
+  EXPECT_EQ(pair.point(1), "none");
+  EXPECT_EQ(pair.session.status().not_repeatable, Texts{"'/late' joined at 1 s, after the start"});
+}
+
+TEST(Members, ALabelTellsOfNamesThatAreNeverTheSame) {
+  Stage stage(named({"/a"}));
+  stage.join(1, "/a_4711_1700000000000", 0, false);
+  stage.join(2, "/b_4711_1700000000000", 0, true);
+  stage.join(3, "/robot_10", 0, false);
+  int anonymous = 0;
+  for (const std::string& label : stage.session.status().not_repeatable) {
+    anonymous += label ==
+                 "'/a_4711_1700000000000' has a name of this run only, and no declared "
+                 "rank";
+    EXPECT_EQ(label.find("'/robot_10' has"), std::string::npos);
+    EXPECT_EQ(label.find("'/b_4711_1700000000000' has"), std::string::npos);
+  }
+  EXPECT_EQ(anonymous, 1);
+}
+
+TEST(Members, TheNewerOfOneNameReplacesTheOlder) {
+  Pair pair;
+  pair.join(3, "/b");
+  EXPECT_TRUE(pair.closed[2]);
+  EXPECT_EQ(pair.end[2], "replaced: another '/b' has joined");
+  pair.cut(2);
+  pair.report(1, 5 * kOne);
+  EXPECT_EQ(pair.point(3), "1000+1");
+  pair.report(3, 4 * kOne);
+  EXPECT_EQ(pair.point(3), "4000+0");
+  EXPECT_EQ(pair.members[1].back(), "-2");
+  EXPECT_TRUE(pair.session.status().degraded.empty());
+  EXPECT_FALSE(pair.session.status().not_repeatable.empty());
+}
+
+TEST(Members, GoneComesAfterTheGrantThatHasTheLastWords) {
+  Pair pair;
+  pair.report(1, kNever, {advertise(1, "/x")});
+  pair.report(2, kNever, {subscribe(1, "/x")});
+  pair.grant(1);
+  pair.grant(2);
+  pair.frame(1, wire::Report{2, true, kNever, 0, {wire::Send{1, 0, 0, "bye"}}});
+  EXPECT_EQ(pair.members[2], Texts{"1 /a"});
+  pair.report(2, kNever);
+  const auto last = pair.grant(2);
+  ASSERT_TRUE(last);
+  ASSERT_EQ(last->grant.items.size(), 2U);
+  EXPECT_EQ(std::get<wire::Deliver>(last->grant.items[0]).payload, "bye");
+  EXPECT_EQ(std::get<wire::NoPublisher>(last->grant.items[1]).sender, 1U);
+  EXPECT_EQ(pair.members[2], (Texts{"1 /a", "-1"}));
+}
+
+// ---- departures ------------------------------------------------------------------------------
+
+TEST(Departure, WithAReportIsNormal) {
+  Pair pair;
+  pair.leave(1);
+  pair.report(2, 3 * kOne);
+  EXPECT_EQ(pair.point(2), "3000+0");
+  EXPECT_TRUE(pair.said("'/a' left at 1 s"));
+  pair.cut(1);
+  EXPECT_TRUE(pair.session.status().degraded.empty());
+  EXPECT_TRUE(pair.session.status().not_repeatable.empty());
+  EXPECT_EQ(pair.session.status().participants.size(), 1U);
+}
+
+TEST(Departure, WithoutAGrantIsNormalButComesFromTheWall) {
+  Pair pair;
+  pair.report(1, kNever);
+  pair.frame(1, wire::Leave{"shut down"});  // its grant may be on its way: it counts all the same
+  pair.report(2, 3 * kOne);
+  EXPECT_EQ(pair.point(2), "3000+0");
+  EXPECT_TRUE(pair.said("'/a' left (shut down) at 1 s"));
+  EXPECT_TRUE(pair.session.status().degraded.empty());
+  EXPECT_EQ(pair.session.status().not_repeatable,
+            Texts{"'/a' left at 1 s, when the wall clock said so"});
+}
+
+TEST(Departure, OfTheLastOnesWhenAllIsDoneLeavesTheRunRepeatable) {
+  Pair pair;
+  pair.report(1, kNever);
+  pair.report(2, kNever);
+  pair.frame(1, wire::Leave{});
+  pair.frame(2, wire::Leave{});
+  EXPECT_TRUE(pair.session.status().not_repeatable.empty());
+  EXPECT_EQ(pair.phase(), "idle");
+}
+
+TEST(Departure, DeathIsNamedWithWhatWasOwedAndDegradesTheRun) {
+  Pair pair;
+  pair.report(2, 3 * kOne);
+  pair.cut(1);
+  EXPECT_EQ(pair.point(2), "3000+0");
+  EXPECT_EQ(pair.session.status().degraded,
+            Texts{"'/a' died at 1 s: its connection was lost while it owed the report of round 1"});
+  EXPECT_TRUE(pair.said("the run is degraded", LockstepMessage::Level::kWarn));
+}
+
+TEST(Departure, DeathCanEndTheRun) {
+  LockstepSettings settings = named({"/a", "/b"});
+  settings.on_death = OnDeath::kEnd;
+  Pair pair(settings);
+  pair.report(2, 3 * kOne, {wire::Log{0, "robot", "seen", "[]"}});
+  pair.cut(1);
+  EXPECT_EQ(pair.point(2), "none");
+  EXPECT_EQ(pair.phase(), "ended");
+  EXPECT_TRUE(pair.closed[2]);
+  EXPECT_NE(pair.end[2].find("'/a' died at 1 s"), std::string::npos);
+  EXPECT_EQ(lines(pair.session).size(), 1U);  // what had been reported is in the log
+}
+
+// ---- what is malformed -----------------------------------------------------------------------
+
+TEST(Malformed, OnlyThatConnectionIsClosed) {
+  Pair pair;
+  pair.report(2, 3 * kOne);
+  pair.bytes(1, std::string("\x01\0\0\0\x63", 5));
+  EXPECT_TRUE(pair.closed[1]);
+  EXPECT_EQ(pair.end[1], "type of frame must be from 1 to 4, got 99");
+  EXPECT_FALSE(pair.closed[2]);
+  EXPECT_EQ(pair.point(2), "3000+0");
+  EXPECT_EQ(pair.session.status().degraded.size(), 1U);
+}
+
+TEST(Malformed, ReportsOfOtherRoundsAreRefused) {
+  Pair pair;
+  pair.frame(1, wire::Report{2, false, kNever, 0, {}});
+  EXPECT_EQ(pair.end[1], "REPORT must be of the round that was granted, 1, got 2");
+  pair.frame(2, wire::Report{1, false, kNever, 0, {}});
+  pair.frame(2, wire::Report{1, false, kNever, 0, {}});
+  EXPECT_EQ(pair.end[2], "REPORT must be of the round that was granted, none, got 1");
+}
+
+TEST(Malformed, WhatWasNeverDeclaredDropsItsSenderInItsTurn) {
+  Pair pair;
+  pair.report(1, kNever, {advertise(1, "/x"), wire::Send{7, 0, 0, ""}});
+  EXPECT_FALSE(pair.closed[1]);
+  pair.report(2, 3 * kOne, {subscribe(1, "/x")});
+  EXPECT_EQ(pair.end[1], "'/a': SEND must name a topic that was declared, got number 7");
+  EXPECT_EQ(pair.point(2), "3000+0");
+}
+
+TEST(Malformed, RubbishNeverDoesHarmToOthers) {
+  std::mt19937 random(3);
+  Pair pair;
+  pair.session.step(kOne);
+  pair.report(1, 2 * kOne);
+  pair.report(2, kNever);
+  for (ConnectionId id = 10; id < 2'000; ++id) {
+    pair.session.connect(id);
+    std::string bytes = wire::encode(wire::ParticipantFrame(
+        wire::Hello{wire::kProtocol, id % 3 == 0 ? "/rubbish" : "", "", 0, false, 0}));
+    for (auto k = random() % 4; k > 0; --k) {
+      bytes[random() % bytes.size()] = static_cast<char>(random());
+    }
+    for (auto k = random() % 60; k > 0; --k) {
+      bytes.push_back(static_cast<char>(random() % 6));
+    }
+    pair.bytes(id, bytes);
+    pair.cut(id);
+    ASSERT_FALSE(pair.closed[1] || pair.closed[2]);
+    while (const auto grant = pair.grant(1)) {
+      pair.report(1, grant->grant.time_ns + kOne);
+    }
+    pair.session.step(kOne);
+  }
+  EXPECT_GT(pair.session.now(), 1'900 * kOne);
+}
+
+TEST(Malformed, GreetingsAreChecked) {
+  Stage stage(named({"/a"}));
+  stage.session.connect(1);
+  stage.frame(1, wire::Knock{});
+  EXPECT_EQ(stage.end[1], "the first frame must be HELLO, got another type");
+  stage.session.connect(2);
+  stage.frame(2, wire::Hello{9, "/a", "", 0, false, 0});
+  EXPECT_NE(stage.end[2].find("protocol must be 1, got 9 from '/a'"), std::string::npos);
+  stage.session.connect(3);
+  stage.frame(3, wire::Hello{wire::kProtocol, "", "", 0, false, 0});
+  EXPECT_EQ(stage.end[3], "HELLO must have a name, got an empty one");
+  stage.join(4, "/a");
+  stage.frame(4, wire::Hello{wire::kProtocol, "/a", "", 0, false, 0});
+  EXPECT_EQ(stage.end[4], "HELLO must come once, got another");
+  stage.bytes(99, "bytes of an unknown connection");
+}
+
+// ---- log and labels --------------------------------------------------------------------------
+
+TEST(EventLog, IsSortedWithinARoundByRankRobotNameAndNumber) {
+  Stage stage(named({"/fleet_10", "/fleet_9", "/first"}));
+  stage.join(1, "/fleet_10", 1);
+  stage.join(2, "/fleet_9", 1);
+  stage.join(3, "/first", 0);
+  const auto log = [](std::uint32_t sub, const char* robot) {
+    return wire::Log{sub, robot, "seen", "[1,2]"};
+  };
+  for (const ConnectionId id : {1U, 2U, 3U}) {
+    stage.grant(id);
+  }
+  stage.report(1, kNever, {log(1, "d"), log(1, "e"), log(0, "b")});
+  stage.report(2, kNever, {log(0, "a"), log(1, "c")});
+  EXPECT_EQ(lines(stage.session), Texts{});
+  stage.report(3, kNever, {log(7, "first")});
+  EXPECT_EQ(lines(stage.session),
+            (Texts{"1000 first seen [1,2]", "1000 a seen [1,2]", "1000 b seen [1,2]",
+                   "1000 c seen [1,2]", "1000 d seen [1,2]", "1000 e seen [1,2]"}));
+}
+
+TEST(EventLog, CanHaveEveryMessageAndCallWithAHashOfItsBytes) {
+  LockstepSettings settings = named({"/a", "/b"});
+  settings.log_messages = true;
+  Pair pair(settings);
+  pair.report(1, kNever, {advertise(1, "/x"), subscribe(1, "/x"), wire::Serve{1, 0, "/s"}});
+  pair.report(2, kNever, {subscribe(1, "/x"), wire::Call{0, 0, "/s", "foobar"}});
+  pair.grant(1);
+  pair.grant(2);
+  pair.report(1, kNever, {wire::Send{1, 0, 0, ""}, wire::Response{2, 0, true, "a"}});
+  pair.report(2, kNever, {wire::Call{1, 0, "/no\"body", ""}});
+  EXPECT_EQ(lines(pair.session),
+            (Texts{"1000 /s call [\"/b\",\"/a\",6,\"85944171f73967e8\"]",
+                   "1000 /x message [\"/a\",\"/a\",\"/b\",0,\"cbf29ce484222325\"]",
+                   "1000 /s response [\"/a\",\"/b\",1,1,\"af63dc4c8601ec8c\"]",
+                   "1000 /no\"body response [\"\",\"/b\",2,0,\"cbf29ce484222325\"]"}));
+}
+
+TEST(EventLog, NotesLabelTheRun) {
+  Pair pair;
+  pair.report(1, kNever,
+              {wire::Note{wire::NoteKind::kNotRepeatable, "measured charges"},
+               wire::Note{wire::NoteKind::kNotRepeatable, "measured charges"},
+               wire::Note{wire::NoteKind::kDegraded, "a sensor failed"},
+               wire::Note{wire::NoteKind::kWaitsFor, "rospy.spin"}});
+  pair.report(2, kNever);
+  const LockstepStatus status = pair.session.status();
+  EXPECT_EQ(status.not_repeatable, Texts{"'/a': measured charges"});
+  EXPECT_EQ(status.degraded, Texts{"'/a': a sensor failed"});
+  EXPECT_EQ(status.participants[0].waits_for, "rospy.spin");
+}
+
+// ---- one fleet, however many processes
+// -------------------------------------------------------------
+
+/** @brief A coordinator and robots in one or several processes, all with the same duties. */
+class Fleet {
+ public:
+  /** @param processes which robots run together. */
+  explicit Fleet(std::vector<std::vector<std::uint32_t>> processes)
+      : processes_(std::move(processes)), stage_(named(names(processes_.size()))) {
+    stage_.join(1, "/coordinator");
+    for (std::size_t k = 0; k < processes_.size(); ++k) {
+      stage_.join(k + 2, names(processes_.size())[k + 1], 1);
+    }
+  }
+
+  Texts run() {
+    for (bool busy = true; busy;) {
+      busy = false;
+      // The last ones first: the order of reports must not matter.
+      for (ConnectionId id = processes_.size() + 1; id >= 1; --id) {
+        while (auto grant = stage_.grant(id)) {
+          busy = true;
+          id == 1 ? coordinate(grant->grant) : drive(id, grant->grant);
+        }
+      }
+    }
+    return lines(stage_.session);
+  }
+
+ private:
+  static std::vector<std::string> names(std::size_t processes) {
+    std::vector<std::string> names{"/coordinator"};
+    for (std::size_t k = 1; k <= processes; ++k) {
+      names.push_back("/fleet_" + std::to_string(k));
+    }
+    return names;
+  }
+
+  static constexpr std::uint32_t kRobots = 12;
+
+  void coordinate(const wire::Grant& grant) {
+    std::vector<wire::ReportItem> items;
+    if (grant.round == 1) {
+      items = {advertise(1, "/goal"), subscribe(2, "/result")};
+    }
+    for (const wire::GrantItem& item : grant.items) {
+      if (const auto* result = std::get_if<wire::Deliver>(&item)) {
+        items.push_back(wire::Log{0, result->payload, "done", "[]"});
+        // Whom it sends next depends on who came first.
+        sent_ = (sent_ * 7 + static_cast<std::uint32_t>(result->payload[0])) % 1000;
+        if (++goals_ < 60) {
+          texts_.push_back(std::string(1, static_cast<char>('a' + (sent_ % kRobots))));
+          items.push_back(wire::Send{1, 0, 0, texts_.back()});
+        }
+      }
+    }
+    if (grant.time_ns == kOne && grant.microstep == 2) {  // the links are there
+      for (std::uint32_t robot = 0; robot < kRobots; ++robot) {
+        texts_.push_back(std::string(1, static_cast<char>('a' + robot)));
+        items.push_back(wire::Send{1, 0, 0, texts_.back()});
+      }
+    }
+    const bool wait = grant.time_ns == kOne && grant.microstep < 2;
+    stage_.report(1, wait ? kOne : kNever, items);
+  }
+
+  void drive(ConnectionId id, const wire::Grant& grant) {
+    std::vector<wire::ReportItem> items;
+    if (grant.round == 1) {
+      items = {subscribe(1, "/goal"), advertise(2, "/result")};
+    }
+    auto& due = due_[id];
+    for (const wire::GrantItem& item : grant.items) {
+      if (const auto* goal = std::get_if<wire::Deliver>(&item)) {
+        const auto robot = static_cast<std::uint32_t>(goal->payload[0] - 'a');
+        const auto& own = processes_[id - 2];
+        if (std::find(own.begin(), own.end(), robot) != own.end()) {
+          items.push_back(wire::Log{robot, goal->payload, "goal", "[]"});
+          due.insert({grant.time_ns + (1 + robot % 3) * kOne, robot});  // many at one instant
+        }
+      }
+    }
+    while (!due.empty() && due.begin()->first <= grant.time_ns) {
+      const std::uint32_t robot = due.begin()->second;
+      due.erase(due.begin());
+      texts_.push_back(std::string(1, static_cast<char>('a' + robot)));
+      items.push_back(wire::Log{robot, texts_.back(), "arrived", "[]"});
+      items.push_back(wire::Send{2, robot, 0, texts_.back()});
+    }
+    stage_.report(id, due.empty() ? kNever : due.begin()->first, items);
+  }
+
+  std::vector<std::vector<std::uint32_t>> processes_;
+  Stage stage_;
+  std::map<ConnectionId, std::set<std::pair<Nanoseconds, std::uint32_t>>> due_;
+  std::deque<std::string> texts_;  // that items point to
+  std::uint32_t sent_ = 0;
+  int goals_ = 0;
+};
+
+TEST(OneFleet, HasTheSameLogInOneProcessAsInThree) {
+  const Texts one = Fleet({{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}}).run();
+  EXPECT_GT(one.size(), 150U);
+  EXPECT_EQ(Fleet({{0, 1, 2, 3}, {4, 5, 6, 7}, {8, 9, 10, 11}}).run(), one);
+  EXPECT_EQ(Fleet({{11, 3, 5}, {4, 0}, {7, 6, 9}, {1, 2, 8, 10}}).run(), one);
+}
+
+// ---- state and end ---------------------------------------------------------------------------
+
+TEST(State, TellsEverything) {
+  LockstepSettings settings = named({"/z", "/robot_10", "/robot_2"});
+  settings.limit = 50.0;
+  Stage stage(settings);
+  stage.join(1, "/z", 0);
+  stage.join(2, "/robot_10", 1);
+  stage.join(3, "/robot_2", 1);
+  stage.grant(1);
+  stage.grant(2);
+  stage.grant(3);
+  stage.session.runUntil(9 * kOne);
+  stage.report(1, 7 * kOne, {}, 3);
+  stage.report(2, kNever);
+  stage.frame(2, wire::Knock{});
+  const LockstepStatus status = stage.session.status();
+  EXPECT_EQ(status.phase, LockstepPhase::kRunning);
+  EXPECT_EQ(status.time, kOne);
+  EXPECT_EQ(status.limit, 50.0);
+  EXPECT_EQ(status.run_until, 9 * kOne);
+  EXPECT_EQ(status.rounds, 1U);
+  ASSERT_EQ(status.waiting_for.size(), 1U);
+  EXPECT_EQ(status.waiting_for[0].owes, "the report of round 1");
+  ASSERT_EQ(status.participants.size(), 3U);
+  EXPECT_EQ(status.participants[0].name, "/z");
+  EXPECT_EQ(status.participants[0].next, 7 * kOne);
+  EXPECT_EQ(status.participants[0].open, 3U);
+  EXPECT_EQ(status.participants[1].name, "/robot_2");
+  EXPECT_TRUE(status.participants[1].owes);
+  EXPECT_EQ(status.participants[2].name, "/robot_10");
+  EXPECT_EQ(status.participants[2].next, std::nullopt);
+  EXPECT_TRUE(status.participants[2].knocked);
+  EXPECT_EQ(status.participants[2].node_uri, "http://host:1/");
+}
+
+TEST(End, IsToldToEverybodyAlsoToThoseWhoComeLater) {
+  Pair pair;
+  pair.session.end("the time master ends");
+  pair.poll();
+  EXPECT_EQ(pair.end[1], "the time master ends");
+  EXPECT_TRUE(pair.closed[1] && pair.closed[2]);
+  EXPECT_EQ(pair.phase(), "ended");
+  EXPECT_EQ(pair.session.status().reason, "the time master ends");
+  pair.join(3, "/late");
+  EXPECT_EQ(pair.end[3], "the time master ends");
+  EXPECT_TRUE(pair.closed[3]);
+  EXPECT_EQ(pair.session.nextWake(), kNever);
+}
+
+}  // namespace
+}  // namespace move_base_abstract
