@@ -11,10 +11,10 @@
 //              value is x >> 33.
 //  send(i):    sent[i] += 1; sent_in_all += 1; out_in_all += 1; out[i] += 1;
 //              K = sent[i]
-//              x = (draw() % 4000) / 100.0 - 20; y = (draw() % 4000) / 100.0 - 20, in this order
+//              x = (draw() % 9) * 5 - 20: few places, so that robots often arrive together
 //              publish a goal: header and goal_id.stamp and target_pose.header.stamp all 0,
 //              goal_id.id = 'robot_i-K', target_pose.header.frame_id = 'map',
-//              position (x, y, 0), orientation (0, 0, 0, 1)
+//              position (x, 0, 0), orientation (0, 0, 0, 1)
 //  order(i):   send(i), then c = draw() % 10
 //              c = 0: delay = (draw() % 50) / 10.0 s; a one-shot timer of that delay publishes a
 //                     cancel (stamp 0, id of the goal just sent), whatever has become of the goal
@@ -98,7 +98,7 @@ class Coordinator {
     return x_ >> 33;
   }
 
-  double drawCoordinate() { return static_cast<double>(draw() % 4000) / 100.0 - 20.0; }
+  double drawCoordinate() { return static_cast<double>(draw() % 9) * 5.0 - 20.0; }
 
   void appeared(Robot& robot) {
     if (robot.is_there) {
@@ -132,7 +132,6 @@ class Coordinator {
     message.goal_id.id = robot.name + "-" + std::to_string(robot.sent);
     message.goal.target_pose.header.frame_id = "map";
     message.goal.target_pose.pose.position.x = drawCoordinate();
-    message.goal.target_pose.pose.position.y = drawCoordinate();
     message.goal.target_pose.pose.orientation.w = 1.0;
     robot.goal.publish(message);
     return message.goal_id.id;

@@ -18,8 +18,8 @@ _local = threading.local()
 
 @contextmanager
 def sender(index):
-    """What is created inside belongs to the robot with ``index``: it is sent in the order of the robots."""
-    before = getattr(_local, 'index', 0)
+    """What is created or published inside belongs to the robot with ``index``: it comes in the order of the robots."""
+    before = getattr(_local, 'index', None)
     _local.index = index
     try:
         yield
@@ -29,7 +29,7 @@ def sender(index):
 
 def creating_index():
     """Return the robot's index of what is created now."""
-    return getattr(_local, 'index', 0)
+    return getattr(_local, 'index', None) or 0
 
 
 class MemberLinks:
@@ -72,7 +72,9 @@ class MemberLinks:
         """Have a serialised message, with its length before it, in the report."""
         self.stat_bytes += len(data)
         self.stat_num_msg += 1
-        self._participant.add(wire.send(self._topic, self.sub, self.target, data[4:]))
+        index = getattr(_local, 'index', None)
+        sub = self.sub if index is None else index
+        self._participant.add(wire.send(self._topic, sub, self.target, data[4:]))
         return True
 
     def fileno(self):

@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 """Sends robots about, with cancels and pre-emptions: the policy of test/cpp_nodes/lockstep_coordinator_cpp.cpp.
 
-Parameters: ~robots, ~goals (in all), ~seed, ~delay (the longest wall time [s] that is lost in callbacks, in sending and
-in connecting; its length is the wall clock's business, not the policy's).
+Parameters: ~robots, ~goals (in all), ~seed, ~patient (a goal's end is followed by the next only if none is open),
+~delay (the longest wall time [s] that is lost in callbacks, in sending and in connecting; its length is the wall
+clock's business, not the policy's).
 """
 import random
 import threading
@@ -37,7 +38,9 @@ class Coordinator:
         self._goals = rospy.get_param('~goals')
         self._delay = rospy.get_param('~delay', 0.0)
         self._generator = Generator(rospy.get_param('~seed'))
+        self._is_patient = rospy.get_param('~patient')
         self._sent = [0] * self._count
+        self._open = [0] * self._count
         self._total = self._results = 0
         self._heard = set()
         self._publishers = []
@@ -62,25 +65,27 @@ class Coordinator:
             self._heard.add(robot)
             if len(self._heard) == self._count:
                 for i in range(self._count):
-                    self._next_goal(i)
+                    if self._total < self._goals:
+                        self._next_goal(i)
 
     def _on_result(self, _result, robot):
         self._lose_time()
         self._results += 1
-        if self._total < self._goals:
+        self._open[robot] -= 1
+        if self._total < self._goals and not (self._is_patient and self._open[robot]):
             self._next_goal(robot)
 
     def _send(self, robot):
         self._lose_time()
         self._total += 1
         self._sent[robot] += 1
+        self._open[robot] += 1
         goal_id = 'robot_{}-{}'.format(robot, self._sent[robot])
         goal = MoveBaseActionGoal()
         goal.goal_id.id = goal_id
         pose = goal.goal.target_pose
         pose.header.frame_id = 'map'
-        pose.pose.position.x = (self._generator.draw() % 4000) / 100.0 - 20.0
-        pose.pose.position.y = (self._generator.draw() % 4000) / 100.0 - 20.0
+        pose.pose.position.x = (self._generator.draw() % 9) * 5.0 - 20.0  # few places: robots arrive together
         pose.pose.orientation.w = 1.0
         self._publishers[robot][0].publish(goal)
         return goal_id
@@ -90,18 +95,19 @@ class Coordinator:
         case = self._generator.draw() % 10
         if case > 1:
             return
-        pause = rospy.Duration.from_sec((self._generator.draw() % 50) / 10.0)
+        pause_ns = (self._generator.draw() % 50) * 100000000
         if case == 0:
             action = lambda: self._publishers[robot][1].publish(GoalID(id=goal_id))  # noqa: E731
         else:
             action = lambda: self._total < self._goals and self._send(robot)  # noqa: E731
-        self._later(pause, action)
+        self._later(pause_ns, action)
 
     @staticmethod
-    def _later(pause, action):
+    def _later(pause_ns, action):
         """Not a rospy.Timer: that goes through a rate [Hz], and may be off by a nanosecond."""
         def run():
-            rospy.sleep(pause)
+            participant = lockstep.participant()
+            participant.scheduler.wait(participant.now_ns + pause_ns)
             action()
         threading.Thread(target=run, daemon=True).start()
 

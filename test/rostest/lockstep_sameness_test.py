@@ -1,0 +1,141 @@
+#!/usr/bin/python3
+"""The same results at any speed: event logs that are equal to the byte, whatever the machine does meanwhile.
+
+Each run is a fleet (or three) and a coordinator on a ROS master of its own; it has ties, cancels and pre-emptions and
+more than a thousand goals.
+"""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from contextlib import contextmanager
+
+import rostest
+
+from move_base_abstract.event_log import EventLog
+from move_base_abstract_ros.loopback import Loopback, find_executable
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+NODES = os.path.join(HERE, 'lockstep_nodes')
+GUARD = 120.0  # s, wall; only ends a run that would never end
+ROBOTS, GOALS, SEED = 8, 1000, 7
+COORDINATOR = ['/usr/bin/python3', os.path.join(NODES, 'coordinator.py')]
+
+
+class Run:
+    """One run to its end; the log is then in ``data`` (bytes)."""
+
+    def __init__(self, folder, coordinator, processes=1, clock=None, parameters=None, robots=ROBOTS, scenario=None):
+        log = os.path.join(folder, 'events.jsonl')
+        fleets = ['fleet_{}'.format(part) for part in range(processes)]
+        with Loopback() as ros:
+            ros.run('time_master', 'time_master', parameters=dict(
+                {'mode': 'lockstep', 'participants': ['/' + name for name in fleets] + ['/coordinator'],
+                 'event_log': log}, **(clock or {})))
+            for part, name in enumerate(fleets):
+                ros.run('fleet', name, parameters=dict(scenario or _scenario(robots), part=part, parts=processes))
+            ros.set_param('/coordinator', dict({'robots': robots, 'goals': GOALS, 'seed': SEED, 'patient': True},
+                                               **(parameters or {})))
+            code = subprocess.run(coordinator + ['__name:=coordinator'], env=ros.environment, timeout=GUARD,
+                                  check=False).returncode
+            ros.check()
+        if code != 0:
+            raise AssertionError('the coordinator ended with code {}'.format(code))
+        with open(log, 'rb') as stream:
+            self.data = stream.read()
+
+
+def _scenario(count):
+    return {'defaults': {'max_speed': 10.0},
+            'robots': [{'name': 'robot_{}'.format(i), 'start_x': 5.0 * (i % 4)} for i in range(count)]}
+
+
+class Sameness(unittest.TestCase):
+    """Every variation against one plain run."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.plain = cls.run_once(COORDINATOR)
+
+    @staticmethod
+    def run_once(*args, **kwds):
+        """Run in a folder of its own, which is removed."""
+        folder = tempfile.mkdtemp(prefix='lockstep_sameness_')
+        try:
+            return Run(folder, *args, **kwds)
+        finally:
+            shutil.rmtree(folder)
+
+    def assert_same(self, run):
+        """The run's log is that of the plain run, to the byte."""
+        plain, other = self.plain.data.split(b'\n'), run.data.split(b'\n')
+        for number, (line, its) in enumerate(zip(plain, other), 1):
+            self.assertEqual(line, its, 'line {}'.format(number))
+        self.assertEqual(len(plain), len(other))
+
+    def test_the_plain_run_is_worth_comparing(self):
+        log = EventLog(self.plain.data.decode().splitlines(True), 'the plain run')
+        events = list(log)
+        kinds = [event.kind for event in events]
+        states = [json.loads(event.values)[1] for event in events if event.kind == 'ended']
+        self.assertEqual((log.end['repeatable'], log.end['degraded_because']), (True, []))
+        self.assertGreaterEqual(len(states), GOALS)
+        self.assertGreater(states.count('PREEMPTED'), 50)
+        self.assertGreater(states.count('SUCCEEDED'), 500)
+        self.assertGreater(kinds.count('departed'), 900)
+        times = [event.time_ns for event in events if event.kind == 'departed']
+        self.assertGreater(len(times) - len(set(times)), 200, 'there are hardly any ties')
+
+    def test_at_full_speed_again(self):
+        self.assert_same(self.run_once(COORDINATOR))
+
+    def test_limited_to_fifty_times_real_time(self):
+        self.assert_same(self.run_once(COORDINATOR, clock={'speed_limit': 50.0}))
+
+    def test_with_both_cores_loaded(self):
+        with load(os.cpu_count()):
+            self.assert_same(self.run_once(COORDINATOR))
+
+    def test_with_random_delays_in_callbacks_in_sending_and_in_connecting(self):
+        self.assert_same(self.run_once(COORDINATOR, parameters={'delay': 0.005}))
+
+    def test_with_the_fleet_in_three_processes(self):
+        self.assert_same(self.run_once(COORDINATOR, processes=3))
+
+    def test_with_the_coordinator_in_cpp(self):
+        self.assert_same(self.run_once([find_executable('lockstep_coordinator_cpp')]))
+
+    def test_another_seed_makes_another_run(self):
+        self.assertNotEqual(self.run_once(COORDINATOR, parameters={'seed': SEED + 1}).data, self.plain.data)
+
+    def test_twenty_runs_of_robots_that_arrive_together_are_one(self):
+        # Two robots that arrive together, and a coordinator that draws for whoever comes first from one generator.
+        # Without an order of equal events the draws would be swapped now and then.
+        scenario = {'defaults': {'max_speed': 10.0}, 'robots': [{'name': 'robot_0'}, {'name': 'robot_1'}]}
+        runs = []
+        for number in range(20):
+            with load(number % 3):
+                run = self.run_once([sys.executable, os.path.join(NODES, 'pairs.py')], scenario=scenario,
+                                        parameters={'goals': 1000, 'delay': 0.0005 * (number % 4)})
+            runs.append(run.data)
+        self.assertGreaterEqual(runs[0].count(b'"ended"'), 1000)
+        self.assertEqual(len(set(runs)), 1)
+
+
+@contextmanager
+def load(count):
+    """Keep ``count`` cores busy meanwhile."""
+    busy = [subprocess.Popen([sys.executable, '-c', 'while True: pass']) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for process in busy:
+            process.kill()
+            process.wait()
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_sameness', Sameness, sysargs=sys.argv)
