@@ -295,3 +295,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 }  // namespace
 }  // namespace move_base_abstract
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
+}
