@@ -1,0 +1,104 @@
+"""Runs of small Python nodes in lockstep, for the tests of the library: what each said, and when, is the event log.
+
+    RUNS = Runs()                                     # one ROS master for all runs of a test file
+    run = RUNS.run('times', 'sleeper', 'ticker')      # roles of lockstep_nodes/library_times.py, as nodes of that name
+    run.events                                        # [(s, 'sleeper', 'kind', [values]), ...]
+"""
+
+import json
+import os
+import sys
+import time
+
+from move_base_abstract_ros.loopback import Loopback
+
+GUARD = 40.0  # s, wall
+FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'lockstep_nodes')
+
+
+class Run:
+    """What came out of a run."""
+
+    def __init__(self, path, exit_codes, outputs, took):
+        with open(path, encoding='utf-8') as log:
+            self.text = log.read()
+        records = [json.loads(line) for line in self.text.splitlines()]
+        self.end = records[-1]['end']
+        self.all = [(record['time_ns'] / 1e9, record['robot'], record['kind'], record['values'])
+                    for record in records[1:-1]]
+        self.exit_codes = exit_codes
+        self.outputs = outputs
+        self.took = took  # s, wall
+
+    @property
+    def events(self):
+        """What the nodes said: not the messages, nor who came and went."""
+        return [event for event in self.all if event[1] in self.outputs]
+
+    def of(self, robot):
+        """Return [(s, kind, values...), ...] of one node."""
+        return [(time_s, kind, *values) for time_s, name, kind, values in self.events if name == robot]
+
+
+class Runs:
+    """Runs one after the other under a ROS master of their own."""
+
+    def __init__(self):
+        self.ros = Loopback()
+        self.ros.__enter__()
+        self._count = 0
+
+    def close(self):
+        self.ros.close()
+
+    def start_master(self, participants, **parameters):
+        """Start a time master that waits for these; return (child, path of the event log)."""
+        self._count += 1
+        path = os.path.join(self.ros.log_dir, f'run_{self._count}.jsonl')
+        return self.ros.run('time_master', 'time_master', parameters={
+            'mode': 'lockstep', 'participants': [f'/{name}' for name in participants], 'event_log': path,
+            'log_messages': False, **parameters}), path
+
+    def start_node(self, module, role, adverse=0.0):
+        """Start a node that plays a role; adverse [s, wall]: the longest delay here and there."""
+        command = [sys.executable, os.path.join(FOLDER, f'library_{module}.py'), role, str(adverse), f'__name:={role}']
+        return self.ros.spawn(f'/{role}', command)
+
+    def run(self, module, *roles, outsiders=(), adverse=0.0, parameters=None, log_messages=False):
+        """Run until all nodes have ended by themselves; outsiders do not take part, and are ended."""
+        for name, value in (parameters or {}).items():
+            self.ros.set_param(name, value)
+        master, path = self.start_master(roles, log_messages=log_messages)
+        began = time.monotonic()
+        others = [self.start_node(module, role) for role in outsiders]
+        nodes = {role: self.start_node(module, role, adverse) for role in roles}
+        try:
+            for node in nodes.values():
+                wait_for_end(node, nodes)
+        finally:
+            took = time.monotonic() - began
+            outputs, codes = {}, {}
+            for role, node in nodes.items():
+                codes[role] = node.process.poll()
+                self.ros.end(node)
+                outputs[role] = read(node)
+            for child in [*others, master]:
+                self.ros.end(child)
+        return Run(path, codes, outputs, took)
+
+
+def wait_for_end(node, nodes=()):
+    """Wait until a process has ended; say what the nodes have printed if it does not."""
+    deadline = time.monotonic() + GUARD
+    while node.process.poll() is None:
+        if time.monotonic() > deadline:
+            told = '\n'.join(f'{role}:\n{read(child)}' for role, child in dict(nodes).items())
+            raise AssertionError(f'{node.name} has not ended within {GUARD} s. What the nodes printed:\n{told}')
+        time.sleep(0.01)
+    return node.process.returncode
+
+
+def read(node):
+    """Return what a node has printed."""
+    with open(node.log_path, errors='replace') as log:
+        return log.read()

@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Python nodes in lockstep: time, topics, services, actions and threads are exact, and the same in every run."""
+
+import unittest
+
+import rostest
+from lockstep_library_run import Runs
+
+RUNS = None
+
+
+def setUpModule():  # noqa: N802
+    global RUNS  # noqa: PLW0603
+    RUNS = Runs()
+
+
+def tearDownModule():  # noqa: N802
+    RUNS.close()
+
+
+class TimesTest(unittest.TestCase):
+    """Sleeping is exact."""
+
+    def test_sleep_ends_at_its_instant(self):
+        run = RUNS.run('times', 'sleeper')
+        times = [1500000000, 1500000001, 1500000002, 1500000002, 1500000002, 3500000002]
+        self.assertEqual(run.of('sleeper'), [(1.0, 'begin')] + [
+            (time_ns / 1e9, 'slept', time_ns, time_ns, round(time_ns / 1e9, 9)) for time_ns in times])
+        self.assertEqual(run.exit_codes, {'sleeper': 0})
+        self.assertTrue(run.end['repeatable'], run.end)
+
+    def test_rates_keep_to_their_grid(self):
+        third = 333333333
+        run = RUNS.run('times', 'rates')
+        self.assertEqual(run.of('rates'), [
+            ((10 ** 9 + index * third) / 1e9, 'third', 10 ** 9 + index * third) for index in range(1, 5)] + [
+            (4.833333332, 'late'), (4.833333332, 'late too'), (5.333333332, 'on time')])
+
+    def test_timers_fire_at_their_instants_once(self):
+        run = RUNS.run('times', 'timers')
+        self.assertEqual(run.of('timers'), [
+            (2.0, 'tick', 2.0, 2.0, None), (3.0, 'once'), (3.0, 'tick', 3.0, 3.0, 2.0), (4.0, 'tick', 4.0, 4.0, 3.0),
+            (5.25, 'slow begins'), (6.75, 'slow ends'), (9.25, 'end')])
+
+    def test_order_at_one_instant(self):
+        run = RUNS.run('times', 'order')
+        self.assertEqual(run.of('order'), [
+            (float(second), kind, *values) for second in (2, 3, 4)
+            for kind, *values in (('main',), ('timer',), ('message', str(second - 2)), ('thread',))])
+
+    def test_the_exit_code_is_the_node_s(self):
+        run = RUNS.run('times', 'now_before_joining')
+        self.assertEqual(run.of('now_before_joining'), [(1.0, 'now', 10 ** 9, True)])
+        self.assertEqual(run.exit_codes, {'now_before_joining': 3})
+
+
+class TopicsTest(unittest.TestCase):
+    """Messages among participants: nothing is lost, and all is the same in every run."""
+
+    def test_talker_and_listeners(self):
+        run = RUNS.run('topics', 'any_listener', 'listener', 'talker')
+        self.assertEqual(run.of('talker'), [(1.0, 'connections', 0, 0), (2.0, 'connections', 2, 1),
+                                            (4.0, 'connections', 2, 1)])
+        self.assertEqual(run.of('listener'), [
+            (1.0, 'connections', 0), (1.0, 'hears', 'latched', '/talker', '1'), (1.5, 'connections', 1),
+            *[(2.0, 'hears', str(index), '/talker', '0') for index in range(5)],
+            (3.5, 'late', 'latched'), (4.5, 'connections', 0), (6.0, 'hears', 'again', '/talker', '0'),
+            (6.5, 'connections', 1)])
+        self.assertEqual(run.of('any_listener'), [(2.0, 'any', 'std_msgs/String', str(index)) for index in range(5)] + [
+            (6.0, 'any', 'std_msgs/String', 'again')])
+        self.assertTrue(run.end['repeatable'], run.end)
+
+    def test_a_slow_callback_keeps_the_newest_and_does_not_hold_up_other_topics(self):
+        run = RUNS.run('topics', 'counter', 'slow_listener')
+        said = run.of('slow_listener')
+        self.assertEqual([(time_s, index) for time_s, kind, index in said if kind == 'begins'],
+                         [(1.8, 0), (2.8, 2), (3.8, 5), (4.8, 8), (5.8, 9)])
+        self.assertEqual([(time_s, index) for time_s, kind, index in said if kind == 'other'],
+                         [(round(1.8 + 0.3 * index, 9), index) for index in range(10)])
+
+    def test_listeners_to_subscribers(self):
+        run = RUNS.run('topics', 'guest', 'welcomer')
+        self.assertEqual(run.of('welcomer'), [(2.0, 'peer comes', '/chatter'), (3.0, 'peer goes', '/chatter', 0),
+                                              (4.0, 'peer comes', '/chatter'), (5.0, 'peer goes', '/chatter', 0)])
+        self.assertEqual(run.of('guest'), [(time_s, 'hears', text) for time_s in (2.0, 4.0)
+                                           for text in ('to all', 'to you')])
+
+    def test_wait_for_message_gets_each_next_one(self):
+        run = RUNS.run('topics', 'counter', 'poller')
+        self.assertEqual(run.of('poller'), [(1.8, 'message', 0), (2.1, 'message', 1), (2.4, 'message', 2),
+                                            (2.7, 'message', 3), (3.45, 'error', 'timeout exceeded while waiting for '
+                                                                  'message on topic nothing')])
+
+    def test_a_node_hears_itself_and_errors_in_callbacks_are_only_shown(self):
+        run = RUNS.run('topics', 'itself')
+        self.assertEqual(run.of('itself'), [(float(time_s), 'hears', number) for time_s, numbers in (
+            (2, (1, 2, 3)), (3, (4, 5, 6))) for number in numbers])
+        self.assertIn('shown, and nothing more', run.outputs['itself'])
+
+    def test_equal_instants_go_by_rank_and_then_by_names_as_people_count(self):
+        run = RUNS.run('topics', 'speaker_10', 'hearer', 'speaker_9', 'speaker_2',
+                       parameters={'/speaker_9/lockstep_rank': -1})
+        self.assertEqual(run.of('hearer'), [(float(time_s), 'hears', name) for time_s in range(2, 7) for name in (
+            'speaker_9 with rank', 'speaker_2', 'speaker_10')])
+
+    def test_what_comes_from_outside_is_heard_and_the_run_is_labelled(self):
+        run = RUNS.run('topics', 'hears_outside', outsiders=['outside_talker'])
+        self.assertEqual(run.of('hears_outside'), [(1.0, 'hears', 'from outside')])
+        self.assertFalse(run.end['repeatable'])
+        self.assertIn('/outside_talker', ' '.join(run.end['not_repeatable_because']))
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_library', __name__)

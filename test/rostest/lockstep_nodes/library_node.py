@@ -1,0 +1,55 @@
+"""What the small nodes of the library's tests share: joining, playing a role, and losing wall time here and there."""
+
+import random
+import sys
+import time
+
+import rospy
+
+from move_base_abstract_ros import lockstep
+
+
+def play(roles):
+    """Be the node that argv[1] names, one of the functions in ``roles``; argv[2]: longest wall delay [s]."""
+    role, delay = sys.argv[1], float(sys.argv[2])
+    rospy.init_node(role)
+    if role.startswith('outside'):
+        roles[role]()
+        return
+    if delay > 0.0:
+        _lose_time(delay)
+    participant = lockstep.join()
+    roles[role](Said(participant, role))
+
+
+class Said:
+    """The participant, and what its node says in the event log."""
+
+    def __init__(self, participant, role):
+        self.participant = participant
+        self._role = role
+
+    def __call__(self, kind, *values):
+        """Say something; the event log knows when."""
+        self.participant.log(self._role, kind, values)
+
+    @property
+    def now(self):
+        """Simulated time [s]."""
+        return self.participant.now_ns / 1e9
+
+
+def _lose_time(longest):
+    """Have wall time pass at random in sending and in connecting."""
+    chance = random.SystemRandom()
+
+    def slow(function):
+        def call(*args, **kwds):
+            time.sleep(chance.uniform(0.0, longest))
+            return function(*args, **kwds)
+        return call
+    rospy.Publisher.publish = slow(rospy.Publisher.publish)
+    rospy.topics._SubscriberImpl.add_connection = slow(rospy.topics._SubscriberImpl.add_connection)
+    rospy.topics._SubscriberImpl.receive_callback = slow(rospy.topics._SubscriberImpl.receive_callback)
+    rospy.impl.tcpros_service.ServiceProxy.call = slow(rospy.impl.tcpros_service.ServiceProxy.call)
+    rospy.impl.registration.RegManager.start = slow(rospy.impl.registration.RegManager.start)
