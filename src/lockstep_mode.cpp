@@ -192,9 +192,12 @@ void LockstepMode::updateBystanders(const LockstepStatus& status) {
   answers_ = ros_master_->answers();
   std::set<std::string> others = ros_master_->clockSubscribers();
   others.erase("/rosout");  // stamps lines of the log and does nothing else by the clock
+  std::set<std::string> participants;
   for (const LockstepStatus::Participant& participant : status.participants) {
     others.erase(participant.name);
+    participants.insert(participant.name);
   }
+  ros_master_->setKnown(std::move(participants));
   bystanders_.assign(others.begin(), others.end());
   if (status.phase == LockstepPhase::kWaitingForParticipants || !asked) {
     return;

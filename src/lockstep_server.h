@@ -70,8 +70,10 @@ class LockstepServer {
     return action(session_);
   }
 
+  /** @return what is so, as of the latest call or the latest piece of work. */
   LockstepStatus status() const {
     const std::lock_guard<std::mutex> lock(mutex_);
+    wake();  // where nothing comes in, the session learns only so how late it is
     return session_.status();
   }
 

@@ -1,17 +1,23 @@
 #include "ros_master_watch.h"
 
 #include <ros/master.h>
+#include <ros/network.h>
 #include <ros/this_node.h>
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
+#include <utility>
 
 #include "node_probe.h"
 
 namespace move_base_abstract {
 namespace {
 
-constexpr std::chrono::milliseconds kGap{1000};    // wall, between two looks
-constexpr std::chrono::milliseconds kLimit{2000};  // wall, for an answer
+constexpr std::chrono::milliseconds kGap{1000};        // wall, between two looks
+constexpr std::chrono::milliseconds kLimit{2000};      // wall, for an answer
+constexpr std::chrono::milliseconds kProbeLimit{200};  // wall, for a node's port
+constexpr int kLooksBetweenProbes = 5;
 constexpr int kRefusals = 3;  // one refused connection may be an overflowing backlog
 
 NodeProbe masterProbe() {
@@ -91,9 +97,42 @@ void RosMasterWatch::readSubscribers() {
     }
   }
   names.erase(ros::this_node::getName());
+  std::set<std::string> living;
+  std::copy_if(names.begin(), names.end(), std::inserter(living, living.end()),
+               [this](const std::string& name) { return lives(name); });
+  ++looks_;
   const std::lock_guard<std::mutex> lock(mutex_);
-  subscribers_ = names;
+  subscribers_ = living;
   ++answers_;
+}
+
+/** @brief The ROS master remembers nodes that were killed; they are asked once in a while. */
+bool RosMasterWatch::lives(const std::string& name) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (known_.count(name) != 0) {
+      lives_.erase(name);  // once it is known no more, it is asked at once
+      return true;
+    }
+  }
+  const auto [found, fresh] = lives_.try_emplace(name, false);
+  if (fresh || looks_ % kLooksBetweenProbes == 0) {
+    XmlRpc::XmlRpcValue request, uri;
+    request[0] = ros::this_node::getName();
+    request[1] = name;
+    std::string host;
+    uint32_t port = 0;
+    found->second = masterProbe().call("lookupNode", request, kLimit, uri) &&
+                    uri.getType() == XmlRpc::XmlRpcValue::TypeString &&
+                    ros::network::splitURI(static_cast<std::string>(uri), host, port) &&
+                    canConnect(host, port, kProbeLimit);
+  }
+  return found->second;
+}
+
+void RosMasterWatch::setKnown(std::set<std::string> names) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  known_ = std::move(names);
 }
 
 void RosMasterWatch::setGone(const std::string& why) {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <map>
 #include <mutex>
 #include <set>
 #include <string>
@@ -29,8 +30,11 @@ class RosMasterWatch {
   /** @return why the ROS master counts as gone; '' while it does not. */
   std::string gone() const;
 
-  /** @return the other nodes that subscribe to /clock, as of a second or two ago. */
+  /** @return the other living nodes that subscribe to /clock, as of a second or two ago. */
   std::set<std::string> clockSubscribers() const;
+
+  /** @brief These are known to live: nobody needs to ask them. */
+  void setKnown(std::set<std::string> names);
 
   /** @return how often clockSubscribers() was asked of the master and answered. */
   int answers() const { return answers_; }
@@ -39,6 +43,7 @@ class RosMasterWatch {
   void run();
   void look();
   void readSubscribers();
+  bool lives(const std::string& name);
   void setGone(const std::string& why);
 
   mutable std::mutex mutex_;
@@ -46,8 +51,11 @@ class RosMasterWatch {
   bool ending_ = false;
   std::string gone_;
   std::set<std::string> subscribers_;
+  std::set<std::string> known_;
   std::atomic<int> answers_{0};
   int refusals_ = 0;
+  int looks_ = 0;
+  std::map<std::string, bool> lives_;  // as of the latest look at each
   int pid_ = 0;
   std::thread thread_;  // last: it uses the others
 };

@@ -56,7 +56,6 @@ class TimeMasterNode {
     // Of a run that was killed; participants would take it for that of this run.
     ros::param::del("/time_master/lockstep_address");
     clock_publisher_ = node.advertise<rosgraph_msgs::Clock>("/clock", 10, true);
-    begin(parameters.in_lockstep, 0);
     state_publisher_ = own.advertise<TimeState>("state", 10, true);
     factor_subscriber_ = node.subscribe("/sim_time_factor", 10, &TimeMasterNode::onFactor, this);
     services_ = {own.advertiseService("set_factor", &TimeMasterNode::onSetFactor, this),
@@ -67,6 +66,7 @@ class TimeMasterNode {
                  own.advertiseService("run_until", &TimeMasterNode::onRunUntil, this),
                  own.advertiseService("hold", &TimeMasterNode::onHold, this),
                  own.advertiseService("release", &TimeMasterNode::onRelease, this)};
+    begin(parameters.in_lockstep, 0);  // last: whoever sees the mode finds the services
   }
 
   /** @brief Publish and answer until ROS shuts down or the run ends. @return the exit code. */

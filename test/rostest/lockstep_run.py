@@ -1,0 +1,194 @@
+"""A time master in lockstep for the tests that speak its protocol byte by byte.
+
+Each test starts a time master of its own as a child process under the rostest's ROS master, and ends it. The test's own
+node uses no ROS time: it must not be one of those that take the clock without taking part.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+import rosgraph
+import rospy
+from lockstep_raw_client import GUARD, NEVER, Closed, RawClient
+from rosgraph_msgs.msg import Clock
+
+from move_base_abstract.msg import TimeState
+from move_base_abstract_ros.loopback import find_executable
+
+SECOND = 10 ** 9
+START = SECOND  # ns, the first instant
+
+# A participant in a process of its own: it takes part until it is killed. argv: address, name, period [ns].
+TICKER = """
+import sys
+sys.path.insert(0, {folder!r})
+from lockstep_raw_client import Closed, RawClient
+client = RawClient(sys.argv[1]).hello(sys.argv[2])
+print('joined', flush=True)
+try:
+    while True:
+        grant = client.grant(3600.0)
+        client.report(grant, next_ns=grant.time_ns + int(sys.argv[3]))
+except Closed:
+    pass
+"""
+
+
+def wait_for(what, condition):
+    """Return the first true value of condition()."""
+    deadline = time.monotonic() + GUARD
+    while True:
+        value = condition()
+        if value:
+            return value
+        if time.monotonic() > deadline:
+            raise AssertionError(f'not within {GUARD} s: {what}')
+        time.sleep(0.01)
+
+
+class Messages:
+    """All messages of a topic, and waiting for one of them."""
+
+    def __init__(self, topic, kind):
+        self._messages = []
+        self._changed = threading.Condition()
+        self._subscriber = rospy.Subscriber(topic, kind, self._add, queue_size=10000)
+
+    def _add(self, message):
+        with self._changed:
+            self._messages.append(message)
+            self._changed.notify_all()
+
+    def close(self):
+        self._subscriber.unregister()
+
+    def all(self):
+        with self._changed:
+            return list(self._messages)
+
+    def wait(self, what, wanted):
+        """Return the first message from now on, or the present one, for which wanted(message) is true."""
+        deadline = time.monotonic() + GUARD
+        with self._changed:
+            mark = max(0, len(self._messages) - 1)
+            while True:
+                for message in self._messages[mark:]:
+                    if wanted(message):
+                        return message
+                mark = len(self._messages)
+                if not self._changed.wait(deadline - time.monotonic()):
+                    raise AssertionError(f'no message with {what} within {GUARD} s; the last one:\n'
+                                         f'{self._messages[-1] if self._messages else None}')
+
+
+class LockstepCase(unittest.TestCase):
+    """One time master for each test: start() it."""
+
+    def setUp(self):
+        if not rospy.core.is_initialized():
+            rospy.init_node('lockstep_test', anonymous=True, disable_rostime=True, disable_signals=True)
+        self.folder = tempfile.mkdtemp(prefix='lockstep_test_', dir=os.environ.get('ROS_HOME'))
+        self.master = rosgraph.Master(rospy.get_name())
+        self.process = None
+        self.state = None
+        self.clock = None
+        self.others = []  # processes
+
+    def tearDown(self):
+        for topic in (self.state, self.clock):
+            if topic is not None:
+                topic.close()
+        for process in [*self.others, self.process]:
+            if process is not None and process.poll() is None:
+                process.send_signal(signal.SIGCONT)
+                process.kill()
+                process.wait()
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def start(self, mode='lockstep', **parameters):
+        """Start a time master and listen to it; return its address."""
+        self.launch(mode=mode, **parameters)
+        self.state = Messages('/time_master/state', TimeState)
+        self.clock = Messages('/clock', Clock)
+        self.state.wait('any state', lambda state: True)
+        if mode == 'lockstep':
+            self.address = self.address_now()
+        return self
+
+    def launch(self, **parameters):
+        """Start the process with these parameters and no others."""
+        if self.master.hasParam('/time_master'):
+            self.master.deleteParam('/time_master')
+        for key, value in parameters.items():
+            self.master.setParam('/time_master/' + key, value)
+        environment = dict(os.environ, ROSCONSOLE_STDOUT_LINE_BUFFERED='1')
+        with open(self.path('time_master.out'), 'wb') as out:
+            self.process = subprocess.Popen([find_executable('time_master'), '__name:=time_master'], stdout=out,
+                                            stderr=subprocess.STDOUT, env=environment)
+
+    def address_now(self):
+        return wait_for('the address', lambda: self.master.hasParam('/time_master/lockstep_address')
+                        and self.master.getParam('/time_master/lockstep_address'))
+
+    def output(self):
+        with open(self.path('time_master.out'), errors='replace') as out:
+            return out.read()
+
+    def wait_for_output(self, words):
+        wait_for(f"'{words}' in the log", lambda: words in self.output())
+
+    def end(self, number=signal.SIGTERM):
+        """End the time master by a signal and return its exit code."""
+        self.process.send_signal(number)
+        return self.process.wait(GUARD)
+
+    def join(self, name, **hello):
+        client = RawClient(self.address).hello(name, **hello)
+        self.addCleanup(client.close)
+        return client
+
+    def joined(self, *names):
+        """Return the clients of these names, which are the named participants, with their first grants reported."""
+        clients = [self.join(name) for name in names]
+        for client in clients:
+            client.turn()
+        return clients
+
+    def ticker(self, name, period=SECOND):
+        """Start a participant in another process."""
+        process = subprocess.Popen([sys.executable, '-c', TICKER.format(folder=os.path.dirname(__file__)), self.address,
+                                    name, str(period)], stdout=subprocess.PIPE, text=True)
+        self.others.append(process)
+        self.addCleanup(process.stdout.close)
+        self.assertEqual(process.stdout.readline(), 'joined\n')
+        return process
+
+    def call(self, service, kind, *arguments):
+        name = '/time_master/' + service
+        rospy.wait_for_service(name, GUARD)
+        return rospy.ServiceProxy(name, kind)(*arguments)
+
+    def times(self):
+        return [message.clock.to_nsec() for message in self.clock.all()]
+
+    def assert_no_grant(self, client, wall=0.3):
+        """Assert that nothing comes within wall s; a grant would come within a millisecond."""
+        with self.assertRaises(OSError):
+            client.grant(wall)
+
+    def run_script(self, name, *arguments):
+        """Run a program of the package to its end."""
+        command = [sys.executable, find_executable(name), *arguments]
+        return subprocess.run(command, check=False, timeout=GUARD, text=True, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE)
+
+
+__all__ = ['GUARD', 'NEVER', 'SECOND', 'START', 'Closed', 'LockstepCase', 'Messages', 'RawClient', 'wait_for']

@@ -1,0 +1,214 @@
+#!/usr/bin/env python3
+"""The time master in lockstep when something goes wrong: who is named, what goes on, and how it ends.
+
+Everything waits for events; GUARD [s, wall] only ends a test that would never end.
+"""
+
+import os
+import random
+import signal
+import socket
+import struct
+from pathlib import Path
+
+import lockstep_raw_client as raw
+import rosgraph
+import rostest
+from lockstep_run import GUARD, NEVER, SECOND, START, Closed, LockstepCase, RawClient, wait_for
+
+from move_base_abstract_ros.loopback import Loopback
+
+
+class LockstepFaultsTest(LockstepCase):
+    # ---- standing still ----
+
+    def test_idle_is_no_fault_and_waits_for_a_newcomer(self):
+        self.start(participants=['/a'])
+        self.joined('/a')
+        state = self.state.wait('idle', lambda state: state.phase == 'idle')
+        self.assertEqual((state.reason, state.degraded_because, list(state.waiting_for)), ('', [], []))
+        self.assertTrue(state.participants[0].never)
+
+    def test_a_deadlock_names_who_waits_for_what(self):
+        self.start(participants=['/a', '/b'])
+        first, second = self.join('/a'), self.join('/b')
+        first.turn(waiting=2, items=raw.note(1, 'the goal of /robot_0'))
+        second.turn()
+        state = self.state.wait('the deadlock', lambda state: state.phase == 'deadlock')
+        self.assertIn("'/a' has 2 waiting threads (the goal of /robot_0)", state.reason)
+        self.assertNotIn('/b', state.reason)
+        self.assertEqual((state.participants[0].open, state.participants[0].waits_for), (2, 'the goal of /robot_0'))
+        self.wait_for_output('deadlock at 1 s')
+        first.knock()
+        first.turn()
+        self.state.wait('no deadlock', lambda state: state.phase == 'idle')
+
+    def test_a_zero_delay_loop_is_stopped_and_names_its_members(self):
+        self.start(participants=['/a', '/b'], max_microsteps=50)
+        first, second = self.join('/a'), self.join('/b')
+        second.turn()
+        for _ in range(51):
+            grant = first.turn(next_ns=START)
+        self.assertEqual(grant[1:3], (START, 50))
+        state = self.state.wait('the loop', lambda state: state.phase == 'zero_delay_loop')
+        self.assertIn("by '/a'", state.reason)
+        self.assertNotIn('/b', state.reason)
+        self.assert_no_grant(first)
+
+    # ---- silence ----
+
+    def test_a_stopped_process_is_named_with_what_it_owes_and_goes_on_when_it_continues(self):
+        self.start(participants=['/a'], silence_limit=0.5)
+        process = self.ticker('/a')
+        self.clock.wait('some time', lambda message: message.clock.to_nsec() > 100 * SECOND)
+        os.kill(process.pid, signal.SIGSTOP)
+        self.wait_for_output("'/a' has been silent for")
+        state = self.state.wait('the silence', lambda state: state.phase == 'waiting' and state.waiting_for)
+        self.assertEqual(state.waiting_for[0].name, '/a')
+        self.assertIn('wake-up due', state.waiting_for[0].owes)
+        self.assertGreater(state.waiting_for[0].since, 0.4)
+        os.kill(process.pid, signal.SIGCONT)
+        self.wait_for_output("'/a' answered after")
+        self.clock.wait('later time', lambda message: message.clock > state.sim_time)
+        self.assertEqual(self.state.all()[-1].degraded_because, [])
+
+    def test_a_silent_one_is_dropped_where_that_is_wished_and_the_others_go_on(self):
+        self.start(participants=['/a', '/b'], silence_limit=0.5, on_silence='drop')
+        client = self.join('/b')
+        process = self.ticker('/a')
+        client.turn(next_ns=START + 10 * SECOND)
+        os.kill(process.pid, signal.SIGSTOP)
+        grant = client.turn(next_ns=NEVER)
+        self.assertEqual(grant.time_ns, START + 10 * SECOND)
+        state = self.state.wait('one participant', lambda state: [one.name for one in state.participants] == ['/b'])
+        self.assertIn('silent', state.degraded_because[0])
+        self.assertIn("'/a'", state.degraded_because[0])
+
+    # ---- death ----
+
+    def test_a_killed_participant_degrades_the_run_and_the_others_go_on(self):
+        self.start(participants=['/a', '/b'])
+        process = self.ticker('/a')
+        client = self.join('/b')
+        client.turn(next_ns=START + SECOND)
+        client.turn(next_ns=START + 10 ** 9 * SECOND)
+        process.kill()
+        self.assertEqual(client.grant().time_ns, START + 10 ** 9 * SECOND)
+        state = self.state.wait('the label', lambda state: bool(state.degraded_because))
+        self.assertIn("'/a' died", state.degraded_because[0])
+
+    def test_a_death_ends_the_run_where_that_is_wished(self):
+        self.start(participants=['/a', '/b'], on_death='end', event_log=self.path('run.jsonl'))
+        process = self.ticker('/a')
+        client = self.join('/b')
+        client.turn()
+        process.kill()
+        self.assertIn("'/a' died", client.end())
+        self.assertEqual(self.process.wait(GUARD), 1)
+        self.assertIn('FATAL', self.output())
+        with open(self.path('run.jsonl')) as log:
+            self.assertIn("'/a' died", log.read().splitlines()[-1])
+
+    def test_the_newer_one_of_a_name_replaces_the_older(self):
+        self.start(participants=['/a'])
+        older, = self.joined('/a')
+        newer = self.join('/a')
+        self.assertIn("another '/a' has joined", older.end())
+        newer.turn()
+        state = self.state.wait('the newer', lambda state: [one.id for one in state.participants] == [newer.own_id])
+        self.assertIn('was replaced', state.not_repeatable_because[0])
+
+    # ---- bad frames ----
+
+    def test_bad_frames_end_their_connection_only(self):
+        self.start(participants=['/a'])
+        client, = self.joined('/a')
+        generator = random.Random(7)
+        good = (raw.frame(raw.HELLO, struct.pack('<I', 1) + raw.text('/bad') + raw.text('') + bytes(13)),
+                raw.frame(raw.KNOCK), raw.frame(raw.REPORT, bytes(21)), raw.frame(raw.LEAVE, raw.text('x')))
+        for number in range(200):
+            data = bytearray(b''.join(generator.choices(good, k=3)))
+            for _ in range(generator.randrange(1, 6)):
+                data[generator.randrange(len(data))] = generator.randrange(256)
+            with socket.create_connection(client.socket.getpeername(), GUARD) as connection:
+                connection.sendall(data if number % 2 else data[:generator.randrange(len(data))])
+        client.knock()
+        client.turn()
+        wait_for('the others gone', lambda: [one.name for one in self.state.all()[-1].participants] == ['/a'])
+        self.assertIsNone(self.process.poll())
+
+    def test_the_reason_is_told_to_who_sent_a_bad_frame(self):
+        self.start(participants=['/a', '/b'])
+        client, other = self.joined('/a', '/b')
+        for data, words in ((struct.pack('<I', 2 ** 31), 'length'), (struct.pack('<I', 0), 'length'),
+                            (raw.frame(raw.KNOCK), 'the first frame must be HELLO'), (raw.frame(99), '99'),
+                            (raw.frame(raw.HELLO, struct.pack('<I', 9) + raw.text('/x') + raw.text('') + bytes(13)),
+                             'protocol must be 1, got 9')):
+            bad = RawClient(self.address)
+            self.addCleanup(bad.close)
+            bad.socket.sendall(data)
+            self.assertIn(words, bad.end())
+        other.knock()
+        other.report(other.grant(), items=b'\xff')
+        self.assertIn('255', other.end())
+        state = self.state.wait('the label', lambda state: bool(state.degraded_because))
+        self.assertIn("'/b'", state.degraded_because[0])
+        client.knock()
+        client.turn()
+
+    def test_a_frame_that_was_cut_off_does_not_count(self):
+        self.start(participants=['/a', '/b'])
+        first, second = self.join('/a'), self.join('/b')
+        first.turn(items=raw.subscribe(1, '/topic'))
+        second.turn(items=raw.advertise(1, '/topic'))
+        first.turn()
+        grant = second.grant()
+        second.report(grant, next_ns=START + 1, items=raw.send(1, 'whole'))
+        self.assertEqual(first.turn(next_ns=START + 2).items, [('deliver', 1, second.own_id, b'whole')])
+        grant = second.grant()
+        body = struct.pack('<QBqI', grant.round, 0, NEVER, 0) + raw.send(1, 'cut')
+        second.socket.sendall(raw.frame(raw.REPORT, body)[:-1])
+        second.close()
+        items = [item for _ in range(2) for item in first.turn(next_ns=START + 2).items]
+        self.assertIn(('no_publisher', 1, second.own_id), items)
+        self.assertNotIn('deliver', [item[0] for item in items])
+
+    # ---- the ROS master ----
+
+    def test_when_the_ros_master_dies_the_run_ends_and_its_log_is_closed(self):
+        path = self.path('run.jsonl')
+        with Loopback() as ros:
+            parameters = dict(mode='lockstep', participants=['/a'], event_log=path)
+            child = ros.run('time_master', 'time_master', parameters=parameters)
+            rosmaster = rosgraph.Master('/test', master_uri=ros.uri)
+            self.address = wait_for('the address', lambda: rosmaster.hasParam('/time_master/lockstep_address')
+                                    and rosmaster.getParam('/time_master/lockstep_address'))
+            client = self.join('/a')
+            client.turn(items=raw.log('robot', 'goal', '[1]'))
+            os.kill(rosmaster.getPid(), signal.SIGKILL)
+            self.assertIn('the ROS master at', client.end())
+            self.assertEqual(child.process.wait(GUARD), 1)
+        with open(path) as log:
+            lines = log.read().splitlines()
+        self.assertEqual(len(lines), 3)
+        self.assertIn('the ROS master at', lines[-1])
+
+    def test_a_time_master_that_was_killed_leaves_an_unfinished_log_and_no_address_to_the_next(self):
+        self.start(participants=['/a'], event_log=self.path('run.jsonl'))
+        client = self.join('/a')
+        client.turn(items=raw.log('robot', 'goal', '[1]'))
+        part = self.path('run.jsonl.part')
+        wait_for('the event on the disk', lambda: Path(part).read_text().count('\n') == 2)
+        self.process.kill()
+        self.process.wait()
+        with self.assertRaises(Closed):
+            client.grant()
+        self.assertFalse(os.path.exists(self.path('run.jsonl')))
+        stale = self.master.getParam('/time_master/lockstep_address')
+        self.launch(mode='scaled', lockstep_address=stale)
+        wait_for('the old address gone', lambda: not self.master.hasParam('/time_master/lockstep_address'))
+        self.assertNotIn('unknown', self.output())
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'time_master_lockstep_faults', LockstepFaultsTest)
