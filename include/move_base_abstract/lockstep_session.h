@@ -77,7 +77,7 @@ struct LockstepStatus {
  * Feed it with connect(), received() and disconnected(), then call poll() and send what it gives;
  * call poll() at nextWake() even if nothing came in. Every `wall` is a monotonic wall instant in
  * ns. Nothing is decided outside poll(). Of several inputs before one poll() the result does not
- * depend on their order.
+ * depend on their order, but for the ids of participants that are not named in the settings.
  */
 class LockstepSession {
  public:
@@ -119,7 +119,7 @@ class LockstepSession {
   void runUntil(Nanoseconds target);
   void setLimit(double factor);
 
-  /** @brief END to everybody; poll() gives it out. */
+  /** @brief END to everybody; poll() gives it out. Reports of a round that is not over are lost. */
   void end(const std::string& reason);
 
  private:
