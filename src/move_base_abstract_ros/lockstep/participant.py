@@ -64,11 +64,16 @@ class Participant:
         self.add(wire.note(wire.NOT_REPEATABLE, text))
 
     def constant(self, topic):
-        """Take what non-participants publish on ``topic`` as the same in every run: no label for it.
+        """Take what non-participants publish on ``topic`` as there from the beginning.
 
-        In this node's first round, before which no time passes, it is delivered at once, in rospy's own thread.
+        In this node's first round, in which time stands still, it is delivered at once, in rospy's own thread, and
+        labels nothing. What comes later is input from outside.
         """
         self.topics.constants.add(rospy.resolve_name(topic))
+
+    def exclude(self, topic):
+        """Have ``topic`` not counted: it goes over rospy's own connections, at moments of the wall clock."""
+        self.topics.excluded.add(rospy.resolve_name(topic))
 
     def wait_until(self, condition, timeout=None, what='something'):
         """Let the others go on until ``condition()`` holds; return whether it does when ``timeout`` [s] is over.

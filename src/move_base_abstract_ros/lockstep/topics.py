@@ -52,6 +52,11 @@ class MemberLinks:
         self.target = 0
         self.members = []
 
+    @staticmethod
+    def is_latching():
+        """Return whether the publisher's last message is kept for those who come later."""
+        return False
+
     def for_one(self, member):
         """Return a connection to one of them."""
         link = MemberLinks(self._participant, self._topic, self.sub)
@@ -74,7 +79,9 @@ class MemberLinks:
         self.stat_num_msg += 1
         index = getattr(_local, 'index', None)
         sub = self.sub if index is None else index
-        self._participant.add(wire.send(self._topic, sub, self.target, data[4:]))
+        # Who begins to listen in this round gets what is latched when this publisher has been told of it, not before.
+        for target in self.members if self.is_latching() else (self.target,):
+            self._participant.add(wire.send(self._topic, sub, target, data[4:]))
         return True
 
     def fileno(self):
@@ -183,7 +190,8 @@ class Topics:
         if reg_type == Registration.SUB:
             self._participant.add(wire.subscribe(number, sub, name, impl.data_class._md5sum))
             return
-        self._links[number] = MemberLinks(self._participant, number, sub)
+        link = self._links[number] = MemberLinks(self._participant, number, sub)
+        link.is_latching = lambda: impl.is_latch
         # Whether it is latched is known only after rospy has made it.
         self._participant.add(lambda: wire.advertise(
             number, sub, name, impl.type, impl.data_class._md5sum if impl.data_class else '', impl.is_latch,
@@ -303,9 +311,8 @@ class Topics:
         def take():
             if participant.is_member(connection.callerid_pub):
                 return  # it has joined in the meantime
-            if impl.resolved_name not in self.constants:
-                participant.label('a message on {} came from {}, which does not take part'.format(
-                    impl.resolved_name, connection.callerid_pub))
+            participant.label('a message on {} came from {}, which does not take part'.format(
+                impl.resolved_name, connection.callerid_pub))
             deliver(messages, connection)
         participant.scheduler.from_outside(take)
 
