@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """Python nodes in lockstep: time, topics, services, actions and threads are exact, and the same in every run."""
 
+import os
+import sys
 import unittest
 
 import rostest
-from lockstep_library_run import Runs
+from lockstep_library_run import FOLDER, Runs, read, wait_for_end
 
 RUNS = None
+STOCK_SERVER = os.path.join(FOLDER, 'library_services.py')
 
 
 def setUpModule():  # noqa: N802
@@ -108,6 +111,61 @@ class TopicsTest(unittest.TestCase):
         self.assertEqual(run.of('hears_outside'), [(1.0, 'hears', 'from outside')])
         self.assertFalse(run.end['repeatable'])
         self.assertIn('/outside_talker', ' '.join(run.end['not_repeatable_because']))
+
+
+class ServicesTest(unittest.TestCase):
+    """Calls among participants."""
+
+    def test_handlers_may_sleep_and_calls_of_several_do_not_wait_for_each_other(self):
+        run = RUNS.run('services', 'caller', 'other_caller', 'server')
+        self.assertEqual(run.of('caller')[:5], [(1.0, 'found')] + [
+            (time_s, 'answer', 'slept') for time_s in (3.0, 3.5, 4.0, 4.5)])
+        self.assertEqual(run.of('other_caller'), [(1.5, 'answer', 'slept')])
+        self.assertTrue(run.end['repeatable'], run.end)
+
+    def test_texts_of_errors_are_those_of_rospy(self):
+        stock = RUNS.ros.spawn('/server', [sys.executable, STOCK_SERVER, 'server'])
+        caller = RUNS.ros.spawn('/outside_errors', [sys.executable, STOCK_SERVER, 'outside_errors'])
+        RUNS.ros.set_param('/use_sim_time', False)
+        wait_for_end(caller)
+        expected = [tuple(line.split('|')[1:]) for line in read(caller).splitlines() if line.startswith('STOCK')]
+        RUNS.ros.end(caller)
+        RUNS.ros.end(stock)
+        RUNS.ros.set_param('/use_sim_time', True)
+        run = RUNS.run('services', 'caller', 'other_caller', 'server')
+        self.assertEqual(len(expected), 6)
+        self.assertEqual([event[1:] for event in run.of('caller')[5:]], expected)
+
+    def test_wait_for_service_ends_at_its_instant(self):
+        run = RUNS.run('services', 'late_server', 'waiter')
+        self.assertEqual(run.of('waiter'), [
+            (2.5, 'error', 'timeout exceeded while waiting for service /late'), (4.0, 'answer', 'here'),
+            (11.0, 'gone')])
+
+    def test_calls_within_calls(self):
+        run = RUNS.run('services', 'node_a', 'node_b')
+        self.assertEqual(run.of('node_a'), [(1.5, 'tick'), (1.75, 'answer', 'b of a'), (2.0, 'tick'), (2.5, 'tick')])
+
+    def test_a_server_that_leaves_is_an_error(self):
+        run = RUNS.run('services', 'leaver', 'left_behind')
+        self.assertEqual([event[:2] for event in run.of('left_behind')], [(2.0, 'error'), (3.0, 'goes on')])
+        self.assertIn('/leaves', run.of('left_behind')[0][2])
+
+    def test_calls_in_the_callback_of_a_timer(self):
+        run = RUNS.run('services', 'server', 'timer_caller')
+        self.assertEqual(run.of('timer_caller'), [(2.5, 'timer', 'slept'), (4.0, 'main', 'slept')])
+
+    def test_dynamic_reconfigure(self):
+        run = RUNS.run('services', 'configured', 'configurer')
+        self.assertEqual(run.of('configured'), [(1.0, 'config', 1), (1.0, 'config', 7)])
+        self.assertEqual(run.of('configurer'), [(1.0, 'connected'), (1.0, 'set', 7), (2.0, 'has', 7)])
+        self.assertTrue(run.end['repeatable'], run.end)
+
+    def test_a_call_from_outside_is_answered_and_the_run_is_labelled(self):
+        run = RUNS.run('services', 'asked_from_outside', outsiders=['outside_caller'])
+        self.assertEqual([event[1] for event in run.of('asked_from_outside')], ['asked', 'over'])
+        self.assertFalse(run.end['repeatable'])
+        self.assertIn('/ask', ' '.join(run.end['not_repeatable_because']))
 
 
 if __name__ == '__main__':

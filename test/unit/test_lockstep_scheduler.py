@@ -250,6 +250,19 @@ def test_the_end_of_a_thread_is_seen_at_once_and_the_others_go_on():
     assert program.run(main) == [('joined', 4)]
 
 
+def test_a_round_of_the_same_instant_can_be_waited_for():
+    program = Program((5, [lambda: program.say('mail')]))
+
+    def main():
+        program.thread('other', program.sleep, 3)
+        program.scheduler.wait_round()
+        program.say('a round later')
+        program.sleep(5)
+        program.say('main')
+    assert program.run(main) == [('a round later', 0), ('mail', 5), ('main', 5)]
+    assert program.master.asked[:2] == [0, 3]
+
+
 def test_when_the_main_thread_ends_others_and_messages_go_on():
     program = Program((7, [lambda: program.say('mail')]))
 

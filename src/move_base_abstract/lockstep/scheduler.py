@@ -63,6 +63,7 @@ class Scheduler:
         self._mail = deque()
         self._sleepers = []
         self._sequence = 0
+        self._next_round = deque()
         self._conditions = []
         self._idle_workers = []
         self._open = []
@@ -164,6 +165,11 @@ class Scheduler:
                 self._conditions.remove(entry)
         return True
 
+    def wait_round(self):
+        """Give the turn away until the time master has granted another round, of this instant if nothing else is."""
+        self._next_round.append(self.current())
+        self.wait(is_open=False)
+
     def wake(self, task):
         """Make a waiting task ready; the caller has the turn."""
         if task.is_waiting:
@@ -187,6 +193,8 @@ class Scheduler:
 
     def next_ns(self):
         """Return the earliest instant at which somebody wants to go on [ns], or NEVER."""
+        if self._next_round:
+            return self.now_ns
         sleepers = self._sleepers
         while sleepers and not _is_current(sleepers[0]):
             heapq.heappop(sleepers)
@@ -249,6 +257,8 @@ class Scheduler:
         if self.is_closed:
             raise TurnLost()
         self._mail.extend(self._channel.exchange())
+        while self._next_round:
+            self.wake(self._next_round.popleft())
         if self._outside:
             with self._outside_lock:
                 self._mail.extend(self._outside)

@@ -4,9 +4,11 @@ A call is handled in the next round, by a thread of its own as in rospy, and may
 nodes come over rospy's connections and enter at the next grant; calls to other nodes block, with time standing still.
 """
 import sys
+import threading
+import time
+from functools import partial
 from io import BytesIO
 
-import genpy
 import rospy
 from rospy.impl import registration, tcpros_service
 
@@ -14,6 +16,10 @@ from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
 
 from .topics import creating_index
+
+#: how the services end that rospy itself offers in each node; those do not count
+_OF_ROSPY = ('/get_loggers', '/set_logger_level')
+_SEEK_SECONDS = 0.1
 
 
 class Services:
@@ -28,8 +34,11 @@ class Services:
         self._found = set()
 
     def install(self):
-        """Take rospy's services over: those to come. Those of rospy itself are there already, and do not count."""
+        """Take rospy's services over, those that there are and those to come; but not rospy's own."""
         _patch(self)
+        for name, service in sorted(registration.get_service_manager().map.items()):
+            if not name.endswith(_OF_ROSPY):
+                self.register(name, service)
 
     # --- services of this node --------------------------------------------------------------------------------------
 
@@ -105,17 +114,46 @@ class Services:
         """A service that somebody waits for is offered."""
         return lambda: self._found.add(name)
 
-    def wait_for(self, name, timeout_ns, is_there_outside):
+    def wait_for(self, name, timeout_ns):
         """Wait until a participant offers the service, or another node does; return False when time is up."""
         scheduler = self._participant.scheduler
         self._found.discard(name)
         self._participant.add(wire.watch(name))
-        # The answer about participants takes one round of the present instant.
-        scheduler.wait(scheduler.now_ns, waits_for='service {}'.format(name))
-        if name in self._found or is_there_outside():
+        scheduler.wait_round()  # in which those participants are named that offer it
+        if name in self._found or self.is_offered_outside(name):
             return True
         wake_ns = wire.NEVER if timeout_ns is None else scheduler.now_ns + timeout_ns
-        return scheduler.wait_until(lambda: name in self._found, wake_ns, 'service {}'.format(name))
+        sought = [name]
+        threading._start_new_thread(self._seek_outside, (sought,))
+        try:
+            return scheduler.wait_until(lambda: name in self._found, wake_ns, 'service {}'.format(name))
+        finally:
+            sought.clear()
+
+    def _seek_outside(self, sought):
+        """Tell the thread that waits for a service when a node offers it that does not take part; in another thread."""
+        while sought and not self._participant.scheduler.is_closed:
+            name = sought[0]
+            if self.is_offered_outside(name):
+                self._participant.scheduler.from_outside(partial(self._found_outside, name))
+                return
+            time.sleep(_SEEK_SECONDS)
+
+    def _found_outside(self, name):
+        self._participant.label('service {} was waited for; a node offers it that does not take part'.format(name))
+        self._found.add(name)
+
+    def is_offered_outside(self, name):
+        """Return whether the ROS master knows a node that offers the service and has never taken part.
+
+        Those that take part, or did, are registered there at moments of the wall clock, which must not matter.
+        """
+        try:
+            code, _, (_, _, offered) = rospy.client.get_master().getSystemState()
+        except (OSError, ValueError):
+            return False
+        members = set(self._participant.names.values())
+        return code == 1 and any(service == name and not members.issuperset(nodes) for service, nodes in offered)
 
 
 def _serve(service, data):
@@ -158,12 +196,16 @@ def _patch(services):
             return call(self, *args, **kwds)
         request = rospy.msg.args_kwds_to_message(self.request_class, args, kwds)
         buffer = BytesIO()
+        request.serialize(buffer)
         try:
-            request.serialize(buffer)
-        except genpy.SerializationError as error:
-            raise rospy.ROSSerializationException(str(error)) from None
-        status, answer = services.call(self.resolved_name, buffer.getvalue())
-        return call(self, request) if status == wire.ANSWER_UNKNOWN else _answer(self, status, answer)
+            status, answer = services.call(self.resolved_name, buffer.getvalue())
+        except TurnLost:
+            raise rospy.ROSInterruptException('node shutdown interrupted service call') from None
+        if status != wire.ANSWER_UNKNOWN:
+            return _answer(self, status, answer)
+        if services.is_offered_outside(self.resolved_name):
+            return call(self, request)
+        raise rospy.ServiceException('service [{}] unavailable'.format(self.resolved_name))
 
     def _handle_request(self, transport, request):
         if hasattr(self, '_lockstep_number') and not participant.scheduler.is_closed:

@@ -118,7 +118,7 @@ class _Waits:
         if timeout_ns == 0:
             raise ValueError('timeout must be non-zero')
         try:
-            is_found = self._participant.services.wait_for(name, timeout_ns, lambda: _is_offered(name))
+            is_found = self._participant.services.wait_for(name, timeout_ns)
         except TurnLost:
             _until_shutdown()
             raise rospy.ROSInterruptException('rospy shutdown') from None
@@ -156,14 +156,6 @@ def _until_shutdown():
     deadline = time.monotonic() + 5.0
     while not rospy.core.is_shutdown() and time.monotonic() < deadline:
         time.sleep(0.01)
-
-
-def _is_offered(name):
-    """Return whether the ROS master knows the service."""
-    try:
-        return bool(rospy.client.get_master().lookupService(name)[0] == 1)
-    except Exception:
-        return False
 
 
 def _is_connected(client):

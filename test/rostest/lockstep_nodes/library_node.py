@@ -10,11 +10,17 @@ from move_base_abstract_ros import lockstep
 
 
 def play(roles):
-    """Be the node that argv[1] names, one of the functions in ``roles``; argv[2]: longest wall delay [s]."""
-    role, delay = sys.argv[1], float(sys.argv[2])
+    """Be the node that argv[1] names, one of the functions in ``roles``.
+
+    It takes part if there is an argv[2], the longest wall delay [s].
+    """
+    role, delay = sys.argv[1], float(sys.argv[2]) if len(sys.argv) > 2 else None
     rospy.init_node(role)
     if role.startswith('outside'):
         roles[role]()
+        return
+    if delay is None:  # a stock node
+        roles[role](lambda *_said: None)
         return
     if delay > 0.0:
         _lose_time(delay)
