@@ -10,6 +10,7 @@ from move_base_abstract.goal_ledger import GoalLedger
 from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
 from . import conversions
+from .lazy_latch import LazyLatch
 from .outbox import Outbox
 
 # A client that misses the acceptance of its goal misses its active_cb only, so that a shorter wait will do.
@@ -38,7 +39,7 @@ class GoalServer:
         self._navigator = None
         self._prefetch = None
         size = host.options.pub_queue_size
-        self._status = rospy.Publisher(ns + '/status', GoalStatusArray, queue_size=size, latch=True, tcp_nodelay=True)
+        self._status = LazyLatch(ns + '/status', GoalStatusArray, size, tcp_nodelay=True)
         self._result = rospy.Publisher(ns + '/result', MoveBaseActionResult, queue_size=size, tcp_nodelay=True)
         self._feedback = rospy.Publisher(ns + '/feedback', MoveBaseActionFeedback, queue_size=size, tcp_nodelay=True)
         self.ledger = GoalLedger(self._publish_status, self._publish_result, self._new_id,
@@ -100,13 +101,18 @@ class GoalServer:
 
     def _publish_status(self):
         now_ns = self._clock.simulation.now_ns
-        records = self.ledger.records(now_ns)
-        self._outbox.send(self._status, GoalStatusArray(conversions.to_header('', now_ns),
-                                                        [_to_status(record) for record in records]),
-                          self._acceptance_wall)
+        if self._status.is_heard():
+            self._outbox.send(self._status, self._make_status(now_ns), self._acceptance_wall)
+        else:
+            self._status.offer(lambda: self._make_status(now_ns))
+
+    def _make_status(self, now_ns):
+        with self._clock.lock:
+            return GoalStatusArray(conversions.to_header('', now_ns),
+                                   [_to_status(record) for record in self.ledger.records(now_ns)])
 
     def _repeat_status(self, _now_ns):
-        if self._status.get_num_connections() > 0:
+        if self._status.is_heard():
             self._publish_status()
 
     def _publish_result(self, record, stamp_ns):

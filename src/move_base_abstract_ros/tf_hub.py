@@ -20,27 +20,29 @@ class _Hub(rospy.SubscribeListener):
         self._publisher = None
         self._collected = None
 
-    def send(self, transforms):
+    def send(self, key, make):
         with self._lock:
+            if self._latest is not None:
+                self._latest[key] = make
             if self._collected is None:
-                self._publish(transforms)
+                self._publish([make])
             else:
-                self._collected.extend(transforms)
+                self._collected.append(make)
 
     def tell_newcomers(self):
         with self._lock:
             if self._latest is None:
                 self._latest = {}
 
-    def forget(self, frame_ids):
+    def forget(self, key):
         with self._lock:
-            for frame_id in frame_ids if self._latest is not None else ():
-                self._latest.pop(frame_id, None)
+            if self._latest is not None:
+                self._latest.pop(key, None)
 
     def peer_subscribe(self, _topic_name, _topic_publish, peer_publish):
         with self._lock:
             if self._latest:
-                peer_publish(TFMessage(list(self._latest.values())))
+                peer_publish(_message(self._latest.values()))
 
     @contextmanager
     def batch(self):
@@ -49,24 +51,30 @@ class _Hub(rospy.SubscribeListener):
             try:
                 yield
             finally:
-                transforms, self._collected = self._collected, None
-                if transforms:
-                    self._publish(transforms)
+                collected, self._collected = self._collected, None
+                if collected:
+                    self._publish(collected)
 
-    def _publish(self, transforms):
+    def _publish(self, makes):
         if self._publisher is None:
             self._publisher = rospy.Publisher('/tf', TFMessage, queue_size=100, subscriber_listener=self)
-        if self._latest is not None:
-            self._latest.update((transform.child_frame_id, transform) for transform in transforms)
-        self._publisher.publish(TFMessage(transforms))
+        if self._publisher.get_num_connections() > 0:
+            self._publisher.publish(_message(makes))
 
 
 _HUB = _Hub()
 
 
-def send(transforms):
-    """Publish ``transforms`` (list of TransformStamped), or keep them for the end of the :func:`batch`."""
-    _HUB.send(transforms)
+def _message(makes):
+    return TFMessage([transform for make in makes for transform in make()])
+
+
+def send(key, make):
+    """Publish the transforms ``make()`` (list of TransformStamped), or keep them for the end of the :func:`batch`.
+
+    ``key``: whose they are. Nothing is made where nobody listens.
+    """
+    _HUB.send(key, make)
 
 
 def tell_newcomers():
@@ -74,9 +82,9 @@ def tell_newcomers():
     _HUB.tell_newcomers()
 
 
-def forget(frame_ids):
-    """Tell newcomers no more of these frames."""
-    _HUB.forget(frame_ids)
+def forget(key):
+    """Tell newcomers no more of these transforms."""
+    _HUB.forget(key)
 
 
 def batch():

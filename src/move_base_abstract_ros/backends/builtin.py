@@ -1,11 +1,11 @@
 """The built-in simulator: the robot is where the core says, and tf and a few topics tell so."""
-import rospy
 from geometry_msgs.msg import Pose, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
 from move_base_abstract.geometry import Pose2D
 
 from .. import conversions, tf_hub
+from ..lazy_latch import LazyLatch
 
 
 class BuiltinBackend:
@@ -21,21 +21,18 @@ class BuiltinBackend:
         self._base_frame = settings.frame(settings.values['robot_base_frame'])
         self._tf_stamp_ns = -1
         self._tf_pose = None
-        self._amcl_pose = _latched(names.topic('amcl_pose'), PoseWithCovarianceStamped)
-        self._odom = _latched(names.topic('odom'), Odometry)
-        self._ground_truth = _latched(names.topic('base_pose_ground_truth'), Odometry)
-        self._robot_pose = _latched(names.topic('robot_pose'), Pose)
+        self._amcl_pose = LazyLatch(names.topic('amcl_pose'), PoseWithCovarianceStamped)
+        self._odom = LazyLatch(names.topic('odom'), Odometry)
+        self._ground_truth = LazyLatch(names.topic('base_pose_ground_truth'), Odometry)
+        self._robot_pose = LazyLatch(names.topic('robot_pose'), Pose)
 
     def place(self, pose, velocity, stamp_ns):
         """Publish that the robot is at ``pose`` with ``velocity``."""
         self.heartbeat(pose, stamp_ns)
-        message = conversions.to_pose(pose)
-        self._robot_pose.publish(message)
-        amcl_pose = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
-        amcl_pose.pose.pose = message
-        self._amcl_pose.publish(amcl_pose)
-        self._odom.publish(self._odometry(message, velocity, self._odom_frame, stamp_ns))
-        self._ground_truth.publish(self._odometry(message, velocity, self._global_frame, stamp_ns))
+        self._robot_pose.offer(lambda: conversions.to_pose(pose))
+        self._amcl_pose.offer(lambda: self._with_covariance(pose, stamp_ns))
+        self._odom.offer(lambda: self._odometry(pose, velocity, self._odom_frame, stamp_ns))
+        self._ground_truth.offer(lambda: self._odometry(pose, velocity, self._global_frame, stamp_ns))
 
     def heartbeat(self, pose, stamp_ns):
         """Publish tf only. tf takes one pose per instant, so a jump is dated 1 ns after what was said before."""
@@ -44,22 +41,23 @@ class BuiltinBackend:
                 return
             stamp_ns = self._tf_stamp_ns + 1
         self._tf_stamp_ns, self._tf_pose = stamp_ns, pose
-        tf_hub.send([
+        tf_hub.send(self._base_frame, lambda: [
             conversions.to_transform(Pose2D(), self._global_frame, self._odom_frame, stamp_ns),
             conversions.to_transform(pose, self._odom_frame, self._base_frame, stamp_ns)])
 
     def close(self):
         """Leave the graph."""
-        tf_hub.forget((self._odom_frame, self._base_frame))
+        tf_hub.forget(self._base_frame)
         for publisher in (self._amcl_pose, self._odom, self._ground_truth, self._robot_pose):
             publisher.unregister()
 
-    def _odometry(self, pose_message, velocity, frame_id, stamp_ns):
+    def _with_covariance(self, pose, stamp_ns):
+        message = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
+        message.pose.pose = conversions.to_pose(pose)
+        return message
+
+    def _odometry(self, pose, velocity, frame_id, stamp_ns):
         odometry = Odometry(header=conversions.to_header(frame_id, stamp_ns), child_frame_id=self._base_frame)
-        odometry.pose.pose = pose_message
+        odometry.pose.pose = conversions.to_pose(pose)
         odometry.twist.twist.linear.x, odometry.twist.twist.angular.z = velocity
         return odometry
-
-
-def _latched(topic, message_type):
-    return rospy.Publisher(topic, message_type, queue_size=10, latch=True)

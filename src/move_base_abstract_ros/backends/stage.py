@@ -115,7 +115,7 @@ class StageBackend:
             stamp_ns = max(stamp_ns, last_ns + 1)
             self._sent = (stamp_ns, self._tf)
             transform = conversions.to_transform(self._tf, self._global_frame, self._odom_frame, stamp_ns)
-        tf_hub.send([transform])
+        tf_hub.send(self._odom_frame, lambda: [transform])
 
     def _remind(self):
         with self._lock:
