@@ -1,0 +1,112 @@
+"""Make a participant of an unmodified roscpp binary: preload the library that stands in front of roscpp.
+
+docs/lockstep_roscpp.md says what is exact then.
+"""
+import os
+import stat
+import struct
+import sys
+
+SHIM = 'libmove_base_abstract_roscpp_shim.so'
+_ROSCPP = 'libroscpp.so'
+_PARTICIPANT = 'libmove_base_abstract_lockstep.so'
+_RANK = 'MOVE_BASE_ABSTRACT_LOCKSTEP_RANK'
+_SLEEP = 'MOVE_BASE_ABSTRACT_LOCKSTEP_SLEEP'
+_PRELOAD = 'LD_PRELOAD'
+# Of the ELF format, 64 bits, little endian.
+_HEADER = struct.Struct('<16sHHIQQQIHHHHHH')
+_SEGMENT = struct.Struct('<IIQQQQQQ')
+_ENTRY = struct.Struct('<qQ')
+_LOAD, _DYNAMIC = 1, 2
+_NEEDED, _STRING_TABLE = 1, 5
+
+
+def execute(path, arguments, options):
+    """Become the program; does not return."""
+    try:
+        environment = prepare(path, options.rank, options.sleep, os.environ)
+    except ValueError as error:
+        sys.exit('lockstep: {}'.format(error))
+    os.execve(path, [path] + arguments, environment)
+
+
+def prepare(path, rank, sleep, environment):
+    """Return the environment in which the binary takes part.
+
+    :raises ValueError: if it cannot.
+    """
+    needed = needed_libraries(path)
+    if any(name.startswith(_PARTICIPANT) for name in needed):
+        return dict(environment)  # it takes part by itself
+    if not any(name.startswith(_ROSCPP) for name in needed):
+        raise ValueError("'{}' is no roscpp program: it needs {}, but not {}; programs that it starts can be given "
+                         'themselves'.format(path, ', '.join(needed) or 'no library (it is linked statically)', _ROSCPP))
+    if os.stat(path).st_mode & (stat.S_ISUID | stat.S_ISGID):
+        raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system lets nobody "
+                         'preload a library into it'.format(path))
+    result = dict(environment)
+    result[_PRELOAD] = ' '.join([find_shim(environment)] + result.get(_PRELOAD, '').split())
+    if rank is not None:
+        result[_RANK] = str(rank)
+    result[_SLEEP] = sleep
+    return result
+
+
+def find_shim(environment):
+    """Return the path of the library to preload: in catkin's devel or install space.
+
+    :raises ValueError: if it is in none of the places.
+    """
+    prefixes = environment.get('CMAKE_PREFIX_PATH', '').split(os.pathsep)
+    folders = [os.path.join(prefix, 'lib') for prefix in prefixes if prefix]
+    folders += [folder for folder in environment.get('LD_LIBRARY_PATH', '').split(os.pathsep) if folder]
+    # Without an environment: PREFIX/lib/python3/dist-packages/move_base_abstract_ros/lockstep/binary.py
+    folders.append(os.path.normpath(os.path.join(os.path.dirname(__file__), *[os.pardir] * 4)))
+    for folder in folders:
+        path = os.path.join(folder, SHIM)
+        if os.path.isfile(path):
+            return path
+    raise ValueError('{} is in none of {}; source the setup.sh of the workspace that has move_base_abstract'.format(
+        SHIM, ', '.join(folders)))
+
+
+def needed_libraries(path):
+    """Return the names of the shared libraries that an ELF file asks for.
+
+    :raises ValueError: if it is no 64-bit ELF file of this kind of machine.
+    """
+    with open(path, 'rb') as stream:
+        data = stream.read()
+    if len(data) < _HEADER.size or data[:6] != b'\x7fELF\x02\x01':
+        raise ValueError("'{}' is no 64-bit little-endian ELF program".format(path))
+    try:
+        return _needed(data)
+    except (struct.error, IndexError, UnicodeDecodeError):
+        raise ValueError("'{}' is a damaged ELF program".format(path)) from None
+
+
+def _needed(data):
+    header = _HEADER.unpack_from(data)
+    at, size, count = header[5], header[9], header[10]
+    segments = [_SEGMENT.unpack_from(data, at + size * k) for k in range(count)]
+    entries = []
+    for kind, _flags, offset, _address, _physical, length, _memory, _align in segments:
+        if kind == _DYNAMIC:
+            entries = [_ENTRY.unpack_from(data, offset + k) for k in range(0, length, _ENTRY.size)]
+    tables = [value for tag, value in entries if tag == _STRING_TABLE]
+    if not tables:
+        return []
+    begin = _offset(tables[0], segments)
+    return [_text(data, begin + value) for tag, value in entries if tag == _NEEDED]
+
+
+def _offset(address, segments):
+    """Return where in the file a memory address lies."""
+    for kind, _flags, offset, virtual, _physical, length, _memory, _align in segments:
+        if kind == _LOAD and virtual <= address < virtual + length:
+            return offset + address - virtual
+    raise IndexError(address)
+
+
+def _text(data, begin):
+    return data[begin:data.index(b'\0', begin)].decode('utf-8')

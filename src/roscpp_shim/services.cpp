@@ -1,0 +1,265 @@
+// Services between participants: a call is handled in the next round, by the server's queue.
+#include <ros/callback_queue_interface.h>
+#include <ros/console.h>
+#include <ros/service.h>
+#include <ros/service_client.h>
+#include <ros/service_manager.h>
+#include <ros/service_publication.h>
+#include <ros/service_server_link.h>
+
+#include <cstring>
+#include <optional>
+
+#include "exchange.h"
+#include "node.h"
+#include "real.h"
+#include "turn.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+struct Service {
+  std::uint32_t number = 0;
+  std::string name;
+  ros::ServiceCallbackHelperPtr helper;
+  ros::CallbackQueueInterface* queue = nullptr;
+  ros::VoidConstWPtr tracked;
+  bool is_tracked = false;
+};
+
+struct Services {
+  std::uint32_t made = 0;
+  std::uint32_t calls = 0;
+  std::map<std::uint32_t, Service> offered;
+  std::map<std::uint32_t, std::pair<wire::CallStatus, std::string>> answers;
+  std::set<std::string> found;
+};
+
+Services& services() {
+  static Services* const instance = new Services;
+  return *instance;
+}
+
+/** @brief A participant's call, in the queue of the service. */
+class MemberCall : public ros::CallbackInterface {
+ public:
+  MemberCall(Service service, const wire::CallIn& item)
+      : service_(std::move(service)),
+        caller_(item.caller),
+        caller_name_(node().nameOf(item.caller)),
+        number_(item.number),
+        request_(item.request) {}
+
+  CallResult call() override {
+    const ros::VoidConstPtr tracked = service_.tracked.lock();
+    if (service_.is_tracked && !tracked) {
+      answer(false, "service " + service_.name + " is not offered any more");
+      return Invalid;
+    }
+    ros::ServiceCallbackHelperCallParams params;
+    fill(&params);
+    try {
+      const bool is_good = service_.helper->call(params);
+      constexpr std::size_t kPrefix = 5;  // of TCPROS: ok and length
+      const std::string_view response(reinterpret_cast<const char*>(params.response.buf.get()),
+                                      params.response.num_bytes);
+      answer(is_good, is_good ? response.substr(kPrefix) : std::string_view());
+    } catch (const std::exception& error) {
+      ROS_ERROR("Exception thrown while processing service call: %s", error.what());
+      answer(false, error.what());
+      return Invalid;
+    }
+    return Success;
+  }
+
+ private:
+  void fill(ros::ServiceCallbackHelperCallParams* params) const {
+    const boost::shared_array<std::uint8_t> bytes(new std::uint8_t[request_.size() + 1]);
+    std::memcpy(bytes.get(), request_.data(), request_.size());
+    params->request = ros::SerializedMessage(bytes, request_.size());
+    params->connection_header = boost::make_shared<ros::M_string>();
+    (*params->connection_header)["callerid"] = caller_name_;
+    (*params->connection_header)["service"] = service_.name;
+  }
+  void answer(bool is_good, std::string_view bytes) const {
+    node().append(wire::Response{caller_, number_, is_good, bytes});
+  }
+
+  Service service_;
+  std::uint32_t caller_;
+  std::string caller_name_;
+  std::uint32_t number_;
+  std::string request_;
+};
+
+std::pair<wire::CallStatus, std::string> call(const std::string& service,
+                                              std::string_view request) {
+  const std::uint32_t number = ++services().calls;
+  node().append(wire::Call{number, 0, service, request});
+  const std::string what = "the answer of " + service;
+  Wait wait;
+  wait.is_over = [number] { return services().answers.count(number) > 0; };
+  node().open(what);
+  const Woken woken = turn().wait(wait);
+  node().close(what);
+  if (woken == Woken::kEnd) {
+    return {wire::CallStatus::kServerGone, ""};
+  }
+  return std::move(services().answers.extract(number).mapped());
+}
+
+/** @return whether a participant offers the service, as of this instant. */
+bool isOffered(const std::string& service) {
+  services().found.erase(service);
+  node().append(wire::Watch{service});
+  Wait wait;
+  wait.next_round = true;
+  turn().wait(wait);
+  return services().found.count(service) > 0;
+}
+
+}  // namespace
+
+void handle(const wire::CallIn& item) {
+  const auto found = services().offered.find(item.service);
+  if (found == services().offered.end()) {
+    node().append(
+        wire::Response{item.caller, item.number, false, "the service is not offered any more"});
+    return;
+  }
+  const auto publication =
+      ros::ServiceManager::instance()->lookupServicePublication(found->second.name);
+  found->second.queue->addCallback(boost::make_shared<MemberCall>(found->second, item),
+                                   reinterpret_cast<std::uint64_t>(publication.get()));
+}
+
+void handle(const wire::Answer& item) {
+  services().answers[item.number] = {item.status, std::string(item.bytes)};
+}
+
+void handle(const wire::Found& item) { services().found.insert(std::string(item.service)); }
+
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+namespace wire = move_base_abstract::wire;
+
+namespace ros {
+
+bool ServiceManager::advertiseService(const AdvertiseServiceOptions& options) {
+  using Advertise = bool(ServiceManager*, const AdvertiseServiceOptions&);
+  static Advertise* const function = shim::real<Advertise>(
+      "_ZN3ros14ServiceManager16advertiseServiceERKNS_23AdvertiseServiceOptionsE");
+  const bool is_app = shim::turn().enter();
+  const bool is_done = function(this, options);
+  if (is_app && is_done) {
+    shim::Service service;
+    service.number = ++shim::services().made;
+    service.name = options.service;
+    service.helper = options.helper;
+    service.queue = options.callback_queue;
+    service.tracked = options.tracked_object;
+    service.is_tracked = static_cast<bool>(options.tracked_object);
+    shim::node().append(wire::Serve{service.number, 0, service.name});
+    shim::services().offered[service.number] = service;
+  }
+  return is_done;
+}
+
+bool ServiceManager::unadvertiseService(const std::string& name) {
+  using Unadvertise = bool(ServiceManager*, const std::string&);
+  static Unadvertise* const function = shim::real<Unadvertise>(
+      "_ZN3ros14ServiceManager18unadvertiseServiceERKNSt7__cxx1112basic_stringIcSt11char_"
+      "traitsIcESaIcEEE");
+  if (shim::turn().enter()) {
+    auto& offered = shim::services().offered;
+    for (auto at = offered.begin(); at != offered.end();) {
+      if (at->second.name == name) {
+        shim::node().append(wire::Unserve{at->first});
+        at = offered.erase(at);
+      } else {
+        ++at;
+      }
+    }
+  }
+  return function(this, name);
+}
+
+bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& response,
+                         const std::string& md5) {
+  using Call =
+      bool(ServiceClient*, const SerializedMessage&, SerializedMessage&, const std::string&);
+  static Call* const function = shim::real<Call>(
+      "_ZN3ros13ServiceClient4callERKNS_17SerializedMessageERS1_RKNSt7__cxx1112basic_stringIcSt11"
+      "char_traitsIcESaIcEEE");
+  if (!shim::turn().enter()) {
+    return function(this, request, response, md5);
+  }
+  shim::Turn::self()->has_acted = true;
+  const std::string service = getService();
+  const auto head = static_cast<std::size_t>(request.message_start - request.buf.get());
+  const std::string_view payload(reinterpret_cast<const char*>(request.message_start),
+                                 request.num_bytes - head);
+  const auto [status, bytes] = shim::call(service, payload);
+  if (status == wire::CallStatus::kNoServer) {
+    const shim::Blocking blocking;  // time stands until the other node has answered
+    return function(this, request, response, md5);
+  }
+  if (status != wire::CallStatus::kOk) {
+    ROS_ERROR("Service call failed: service [%s] responded with an error: %s", service.c_str(),
+              bytes.empty() && status == wire::CallStatus::kServerGone ? "its server has gone"
+                                                                       : bytes.c_str());
+    return false;
+  }
+  const boost::shared_array<std::uint8_t> copy(new std::uint8_t[bytes.size() + 1]);
+  std::memcpy(copy.get(), bytes.data(), bytes.size());
+  response = SerializedMessage(copy, bytes.size());
+  return true;
+}
+
+bool ServiceServerLink::call(const SerializedMessage& request, SerializedMessage& response) {
+  using Call = bool(ServiceServerLink*, const SerializedMessage&, SerializedMessage&);
+  static Call* const function =
+      shim::real<Call>("_ZN3ros17ServiceServerLink4callERKNS_17SerializedMessageERS1_");
+  const shim::Blocking blocking;  // the answer comes by roscpp's own thread
+  return function(this, request, response);
+}
+
+namespace service {
+
+bool exists(const std::string& name, bool print_failure_reason) {
+  using Exists = bool(const std::string&, bool);
+  static Exists* const function = shim::real<Exists>(
+      "_ZN3ros7service6existsERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEb");
+  if (shim::turn().enter() && shim::isOffered(names::resolve(name))) {
+    return true;
+  }
+  const shim::Blocking blocking;
+  return function(name, print_failure_reason);
+}
+
+bool waitForService(const std::string& name, Duration timeout) {
+  using WaitForService = bool(const std::string&, Duration);
+  static WaitForService* const function = shim::real<WaitForService>(
+      "_ZN3ros7service14waitForServiceERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEENS_8"
+      "DurationE");
+  if (!shim::turn().enter()) {
+    return function(name, timeout);
+  }
+  const std::string service = names::resolve(name);
+  if (exists(name, false)) {
+    return true;
+  }
+  shim::Wait wait;
+  wait.until =
+      timeout > Duration(0) ? shim::node().now() + timeout.toNSec() : move_base_abstract::kNever;
+  wait.is_over = [&service] { return shim::services().found.count(service) > 0; };
+  shim::node().open("service " + service);
+  const bool is_found = shim::turn().wait(wait) == shim::Woken::kReady;
+  shim::node().close("service " + service);
+  return is_found;
+}
+
+}  // namespace service
+
+}  // namespace ros

@@ -1,0 +1,148 @@
+// Who runs: of the program's own threads one at a time, which hands over where it waits.
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TURN_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TURN_H
+
+#include <pthread.h>
+#include <semaphore.h>
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "move_base_abstract/lockstep_wire.h"
+
+namespace move_base_abstract::shim {
+
+/** @brief A lock that is libc's own: not one of those that hand the turn over. */
+class PlainMutex {
+ public:
+  void lock();
+  void unlock();
+
+ private:
+  pthread_mutex_t mutex_ = PTHREAD_MUTEX_INITIALIZER;
+};
+
+/** @brief What a thread waits for. Without anything it only lets the others go first. */
+struct Wait {
+  Nanoseconds until = kNever;     // simulated
+  std::function<bool()> is_over;  // looked at by whoever has the turn
+  const void* object = nullptr;   // a condition, which somebody may signal
+  bool next_round = false;        // until the next grant, which is asked for at this instant
+  bool activity = false;          // until another thread has run
+  std::function<void()> unlock;   // called when a signal can no longer be missed
+};
+
+enum class Woken { kReady, kTime, kEnd };
+
+/** @brief A thread of the program. */
+struct Task {
+  sem_t go;
+  pthread_t thread{};
+  int tid = 0;
+  Wait wait;
+  bool is_waiting = false;
+  bool is_signalled = false;
+  bool is_loose = false;     // it runs beside the others: it blocks where nobody can see it
+  bool is_blocking = false;  // it blocks in a known way, with time standing still
+  std::atomic<bool> is_done{false};
+  std::uint64_t seen_activity = 0;
+  bool in_spinner = false;      // its waits for callbacks are without end
+  bool has_acted = false;       // since its last wait for callbacks
+  unsigned idle_polls = 0;      // waits for callbacks in a row that were in vain
+  unsigned empty_polls = 0;     // looks without waiting in a row that were in vain
+  unsigned clock_reads = 0;     // at one instant
+  Nanoseconds slept_at = -1;    // instant at which it has slept by the wall clock,
+  Nanoseconds slept = 0;        // and for how long altogether
+  std::function<void*()> main;  // of a thread that has not begun
+};
+
+/** @brief Marks that a thread runs roscpp's or this library's own code: nothing is intercepted. */
+class Inside {
+ public:
+  Inside();
+  ~Inside();
+  Inside(const Inside&) = delete;
+  Inside& operator=(const Inside&) = delete;
+};
+
+/** @brief Marks that a thread blocks in a known way, with time standing still. */
+class Blocking {
+ public:
+  Blocking();
+  ~Blocking();
+  Blocking(const Blocking&) = delete;
+  Blocking& operator=(const Blocking&) = delete;
+
+ private:
+  Inside inside_;
+};
+
+class Turn {
+ public:
+  /** @brief The calling thread is the program's first, and has the turn. */
+  void begin();
+  /** @brief No more turns: every thread goes on as if this library were not here. */
+  void end();
+  bool isActive() const { return is_active_.load(std::memory_order_relaxed); }
+
+  /**
+   * @return whether the calling thread is one of the program's, and has the turn; waits for it
+   * where it ran beside the others. A thread that is not known yet becomes one of them.
+   */
+  bool enter();
+  /** @return the same, but leaves threads alone that are not known. */
+  bool holds();
+  /** @return the calling thread, if it is one of the program's. */
+  static Task* self();
+  static bool isInside();
+  /** @brief The calling thread is roscpp's own. */
+  static void becomeInternal();
+  static bool isInternal();
+
+  /** @brief Give the turn away until what @p wait says. For a thread that has entered. */
+  Woken wait(Wait wait);
+  /** @brief Wake who waits for @p object: one, or all. From any thread. */
+  void signal(const void* object, bool all);
+
+  /** @return a thread about to be created, whose function is @p main. */
+  Task* create(std::function<void*()> main);
+  /** @brief What the new thread runs. */
+  void* run(Task* task);
+  /** @return the task of @p thread, if it is one of the program's. */
+  Task* find(pthread_t thread);
+  /** @return whether the thread with @p tid waits, so that it cannot unlock anything. */
+  bool isParked(int tid);
+
+  /** @return when the first of the threads wants to go on. */
+  Nanoseconds nextWake();
+  /** @return whether somebody who ran beside the others, or was signalled by others, can go on. */
+  bool hasGuest();
+
+ private:
+  Task* adopt();
+  void regain(Task* task);
+  bool enlist(Task* task, Wait& wait);
+  Task* firstReady();
+  bool isReady(const Task& task, bool* by_activity) const;
+  void handOver(Task* next);
+  void park(Task* task);
+  void finish(Task* task);
+  void watch();
+
+  std::atomic<bool> is_active_{false};
+  PlainMutex mutex_;  // for what follows; only who has the turn looks at Task::wait
+  std::vector<Task*> tasks_;
+  std::vector<Task*> waiting_;
+  Task* holder_ = nullptr;
+  std::uint64_t switches_ = 0;
+  std::uint64_t activity_ = 0;
+};
+
+Turn& turn();
+
+}  // namespace move_base_abstract::shim
+
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TURN_H

@@ -1,0 +1,338 @@
+// Where roscpp programs begin, wait and end: time, callback queues, spinners.
+#include <ros/callback_queue.h>
+#include <ros/init.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <ros/subscribe_options.h>
+#include <ros/this_node.h>
+#include <ros/topic_manager.h>
+
+#include <cstdlib>
+#include <sstream>
+
+#include "exchange.h"
+#include "node.h"
+#include "real.h"
+#include "turn.h"
+
+namespace ros {
+CallbackQueuePtr getInternalCallbackQueue();  // exported by roscpp, but in none of its headers
+}
+
+namespace move_base_abstract::shim {
+namespace {
+
+constexpr unsigned kIdlePolls = 3;         // waits in vain, after which a loop only waits
+constexpr unsigned kEmptyPolls = 1000;     // looks in vain, after which simulated time goes on
+constexpr unsigned kClockReads = 1000000;  // at one instant, after which it goes on
+constexpr Nanoseconds kPollPeriod = 1'000'000;
+
+thread_local bool t_is_starting = false;
+
+/** @brief Opens what a queue keeps to itself. */
+struct OpenQueue : public ros::CallbackQueue {
+  /** @return the first callback, if there is one. (isEmpty() counts those under way too.) */
+  static const ros::CallbackInterface* first(ros::CallbackQueue& queue) {
+    const boost::mutex::scoped_lock lock(queue.*(&OpenQueue::mutex_));
+    const auto& callbacks = queue.*(&OpenQueue::callbacks_);
+    return callbacks.empty() ? nullptr : callbacks.front().callback.get();
+  }
+};
+
+bool isInternalQueue(const ros::CallbackQueue* queue) {
+  static const ros::CallbackQueue* const internal = ros::getInternalCallbackQueue().get();
+  return queue == internal;
+}
+
+/** @brief A thread that only looks, again and again, lets simulated time go on. */
+void countPoll(unsigned* count, unsigned limit) {
+  if (++*count >= limit) {
+    *count = 0;
+    Wait wait;
+    wait.until = node().now() + kPollPeriod;
+    turn().wait(wait);
+  }
+}
+
+/** @return whether there is a callback in the queue; waits for one, for at most @p timeout. */
+bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout) {
+  Task& me = *Turn::self();
+  if (OpenQueue::first(queue) != nullptr) {
+    me.idle_polls = me.empty_polls = 0;
+    return true;
+  }
+  if (timeout.isZero()) {
+    countPoll(&me.empty_polls, kEmptyPolls);
+    return OpenQueue::first(queue) != nullptr;
+  }
+  // A loop around this wait that does nothing else is not worth a round for each time-out.
+  me.idle_polls = me.has_acted ? 0 : me.idle_polls;
+  const bool is_endless = me.in_spinner || me.idle_polls >= kIdlePolls;
+  Wait wait;
+  wait.until = is_endless ? kNever : node().now() + timeout.toNSec();
+  wait.activity = is_endless && !me.in_spinner;
+  wait.is_over = [&queue] { return OpenQueue::first(queue) != nullptr; };
+  const Woken woken = turn().wait(wait);
+  me.idle_polls = woken == Woken::kReady ? 0 : me.idle_polls + 1;
+  me.has_acted = false;
+  return woken == Woken::kReady;
+}
+
+/** @brief While callbacks run, the thread's waits are the program's again. */
+class InCallbacks {
+ public:
+  explicit InCallbacks(Task& task) : task_(task), was_(task.in_spinner) { task.in_spinner = false; }
+  ~InCallbacks() { task_.in_spinner = was_; }
+  InCallbacks(const InCallbacks&) = delete;
+  InCallbacks& operator=(const InCallbacks&) = delete;
+
+ private:
+  Task& task_;
+  bool was_;
+};
+
+/** @brief Marks the waits of a spinner's loop. */
+class InSpinner {
+ public:
+  InSpinner() : task_(turn().enter() ? Turn::self() : nullptr) {
+    if (task_ != nullptr) {
+      was_ = task_->in_spinner;
+      task_->in_spinner = true;
+    }
+  }
+  ~InSpinner() {
+    if (task_ != nullptr) {
+      task_->in_spinner = was_;
+    }
+  }
+  InSpinner(const InSpinner&) = delete;
+  InSpinner& operator=(const InSpinner&) = delete;
+
+ private:
+  Task* task_;
+  bool was_ = false;
+};
+
+/** @brief A callback was put back, since another thread is in it: wait until that one has run. */
+void awaitOthers() {
+  Wait wait;
+  wait.activity = true;
+  turn().wait(wait);
+}
+
+bool sleepUntil(Nanoseconds until) {
+  Task& me = *Turn::self();
+  me.has_acted = true;
+  if (until <= node().now()) {
+    countPoll(&me.empty_polls, kEmptyPolls);
+    return takesPart();
+  }
+  me.empty_polls = 0;
+  Wait wait;
+  wait.until = until;
+  return turn().wait(wait) != Woken::kEnd;
+}
+
+}  // namespace
+
+/** Programs that this one starts are not preloaded too. */
+__attribute__((constructor)) void leaveEnvironment() {
+  const char* const preload = std::getenv("LD_PRELOAD");
+  std::istringstream names(preload == nullptr ? "" : preload);
+  std::string others;
+  for (std::string name; names >> name;) {
+    if (name.find("roscpp_shim") == std::string::npos) {
+      others += (others.empty() ? "" : " ") + name;
+    }
+  }
+  if (others.empty()) {
+    unsetenv("LD_PRELOAD");
+  } else {
+    setenv("LD_PRELOAD", others.c_str(), 1);
+  }
+}
+
+bool isStarting() { return t_is_starting; }
+
+void startRos(void (*start)()) {
+  if (ros::isStarted() || !Node::isWanted()) {
+    start();
+    return;
+  }
+  const Inside inside;  // the threads that it starts are roscpp's own
+  t_is_starting = true;
+  start();
+  t_is_starting = false;
+  if (node().join()) {
+    turn().begin();
+  }
+}
+
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+
+namespace ros {
+
+// ---- begin and end ---------------------------------------------------------------------------
+
+void start() {
+  using Start = void();
+  static Start* const function = shim::real<Start>("_ZN3ros5startEv");
+  shim::startRos(function);
+}
+
+void shutdown() {
+  using Shutdown = void();
+  static Shutdown* const function = shim::real<Shutdown>("_ZN3ros8shutdownEv");
+  shim::node().leave("ROS shuts down");
+  const shim::Inside inside;
+  function();
+}
+
+void waitForShutdown() {
+  using WaitForShutdown = void();
+  static WaitForShutdown* const function =
+      shim::real<WaitForShutdown>("_ZN3ros15waitForShutdownEv");
+  if (shim::turn().enter()) {
+    shim::turn().wait(shim::Wait());
+  }
+  function();
+}
+
+// ---- time ------------------------------------------------------------------------------------
+
+void Time::setNow(const Time& now) {
+  using SetNow = void(const Time&);
+  static SetNow* const function = shim::real<SetNow>("_ZN3ros4Time6setNowERKS0_");
+  if (!shim::takesPart()) {  // else the grants say what time it is
+    function(now);
+  }
+}
+
+Time Time::now() {
+  using Now = Time();
+  static Now* const function = shim::real<Now>("_ZN3ros4Time3nowEv");
+  if (shim::turn().holds()) {
+    shim::Turn::self()->has_acted = true;
+    shim::countPoll(&shim::Turn::self()->clock_reads, shim::kClockReads);
+  }
+  return function();
+}
+
+bool Duration::sleep() const {
+  using Sleep = bool(const Duration*);
+  static Sleep* const function = shim::real<Sleep>("_ZNK3ros8Duration5sleepEv");
+  if (!shim::turn().enter()) {
+    return function(this);
+  }
+  return shim::sleepUntil(shim::node().now() + toNSec());
+}
+
+bool Time::sleepUntil(const Time& end) {
+  using SleepUntil = bool(const Time&);
+  static SleepUntil* const function = shim::real<SleepUntil>("_ZN3ros4Time10sleepUntilERKS0_");
+  if (!shim::turn().enter()) {
+    return function(end);
+  }
+  return shim::sleepUntil(static_cast<std::int64_t>(end.toNSec()));
+}
+
+// ---- callback queues -------------------------------------------------------------------------
+
+void CallbackQueue::callAvailable(WallDuration timeout) {
+  using CallAvailable = void(CallbackQueue*, WallDuration);
+  static CallAvailable* const function =
+      shim::real<CallAvailable>("_ZN3ros13CallbackQueue13callAvailableENS_12WallDurationE");
+  if (shim::isInternalQueue(this) || !shim::turn().enter()) {
+    function(this, timeout);
+    return;
+  }
+  if (!shim::awaitCallback(*this, timeout)) {
+    return;
+  }
+  const CallbackInterface* const first = shim::OpenQueue::first(*this);
+  {
+    const shim::InCallbacks callbacks(*shim::Turn::self());
+    function(this, WallDuration());
+  }
+  if (first != nullptr && shim::OpenQueue::first(*this) == first && shim::turn().enter()) {
+    shim::Wait wait;  // put back, or come again: let the others go first
+    wait.next_round = true;
+    shim::turn().wait(wait);
+  }
+}
+
+CallbackQueue::CallOneResult CallbackQueue::callOne(WallDuration timeout) {
+  using CallOne = CallOneResult(CallbackQueue*, WallDuration);
+  static CallOne* const function =
+      shim::real<CallOne>("_ZN3ros13CallbackQueue7callOneENS_12WallDurationE");
+  if (shim::isInternalQueue(this) || !shim::turn().enter()) {
+    return function(this, timeout);
+  }
+  if (!shim::awaitCallback(*this, timeout)) {
+    return isEnabled() ? Empty : Disabled;
+  }
+  CallOneResult result;
+  {
+    const shim::InCallbacks callbacks(*shim::Turn::self());
+    result = function(this, WallDuration());
+  }
+  if (result == TryAgain && shim::turn().enter()) {
+    shim::awaitOthers();
+  }
+  return result;
+}
+
+void CallbackQueue::addCallback(const CallbackInterfacePtr& callback, uint64_t owner) {
+  using AddCallback = void(CallbackQueue*, const CallbackInterfacePtr&, uint64_t);
+  static AddCallback* const function = shim::real<AddCallback>(
+      "_ZN3ros13CallbackQueue11addCallbackERKN5boost10shared_ptrINS_17CallbackInterfaceEEEm");
+  const bool is_outside = shim::takesPart() && shim::Turn::self() == nullptr;
+  if (!is_outside || shim::isInternalQueue(this)) {
+    function(this, callback, owner);
+    return;
+  }
+  shim::Input input;
+  input.enter = [this, callback, owner] { function(this, callback, owner); };
+  input.label = "a call, a connection or a wall timer has reached " + this_node::getName() +
+                " from outside of lockstep";
+  input.queue = this;
+  input.owner = owner;
+  shim::node().fromOutside(std::move(input));
+}
+
+void CallbackQueue::removeByID(uint64_t owner) {
+  using RemoveById = void(CallbackQueue*, uint64_t);
+  static RemoveById* const function =
+      shim::real<RemoveById>("_ZN3ros13CallbackQueue10removeByIDEm");
+  if (shim::takesPart()) {
+    shim::node().removeOutside(this, owner);
+  }
+  function(this, owner);
+}
+
+// ---- spinners --------------------------------------------------------------------------------
+
+void SingleThreadedSpinner::spin(CallbackQueue* queue) {
+  using Spin = void(SingleThreadedSpinner*, CallbackQueue*);
+  static Spin* const function =
+      shim::real<Spin>("_ZN3ros21SingleThreadedSpinner4spinEPNS_13CallbackQueueE");
+  const shim::InSpinner spinner;
+  function(this, queue);
+}
+
+/** roscpp's, which it does not declare in a header. */
+class ROSCPP_DECL AsyncSpinnerImpl {
+  void threadFunc();
+};
+
+void AsyncSpinnerImpl::threadFunc() {
+  using ThreadFunction = void(AsyncSpinnerImpl*);
+  static ThreadFunction* const function =
+      shim::real<ThreadFunction>("_ZN3ros16AsyncSpinnerImpl10threadFuncEv");
+  const shim::InSpinner spinner;
+  function(this);
+}
+
+}  // namespace ros

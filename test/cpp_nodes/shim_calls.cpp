@@ -1,0 +1,60 @@
+// Services: "server" answers (after a sleep, if ~work is set), "client" calls once a second, first
+// waiting for the service with and without success. What the client sees it tells on "answers".
+#include <ros/ros.h>
+#include <std_msgs/String.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+#include <string>
+
+namespace {
+
+double work = 0;
+
+bool onTrigger(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  if (work > 0) {
+    ros::Duration(work).sleep();
+  }
+  response.success = true;
+  response.message = "at " + std::to_string(ros::Time::now().toNSec());
+  return true;
+}
+
+bool onRefuse(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&) { return false; }
+
+void runClient(ros::NodeHandle& node) {
+  ros::Publisher publisher = node.advertise<std_msgs::String>("answers", 100);
+  const auto tell = [&publisher](const std::string& text) {
+    std_msgs::String message;
+    message.data = std::to_string(ros::Time::now().toNSec()) + " " + text;
+    publisher.publish(message);
+  };
+  tell(ros::service::waitForService("nobody", ros::Duration(2.0)) ? "found" : "not found");
+  tell(ros::service::waitForService("trigger") ? "found" : "not found");
+  ros::ServiceClient client = node.serviceClient<std_srvs::Trigger>("trigger");
+  ros::Rate rate(1);
+  for (int k = 0; k < 20 && ros::ok(); ++k) {
+    std_srvs::Trigger trigger;
+    tell(client.call(trigger) ? trigger.response.message : "failed");
+    rate.sleep();
+  }
+  std_srvs::SetBool refuse;
+  tell(ros::service::call("refuse", refuse) ? "not refused" : "refused");
+  ros::NodeHandle("~").setParam("done", true);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "calls");
+  ros::NodeHandle node;
+  ros::NodeHandle("~").param("work", work, work);
+  if (ros::NodeHandle("~").param("client", false)) {
+    runClient(node);
+    return 0;
+  }
+  const ros::ServiceServer trigger = node.advertiseService("trigger", &onTrigger);
+  const ros::ServiceServer refuse = node.advertiseService("refuse", &onRefuse);
+  ros::spin();
+  return 0;
+}

@@ -1,0 +1,43 @@
+// A loop with ros::Rate, as users write it: tells on rate/count every tick with its time.
+// Parameters: ~frequency [Hz], ~ticks, ~print (only measure: no messages).
+#include <ros/ros.h>
+#include <std_msgs/String.h>
+
+#include <string>
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "rate");
+  ros::NodeHandle node;
+  ros::NodeHandle own("~");
+  double frequency = 10;
+  int ticks = 100;
+  bool quiet = false;
+  own.param("frequency", frequency, frequency);
+  own.param("ticks", ticks, ticks);
+  own.param("quiet", quiet, quiet);
+
+  ros::Publisher publisher = node.advertise<std_msgs::String>("ticks", 10);
+  ros::Rate rate(frequency);
+  const ros::Time begin = ros::Time::now();
+  const ros::WallTime wall_begin = ros::WallTime::now();
+  ros::Time last = begin;
+  int off = 0;
+  for (int k = 1; k <= ticks && ros::ok(); ++k) {
+    rate.sleep();
+    const ros::Time now = ros::Time::now();
+    off += now - last == rate.expectedCycleTime() ? 0 : 1;
+    last = now;
+    if (!quiet) {
+      std_msgs::String message;
+      message.data = std::to_string(k) + " " + std::to_string(now.toNSec());
+      publisher.publish(message);
+    }
+    ros::spinOnce();
+  }
+  const double wall = (ros::WallTime::now() - wall_begin).toSec();
+  own.setParam("off", off);
+  own.setParam("ticks_per_second", ticks / wall);
+  own.setParam("done", true);
+  ROS_INFO("%d ticks, %d off, %.0f ticks/s", ticks, off, ticks / wall);
+  return 0;
+}
