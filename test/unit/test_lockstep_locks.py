@@ -8,6 +8,7 @@ import pytest
 from lockstep_program import GUARD, Program
 from move_base_abstract.lockstep import locks
 from move_base_abstract.lockstep.locks import CooperativeLock, CooperativeRLock
+from move_base_abstract.lockstep.scheduler import TurnLost
 
 
 def unread():
@@ -247,6 +248,26 @@ def test_a_free_thread_that_releases_wakes_in_the_next_round(program):
         lock.acquire()
         program.say('main')
     assert program.run(main) == [('main', 0)]
+
+
+def test_when_lockstep_ends_who_waits_for_nobody_is_told(program, monkeypatch):
+    monkeypatch.setattr(locks, '_LAST_WAIT', 0.01)
+    lock = CooperativeLock()
+    told = []
+
+    def wait():
+        try:
+            lock.acquire()
+        except TurnLost as error:
+            told.append(str(error))
+
+    def main():
+        lock.acquire()
+        program.thread('other', wait)
+        program.thread('in time', lambda: told.append(lock.acquire(True, 60)))
+        program.sleep(1)
+    program.run(main)
+    assert sorted(told, key=str) == [False, 'lockstep has ended while this thread waited for another one']
 
 
 def test_when_lockstep_ends_locks_are_as_ever(program):

@@ -11,6 +11,8 @@ from ..units import seconds_to_ns
 from .scheduler import TurnLost, _make_lock
 from .wire import NEVER
 
+_LAST_WAIT = 1.0  # s, wall
+
 
 class _NoScheduler:
     """Before the process takes part, every thread runs freely."""
@@ -83,12 +85,20 @@ class CooperativeLock:
             try:
                 Process.scheduler.wait(wake_ns, 'another thread')
             except TurnLost:
-                return self._lock.acquire(True, timeout)
+                return self._wait_in_the_end(timeout)
             finally:
                 if task in self._waiting:
                     self._waiting.remove(task)
         self._is_applications = True
         return True
+
+    def _wait_in_the_end(self, timeout):
+        """Lockstep is over, and the node about to end: wait for a holder that goes on now, but for no other."""
+        if self._lock.acquire(True, _LAST_WAIT if timeout < 0 else min(timeout, _LAST_WAIT)):
+            return True
+        if timeout < 0:
+            raise TurnLost('lockstep has ended while this thread waited for another one')
+        return False
 
     def release(self):
         """As threading.Lock.release."""

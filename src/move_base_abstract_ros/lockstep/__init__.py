@@ -56,7 +56,8 @@ def join(rank=None, own_threads=True):
     for topic in rospy.get_param('/time_master/excluded_topics', []):
         joining.topics.excluded.add(rospy.resolve_name(str(topic)))
     _listen_to_clock_no_more()
-    rospy.on_shutdown(lambda: joining.leave('its node shuts down'))
+    # After the hooks of the application, which may still publish.
+    rospy.core.add_preshutdown_hook(lambda _reason: joining.leave('its node shuts down'))
     joining.present(rospy.get_name(), rospy.get_node_uri(), declared is not None)
     joining.topics.install()
     joining.services.install()

@@ -1,7 +1,7 @@
 """The connection to the time master: whole frames in, whole frames out."""
+import _thread
 import socket
 import struct
-import threading
 import time
 
 from move_base_abstract.lockstep import wire
@@ -25,7 +25,8 @@ class Connection:
         """
         self._socket = _connect(host, port, timeout)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._send_lock = threading.Lock()
+        # Recursive: a signal may have the main thread leave in the middle of sending.
+        self._send_lock = _thread.RLock()
         self._buffer = bytearray()
 
     def send(self, data):

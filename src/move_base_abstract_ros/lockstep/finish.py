@@ -1,4 +1,5 @@
 """The end of a process that takes part: it leaves in its last round, not at some moment of the wall clock."""
+import sys
 import threading
 
 from move_base_abstract.lockstep.scheduler import TurnLost
@@ -10,10 +11,29 @@ def install(participant):
 
     def _shutdown():
         """Python calls this when the main thread has ended, and waits in it for threads that are no daemons."""
+        _end_executors()
         _await_others(participant)
         shut_down()
 
     threading._shutdown = _shutdown
+    show = sys.excepthook
+
+    def _excepthook(kind, error, trace):
+        """That lockstep has ended is told once, and is no error of the application's."""
+        if not issubclass(kind, TurnLost):
+            show(kind, error, trace)
+
+    sys.excepthook = _excepthook
+
+
+def _end_executors():
+    """Call what Python calls first at the end: it tells the threads of executors, which wait for work, to end."""
+    hooks = getattr(threading, '_threading_atexits', [])
+    while hooks:
+        try:
+            hooks.pop()()
+        except TurnLost:
+            pass
 
 
 def _await_others(participant):

@@ -9,7 +9,7 @@ from rospy.rostime import _set_rostime
 
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.lockstep import wire
-from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
+from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_lock
 from move_base_abstract.units import seconds_to_ns
 
 from .connection import Closed, Connection
@@ -19,6 +19,7 @@ from .topics import Topics
 #: topics that never go through the time master
 EXCLUDED = ('/clock', '/rosout', '/rosout_agg', '/statistics')
 _SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
+_LEAVE_SECONDS = 0.5
 #: the rank of nodes that declare none; robots have 0
 DEFAULT_RANK = 1000
 
@@ -101,6 +102,10 @@ class Participant:
         if self.scheduler.is_closed:
             return
         holds_turn = self.scheduler.is_mine()
+        if not holds_turn:
+            self._leave_in_turn(reason)
+            if self.scheduler.is_closed:
+                return
         try:
             if holds_turn and self._is_granted:
                 self.connection.send(wire.report(self._round, wire.LEAVING, wire.NEVER, 0, self._take_items()))
@@ -111,6 +116,17 @@ class Participant:
         self.scheduler.close()
         self.connection.close()
         self.charge.close()
+
+    def _leave_in_turn(self, reason):
+        """Leave in a round, after what has been published at last; but not at any price, others may be slow."""
+        over = _make_lock()
+        over.acquire()
+
+        def leave():
+            self.leave(reason)
+            over.release()
+        self.scheduler.from_outside(leave)
+        over.acquire(True, _LEAVE_SECONDS)
 
     # --- what the other parts call ----------------------------------------------------------------------------------
 
@@ -224,8 +240,8 @@ class Participant:
             self.names[number] = name
             self.uris[name] = wire.read_text(body, at)[0]
             self.topics.drop_connections_to(name)
-        elif kind == wire.GONE:
-            self.uris.pop(self.names.get(number), None)
+        # GONE: what there is to do comes in a grant. Until its process has ended, at some moment of the wall clock,
+        # it is still to be told from nodes that do not take part.
 
     def _lost(self, reason):
         """The time master is gone, so that time will never move again: end the node."""

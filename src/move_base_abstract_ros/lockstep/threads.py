@@ -5,6 +5,7 @@ Condition, Event, Semaphore, Barrier, Queue, joins) gives the turn away when an 
 another; time-outs are simulated time. Threads of rospy itself use the same locks as ever.
 """
 import queue
+import sys
 import threading
 import time
 
@@ -14,10 +15,12 @@ from move_base_abstract.lockstep.wire import NEVER
 
 from .waits import to_ns
 
-#: who is never a thread of the application
-_FOREIGN = ('rospy.', 'rosgraph.', 'xmlrpc', 'socketserver', 'logging', 'move_base_abstract_ros.lockstep',
-            'move_base_abstract_ros.outbox')
-_OF_THE_APPLICATION = ('rospy.timer',)
+#: where threads and their work are from that are never the application's
+_FOREIGN = ('rosgraph.', 'xmlrpc.', 'socketserver.', 'http.', 'logging.', 'move_base_abstract_ros.lockstep.',
+            'move_base_abstract_ros.outbox.')
+#: rospy's own threads are started here; rospy.spin, say, may well be the work of a thread of the application
+_ROSPY = 'rospy.impl.'
+
 
 def install(participant, own_threads):
     """Follow the application's threads; with ``own_threads`` its locks as well."""
@@ -36,10 +39,10 @@ def replace_locks():
 
 
 def _follow_threads(scheduler):
-    start, join = threading.Thread.start, threading.Thread.join
+    start, join, is_alive = threading.Thread.start, threading.Thread.join, threading.Thread.is_alive
 
     def _start(self):
-        if scheduler.is_mine() and not _is_foreign(self):
+        if scheduler.is_mine() and not _is_foreign(self, sys._getframe(1).f_globals.get('__name__', '')):
             task = scheduler.spawn(self.name)
             self._lockstep_task = task
             self.run = _in_turn(scheduler, task, self.run)
@@ -55,23 +58,25 @@ def _follow_threads(scheduler):
 
     def _join(self, timeout=None):
         task = getattr(self, '_lockstep_task', None)
-        if task is not None and scheduler.is_mine() and not task.is_finished:
-            wake_ns = NEVER if timeout is None else scheduler.now_ns + max(0, to_ns(timeout))
-            if not scheduler.wait_until(lambda: task.is_finished, wake_ns, 'the end of thread {}'.format(self.name)):
-                return
-        join(self, timeout)
+        if task is None or not scheduler.is_mine():
+            join(self, timeout)
+            return
+        wake_ns = NEVER if timeout is None else scheduler.now_ns + max(0, to_ns(timeout))
+        if scheduler.wait_until(lambda: task.is_finished, wake_ns, 'the end of thread {}'.format(self.name)):
+            join(self)  # the rest of it, which is Python's, takes a moment of the wall clock
 
-    threading.Thread.start, threading.Thread.join = _start, _join
+    def _is_alive(self):
+        task = getattr(self, '_lockstep_task', None)
+        return is_alive(self) if task is None or not scheduler.is_mine() else not task.is_finished
+
+    threading.Thread.start, threading.Thread.join, threading.Thread.is_alive = _start, _join, _is_alive
 
 
-def _is_foreign(thread):
+def _is_foreign(thread, starter):
+    """Return whether a thread is none of the application's; ``starter``: the module that starts it."""
     target = getattr(thread, '_target', None)
-    for module in (type(thread).__module__, getattr(target, '__module__', None) or ''):
-        if module.startswith(_OF_THE_APPLICATION):
-            return False
-        if (module + '.').startswith(_FOREIGN):
-            return True
-    return False
+    modules = (type(thread).__module__, getattr(target, '__module__', None) or '')
+    return starter.startswith(_ROSPY) or any((module + '.').startswith(_FOREIGN) for module in modules)
 
 
 def _in_turn(scheduler, task, run):

@@ -25,6 +25,7 @@ def play(roles):
     if delay > 0.0:
         _lose_time(delay)
     participant = lockstep.join()
+    print('joined', flush=True)
     roles[role](Said(participant, role))
 
 

@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""Python nodes in lockstep: threads of their own take turns, and nodes end as they should."""
+
+import os
+import signal
+import time
+import unittest
+
+import rostest
+from lockstep_library_run import Runs, read, wait_for_end
+
+RUNS = None
+WAITS = ('in_spin', 'in_sleep', 'in_loop', 'in_message', 'in_service', 'in_call', 'in_queue', 'in_event', 'in_join',
+         'in_thread')
+SOON = 3.0  # s, wall
+
+
+def setUpModule():  # noqa: N802
+    global RUNS  # noqa: PLW0603
+    RUNS = Runs()
+
+
+def tearDownModule():  # noqa: N802
+    RUNS.close()
+
+
+class ThreadsTest(unittest.TestCase):
+    """Threads take turns; what they wait for is simulated."""
+
+    def test_executor(self):
+        run = RUNS.run('threads', 'pool')
+        self.assertEqual(run.of('pool'), [
+            (4.0, 'done', 1, 0, 2), (7.0, 'mapped', 0, 1, 2), (8.5, 'error', 'TimeoutError'), (8.5, 'main ends')])
+        self.assertTrue(run.end['repeatable'], run.end)
+
+    def test_times_out_are_simulated(self):
+        run = RUNS.run('threads', 'waits')
+        self.assertEqual(run.of('waits'), [
+            (2.0, 'empty'), (2.5, 'got', 'in time'), (4.5, 'lock', False, True),
+            (5.5, 'event', True, True, True, False), (5.5, 'joined', False), (6.25, 'condition', False)])
+
+    def test_join_and_is_alive(self):
+        run = RUNS.run('threads', 'joins')
+        self.assertEqual(run.of('joins'), [(1.5, 'alive', True), (3.0, 'thread'), (3.1, 'ended'),
+                                           (3.1, 'joined')])
+
+    def test_other_threads_go_on_when_the_main_thread_has_ended(self):
+        run = RUNS.run('threads', 'main_ends_first')
+        self.assertEqual(run.of('main_ends_first'), [
+            (1.0, 'main ends'), (1.75, 'timer'), (2.0, 'thread'), (2.5, 'timer'), (3.0, 'thread'), (3.25, 'timer'),
+            (4.0, 'thread')])
+        self.assertEqual(run.exit_codes, {'main_ends_first': 0})
+
+    def test_contention_is_the_same_in_every_run(self):
+        runs = [RUNS.run('threads', 'counter_with_lock', adverse=0.005, log_messages=True) for _ in range(3)]
+        self.assertEqual(runs[0].of('counter_with_lock')[-1], (3.8, 'main ends'))
+        for run in runs[1:]:
+            self.assertEqual(run.text, runs[0].text)
+
+
+class EndsTest(unittest.TestCase):
+    """Nodes end in their last round, with their exit codes, and when they are told to."""
+
+    def test_the_last_word_of_a_node_is_heard(self):
+        run = RUNS.run('threads', 'hears_the_end', 'stops_at_its_end')
+        self.assertEqual(run.of('stops_at_its_end'), [(3.0, 'main ends')])
+        self.assertEqual(run.of('hears_the_end'), [(3.0, 'hears', 'stop')])
+        self.assertTrue(run.end['repeatable'], run.end)
+        self.assertEqual(run.end['degraded_because'], [])
+
+    def test_exit_codes(self):
+        run = RUNS.run('threads', 'exits', 'fails', 'shuts_down')
+        self.assertEqual(run.exit_codes, {'exits': 7, 'fails': 1, 'shuts_down': 0})
+        self.assertIn("KeyError: 'the end'", run.outputs['fails'])
+        self.assertEqual(run.of('shuts_down'), [])
+        self.assertEqual(run.end['degraded_because'], [])
+
+    def test_an_interrupt_ends_a_node_in_every_wait(self):
+        for role in WAITS:
+            took = self._end_of(role, lambda _master, node: os.kill(node.pid, signal.SIGINT))
+            self.assertLess(took, SOON, role)
+
+    def test_the_end_of_the_time_master_ends_a_node_in_every_wait(self):
+        for role in WAITS:
+            took = self._end_of(role, lambda master, _node: os.killpg(master.pid, signal.SIGKILL))
+            self.assertLess(took, 4 * SOON, role)
+
+    def _end_of(self, role, act):
+        """Start a node, let it wait, do act(time master, node), and return how long the node takes to end [s, wall]."""
+        RUNS.ros.set_param('/time_master/lockstep_address', '')
+        master, _path = RUNS.start_master([role])
+        node = RUNS.start_node('threads', role)
+        try:
+            self._wait_for_start(node)
+            began = time.monotonic()
+            act(master, node)
+            try:
+                wait_for_end(node, {role: node})
+            except AssertionError as error:
+                raise AssertionError(f'{role}: {error}') from None
+            return time.monotonic() - began
+        finally:
+            RUNS.ros.end(node)
+            RUNS.ros.end(master)
+
+    def _wait_for_start(self, node):
+        deadline = time.monotonic() + 20.0
+        while 'joined' not in read(node):
+            self.assertLess(time.monotonic(), deadline, read(node))
+            time.sleep(0.01)
+        time.sleep(0.2)  # it goes into its wait
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_library_threads', __name__)

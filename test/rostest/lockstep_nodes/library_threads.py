@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""Roles about threads of one's own, and about the ends of nodes."""
+
+import queue
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
+
+import rospy
+from library_node import play
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+
+def pool(say):
+    def work(index):
+        rospy.sleep(3 - index)
+        return index
+    executor = pool.kept = ThreadPoolExecutor(2)  # kept: it is there at the end
+    futures = [executor.submit(work, index) for index in range(3)]
+    say('done', *[future.result() for future in as_completed(futures)])
+    say('mapped', *executor.map(work, range(3)))
+    try:
+        executor.submit(rospy.sleep, 5).result(timeout=1.5)
+    except Exception as error:
+        say('error', type(error).__name__)
+    say('main ends')  # without a shutdown of the executor
+
+
+def waits(say):
+    """Everything that threads may wait for, with times out."""
+    box, event, semaphore = queue.Queue(), threading.Event(), threading.Semaphore(0)
+    condition, lock = threading.Condition(), threading.Lock()
+
+    def feed():
+        rospy.sleep(1.5)
+        box.put('in time')
+        with lock:
+            rospy.sleep(2)
+        event.set()
+        semaphore.release()
+        with condition:
+            condition.notify()
+    thread = threading.Thread(target=feed)
+    thread.start()
+    try:
+        box.get(timeout=1)
+    except queue.Empty:
+        say('empty')
+    say('got', box.get(timeout=1))
+    rospy.sleep(0.25)
+    say('lock', lock.acquire(timeout=0.5), lock.acquire(timeout=10))
+    say('event', event.wait(0.1), event.wait(), semaphore.acquire(timeout=1), semaphore.acquire(timeout=1))
+    thread.join(1)
+    say('joined', thread.is_alive())
+    with condition:
+        say('condition', condition.wait_for(lambda: False, timeout=0.75))
+
+
+class SlowToEnd(threading.Thread):
+    """Python takes long to end it."""
+
+    def _delete(self):
+        time.sleep(0.05)
+        super()._delete()
+
+
+def joins(say):
+    def live():
+        rospy.sleep(2)
+        say('thread')
+    thread = SlowToEnd(target=live)
+    thread.start()
+    thread.join(0.5)
+    say('alive', thread.is_alive())
+    while thread.is_alive():
+        rospy.sleep(0.4)
+    say('ended')
+    thread.join()
+    say('joined')
+
+
+def main_ends_first(say):
+    def live():
+        for _ in range(3):
+            rospy.sleep(1)
+            say('thread')
+    threading.Thread(target=live).start()
+    rospy.Timer(rospy.Duration(0.75), lambda event: say('timer'))
+    say('main ends')
+
+
+def counter_with_lock(say):
+    """Contention, and messages whose callbacks take the same lock."""
+    lock = threading.RLock()
+    publisher = rospy.Publisher('chat', String, queue_size=1)
+
+    def on_message(message):
+        with lock:
+            say('message', message.data)
+    rospy.Subscriber('chat', String, on_message)
+
+    def work(name):
+        for turn in range(3):
+            with lock:
+                rospy.sleep(0.3)
+                publisher.publish('{}{}'.format(name, turn))
+                say(name, turn)
+            rospy.sleep(0.1)
+    threads = [threading.Thread(target=work, args=(name,)) for name in 'abc']
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    say('main ends')
+
+
+def stops_at_its_end(say):
+    """A hook that is called at the end publishes a last word; what is due at that instant still happens."""
+    publisher = rospy.Publisher('chat', String, queue_size=1)
+    rospy.on_shutdown(lambda: publisher.publish('stop'))
+    rospy.sleep(2)
+    say('main ends')
+
+
+def hears_the_end(say):
+    rospy.Subscriber('chat', String, lambda message: say('hears', message.data))
+    rospy.sleep(5)
+
+
+def exits(_say):
+    rospy.sleep(1)
+    sys.exit(7)
+
+
+def fails(_say):
+    rospy.sleep(1)
+    raise KeyError('the end')
+
+
+def shuts_down(say):
+    rospy.Timer(rospy.Duration(2), lambda event: rospy.signal_shutdown('enough'), oneshot=True)
+    rospy.spin()
+    say('never')
+
+
+# Waits without end, to be interrupted.
+
+def in_spin(_say):
+    rospy.spin()
+
+
+def in_sleep(_say):
+    rospy.sleep(1e9)
+
+
+def in_loop(_say):
+    rate = rospy.Rate(1000)
+    while not rospy.is_shutdown():
+        rate.sleep()
+
+
+def in_message(_say):
+    rospy.wait_for_message('nothing', String)
+
+
+def in_service(_say):
+    rospy.wait_for_service('nothing')
+
+
+def in_call(_say):
+    rospy.Service('sleeps', Trigger, lambda request: rospy.sleep(1e9))
+    rospy.ServiceProxy('sleeps', Trigger)()
+
+
+def in_queue(_say):
+    queue.Queue().get()
+
+
+def in_event(_say):
+    threading.Event().wait()
+
+
+def in_join(_say):
+    thread = threading.Thread(target=rospy.spin)
+    thread.start()
+    thread.join()
+
+
+def in_thread(_say):
+    threading.Thread(target=rospy.spin).start()
+
+
+if __name__ == '__main__':
+    play(globals())
