@@ -1,0 +1,180 @@
+"""The mission: who samples where and when. It is told what happened and answers with commands.
+
+An engine (the Mesa model, the ROS node) moves the robots. It calls
+
+    coordinator.start(now_ns)                        once; the robots stand at coordinator.start_places
+    coordinator.arrived(robot, now_ns, place)        a Drive has ended well
+    coordinator.failed(robot, now_ns, place)         a Drive has ended badly: the task is dropped
+    coordinator.sampled(robot, now_ns, place, value) a TakeSample has ended
+    coordinator.held / resumed(robot, now_ns)        a robot with a task cannot go on / can
+    coordinator.end(now_ns, places)                  at coordinator.end_ns, or once coordinator.complete
+
+and carries out the commands (commands.py) that each call returns, in their order. Times are simulated nanoseconds,
+never falling. Calls of the same instant come in the order of the robots' indices, so that every engine gets the same
+mission; what happens at end_ns still counts, if it is told before end. Calls after the end change nothing.
+"""
+
+from move_base_abstract.units import seconds_to_ns
+
+from .allocation import Allocator
+from .commands import FIRST_SAMPLE, Drive, Stop, TakeSample
+from .config import Sampling
+from .kriging import Kriging
+from .mission_log import Activity, MissionLog
+from .sampling import make_sampling, start_places
+from .seeds import Purpose, generator
+from .stopwatch import NullStopwatch
+
+MIN_SAMPLES = 3  # below that there is no map
+
+
+class Coordinator:
+    """The state machine of one mission, from its start to its end.
+
+    :param config: a TrialConfig.
+    :param seed: whole number >= 0; it decides starts, random tasks and dwells, each with a generator of its own.
+    :param truth: the Field that is mapped: its grid is the map's, and the RMSE is taken against it.
+    :param stopwatch: anything with phase(name), a context manager: measures 'kriging' and 'allocation'.
+    """
+
+    def __init__(self, config, seed, truth, stopwatch=None):
+        self.config = config
+        self.seed = seed
+        self.truth = truth
+        self.start_places = start_places(config.robots, seed, truth.grid)
+        self.estimate = None  # the latest Estimate, None before the third sample
+        self.log = MissionLog(config.robots)
+        self._stopwatch = stopwatch or NullStopwatch()
+        self._kriging = Kriging(truth.grid)
+        self._sampling = make_sampling(config, seed, truth.grid)
+        self._allocator = Allocator(config.allocation, self.start_places)
+        self._dwells = [generator(seed, Purpose.DWELL, robot) for robot in range(config.robots)]
+        self._current = [None] * config.robots  # the Task that a robot drives to or samples
+        self._start_ns = None
+        self._over = False
+
+    @property
+    def end_ns(self):
+        """When the budget ends [simulated ns]; None before the start."""
+        return None if self._start_ns is None else self._start_ns + seconds_to_ns(self.config.budget_s)
+
+    @property
+    def complete(self):
+        """Whether nothing is left to do: no task can be made any more, and none is open."""
+        return self._start_ns is not None and self._sampling.exhausted and not self._busy_robots() \
+            and not any(self._allocator.queues)
+
+    @property
+    def over(self):
+        """Whether the mission has ended."""
+        return self._over
+
+    def queue(self, robot):
+        """Return the tasks that a robot has not begun, in the order in which it will go there."""
+        return tuple(self._allocator.queues[robot])
+
+    def current_task(self, robot):
+        """Return the Task that a robot drives to or samples, or None."""
+        return self._current[robot]
+
+    # ------------------------------------------------------------------------------------------ what happened
+
+    def start(self, now_ns):
+        """Begin the mission at now_ns; return the first commands.
+
+        With random and dynamic sampling each robot samples where it stands; with the grid all tasks are there at once.
+        """
+        self._start_ns = now_ns
+        self.log.start(now_ns, self.start_places)
+        if self.config.sampling is Sampling.GRID:
+            return self._plan(now_ns)
+        return [self._take_sample(robot, now_ns, FIRST_SAMPLE) for robot in range(self.config.robots)]
+
+    def arrived(self, robot, now_ns, place):
+        """Take note that a robot reached its goal (its Place); return the commands that follow."""
+        if self._over:
+            return []
+        self.log.arrived(robot, now_ns, place, self._current[robot].number)
+        return [self._take_sample(robot, now_ns, self._current[robot].number)]
+
+    def failed(self, robot, now_ns, place):
+        """Take note that a robot gave its goal up, at a Place; the task is dropped. Return the commands that follow."""
+        if self._over:
+            return []
+        self.log.failed(robot, now_ns, place, self._current[robot].number)
+        self._release(robot, (place.x, place.y))
+        return self._dispatch(now_ns)
+
+    def sampled(self, robot, now_ns, place, value):
+        """Take note of a value [kPa] that a robot read at a Place; return the commands that follow."""
+        if self._over:
+            return []
+        task = self._current[robot]
+        self.log.sampled(robot, now_ns, place, FIRST_SAMPLE if task is None else task.number, value)
+        self._release(robot, (place.x, place.y))
+        self._update_map(now_ns)
+        if self.estimate is None or self.config.sampling is Sampling.GRID:
+            return self._dispatch(now_ns)
+        return self._plan(now_ns)
+
+    def held(self, robot, now_ns):
+        """Take note that a driving robot is held up."""
+        if not self._over:
+            self.log.held(robot, now_ns)
+
+    def resumed(self, robot, now_ns):
+        """Take note that a robot that was held up drives on."""
+        if not self._over:
+            self.log.resumed(robot, now_ns)
+
+    def end(self, now_ns, places):
+        """End the mission; places: a Place per robot. Return a Stop for each robot that is at work."""
+        if self._over:
+            return []
+        self._over = True
+        busy = self._busy_robots()
+        self.log.end(now_ns, places)
+        return [Stop(robot) for robot in busy]
+
+    # ------------------------------------------------------------------------------------------ what to do
+
+    def _busy_robots(self):
+        return [robot for robot in range(self.config.robots) if self.log.activity(robot) is not Activity.IDLE]
+
+    def _take_sample(self, robot, now_ns, task_number):
+        spread = self.config.dwell_spread_s
+        dwell_s = self.config.dwell_s + (self._dwells[robot].uniform(-spread, spread) if spread else 0.0)
+        command = TakeSample(robot, task_number, seconds_to_ns(dwell_s))
+        self.log.sampling(robot, now_ns, task_number, command.dwell_ns)
+        return command
+
+    def _release(self, robot, position):
+        self._current[robot] = None
+        self._allocator.free_at(robot, position)
+
+    def _update_map(self, now_ns):
+        samples = self.log.samples
+        if len(samples) < MIN_SAMPLES:
+            return
+        with self._stopwatch.phase('kriging'):
+            self.estimate = self._kriging.estimate([(s.x, s.y) for s in samples], [s.value for s in samples],
+                                                   self.truth.values)
+        self.log.mapped(now_ns, self.estimate)
+
+    def _plan(self, now_ns):
+        """Make tasks, allocate them, and send off whoever has something to do and does nothing."""
+        with self._stopwatch.phase('allocation'):
+            tasks = self._sampling.new_tasks(self.estimate)
+            for task in tasks:
+                self.log.allocated(self._allocator.allocate(task), now_ns, task)
+        return self._dispatch(now_ns)
+
+    def _dispatch(self, now_ns):
+        commands = []
+        for robot in range(self.config.robots):
+            if self.log.activity(robot) is Activity.IDLE and self._allocator.queues[robot]:
+                task = self._allocator.take(robot)
+                self._current[robot] = task
+                self.log.driving(robot, now_ns, task)
+                commands.append(Drive(robot, task.number, task.x, task.y))
+        return commands

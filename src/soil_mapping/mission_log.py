@@ -1,0 +1,175 @@
+"""The book of a mission: events, samples, the map's history, and where each robot's time and way went."""
+
+import math
+from enum import Enum
+from typing import NamedTuple
+
+from .commands import FIRST_SAMPLE
+
+NOBODY = -1  # as a robot's index: the event is the mission's
+
+
+class Activity(Enum):
+    """What a robot does; its time is counted under it."""
+
+    IDLE = 'idle'  # no task to do
+    DRIVING = 'driving'  # from the command to drive to the arrival, or to giving up
+    SAMPLING = 'sampling'  # the dwell
+    WAITING = 'waiting'  # it has a task but is held up
+
+
+class Event(NamedTuple):
+    """One line of the event log. What does not apply is NaN, or -1 for a number."""
+
+    time_ns: int  # simulated ns since the start of the mission
+    robot: int  # index, or NOBODY
+    event: str  # start, allocate, drive, arrive, fail, dwell, sample, map, hold, resume, stop, end
+    task: int  # number of the task; FIRST_SAMPLE
+    x_m: float  # the robot's place, or the task's; map frame
+    y_m: float
+    value: float  # sample: kPa; map: the RMSE in kPa; dwell: its length in s
+
+
+class Sample(NamedTuple):
+    """One reading that was taken."""
+
+    time_ns: int  # end of the dwell, simulated ns since the start of the mission
+    robot: int
+    task: int
+    x: float  # m, map frame
+    y: float
+    value: float  # kPa
+
+
+class Moment(NamedTuple):
+    """The state of the map after a sample."""
+
+    time_ns: int  # simulated ns since the start of the mission
+    samples: int
+    rmse_kpa: float
+    mean_variance_kpa2: float
+    variogram_psill: float
+    variogram_range_m: float
+    variogram_nugget: float
+    finished_tasks: int  # without the first samples
+    distance_m: float  # of all legs that have ended
+
+
+class Waypoint(NamedTuple):
+    """A robot's place at an instant at which it began or ended something."""
+
+    time_ns: int
+    robot: int
+    x: float
+    y: float
+
+
+class MissionLog:
+    """Takes notes. Times that come in are the clock's, those that are kept count from the start of the mission."""
+
+    def __init__(self, robots):
+        self.events = []
+        self.samples = []
+        self.history = []
+        self.waypoints = []
+        self.driven_m = [0.0] * robots
+        self.seconds_ns = [dict.fromkeys(Activity, 0) for _ in range(robots)]
+        self.task_ns = []  # simulated ns from the start of the leg to the end of the dwell, per finished task
+        self.duration_ns = None  # None until the end
+        self._start_ns = None
+        self._places = [(math.nan, math.nan)] * robots
+        self._activity = [Activity.IDLE] * robots
+        self._since_ns = [0] * robots
+        self._leg_began_ns = [0] * robots
+
+    def activity(self, robot):
+        """Return the Activity of a robot now."""
+        return self._activity[robot]
+
+    def start(self, now_ns, places):
+        """Note the start and where the robots stand."""
+        self._start_ns = now_ns
+        for robot, (x, y) in enumerate(places):
+            self._places[robot] = (x, y)
+            self._note(now_ns, robot, 'start', x=x, y=y)
+            self.waypoints.append(Waypoint(0, robot, x, y))
+
+    def allocated(self, robot, now_ns, task):
+        """Note which robot got a task."""
+        self._note(now_ns, robot, 'allocate', task.number, task.x, task.y)
+
+    def driving(self, robot, now_ns, task):
+        """Note that a robot is sent to a task."""
+        self._become(robot, now_ns, Activity.DRIVING)
+        self._leg_began_ns[robot] = now_ns
+        self._note(now_ns, robot, 'drive', task.number, task.x, task.y)
+
+    def arrived(self, robot, now_ns, place, task):
+        """Note the end of a leg; what follows is the dwell."""
+        self._move(robot, now_ns, place)
+        self._note(now_ns, robot, 'arrive', task, place.x, place.y)
+
+    def failed(self, robot, now_ns, place, task):
+        """Note that a leg was given up."""
+        self._move(robot, now_ns, place)
+        self._become(robot, now_ns, Activity.IDLE)
+        self._note(now_ns, robot, 'fail', task, place.x, place.y)
+
+    def sampling(self, robot, now_ns, task, dwell_ns):
+        """Note the beginning of a dwell."""
+        self._become(robot, now_ns, Activity.SAMPLING)
+        self._note(now_ns, robot, 'dwell', task, *self._places[robot], dwell_ns / 1e9)
+
+    def sampled(self, robot, now_ns, place, task, value):
+        """Note the end of a dwell and the value that was read [kPa]."""
+        self._move(robot, now_ns, place)
+        self._become(robot, now_ns, Activity.IDLE)
+        if task != FIRST_SAMPLE:
+            self.task_ns.append(now_ns - self._leg_began_ns[robot])
+        self.samples.append(Sample(now_ns - self._start_ns, robot, task, place.x, place.y, value))
+        self._note(now_ns, robot, 'sample', task, place.x, place.y, value)
+
+    def mapped(self, now_ns, estimate):
+        """Note the map that was made of all samples so far."""
+        fit = estimate.variogram
+        self.history.append(Moment(now_ns - self._start_ns, len(self.samples), estimate.rmse, estimate.mean_variance,
+                                   fit.psill, fit.range_m, fit.nugget, len(self.task_ns), sum(self.driven_m)))
+        self._note(now_ns, NOBODY, 'map', value=estimate.rmse)
+
+    def held(self, robot, now_ns):
+        """Note that a driving robot is held up."""
+        if self._activity[robot] is Activity.DRIVING:
+            self._become(robot, now_ns, Activity.WAITING)
+            self._note(now_ns, robot, 'hold')
+
+    def resumed(self, robot, now_ns):
+        """Note that a robot that was held up drives on."""
+        if self._activity[robot] is Activity.WAITING:
+            self._become(robot, now_ns, Activity.DRIVING)
+            self._note(now_ns, robot, 'resume')
+
+    def end(self, now_ns, places):
+        """Note the end of the mission and where the robots stand; parts of legs count."""
+        for robot, place in enumerate(places):
+            if self._activity[robot] is not Activity.IDLE:
+                self._note(now_ns, robot, 'stop', x=place.x, y=place.y)
+            self._move(robot, now_ns, place)
+            self._become(robot, now_ns, Activity.IDLE)
+        self.duration_ns = now_ns - self._start_ns
+        self._note(now_ns, NOBODY, 'end')
+
+    def _note(self, now_ns, robot, event, task=FIRST_SAMPLE, x=math.nan, y=math.nan, value=math.nan):
+        self.events.append(Event(now_ns - self._start_ns, robot, event, task, float(x), float(y), float(value)))
+
+    def _move(self, robot, now_ns, place):
+        old = self._places[robot]
+        driven = math.dist(old, (place.x, place.y)) if place.driven_m is None else place.driven_m
+        self.driven_m[robot] += driven
+        self._places[robot] = (place.x, place.y)
+        self.waypoints.append(Waypoint(now_ns - self._start_ns, robot, place.x, place.y))
+
+    def _become(self, robot, now_ns, activity):
+        since_ns = max(self._since_ns[robot], self._start_ns)
+        self.seconds_ns[robot][self._activity[robot]] += now_ns - since_ns
+        self._activity[robot] = activity
+        self._since_ns[robot] = now_ns

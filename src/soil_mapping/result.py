@@ -1,0 +1,95 @@
+"""What a trial leaves, the same for every engine."""
+
+import math
+from dataclasses import asdict, dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from .commands import FIRST_SAMPLE
+from .mission_log import Activity
+
+
+class Metrics(NamedTuple):
+    """The figures of one trial.
+
+    What is counted:
+
+    rmse_kpa             of the last map against the truth, over all cells; NaN without a map
+    mean_variance_kpa2   mean kriging variance of the last map, over all cells; NaN without a map
+    samples              readings taken until the end, the robots' first ones included; a dwell cut short is none
+    distance_m           driven by all robots, the begun legs as far as they got
+    idle_s               sum over the robots of the time without a task to do; dwells are not idle time
+    waiting_s            sum over the robots of the time held up on the way to a task
+    task_s               mean over all finished tasks of all robots, from the command to drive to the end of the
+                         dwell; first samples are no tasks (they have no leg); NaN without a finished task
+
+    For each robot idle + waiting + driving + dwelling is the duration of the mission.
+    """
+
+    rmse_kpa: float
+    mean_variance_kpa2: float
+    samples: int
+    distance_m: float
+    idle_s: float
+    waiting_s: float
+    task_s: float
+
+
+def measure(coordinator):
+    """Return the Metrics of a mission that has ended."""
+    log, estimate = coordinator.log, coordinator.estimate
+    return Metrics(
+        rmse_kpa=math.nan if estimate is None else estimate.rmse,
+        mean_variance_kpa2=math.nan if estimate is None else estimate.mean_variance,
+        samples=len(log.samples),
+        distance_m=math.fsum(log.driven_m),
+        idle_s=sum(robot[Activity.IDLE] for robot in log.seconds_ns) / 1e9,
+        waiting_s=sum(robot[Activity.WAITING] for robot in log.seconds_ns) / 1e9,
+        task_s=sum(log.task_ns) / len(log.task_ns) / 1e9 if log.task_ns else math.nan,
+    )
+
+
+@dataclass(frozen=True)
+class TrialResult:
+    """One finished trial. Lists hold the records of mission_log.py; maps have shape (rows from the south, columns)."""
+
+    config: dict  # TrialConfig.to_dict()
+    seed: int
+    engine: dict  # its name under 'name' ('mesa', 'ros'), and its own options: motion, clock mode, factor, ...
+    simulated_s: float  # from the start of the mission to its end
+    metrics: Metrics
+    events: list = field(repr=False)  # of Event
+    samples: list = field(repr=False)  # of Sample
+    history: list = field(repr=False)  # of Moment
+    waypoints: list = field(repr=False)  # of Waypoint
+    truth: np.ndarray = field(repr=False)  # kPa
+    prediction: np.ndarray = field(repr=False)  # kPa; all NaN without a map
+    variance: np.ndarray = field(repr=False)  # kPa^2; all NaN without a map
+    cell_m: float = 1.0  # edge of a cell
+    wall_s: dict = field(default_factory=dict)  # wall seconds per phase: start_up, mission, kriging, allocation, ...
+    moving_wall_s: float = math.nan  # wall s from the first command to the end of the mission
+
+    @property
+    def speed_up(self):
+        """Simulated seconds per wall second: overall (all of start_up, mission), and while moving; NaN if unknown."""
+        overall = self.wall_s.get('start_up', 0.0) + self.wall_s.get('mission', math.nan)
+        return {'overall': _ratio(self.simulated_s, overall), 'moving': _ratio(self.simulated_s, self.moving_wall_s)}
+
+
+def _ratio(simulated_s, wall_s):
+    return simulated_s / wall_s if wall_s > 0.0 else math.nan
+
+
+def collect(coordinator, engine, wall_s, moving_wall_s):
+    """Return the TrialResult of a mission that has ended; engine and the wall times as in TrialResult."""
+    log, truth = coordinator.log, coordinator.truth
+    unknown = np.full(truth.values.shape, np.nan)
+    estimate = coordinator.estimate
+    return TrialResult(
+        config=coordinator.config.to_dict(), seed=coordinator.seed, engine=dict(engine),
+        simulated_s=log.duration_ns / 1e9, metrics=measure(coordinator), events=log.events, samples=log.samples,
+        history=log.history, waypoints=log.waypoints, truth=truth.values,
+        prediction=unknown if estimate is None else estimate.mean,
+        variance=unknown if estimate is None else estimate.variance,
+        cell_m=truth.grid.cell_m, wall_s=dict(wall_s), moving_wall_s=moving_wall_s)
