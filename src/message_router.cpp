@@ -100,7 +100,7 @@ void MessageRouter::act(const Action& by, const wire::Advertise& item) {
   LocalTopic& local = declare(by.sender, item.topic, item.name);
   Topic& topic = topics_[local.topic];
   const Advertised publisher{by.sender,      item.topic,   keep(item.type),
-                             keep(item.md5), item.latched, keep(item.definition)};
+                             keep(item.md5), item.latched, definitionOf(item)};
   const auto present = findMember(topic.publishers, by.sender);
   if (present != topic.publishers.end()) {
     checkNumber(by.sender, topic, present->topic, item.topic);
@@ -115,6 +115,14 @@ void MessageRouter::act(const Action& by, const wire::Advertise& item) {
   for (const Subscribed& subscriber : topic.subscribers) {
     link(by, topic, publisher, subscriber);
   }
+}
+
+std::string_view MessageRouter::definitionOf(const wire::Advertise& item) {
+  std::string_view& known = definitions_[keep(item.md5)];
+  if (known.empty()) {
+    known = keep(item.definition);
+  }
+  return item.definition.empty() ? known : keep(item.definition);
 }
 
 void MessageRouter::act(const Action& by, const wire::Unadvertise& item) {

@@ -158,6 +158,7 @@ class MessageRouter {
   void link(const Action& by, const Topic& topic, const Advertised& publisher,
             const Subscribed& subscriber);
   bool linked(const Topic& topic, MemberId publisher, MemberId subscriber) const;
+  std::string_view definitionOf(const wire::Advertise& item);
   void stopAdvertising(const Action& by, LocalTopic& local);
   void stopSubscribing(const Action& by, LocalTopic& local);
   void stopServing(const Action& by, Index service);
@@ -171,6 +172,7 @@ class MessageRouter {
   Trace trace_;
   LockstepRules rules_;
   std::set<std::string, std::less<>> texts_;  // names, types and definitions, kept for good
+  std::unordered_map<std::string_view, std::string_view> definitions_;  // by md5
   std::map<MemberId, Participant> participants_;
   std::unordered_map<std::string_view, Index> topic_numbers_;
   std::vector<Topic> topics_;

@@ -57,9 +57,13 @@ class Routing : public testing::Test {
 
   MessageRouter router_;
   std::vector<std::string> traced_;
+  std::vector<std::string> definitions_;  // in the PUBLISHER items so far
 
  private:
   void take(MemberId id, const Mail& mail) {
+    if (const auto* publisher = std::get_if<wire::Publisher>(&mail.item)) {
+      definitions_.emplace_back(publisher->definition);
+    }
     mail_[id].push_back(itemText(mail.item, [](std::uint32_t other) { return other; }));
   }
 
@@ -77,6 +81,19 @@ TEST_F(Routing, BothEndsHearOfALinkWhoeverComesFirst) {
   EXPECT_EQ(got(3), Items{"publisher 7 1"});
   act(2, advertise(6, "/x"));
   EXPECT_EQ(got(2), (Items{"publisher 6 2", "subscriber 6 2", "subscriber 6 3"}));
+}
+
+TEST_F(Routing, ADefinitionThatIsLeftOutIsTheOneThatWasGivenForItsSum) {
+  act(3, wire::Subscribe{7, 0, "/first", "md5"});
+  act(3, wire::Subscribe{8, 0, "/second", "md5"});
+  act(1, wire::Advertise{5, 0, "/first", "type", "md5", false, "string data"});
+  act(2, wire::Advertise{6, 0, "/second", "type", "md5", false, ""});
+  EXPECT_EQ(got(3), (Items{"publisher 7 1", "publisher 8 2"}));
+  act(3, wire::Unsubscribe{8});
+  got(3);
+  act(3, wire::Subscribe{8, 0, "/second", "md5"});
+  EXPECT_EQ(got(3), Items{"publisher 8 2"});
+  EXPECT_EQ(definitions_, (Items{"string data", "string data", "string data"}));
 }
 
 TEST_F(Routing, AMessageGoesToAllThatSubscribeAtThatMomentAlsoItsSender) {

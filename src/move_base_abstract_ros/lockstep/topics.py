@@ -164,6 +164,7 @@ class Topics:
         self._names = []
         self._links = {}
         self._publisher_links = {}
+        self._told_types = set()
 
     def install(self):
         """Take rospy's topics over: those that there are, and those to come."""
@@ -193,9 +194,15 @@ class Topics:
         link = self._links[number] = MemberLinks(self._participant, number, sub)
         link.is_latching = lambda: impl.is_latch
         # Whether it is latched is known only after rospy has made it.
-        self._participant.add(lambda: wire.advertise(
-            number, sub, name, impl.type, impl.data_class._md5sum if impl.data_class else '', impl.is_latch,
-            impl.data_class._full_text if impl.data_class else ''))
+        self._participant.add(lambda: self._advertise(number, sub, impl))
+
+    def _advertise(self, number, sub, impl):
+        """Return the item; the definition of a type, some kilobytes, is told once."""
+        kind = impl.data_class
+        md5 = kind._md5sum if kind else ''  # rospy forgets the class of a topic that has been closed again
+        definition = kind._full_text if kind and md5 not in self._told_types else ''
+        self._told_types.add(md5)
+        return wire.advertise(number, sub, impl.resolved_name, impl.type or '', md5, impl.is_latch, definition)
 
     def removed(self, impl, reg_type):
         """A publisher or subscriber is gone."""
