@@ -177,10 +177,12 @@ def _serve(service, data):
 
 def _patch(services):
     """Put this participant's services in the place of rospy's connections among participants."""
-    participant = services._participant
-    manager = registration.get_service_manager()
+    _replace_offering(services, registration.get_service_manager())
+    _replace_calling(services, services._participant.scheduler)
+
+
+def _replace_offering(services, manager):
     register, unregister = manager.register, manager.unregister
-    call = tcpros_service.ServiceProxy.call
     handle_request = tcpros_service.ServiceImpl._handle_request
 
     def _register(name, service):
@@ -191,8 +193,21 @@ def _patch(services):
         services.unregister(service)
         unregister(name, service)
 
+    def _handle_request(self, transport, request):
+        if hasattr(self, '_lockstep_number') and not services._participant.scheduler.is_closed:
+            services.from_outside(self, lambda: handle_request(self, transport, request))
+        else:
+            handle_request(self, transport, request)
+
+    manager.register, manager.unregister = _register, _unregister
+    tcpros_service.ServiceImpl._handle_request = _handle_request
+
+
+def _replace_calling(services, scheduler):
+    call = tcpros_service.ServiceProxy.call
+
     def _call(self, *args, **kwds):
-        if not participant.scheduler.is_mine():
+        if not scheduler.is_mine():
             return call(self, *args, **kwds)
         request = rospy.msg.args_kwds_to_message(self.request_class, args, kwds)
         buffer = BytesIO()
@@ -207,15 +222,7 @@ def _patch(services):
             return call(self, request)
         raise rospy.ServiceException('service [{}] unavailable'.format(self.resolved_name))
 
-    def _handle_request(self, transport, request):
-        if hasattr(self, '_lockstep_number') and not participant.scheduler.is_closed:
-            services.from_outside(self, lambda: handle_request(self, transport, request))
-        else:
-            handle_request(self, transport, request)
-
-    manager.register, manager.unregister = _register, _unregister
     tcpros_service.ServiceProxy.call = _call
-    tcpros_service.ServiceImpl._handle_request = _handle_request
 
 
 def _answer(proxy, status, data):

@@ -8,10 +8,12 @@ from collections import deque
 from contextlib import contextmanager
 
 import rospy
-from rospy.impl import registration, tcpros_pubsub
+from rospy.impl import registration
 from rospy.impl.registration import Registration
 
 from move_base_abstract.lockstep import wire
+
+from . import rospy_topics
 
 _local = threading.local()
 
@@ -169,7 +171,7 @@ class Topics:
     def install(self):
         """Take rospy's topics over: those that there are, and those to come."""
         manager = registration.get_topic_manager()
-        _patch(self, manager)
+        rospy_topics.replace(self, manager)
         for reg_type, topics in ((Registration.PUB, manager.pubs), (Registration.SUB, manager.subs)):
             for impl in topics.values():
                 self.added(impl, reg_type)
@@ -304,6 +306,11 @@ class Topics:
                     if connection.endpoint_id == name:
                         connection.close()
 
+    @staticmethod
+    def is_link(connection):
+        """Return whether it is a connection to participants, not one of rospy's."""
+        return isinstance(connection, MemberLinks)
+
     def outside(self, impl, messages, connection, deliver):
         """Messages have come from a node that does not take part, or over a connection that does not count."""
         participant = self._participant
@@ -322,53 +329,3 @@ class Topics:
                 impl.resolved_name, connection.callerid_pub))
             deliver(messages, connection)
         participant.scheduler.from_outside(take)
-
-
-def _patch(topics, manager):
-    """Put this participant's topics in the place of rospy's connections among participants."""
-    participant = topics._participant
-    add, remove = manager._add, manager._remove
-    implementation = rospy.topics._TopicImpl
-    subscriber = rospy.topics._SubscriberImpl
-    publisher = rospy.topics._PublisherImpl
-    receive_callback, add_connection = subscriber.receive_callback, publisher.add_connection
-    create_transport = tcpros_pubsub.TCPROSHandler.create_transport
-
-    def _add(impl, rmap, reg_type):
-        add(impl, rmap, reg_type)
-        topics.added(impl, reg_type)
-
-    def _remove(impl, rmap, reg_type):
-        topics.removed(impl, reg_type)
-        remove(impl, rmap, reg_type)
-
-    def _receive(self, messages, connection):
-        if isinstance(connection, PublisherLink):
-            receive_callback(self, messages, connection)
-        else:
-            topics.outside(self, messages, connection, lambda *args: receive_callback(self, *args))
-
-    def _add_connection(self, connection):
-        if self.resolved_name not in topics.excluded and participant.is_member(connection.endpoint_id):
-            connection.close()
-            return False
-        return add_connection(self, connection)
-
-    def _create_transport(self, resolved_name, pub_uri, protocol_params):
-        if resolved_name not in topics.excluded and pub_uri in participant.uris.values():
-            return 1, 'through the time master', 0
-        return create_transport(self, resolved_name, pub_uri, protocol_params)
-
-    manager._add, manager._remove = _add, _remove
-    subscriber.receive_callback = _receive
-    publisher.add_connection = _add_connection
-    tcpros_pubsub.TCPROSHandler.create_transport = _create_transport
-    implementation.get_num_connections = lambda self: sum(getattr(connection, 'count', 1)
-                                                          for connection in self.connections)
-    implementation.has_connection = lambda self, endpoint_id: any(
-        connection.endpoint_id == endpoint_id or getattr(connection, 'has_name', _never)(endpoint_id)
-        for connection in self.connections)
-
-
-def _never(_name):
-    return False
