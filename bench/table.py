@@ -10,6 +10,7 @@ COLUMNS = {
     'scale': ('robots', 'processes', 'first_s', 'last_s', 'wanted_s', 'memory_mb', 'wanted_mb', 'threads',
               'idle_cpu_percent'),
     'lockstep': ('client', 'robots', 'events_per_s', 'wanted_per_s', 'over_reference', 'speed_up', 'wanted_speed_up'),
+    'sequence': ('clock', 'robots', 'goals', 'same_order', 'earliest_s', 'latest_s'),
     'lockstep_ticks': ('ticks_per_s', 'wanted_per_s', 'over_reference', 'exact'),
     'cpu': ('factor', 'robots', 'time_master_percent', 'move_base_percent', 'client_percent'),
 }
