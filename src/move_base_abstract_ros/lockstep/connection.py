@@ -71,6 +71,10 @@ class Connection:
             pass
         self._socket.close()
 
+    def forget(self):
+        """Close it in this process only: another one, this one's parent, uses it."""
+        self._socket.close()
+
 
 def _connect(host, port, timeout):
     deadline = time.monotonic() + timeout

@@ -1,12 +1,17 @@
 """Run an unmodified Python program as a participant: hooks first, then the program, in this process."""
+import builtins
 import os
 import random
 import runpy
 import sys
 import types
+import uuid
 import zlib
+from importlib.machinery import SourceFileLoader
 
-from . import threads, watchdog
+from . import fork, threads, watchdog
+
+_NAME, _NAMESPACE = '__name:=', '__ns:='
 
 
 def run(kind, path, arguments, options):
@@ -15,12 +20,11 @@ def run(kind, path, arguments, options):
 
     import move_base_abstract_ros.lockstep as lockstep
 
-    if not _has_master(lockstep):
-        _execute(kind, path, arguments)
-        return
-    threads.replace_locks()
-    watchdog.install(options.sleep)
-    _join_after_init_node(rospy, lockstep, options)
+    if _has_master(lockstep):
+        threads.replace_locks()
+        watchdog.install(options.sleep)
+        _join_after_init_node(rospy, lockstep, options)
+        _seed('{}:{}'.format(options.seed, _node_name(path, arguments)))
     _execute(kind, path, arguments)
 
 
@@ -41,34 +45,51 @@ def _join_after_init_node(rospy, lockstep, options):
         if lockstep.participant() is None:
             joined = lockstep.join(options.rank)
             watchdog.follow(joined)
-            _seed('{}:{}'.format(options.seed, rospy.get_name()))
+            fork.install(joined)
 
     rospy.init_node = rospy.client.init_node = init_node_and_join
 
 
+def _node_name(path, arguments):
+    """Return the node's name as far as the command line has it, which is before the program says its own."""
+    name, namespace = os.path.basename(path), os.environ.get('ROS_NAMESPACE', '')
+    for word in arguments:
+        if word.startswith(_NAME):
+            name = word[len(_NAME):]
+        elif word.startswith(_NAMESPACE):
+            namespace = word[len(_NAMESPACE):]
+    return '/{}/{}'.format(namespace.strip('/'), name) if namespace.strip('/') else '/' + name
+
+
 def _seed(text):
-    """Give the global generators a start that depends on the node only."""
+    """Give the global generators a start that depends on the node only; the program may give them another."""
     number = zlib.crc32(text.encode('utf-8'))
     random.seed(number)  # noqa: TID251 - the generator of the program, not ours
-    numpy = sys.modules.get('numpy')
-    if numpy is not None:
-        numpy.random.seed(number)
+    of_ids = random.Random(number)
+    uuid.uuid4 = lambda: uuid.UUID(int=of_ids.getrandbits(128), version=4)
+    try:
+        import numpy
+    except ImportError:
+        return
+    numpy.random.seed(number)  # noqa: NPY002 - as above
 
 
 def _execute(kind, path, arguments):
-    if kind == 'module':
-        sys.argv = [path] + arguments
-        sys.path.insert(0, os.getcwd())
-        _call(lambda: runpy.run_module(path, run_name='__main__', alter_sys=True))
-        return
+    """Be __main__, as Python itself would make it; the launcher's own folder is searched for modules no more."""
+    module = types.ModuleType('__main__')
+    module.__builtins__ = builtins
+    sys.modules['__main__'] = module
     sys.argv = [path] + arguments
-    sys.path.insert(0, os.path.dirname(os.path.realpath(path)))
+    if kind == 'module':
+        sys.path[0] = os.getcwd()
+        _call(lambda: runpy._run_module_as_main(path))
+        return
+    sys.path[0] = os.path.dirname(os.path.realpath(path))
     with open(path, 'rb') as stream:
         source = stream.read()
-    module = types.ModuleType('__main__')
-    module.__file__ = path
-    module.__builtins__ = __builtins__
-    sys.modules['__main__'] = module
+    module.__file__ = os.path.abspath(path) if sys.version_info >= (3, 9) else path
+    module.__loader__ = SourceFileLoader('__main__', path)
+    module.__annotations__ = {}
     _call(lambda: exec(compile(source, path, 'exec', dont_inherit=True), module.__dict__))
 
 
@@ -76,12 +97,15 @@ def _call(main):
     """Call the program; a traceback begins with its own first line."""
     try:
         main()
-    except Exception as error:
+    except SystemExit:
+        raise
+    except BaseException as error:
         trace = error.__traceback__
         while trace is not None and _is_ours(trace.tb_frame.f_code.co_filename):
             trace = trace.tb_next
+        error = error.with_traceback(trace)
         sys.excepthook(type(error), error, trace)
-        sys.exit(1)
+        sys.exit(130 if isinstance(error, KeyboardInterrupt) else 1)
 
 
 def _is_ours(filename):

@@ -1,62 +1,112 @@
 """Tells what a program does that lockstep cannot follow: once for each place, with file and line.
 
-time.sleep and reads of the wall clock, sockets and other processes. Only what the program's own code does is told, not
-what ROS or Python's library do.
+time.sleep and reads of the wall clock, sockets and other processes, generators of random numbers that the machine
+seeds. Only what the program's own code does is told, not what ROS or Python's library do.
 """
+import os
+import re
 import sys
 import sysconfig
 import time
+import uuid
 
 import rospy
 
+import move_base_abstract
 from move_base_abstract.lockstep.scheduler import TurnLost
+
+from . import source
 
 _state = {'participant': None, 'told': set()}
 _LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
-_OWN = __file__.rsplit('/', 2)[0]
+_PACKAGES = re.compile(r'/(site|dist)-packages/')
+_OWN = (os.path.dirname(os.path.dirname(__file__)) + '/', os.path.dirname(move_base_abstract.__file__) + '/')
+_OTHER_PROCESS = 'starts another process, which does not take part in lockstep by itself'
+_OTHER_CONNECTION = 'opens a connection of its own: what comes over it is not part of lockstep'
 _EVENTS = {
-    'socket.connect': 'opens a connection of its own: what comes over it is not part of lockstep',
-    'subprocess.Popen': 'starts another process, which does not take part in lockstep by itself',
-    'os.system': 'starts another process, which does not take part in lockstep by itself',
+    'socket.connect': _OTHER_CONNECTION,
+    'socket.bind': _OTHER_CONNECTION,
+    'subprocess.Popen': _OTHER_PROCESS,
+    'os.system': _OTHER_PROCESS,
+    'os.posix_spawn': _OTHER_PROCESS,
     'os.fork': 'forks: the child does not take part in lockstep',
 }
 _CLOCKS = ('time', 'time_ns', 'monotonic', 'monotonic_ns', 'perf_counter', 'perf_counter_ns')
+_READS = 'reads the wall clock; what it does with that differs from run to run'
+#: In wall time a sleep lets what is on its way at this instant arrive: links, what is latched on them, an answer.
+_ROUNDS_OF_A_SLEEP = 10
+_LONG_SLEEPS = 10.0  # s, wall, at one instant
 
 
 def install(sleep):
     """Begin to watch; ``sleep`` says what time.sleep is to wait for: 'wall' or 'simulated'."""
-    wall_sleep = time.sleep
-
-    def sleep_and_tell(seconds):
-        participant = _state['participant']
-        if participant is None or not participant.scheduler.is_mine():
-            wall_sleep(seconds)
-            return
-        if sleep == 'wall':
-            _tell('time.sleep', 'sleeps in wall time while simulated time stands still (--sleep simulated turns this '
-                  'into simulated time)')
-            wall_sleep(seconds)
-            return
-        try:
-            participant.scheduler.wait(participant.now_ns + int(max(0.0, seconds) * 1e9))
-        except TurnLost:
-            wall_sleep(min(0.1, seconds))
-
-    time.sleep = sleep_and_tell
+    time.sleep = _Sleep(sleep, time.sleep)
     for name in _CLOCKS:
         setattr(time, name, _reading(getattr(time, name), 'time.' + name))
+    uuid.uuid1 = _reading(uuid.uuid1, 'uuid.uuid1')
     sys.addaudithook(_audit)
 
 
 def follow(participant):
     """The program takes part from now on."""
     _state['participant'] = participant
+    for what, filename, line in source.check(_files()):
+        _tell_place(what, filename, line)
+
+
+def _files():
+    """Return the files of the program: of the modules that it has brought along, and where it is now."""
+    names = {getattr(module, '__file__', None) or '' for module in list(sys.modules.values())}
+    frame = sys._getframe(1)
+    while frame is not None:
+        names.add(frame.f_code.co_filename)
+        frame = frame.f_back
+    return sorted(name for name in names if name and not name.endswith('.so') and not _is_library(name))
+
+
+class _Sleep:
+    """time.sleep of the application's threads."""
+
+    def __init__(self, kind, wall_sleep):
+        self._kind = kind
+        self._wall_sleep = wall_sleep
+        self._at_ns = None
+        self._slept = 0.0
+
+    def __call__(self, seconds, /):
+        participant = _state['participant']
+        if participant is None or not participant.scheduler.is_mine() or seconds < 0:
+            self._wall_sleep(seconds)
+            return
+        try:
+            if self._kind == 'simulated':
+                participant.scheduler.wait(participant.now_ns + round(seconds * 1e9))
+                return
+            _tell('time.sleep', 'sleeps in wall time while simulated time stands still (--sleep simulated turns this '
+                  'into simulated time)')
+            for _ in range(_ROUNDS_OF_A_SLEEP):
+                participant.scheduler.wait_round()
+        except TurnLost:
+            self._wall_sleep(min(0.1, seconds))
+            return
+        self._wall_sleep(seconds)
+        self._add(participant.now_ns, seconds)
+
+    def _add(self, now_ns, seconds):
+        """Tell who sleeps again and again until something comes that needs simulated time."""
+        if now_ns != self._at_ns:
+            self._at_ns, self._slept = now_ns, 0.0
+        before, self._slept = self._slept, self._slept + seconds
+        if before < _LONG_SLEEPS <= self._slept:
+            rospy.logwarn('%s: time.sleep has taken %g s of wall time while simulated time stands at %.9f s; if it '
+                          'waits for something that comes later, it needs the option --sleep simulated',
+                          rospy.get_name(), self._slept, now_ns * 1e-9)
 
 
 def _reading(clock, name):
     def read():
         if _state['participant'] is not None:
-            _tell(name, 'reads the wall clock; what it does with that differs from run to run')
+            _tell(name, _READS)
         return clock()
     return read
 
@@ -79,11 +129,15 @@ def _tell(what, why):
             frame = frame.f_back
     if frame is None or _is_library(frame.f_code.co_filename):
         return
-    place = (what, frame.f_code.co_filename, frame.f_lineno)
-    if place not in _state['told']:
-        _state['told'].add(place)
-        rospy.logwarn('%s: %s in %s, line %d: %s', rospy.get_name(), what, place[1], place[2], why)
+    _tell_place('{}: {}'.format(what, why), frame.f_code.co_filename, frame.f_lineno)
+
+
+def _tell_place(what, filename, line):
+    name, _, why = what.partition(': ')
+    if (name, filename, line) not in _state['told']:
+        _state['told'].add((name, filename, line))
+        rospy.logwarn('%s: %s in %s, line %d: %s', rospy.get_name(), name, filename, line, why)
 
 
 def _is_library(filename):
-    return filename.startswith(_LIBRARIES) or filename.startswith(_OWN)
+    return filename.startswith(_LIBRARIES + _OWN) or bool(_PACKAGES.search(filename))

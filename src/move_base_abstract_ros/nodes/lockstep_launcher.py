@@ -9,20 +9,24 @@ preloaded. Where the time master does not work in lockstep the program runs as i
 """
 import argparse
 import os
+import re
 import shutil
 import sys
 
 from ..lockstep import program
 
-_PYTHON = 'python'
+_PYTHON = re.compile(r'python[0-9.]*$')
+_AS_SCRIPT = '--as-script'
+_WITH_VALUE = ('-W', '-X', '--check-hash-based-pycs')  # options of Python whose value is a word of its own
 
 
 def main():
     """Run the program; its exit code is this one's."""
     options, command = _parse(sys.argv[1:])
-    _with_fixed_hashes()
     try:
-        kind, path, arguments = find(command)
+        if not options.as_script:
+            _start_again(sys.argv[:len(sys.argv) - len(command)], command)
+        kind, path, arguments = find(command, options.as_script)
     except ValueError as error:
         sys.exit('lockstep: {}'.format(error))
     if kind == 'binary':
@@ -41,6 +45,8 @@ def _parse(words):
                         help='what time.sleep waits for (default: %(default)s, while simulated time stands)')
     parser.add_argument('--seed', type=int, default=0, metavar='S',
                         help="seed of Python's and numpy's global generators, with the node's name (default: 0)")
+    # From this launcher to itself: the words after a Python interpreter, which it has started again with.
+    parser.add_argument(_AS_SCRIPT, action='store_true', help=argparse.SUPPRESS)
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     split = _own_words(words)
     options = parser.parse_args(words[:split])
@@ -58,15 +64,54 @@ def _own_words(words):
     return min(at, len(words))
 
 
-def _with_fixed_hashes():
-    """Start again with one order of sets for all runs, if the user has not chosen one."""
-    if 'PYTHONHASHSEED' not in os.environ:
-        os.environ['PYTHONHASHSEED'] = '0'
-        os.execv(sys.executable, [sys.executable] + sys.argv)
+def _start_again(launcher, command):
+    """Start again, once, with the Python that the program wants, and with one order of sets for all runs.
+
+    That order is left alone if the user has chosen one.
+    """
+    interpreter, words = split_interpreter(command)
+    if interpreter == [sys.executable] and words == command and 'PYTHONHASHSEED' in os.environ:
+        return
+    os.environ.setdefault('PYTHONHASHSEED', '0')
+    os.execv(interpreter[0], interpreter + launcher + ([_AS_SCRIPT] if words != command else []) + words)
 
 
-def find(command):
+def split_interpreter(command):
+    """Return ([Python, its options...], words of the program) of a command line.
+
+    Which Python is this one, unless a path says another: before the program, or in the first line of a script.
+
+    :raises ValueError: if a Python has nothing to run, or cannot be used for this.
+    """
+    if not _PYTHON.match(os.path.basename(command[0])):
+        path = _path(command[0])
+        return [_of_script(path) if path else sys.executable], command
+    at = 1
+    while at < len(command) and command[at].startswith('-') and command[at] != '-m':
+        if command[at][:2] in ('-c', '-i') or command[at] == '-':
+            raise ValueError("'{}' of a Python interpreter is not possible here; allowed: a script or -m MODULE".format(
+                command[at]))
+        at += 2 if command[at] in _WITH_VALUE else 1
+    if at >= len(command):
+        raise ValueError('a Python interpreter needs a script or -m MODULE here')
+    return [command[0] if '/' in command[0] else sys.executable] + command[1:at], command[at:]
+
+
+def _of_script(path):
+    """Return the Python of a script's first line if that is a path of its own kind, as of a virtual environment."""
+    with open(path, 'rb') as stream:
+        first = stream.readline(500)
+    words = first[2:].split() if first.startswith(b'#!') else []
+    python = os.fsdecode(words[0]) if words else ''
+    is_other = _PYTHON.match(os.path.basename(python)) and os.access(python, os.X_OK) and os.path.isfile(
+        os.path.join(os.path.dirname(os.path.dirname(python)), 'pyvenv.cfg'))
+    return python if is_other else sys.executable
+
+
+def find(command, is_script=False):
     """Return ('module' | 'script' | 'binary', name or path, arguments) of a command line.
+
+    ``is_script``: it came after a Python interpreter, so that whatever file it is, it is a script.
 
     :raises ValueError: if there is no such program, or it is of another kind.
     """
@@ -74,25 +119,20 @@ def find(command):
         if len(command) < 2:
             raise ValueError('-m needs the name of a module')
         return 'module', command[1], command[2:]
-    path = command[0] if os.path.isfile(command[0]) else shutil.which(command[0])
+    path = command[0] if is_script else _path(command[0])
     if path is None or not os.path.isfile(path):
         raise ValueError("there is no program '{}'".format(command[0]))
-    if os.path.basename(path).startswith(_PYTHON) and _kind(path) == 'binary':
-        return _of_python(command[1:])
-    kind = _kind(path)
+    kind = 'script' if is_script else _kind(path)
     if kind is None:
         raise ValueError("'{}' is neither a Python script nor a binary; programs that it starts can be given "
                          'themselves'.format(path))
     return kind, path, command[1:]
 
 
-def _of_python(words):
-    """Return the same for the words after a Python interpreter's name."""
-    while words and words[0].startswith('-') and words[0] != '-m':
-        words = words[1:]
-    if not words:
-        raise ValueError('a Python interpreter needs a script or -m MODULE here')
-    return find(words) if words[0] == '-m' else ('script', words[0], words[1:])
+def _path(word):
+    """Return the path of a program, or None."""
+    path = word if os.path.isfile(word) else shutil.which(word)
+    return path if path is not None and os.path.isfile(path) else None
 
 
 def _kind(path):
