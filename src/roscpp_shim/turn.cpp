@@ -130,8 +130,9 @@ void Turn::finish(Task* task) {
     }
     const Lock lock(mutex_);
     ++activity_;
-    if (!waiting_.empty()) {  // somebody else must report, since this thread goes
-      holder_ = waiting_.front();
+    // Somebody else must report, since this thread goes; or who comes back next (see regain).
+    holder_ = waiting_.empty() ? nullptr : waiting_.front();
+    if (holder_ != nullptr) {
       sem_post(&holder_->go);
     }
     return;
@@ -192,6 +193,10 @@ void Turn::regain(Task* task) {
     task->is_signalled = true;
     task->is_waiting = true;
     waiting_.push_back(task);
+    if (holder_ == nullptr) {
+      holder_ = task;
+      sem_post(&task->go);
+    }
   }
   node().ring();
   park(task);

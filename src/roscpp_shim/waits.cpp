@@ -28,6 +28,7 @@ constexpr unsigned kClockReads = 1000000;  // at one instant, after which it goe
 constexpr Nanoseconds kPollPeriod = 1'000'000;
 
 thread_local bool t_is_starting = false;
+unsigned spinner_stops = 0;  // how often an AsyncSpinner's threads were told to end
 
 /** @brief Opens what a queue keeps to itself. */
 struct OpenQueue : public ros::CallbackQueue {
@@ -36,6 +37,10 @@ struct OpenQueue : public ros::CallbackQueue {
     const boost::mutex::scoped_lock lock(queue.*(&OpenQueue::mutex_));
     const auto& callbacks = queue.*(&OpenQueue::callbacks_);
     return callbacks.empty() ? nullptr : callbacks.front().callback.get();
+  }
+  static std::size_t size(ros::CallbackQueue& queue) {
+    const boost::mutex::scoped_lock lock(queue.*(&OpenQueue::mutex_));
+    return (queue.*(&OpenQueue::callbacks_)).size();
   }
 };
 
@@ -71,7 +76,9 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout) 
   Wait wait;
   wait.until = is_endless ? kNever : node().now() + timeout.toNSec();
   wait.activity = is_endless && !me.in_spinner;
-  wait.is_over = [&queue] { return OpenQueue::first(queue) != nullptr; };
+  wait.is_over = [&queue, stops = spinner_stops] {
+    return OpenQueue::first(queue) != nullptr || spinner_stops != stops;
+  };
   const Woken woken = turn().wait(wait);
   me.idle_polls = woken == Woken::kReady ? 0 : me.idle_polls + 1;
   me.has_acted = false;
@@ -113,10 +120,11 @@ class InSpinner {
   bool was_ = false;
 };
 
-/** @brief A callback was put back, since another thread is in it: wait until that one has run. */
-void awaitOthers() {
+/** @brief Callbacks were put back, since other threads are in them: wait until that may change. */
+void awaitOthers(ros::CallbackQueue& queue) {
   Wait wait;
   wait.activity = true;
+  wait.is_over = [&queue, size = OpenQueue::size(queue)] { return OpenQueue::size(queue) != size; };
   turn().wait(wait);
 }
 
@@ -273,13 +281,14 @@ CallbackQueue::CallOneResult CallbackQueue::callOne(WallDuration timeout) {
   if (!shim::awaitCallback(*this, timeout)) {
     return isEnabled() ? Empty : Disabled;
   }
-  CallOneResult result;
-  {
+  CallOneResult result = TryAgain;
+  // A callback that another thread is in goes to the end of the queue; the next may be free.
+  for (std::size_t left = shim::OpenQueue::size(*this); result == TryAgain && left > 0; --left) {
     const shim::InCallbacks callbacks(*shim::Turn::self());
     result = function(this, WallDuration());
   }
   if (result == TryAgain && shim::turn().enter()) {
-    shim::awaitOthers();
+    shim::awaitOthers(*this);
   }
   return result;
 }
@@ -325,7 +334,15 @@ void SingleThreadedSpinner::spin(CallbackQueue* queue) {
 /** roscpp's, which it does not declare in a header. */
 class ROSCPP_DECL AsyncSpinnerImpl {
   void threadFunc();
+  void stop();
 };
+
+void AsyncSpinnerImpl::stop() {
+  using Stop = void(AsyncSpinnerImpl*);
+  static Stop* const function = shim::real<Stop>("_ZN3ros16AsyncSpinnerImpl4stopEv");
+  ++shim::spinner_stops;  // seen when this thread waits for the others to end
+  function(this);
+}
 
 void AsyncSpinnerImpl::threadFunc() {
   using ThreadFunction = void(AsyncSpinnerImpl*);

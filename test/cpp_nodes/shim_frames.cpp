@@ -1,0 +1,62 @@
+// tf2: one frame is sent at 20 Hz, and a TransformListener (with its own thread) is asked for it,
+// with time-outs, too early and at the right time. Tells on "looked" what came out.
+#include <geometry_msgs/TransformStamped.h>
+#include <ros/ros.h>
+#include <std_msgs/String.h>
+#include <tf2_ros/transform_broadcaster.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <string>
+
+namespace {
+
+void send(ros::NodeHandle& node) {
+  tf2_ros::TransformBroadcaster broadcaster;
+  const boost::function<void(const ros::TimerEvent&)> tick = [&](const ros::TimerEvent& event) {
+    geometry_msgs::TransformStamped transform;
+    transform.header.stamp = event.current_real;
+    transform.header.frame_id = "map";
+    transform.child_frame_id = "robot";
+    transform.transform.translation.x = event.current_real.toSec();
+    transform.transform.rotation.w = 1;
+    broadcaster.sendTransform(transform);
+  };
+  const ros::Timer timer = node.createTimer(ros::Duration(0.05), tick);
+  ros::spin();
+}
+
+void look(ros::NodeHandle& node) {
+  ros::Publisher publisher = node.advertise<std_msgs::String>("looked", 100);
+  tf2_ros::Buffer buffer;
+  const tf2_ros::TransformListener listener(buffer);
+  ros::Rate rate(2);
+  for (int k = 0; k < 20; ++k) {
+    rate.sleep();
+    std_msgs::String message;
+    message.data = std::to_string(ros::Time::now().toNSec()) + " ";
+    try {
+      const auto ahead = ros::Duration(k % 4 == 3 ? 0.12 : 0.0);
+      const auto transform = buffer.lookupTransform("map", k == 10 ? "nothing" : "robot",
+                                                    ros::Time::now() + ahead, ros::Duration(0.3));
+      message.data += std::to_string(transform.transform.translation.x) + " at " +
+                      std::to_string(ros::Time::now().toNSec());
+    } catch (const tf2::TransformException&) {
+      message.data += "no transform at " + std::to_string(ros::Time::now().toNSec());
+    }
+    publisher.publish(message);
+  }
+  ros::NodeHandle("~").setParam("done", true);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "frames");
+  ros::NodeHandle node;
+  if (ros::NodeHandle("~").param("look", false)) {
+    look(node);
+  } else {
+    send(node);
+  }
+  return 0;
+}

@@ -1,0 +1,173 @@
+// Programs with threads of their own; ~what says which. Each tells on "told" what it does and when.
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <std_msgs/String.h>
+
+#include <boost/thread.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <future>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+class Teller {
+ public:
+  Teller() : publisher_(ros::NodeHandle().advertise<std_msgs::String>("told", 1000)) {}
+  void tell(const std::string& text) {
+    std_msgs::String message;
+    message.data = std::to_string(ros::Time::now().toNSec()) + " " + text;
+    publisher_.publish(message);
+  }
+
+ private:
+  ros::Publisher publisher_;
+};
+
+/** A thread for each robot, which all use one lock, also while they sleep. */
+void robots(Teller& teller) {
+  std::mutex mutex;
+  std::vector<std::thread> threads;
+  for (int robot = 0; robot < 4; ++robot) {
+    threads.emplace_back([&, robot] {
+      ros::Rate rate(1.0 + robot);
+      for (int k = 0; k < 10; ++k) {
+        rate.sleep();
+        const std::lock_guard<std::mutex> lock(mutex);
+        teller.tell("robot " + std::to_string(robot) + " has the lock");
+        ros::Duration(0.05).sleep();
+        teller.tell("robot " + std::to_string(robot) + " leaves it");
+      }
+    });
+  }
+  for (auto& thread : threads) {
+    thread.join();
+  }
+}
+
+/** Work is queued by one thread, and taken by two others; waits with and without time-outs. */
+void queue(Teller& teller) {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<int> work;
+  bool done = false;
+  const auto take = [&](const std::string& name) {
+    std::unique_lock<std::mutex> lock(mutex);
+    while (true) {
+      if (!changed.wait_for(lock, std::chrono::milliseconds(300),
+                            [&] { return done || !work.empty(); })) {
+        teller.tell(name + " has waited in vain");
+        continue;
+      }
+      if (work.empty()) {
+        return;
+      }
+      const int number = work.front();
+      work.pop_front();
+      lock.unlock();
+      teller.tell(name + " takes " + std::to_string(number));
+      ros::Duration(0.2).sleep();
+      lock.lock();
+    }
+  };
+  std::thread first(take, "first");
+  boost::thread second([&] { take("second"); });
+  for (int k = 0; k < 12; ++k) {
+    ros::Duration(k % 4 == 3 ? 1.0 : 0.1).sleep();
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      work.push_back(k);
+    }
+    changed.notify_one();
+  }
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    done = true;
+  }
+  changed.notify_all();
+  first.join();
+  second.join();
+}
+
+/** Callbacks that sleep, in the threads of an AsyncSpinner. */
+void spinners(Teller& teller, int threads) {
+  ros::NodeHandle node;
+  std::vector<ros::Subscriber> subscribers;
+  for (const std::string topic : {"ticks", "others"}) {
+    const boost::function<void(const std_msgs::String::ConstPtr&)> callback =
+        [&teller, topic](const std_msgs::String::ConstPtr& message) {
+          teller.tell(topic + " begins " + message->data);
+          ros::Duration(0.35).sleep();
+          teller.tell(topic + " ends " + message->data);
+        };
+    subscribers.push_back(node.subscribe<std_msgs::String>(topic, 3, callback));
+  }
+  ros::AsyncSpinner spinner(static_cast<uint32_t>(threads));
+  spinner.start();
+  ros::Duration(20).sleep();
+  spinner.stop();
+}
+
+/** Waits that end by the wall clock, for a subscriber, and polls without any wait. */
+void polls(Teller& teller) {
+  ros::NodeHandle node;
+  ros::Publisher publisher = node.advertise<std_msgs::String>("polled", 10);
+  while (publisher.getNumSubscribers() == 0) {
+    ros::WallDuration(0.01).sleep();
+  }
+  teller.tell("somebody listens");
+  int heard = 0;
+  const boost::function<void(const std_msgs::String::ConstPtr&)> count =
+      [&heard](const std_msgs::String::ConstPtr&) { ++heard; };
+  const auto subscriber = node.subscribe<std_msgs::String>("ticks", 10, count);
+  while (ros::ok() && heard < 5) {
+    ros::spinOnce();
+  }
+  teller.tell("five are heard");
+  const ros::Time end = ros::Time::now() + ros::Duration(0.01);
+  while (ros::Time::now() < end) {
+  }
+  teller.tell("time has gone on");
+}
+
+/** A wait that lockstep does not see. */
+void hidden(Teller& teller) {
+  std::promise<int> promise;
+  std::thread thread([&] {
+    ros::Duration(1).sleep();
+    teller.tell("keeps its promise");
+    promise.set_value(7);
+  });
+  teller.tell("got " + std::to_string(promise.get_future().get()));
+  thread.join();
+  ros::Duration(1).sleep();
+  teller.tell("goes on");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "threads");
+  ros::NodeHandle node;
+  ros::NodeHandle own("~");
+  Teller teller;
+  std::string what;
+  own.getParam("what", what);
+  if (what == "robots") {
+    robots(teller);
+  } else if (what == "queue") {
+    queue(teller);
+  } else if (what == "spinners") {
+    spinners(teller, own.param("threads", 3));
+  } else if (what == "polls") {
+    polls(teller);
+  } else if (what == "hidden") {
+    hidden(teller);
+  }
+  own.setParam("done", true);
+  return 0;
+}
