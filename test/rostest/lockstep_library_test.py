@@ -113,6 +113,54 @@ class TopicsTest(unittest.TestCase):
         self.assertIn('/outside_talker', ' '.join(run.end['not_repeatable_because']))
 
 
+class ChargesTest(unittest.TestCase):
+    """What computations take."""
+
+    def run_with(self, charge):
+        run = RUNS.run('topics', 'hearer', 'speaker_2', parameters={'/speaker_2/lockstep_charge': charge})
+        return run, [time_s for time_s, *_ in run.of('hearer')]
+
+    def tearDown(self):
+        RUNS.ros.set_param('/speaker_2/lockstep_charge', 'none')
+
+    def test_a_fixed_charge_delays_what_is_sent(self):
+        run, times = self.run_with('fixed:0.25')
+        self.assertEqual(times, [2.25, 3.25, 4.25, 5.25, 6.25])
+        self.assertTrue(run.end['repeatable'], run.end)
+
+    def test_a_measured_charge_can_be_replayed(self):
+        path = os.path.join(RUNS.ros.log_dir, 'costs')
+        measured, first = self.run_with('measured:' + path)
+        self.assertFalse(measured.end['repeatable'])
+        self.assertIn('/speaker_2', ' '.join(measured.end['not_repeatable_because']))
+        self.assertEqual(len(first), 5)
+        for index, time_s in enumerate(first):
+            self.assertGreater(time_s, 2.0 + index)
+        replayed, second = self.run_with('replay:' + path)
+        self.assertEqual(second, first)
+        self.assertTrue(replayed.end['repeatable'], replayed.end)
+
+    def test_a_replay_of_another_run_ends_the_node(self):
+        path = os.path.join(RUNS.ros.log_dir, 'other_costs')
+        with open(path, 'w', encoding='utf-8') as record:
+            record.write('{"time_ns": 2000000000, "cost_ns": 500000000}\n{"time_ns": 3100000000, "cost_ns": 0}\n')
+        run, times = self.run_with('replay:' + path)
+        self.assertEqual(times, [2.5])
+        self.assertIn('not in the record (line 2 is of 3100000000 ns)', run.outputs['speaker_2'])
+
+    def test_a_charge_that_is_none_ends_the_node(self):
+        RUNS.ros.set_param('/sleeper/lockstep_charge', 'a lot')
+        node = RUNS.start_master(['sleeper'])[0]
+        try:
+            sleeper = RUNS.start_node('times', 'sleeper', 0.0)
+            self.assertNotEqual(wait_for_end(sleeper), 0)
+            self.assertIn("got 'a lot'", read(sleeper))
+            RUNS.ros.end(sleeper)
+        finally:
+            RUNS.ros.set_param('/sleeper/lockstep_charge', 'none')
+            RUNS.ros.end(node)
+
+
 class ServicesTest(unittest.TestCase):
     """Calls among participants."""
 

@@ -46,5 +46,6 @@ def _await_others(participant):
     try:
         for thread in others:
             thread.join()
+        participant.let_time_pass()
     except TurnLost:
         pass

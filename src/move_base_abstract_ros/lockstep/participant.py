@@ -160,10 +160,17 @@ class Participant:
 
     def exchange(self):
         """Report and wait for the next grant; return what is to be done in it, in order (for the scheduler)."""
-        cost_ns = self.charge.cost_ns(self.now_ns) if self._sends else 0
-        deferred = self._compute(cost_ns) if cost_ns > 0 else []
+        deferred = self.let_time_pass()
         self._report(self.now_ns if deferred else self.scheduler.next_ns())
         return deferred + self._await_grant()
+
+    def let_time_pass(self):
+        """Charge the round that ends, if it has sent anything; return what has come meanwhile."""
+        try:
+            cost_ns = self.charge.cost_ns(self.now_ns) if self._sends else 0
+        except ConfigurationError as error:
+            return self._give_up(str(error))
+        return self._compute(cost_ns) if cost_ns > 0 else []
 
     @property
     def _sends(self):
@@ -245,12 +252,21 @@ class Participant:
 
     def _lost(self, reason):
         """The time master is gone, so that time will never move again: end the node."""
+        return self._give_up('the time master has ended lockstep: {}'.format(reason))
+
+    def _give_up(self, reason):
         if not self.scheduler.is_closed:
             self.scheduler.close()
+            try:
+                self.connection.send(wire.frame(wire.LEAVE, wire.text(reason)))
+            except Closed:
+                pass
+            self.connection.close()
+            self.charge.close()
             if not rospy.core.is_shutdown_requested():
-                rospy.logfatal('%s: the time master has ended lockstep: %s', rospy.get_name(), reason)
+                rospy.logfatal('%s: %s', rospy.get_name(), reason)
                 # Not in this thread: it may be one that a shutdown hook waits for.
-                threading._start_new_thread(rospy.signal_shutdown, ('the time master has ended lockstep',))
+                threading._start_new_thread(rospy.signal_shutdown, (reason,))
         raise TurnLost()
 
 
