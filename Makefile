@@ -48,9 +48,9 @@ lint: build  ## ruff with the import borders, Python 3.8, catkin_lint, clang-for
 	@$(ENTER) tools/lint
 
 bench: build  ## the measurements, as JSON lines
-	@cmake --build $(WS)/build --target bench_ping_pong >$(WS)/build_bench.log || { cat $(WS)/build_bench.log; exit 1; }
-	@$(ENTER) $(PYTHON) bench/lockstep $(BENCH_ARGS) && $(PYTHON) bench/run $(BENCH_ARGS) && \
-	  $(PYTHON) bench/scale $(BENCH_ARGS)
+	@cmake --build $(WS)/build --target bench_ping_pong bench_rate >$(WS)/build_bench.log || { cat $(WS)/build_bench.log; exit 1; }
+	@$(ENTER) $(PYTHON) bench/lockstep $(BENCH_ARGS) && $(PYTHON) bench/launcher $(BENCH_ARGS) && \
+	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS)
 
 picture: build  ## take the picture of the README: RViz on a screen without a monitor
 	@tools/install_deps tools/apt-packages-picture.txt

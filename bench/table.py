@@ -11,6 +11,8 @@ COLUMNS = {
               'idle_cpu_percent'),
     'lockstep': ('client', 'robots', 'events_per_s', 'wanted_per_s', 'over_reference', 'speed_up', 'wanted_speed_up'),
     'sequence': ('clock', 'robots', 'goals', 'same_order', 'earliest_s', 'latest_s'),
+    'launcher': ('what', 'per_s', 'wanted_per_s', 'exact'),
+    'launcher_start': ('plain_s', 'launched_s', 'added_s', 'wanted_added_s'),
     'lockstep_ticks': ('ticks_per_s', 'wanted_per_s', 'over_reference', 'exact'),
     'cpu': ('factor', 'robots', 'time_master_percent', 'move_base_percent', 'client_percent'),
 }

@@ -1,0 +1,24 @@
+#!/usr/bin/env python3
+"""A user's script: send a goal, wait for its result, again and again. usage: blocking_client.py GOALS."""
+
+import json
+import sys
+import time
+
+import actionlib
+import rospy
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+
+rospy.init_node('client')
+client = actionlib.SimpleActionClient('/robot_0/move_base', MoveBaseAction)
+client.wait_for_server()
+count = int(sys.argv[1])
+begin = time.perf_counter()
+for number in range(count):
+    goal = MoveBaseGoal()
+    goal.target_pose.header.frame_id = 'map'
+    goal.target_pose.pose.position.x = 20.0 * (number % 2)
+    goal.target_pose.pose.orientation.w = 1.0
+    client.send_goal(goal)
+    client.wait_for_result()
+print(json.dumps({'per_s': count / (time.perf_counter() - begin)}), flush=True)
