@@ -6,6 +6,7 @@ An engine (the Mesa model, the ROS node) moves the robots. It calls
     coordinator.arrived(robot, now_ns, place)        a Drive has ended well
     coordinator.failed(robot, now_ns, place)         a Drive has ended badly: the task is dropped
     coordinator.sampled(robot, now_ns, place, value) a TakeSample has ended
+    coordinator.passed(robot, now_ns, place)         a driving robot is here; only for what does not drive straight
     coordinator.held / resumed(robot, now_ns)        a robot with a task cannot go on / can
     coordinator.end(now_ns, places)                  at coordinator.end_ns, or once coordinator.complete
 
@@ -19,13 +20,11 @@ from move_base_abstract.units import seconds_to_ns
 from .allocation import Allocator
 from .commands import FIRST_SAMPLE, Drive, Stop, TakeSample
 from .config import Sampling
-from .kriging import Kriging
+from .kriging import MIN_SAMPLES, Kriging
 from .mission_log import Activity, MissionLog
 from .sampling import make_sampling, start_places
 from .seeds import Purpose, generator
 from .stopwatch import NullStopwatch
-
-MIN_SAMPLES = 3  # below that there is no map
 
 
 class Coordinator:
@@ -113,9 +112,14 @@ class Coordinator:
         self.log.sampled(robot, now_ns, place, FIRST_SAMPLE if task is None else task.number, value)
         self._release(robot, (place.x, place.y))
         self._update_map(now_ns)
-        if self.estimate is None or self.config.sampling is Sampling.GRID:
-            return self._dispatch(now_ns)
-        return self._plan(now_ns)
+        if self._wants_tasks():
+            return self._plan(now_ns)
+        return self._dispatch(now_ns)
+
+    def passed(self, robot, now_ns, place):
+        """Take note of where a robot is on its way, for its trajectory and the way that it drives; no event."""
+        if not self._over:
+            self.log.passed(robot, now_ns, place)
 
     def held(self, robot, now_ns):
         """Take note that a driving robot is held up."""
@@ -140,6 +144,16 @@ class Coordinator:
 
     def _busy_robots(self):
         return [robot for robot in range(self.config.robots) if self.log.activity(robot) is not Activity.IDLE]
+
+    def _wants_tasks(self):
+        """Whether the sample that was just taken calls for new tasks.
+
+        Each one does from the third on. Before, there is no map; but where fewer than 3 robots have taken their first
+        samples, they would wait for ever: then tasks are made when nobody has any.
+        """
+        if self.config.sampling is Sampling.GRID:
+            return False
+        return self.estimate is not None or not (self._busy_robots() or any(self._allocator.queues))
 
     def _take_sample(self, robot, now_ns, task_number):
         spread = self.config.dwell_spread_s

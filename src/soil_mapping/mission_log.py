@@ -109,6 +109,10 @@ class MissionLog:
         self._move(robot, now_ns, place)
         self._note(now_ns, robot, 'arrive', task, place.x, place.y)
 
+    def passed(self, robot, now_ns, place):
+        """Note a place on the way."""
+        self._move(robot, now_ns, place)
+
     def failed(self, robot, now_ns, place, task):
         """Note that a leg was given up."""
         self._move(robot, now_ns, place)

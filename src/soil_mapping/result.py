@@ -1,12 +1,11 @@
 """What a trial leaves, the same for every engine."""
 
 import math
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from .commands import FIRST_SAMPLE
 from .mission_log import Activity
 
 

@@ -1,0 +1,61 @@
+"""The field's grid of cells. Map frame: origin at the field's south-west corner, x east, y north [m]."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+FIELD_WIDTH_M = 324.0
+FIELD_HEIGHT_M = 220.0
+
+
+@dataclass(frozen=True)
+class Grid:
+    """rows x columns square cells; row 0 is the south edge, column 0 the west edge."""
+
+    rows: int
+    columns: int
+    cell_m: float  # edge of a cell [m]
+
+    @classmethod
+    def of_field(cls, cell_m):
+        """Return the grid of the study's field, 324 x 220 m, with cells of cell_m [m]."""
+        return cls(round(FIELD_HEIGHT_M / cell_m), round(FIELD_WIDTH_M / cell_m), float(cell_m))
+
+    @property
+    def shape(self):
+        """Shape of an array over the grid: (rows, columns)."""
+        return self.rows, self.columns
+
+    @property
+    def width_m(self):
+        """East-west extent [m]."""
+        return self.columns * self.cell_m
+
+    @property
+    def height_m(self):
+        """North-south extent [m]."""
+        return self.rows * self.cell_m
+
+    def x_centres(self):
+        """Return the x of the columns' middles [m], shape (columns,)."""
+        return (np.arange(self.columns) + 0.5) * self.cell_m
+
+    def y_centres(self):
+        """Return the y of the rows' middles [m], shape (rows,)."""
+        return (np.arange(self.rows) + 0.5) * self.cell_m
+
+    def cell_of(self, x, y):
+        """Return (row, column) of the cell that holds the place; places outside belong to the nearest cell.
+
+        The south and west edges of a cell are its own.
+        """
+        row = min(max(int(y // self.cell_m), 0), self.rows - 1)
+        return row, min(max(int(x // self.cell_m), 0), self.columns - 1)
+
+    def centre(self, row, column):
+        """Return (x, y) of a cell's middle [m]."""
+        return (column + 0.5) * self.cell_m, (row + 0.5) * self.cell_m
+
+    def snap(self, x, y):
+        """Return the middle of the cell that holds the place."""
+        return self.centre(*self.cell_of(x, y))

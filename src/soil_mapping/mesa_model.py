@@ -1,0 +1,118 @@
+"""The study as a Mesa model: the coordinator's robots as agents, in steps of one second.
+
+A step carries out, in order, all that is due within it, so that straight motion is exact to the nanosecond although a
+step lasts a second: an arrival in the middle of a step starts its dwell there. Mesa's agents show where the robots are
+at the end of each step, and its data collector keeps the metrics per step.
+"""
+
+import mesa
+
+from move_base_abstract.event_queue import EventQueue
+from move_base_abstract.units import NS_PER_S
+
+from .commands import Drive, Place, TakeSample
+from .coordinator import Coordinator
+from .field import load_field
+from .motion import motion_named
+from .result import collect
+from .stopwatch import Stopwatch
+
+STEP_NS = NS_PER_S
+
+
+class RobotAgent(mesa.Agent):
+    """One robot. Its pos is (x, y) in the map frame [m], at the end of the last step."""
+
+    def __init__(self, model, robot, place):
+        super().__init__(model)
+        self.robot = robot  # index
+        self.pos = place
+        self.trip = None  # while it drives
+
+    def place_at(self, now_ns):
+        """Return where it is at an instant of the present step [ns]."""
+        return self.pos if self.trip is None else self.trip.place_at(now_ns)
+
+    def step(self):
+        """Move to where it is at the end of the step."""
+        self.pos = self.place_at(self.model.now_ns)
+
+
+class SoilMappingModel(mesa.Model):
+    """A mission on Mesa.
+
+    :param config: a TrialConfig. :param seed: whole number >= 0. :param truth: the Field, None for the configuration's.
+    :param motion: 'euclidean' (straight, constant speed) or 'eight' (one 2 m cell a second, in eight directions).
+    :param stopwatch: measures the phases of the wall time; none if None.
+    :raises ConfigurationError: if motion and configuration do not go together.
+    """
+
+    def __init__(self, config, seed, truth=None, motion='euclidean', stopwatch=None):
+        super().__init__(seed=seed)
+        self._trip = motion_named(motion, config)
+        self._queue = EventQueue()
+        self.now_ns = 0
+        truth = truth or load_field(config.field, config.cell_m)
+        self.coordinator = Coordinator(config, seed, truth, stopwatch)
+        self.robots = [RobotAgent(self, robot, place) for robot, place in enumerate(self.coordinator.start_places)]
+        self.datacollector = mesa.DataCollector(model_reporters={
+            'samples': lambda model: len(model.coordinator.log.samples),
+            'rmse_kpa': lambda model: getattr(model.coordinator.estimate, 'rmse', None),
+            'mean_variance_kpa2': lambda model: getattr(model.coordinator.estimate, 'mean_variance', None)})
+        self._carry_out(self.coordinator.start(0))
+
+    def step(self):
+        """Simulate one second, or less where the budget ends or nothing is left to do."""
+        to_ns = min(self.now_ns + STEP_NS, self.coordinator.end_ns)
+        self._queue.run_until(to_ns, self._enter)
+        if not self.coordinator.complete:
+            self.now_ns = to_ns
+        self.agents.do('step')
+        if self.coordinator.complete or self.now_ns >= self.coordinator.end_ns:
+            self.coordinator.end(self.now_ns, [Place(*robot.pos) for robot in self.robots])
+            self.running = False
+        self.datacollector.collect(self)
+
+    def _enter(self, due_ns):
+        self.now_ns = due_ns
+
+    def _carry_out(self, commands):
+        for command in commands:
+            if isinstance(command, Drive):
+                self._drive(self.robots[command.robot], command)
+            elif isinstance(command, TakeSample):
+                self._schedule(self.now_ns + command.dwell_ns, self.robots[command.robot], self._take_sample)
+
+    def _drive(self, robot, command):
+        robot.trip = self._trip.between(robot.pos, (command.x, command.y), self.coordinator.config.speed, self.now_ns)
+        for time_ns, x, y in robot.trip.bends():
+            self._queue.schedule(time_ns, robot.robot, lambda due_ns, _, place=Place(x, y):
+                                 self.coordinator.passed(robot.robot, due_ns, place))
+        self._schedule(robot.trip.arrive_ns, robot, self._arrive)
+
+    def _schedule(self, due_ns, robot, action):
+        self._queue.schedule(due_ns, robot.robot, lambda due_ns, _: action(robot, due_ns))
+
+    def _arrive(self, robot, now_ns):
+        robot.pos, robot.trip = robot.trip.place_at(now_ns), None
+        self._carry_out(self.coordinator.arrived(robot.robot, now_ns, Place(*robot.pos)))
+
+    def _take_sample(self, robot, now_ns):
+        value = self.coordinator.truth.value_at(*robot.pos)
+        self._carry_out(self.coordinator.sampled(robot.robot, now_ns, Place(*robot.pos), value))
+
+
+def run_mesa_trial(config, seed, motion='euclidean', truth=None, stopwatch=None):
+    """Run a mission to its end and return its TrialResult; arguments as for SoilMappingModel.
+
+    Wall seconds are measured per phase: start_up (the field and the model), mission (all of the run), and within it
+    kriging and allocation.
+    """
+    stopwatch = stopwatch or Stopwatch()
+    with stopwatch.phase('start_up'):
+        model = SoilMappingModel(config, seed, truth, motion, stopwatch)
+    with stopwatch.phase('mission'):
+        while model.running:
+            model.step()
+    mission_s = stopwatch.seconds['mission']
+    return collect(model.coordinator, {'name': 'mesa', 'motion': motion}, stopwatch.seconds, mission_s)

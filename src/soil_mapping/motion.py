@@ -1,0 +1,99 @@
+"""How the Mesa model's robots move: straight at a constant speed, or from cell to cell in eight directions."""
+
+import math
+from dataclasses import dataclass
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion import Leg, MotionLimits
+from move_base_abstract.units import seconds_to_ns
+
+
+@dataclass(frozen=True)
+class StraightTrip:
+    """A straight leg, by the simulator's own law of motion."""
+
+    leg: Leg
+
+    @classmethod
+    def between(cls, start, goal, speed, depart_ns):
+        """Return the trip from start to goal, (x, y) in the map frame [m], at speed [m/s]."""
+        return cls(Leg(Pose2D(*start), Pose2D(*goal), MotionLimits(speed), depart_ns=depart_ns))
+
+    @property
+    def arrive_ns(self):
+        """When it ends [ns]."""
+        return self.leg.arrive_ns
+
+    def place_at(self, now_ns):
+        """Return (x, y) at an instant."""
+        pose = self.leg.pose_at(now_ns)
+        return pose.x, pose.y
+
+    def bends(self):
+        """Return the (time_ns, x, y) at which it changes its direction: none."""
+        return []
+
+
+@dataclass(frozen=True)
+class EightWayTrip:
+    """Steps between the middles of 2 m cells, diagonal ones first, as in the published Mesa study.
+
+    Each step takes the time of its longer side, so that a diagonal one goes 2.83 m in the time of 2 m.
+    """
+
+    start: tuple  # (x, y), m
+    goal: tuple
+    depart_ns: int
+    step_ns: int  # time of 2 m at the robot's speed
+
+    STEP_M = 2.0
+
+    @classmethod
+    def between(cls, start, goal, speed, depart_ns):
+        """Return the trip from start to goal, (x, y) of middles of cells [m], at speed [m/s] along a cell's edge."""
+        return cls(start, goal, depart_ns, seconds_to_ns(cls.STEP_M / speed))
+
+    def _steps(self):
+        """Return the signed whole steps (along x, along y)."""
+        return tuple(round((b - a) / self.STEP_M) for a, b in zip(self.start, self.goal, strict=True))
+
+    @property
+    def arrive_ns(self):
+        """When it ends [ns]."""
+        return self.depart_ns + max(map(abs, self._steps())) * self.step_ns
+
+    def place_at(self, now_ns):
+        """Return (x, y) of the cell at an instant: a step is made when its time is over."""
+        done = max(0, (now_ns - self.depart_ns) // self.step_ns)
+        return tuple(begin + self.STEP_M * math.copysign(min(done, abs(steps)), steps)
+                     for begin, steps in zip(self.start, self._steps(), strict=True))
+
+    def bends(self):
+        """Return the (time_ns, x, y) at which diagonal steps become straight ones, if both occur."""
+        shorter, longer = sorted(map(abs, self._steps()))
+        if shorter in (0, longer):
+            return []
+        bend_ns = self.depart_ns + shorter * self.step_ns
+        return [(bend_ns, *self.place_at(bend_ns))]
+
+
+MOTIONS = {'euclidean': StraightTrip, 'eight': EightWayTrip}
+
+
+def motion_named(name, config):
+    """Return the kind of trip of a name; :raises ConfigurationError: if there is none, or the configuration forbids it.
+
+    Eight directions need cells of 2 m, and a dwell of whole steps.
+    """
+    if name not in MOTIONS:
+        raise ConfigurationError(f'motion must be one of {", ".join(sorted(MOTIONS))}, got {name!r}')
+    if name == 'eight':
+        step_s = EightWayTrip.STEP_M / config.speed
+        if config.cell_m != EightWayTrip.STEP_M:
+            raise ConfigurationError(f"motion 'eight' needs cell_m 2, got {config.cell_m}")
+        if config.dwell_spread_s or seconds_to_ns(config.dwell_s) % seconds_to_ns(step_s):
+            raise ConfigurationError(f"motion 'eight' needs dwells of whole steps of {step_s:g} s, "
+                                     f'got {config.dwell_s!r} -+ {config.dwell_spread_s!r}')
+    return MOTIONS[name]
+

@@ -1,0 +1,86 @@
+"""Readings of a field from files: rows of (east, north, value), checked when they are read."""
+
+import csv
+import importlib.util
+import math
+from pathlib import Path
+
+import numpy as np
+
+from move_base_abstract.errors import ConfigurationError
+
+MIN_READINGS = 3
+
+
+def read_readings(path):
+    """Return the readings of a CSV file as an array of shape (n, 3): lon, lat [degrees] and the value.
+
+    The file has a header with the columns lat and lon and one for the value: 'value', or else the first that is
+    neither. :raises ConfigurationError: naming file and line, if a column is missing, a number is not finite, two
+    readings lie at the same place, or there are fewer than 3.
+    """
+    return _read(path, ('lon', 'lat', None))
+
+
+def read_meuse():
+    """Return the zinc readings of the Meuse data set that scikit-gstat carries, shape (n, 3): x, y [m] and mg/kg."""
+    package = importlib.util.find_spec('skgstat')  # importing it would take 4 s
+    if package is None:
+        raise ConfigurationError("field 'meuse': scikit-gstat is not installed; it carries the data")
+    return _read(Path(package.origin).parent / 'data' / 'samples' / 'meuse.txt', ('x', 'y', 'zinc'))
+
+
+def _read(path, names):
+    try:
+        with open(path, newline='', encoding='utf-8-sig') as stream:
+            lines = csv.reader(stream, strict=True)
+            header = [name.strip() for name in next(lines, [])]
+            columns = _columns(header, names, path)
+            rows, seen = [], {}
+            for cells in lines:
+                if cells:
+                    where = f'{path}:{lines.line_num}'
+                    row = [_number(cells, index, header[index], where) for index in columns]
+                    _check_place(row, header, columns, seen, where, lines.line_num)
+                    rows.append(row)
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise ConfigurationError(f'{path}: cannot be read as CSV: {error}') from None
+    if len(rows) < MIN_READINGS:
+        raise ConfigurationError(f'{path}: needs at least {MIN_READINGS} readings, got {len(rows)}')
+    return np.array(rows, dtype=np.float64)
+
+
+def _columns(header, names, path):
+    """Return the indices of the columns; the name None stands for 'value' or else the first that is left."""
+    left = [name for name in header if name not in names]
+    value = 'value' if 'value' in left or not left else left[0]
+    wanted = [value if name is None else name for name in names]
+    for name in wanted:
+        if header.count(name) != 1:
+            problem = 'is missing' if name not in header else f'is there {header.count(name)} times'
+            raise ConfigurationError(f"{path}:1: column '{name}' {problem}; needs {', '.join(wanted)}, got {header}")
+    return [header.index(name) for name in wanted]
+
+
+def _number(cells, index, name, where):
+    if index >= len(cells):
+        raise ConfigurationError(f"{where}: column '{name}' is missing; the line has {len(cells)} columns")
+    try:
+        number = float(cells[index])
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise ConfigurationError(f"{where}: column '{name}' must be a finite number, got {cells[index]!r}")
+    return number
+
+
+def _check_place(row, header, columns, seen, where, line):
+    for number, index in zip(row, columns, strict=True):
+        limit = {'lat': 90.0, 'lon': 180.0}.get(header[index], math.inf)
+        if abs(number) > limit:
+            raise ConfigurationError(f"{where}: column '{header[index]}' must lie in -{limit:g}..{limit:g} degrees, "
+                                     f'got {number!r}')
+    place = tuple(row[:2])
+    if place in seen:
+        raise ConfigurationError(f'{where}: the same place as in line {seen[place]}; places must differ')
+    seen[place] = line

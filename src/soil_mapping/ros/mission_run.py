@@ -1,0 +1,163 @@
+"""Carries the commands of the mission out on ROS robots, and tells the mission what becomes of them.
+
+All that happens to robots comes in over one queue and is handled in the main thread. What has come by then is handled
+together, in the order of the robots' indices, which is the mission's stated order of equal times.
+"""
+
+import contextlib
+import queue
+import threading
+import time
+
+import rospy
+
+from soil_mapping.commands import Drive, TakeSample
+
+from .ros_time import now_ns, to_ros_duration
+
+READY_TIMEOUT_S = 60.0  # wall; on the scaled clock only
+POLL_S = 0.01  # wall
+END = (-1, None)  # on the queue: the budget is over
+SHUTDOWN = (-2, None)
+
+
+class MissionFailed(RuntimeError):
+    """The mission could not be begun or carried on; the text says why."""
+
+
+class MissionRun:
+    """One mission, from waiting for the robots to its end.
+
+    coordinator: a soil_mapping Coordinator that has not started. robots: one RobotLink per robot, in order, which put
+    the ends of their goals on events (queue.Queue). computing: makes a context manager for the time in which the
+    mission computes. show: called after each change.
+    """
+
+    def __init__(self, coordinator, robots, events, computing=contextlib.nullcontext, show=lambda: None):
+        self._coordinator = coordinator
+        self._robots = robots
+        self._events = events
+        self._computing = computing
+        self._show = show
+        self.wall_s = None  # of the mission, once it is over
+
+    def wait_until_ready(self, participant=None, check=lambda: None):
+        """Wait for all robots.
+
+        participant: of lockstep, where the wait lets simulated time be. check: called again and again, may raise.
+        :raises MissionFailed: after 60 s of wall time, naming what is missing.
+        """
+        if participant is not None:
+            participant.wait_until(lambda: all(robot.is_ready for robot in self._robots), what='the robots')
+            return
+        deadline = time.monotonic() + READY_TIMEOUT_S
+        while not (rospy.get_rostime() and all(robot.is_ready for robot in self._robots)):
+            check()
+            if rospy.is_shutdown():
+                raise MissionFailed('ROS was shut down before the mission began')
+            if time.monotonic() > deadline:
+                lacks = ', '.join(robot.lacks for robot in self._robots if robot.lacks) or 'a message on /clock'
+                raise MissionFailed(f'after {READY_TIMEOUT_S:g} s there is no {lacks}')
+            time.sleep(POLL_S)
+
+    def go_to_start(self):
+        """Send robots that are elsewhere to the places where the mission begins, and wait for them.
+
+        :raises MissionFailed: if one cannot get there.
+        """
+        places = self._coordinator.start_places
+        away = {robot.index for robot, (x, y) in zip(self._robots, places, strict=True) if not robot.is_at(x, y)}
+        for index in sorted(away):
+            rospy.loginfo('%s goes to its start at (%.2f, %.2f) m', self._robots[index].namespace, *places[index])
+            self._robots[index].drive(*places[index])
+        while away:
+            index, handle = self._next()
+            if not self._robots[index].end_of_goal(handle):
+                raise MissionFailed(f'{self._robots[index].namespace} did not get to its start at {places[index]} m: '
+                                    f"'{handle.get_goal_status_text()}'")
+            away.discard(index)
+        for robot in self._robots:
+            robot.place()
+
+    def run(self):
+        """Carry the mission out, to its end. :raises MissionFailed: if ROS is shut down meanwhile."""
+        began = time.perf_counter()
+        start_ns = now_ns()
+        commands = self._coordinator.start(start_ns)
+        threading.Thread(target=self._tell_end, name='budget', daemon=True).start()
+        self._carry_out(commands)
+        while not (self._coordinator.complete or self._take_events()):
+            pass
+        self._finish()
+        self.wall_s = time.perf_counter() - began
+
+    def shut_down(self):
+        """End the waiting for robots: ROS goes down. From any thread."""
+        self._events.put(SHUTDOWN)
+
+    def _tell_end(self):
+        try:
+            rospy.sleep(to_ros_duration(self._coordinator.end_ns - now_ns()))
+        except rospy.ROSInterruptException:
+            return
+        self._events.put(END)
+
+    def _next(self):
+        event = self._events.get()
+        if event is SHUTDOWN:
+            raise MissionFailed('ROS was shut down during the mission')
+        return event
+
+    def _take_events(self):
+        """Wait for something to happen and handle all that is there; return whether the budget is over."""
+        events = [self._next()]
+        with contextlib.suppress(queue.Empty):
+            while True:
+                events.append(self._events.get_nowait())
+        if SHUTDOWN in events:
+            raise MissionFailed('ROS was shut down during the mission')
+        with self._computing():
+            for index, handle in sorted((event for event in events if event is not END), key=lambda event: event[0]):
+                self._carry_out(self._tell(index, handle))
+        self._show()
+        return END in events
+
+    def _tell(self, index, handle, at_ns=None):
+        """Tell the mission of a goal's end; return the commands that follow."""
+        robot = self._robots[index]
+        is_drive = robot.is_driving
+        reached = robot.end_of_goal(handle)
+        if reached is None:
+            return []
+        at_ns = now_ns() if at_ns is None else at_ns
+        if is_drive:
+            tell = self._coordinator.arrived if reached else self._coordinator.failed
+            return tell(index, at_ns, robot.place_after(handle))
+        if not reached:
+            raise MissionFailed(f"{robot.namespace} could not sample: '{handle.get_goal_status_text()}'")
+        place = robot.place()
+        return self._coordinator.sampled(index, at_ns, place, self._coordinator.truth.value_at(place.x, place.y))
+
+    def _carry_out(self, commands):
+        for command in commands:
+            robot = self._robots[command.robot]
+            if isinstance(command, Drive):
+                robot.drive(command.x, command.y)
+            elif isinstance(command, TakeSample):
+                robot.take_sample(command.dwell_ns)
+
+    def _finish(self):
+        """End the mission: robots are stopped first, so that it is known where; what they reached by then counts."""
+        end_ns = now_ns()
+        for robot in self._robots:
+            robot.cancel()
+        last = {}
+        while any(robot.is_busy and robot.index not in last for robot in self._robots):
+            index, handle = self._next()
+            if index >= 0:
+                last[index] = handle
+        for index, handle in sorted(last.items()):
+            if self._robots[index].is_reached(handle):
+                self._tell(index, handle, end_ns)
+        self._coordinator.end(end_ns, [robot.place() for robot in self._robots])
+        self._show()

@@ -1,0 +1,134 @@
+"""One robot as its user knows it: the actions move_base and timed task, and a topic that says where it is."""
+
+import math
+
+import rospy
+from actionlib import ActionClient, CommState, GoalStatus
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from nav_msgs.msg import Odometry
+
+from move_base_abstract.geometry import quaternion_of_yaw
+from move_base_abstract.msg import TimedTaskAction, TimedTaskGoal
+from soil_mapping.commands import Place
+
+from .ros_time import to_ros_duration
+
+DETOUR_M = 1e-3  # a way is told apart from the straight line if it is longer by this
+SAME_PLACE_M = 1e-6  # a robot that is so near its goal is there
+
+
+class RobotLink:
+    """Clients of one robot. Each goal that ends is put on a queue as (index, the goal's handle).
+
+    index: the robot's in the mission. namespace: of its topics. task: name of the sampling action below it.
+    pose_topic: nav_msgs/Odometry in the map frame, below it too. events: a queue.Queue.
+    """
+
+    def __init__(self, index, namespace, task, pose_topic, events):
+        self.index = index
+        self.namespace = '/' + namespace.strip('/')
+        self._events = events
+        self._drive = ActionClient(f'{self.namespace}/move_base', MoveBaseAction)
+        self._task = ActionClient(f'{self.namespace}/{task}', TimedTaskAction)
+        self._handle = None  # of the goal under way: a client forgets a goal whose handle is gone
+        self._goal_place = None  # (x, y) of the drive under way
+        self._pose = None  # (stamp [ns], x, y)
+        self._place = None  # where the robot was last heard of by the mission
+        self._way_m = 0.0  # since then, by the poses
+        rospy.Subscriber(f'{self.namespace}/{pose_topic}', Odometry, self._on_pose, tcp_nodelay=True)
+
+    @property
+    def is_ready(self):
+        """Whether both servers are connected and the robot's pose is known."""
+        at_once = rospy.Duration(nsecs=-1)
+        return self._pose is not None and self._drive.wait_for_server(at_once) and self._task.wait_for_server(at_once)
+
+    @property
+    def lacks(self):
+        """What is_ready waits for, in words."""
+        at_once = rospy.Duration(nsecs=-1)
+        parts = [client.ns for client in (self._drive, self._task) if not client.wait_for_server(at_once)]
+        return ', '.join(parts + ([] if self._pose else [f'the pose of {self.namespace}']))
+
+    @property
+    def is_busy(self):
+        """Whether a goal is under way."""
+        return self._handle is not None
+
+    @property
+    def is_driving(self):
+        """Whether the goal under way is one of move_base."""
+        return self._handle is not None and self._goal_place is not None
+
+    def is_at(self, x, y):
+        """Return whether the robot stands at a place of the map frame [m]."""
+        return math.dist(self._pose[1:], (x, y)) <= SAME_PLACE_M
+
+    def drive(self, x, y):
+        """Send the robot to a place of the map frame [m], looking along the straight line there."""
+        self._goal_place = (x, y)
+        goal = MoveBaseGoal()
+        goal.target_pose.header.frame_id = 'map'
+        goal.target_pose.header.stamp = rospy.Time.now()
+        pose = goal.target_pose.pose
+        pose.position.x, pose.position.y = x, y
+        yaw = math.atan2(y - self._pose[2], x - self._pose[1])
+        pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w = quaternion_of_yaw(yaw)
+        self._send(self._drive, goal)
+
+    def take_sample(self, dwell_ns):
+        """Let the robot sample where it stands, for so long [simulated ns]."""
+        self._goal_place = None
+        self._send(self._task, TimedTaskGoal(duration=to_ros_duration(dwell_ns)))
+
+    def cancel(self):
+        """Ask for the end of the goal that is under way, if there is one; its end is told as any other."""
+        if self._handle is not None:
+            self._handle.cancel()
+
+    def is_reached(self, handle):
+        """Return whether a goal of a handle is the one under way, and has been reached."""
+        return handle is self._handle and handle.get_terminal_state() == GoalStatus.SUCCEEDED
+
+    def end_of_goal(self, handle):
+        """Return whether a goal that has ended was reached; it is no longer under way. None if it is an older one."""
+        if handle is not self._handle:
+            return None
+        self._handle = None
+        return handle.get_terminal_state() == GoalStatus.SUCCEEDED
+
+    def place_after(self, handle):
+        """Return the Place at which a drive has ended.
+
+        That is the robot's pose if it has been heard since, else, where the goal was reached, the goal's place: poses
+        come by another connection and may be late.
+        """
+        result = handle.comm_state_machine.latest_result
+        ended_ns = result.header.stamp.to_nsec() if result is not None else 0
+        reached = handle.get_terminal_state() == GoalStatus.SUCCEEDED
+        if reached and self._goal_place is not None and self._pose[0] < ended_ns:
+            return self._take_place(*self._goal_place)
+        return self.place()
+
+    def place(self):
+        """Return the Place where the robot was last seen, with its way since the last call."""
+        return self._take_place(*self._pose[1:])
+
+    def _take_place(self, x, y):
+        straight = math.dist(self._place, (x, y)) if self._place is not None else 0.0
+        driven = self._way_m if self._way_m > straight + DETOUR_M else None
+        self._place, self._way_m = (x, y), 0.0
+        return Place(x, y, driven)
+
+    def _send(self, client, goal):
+        self._handle = client.send_goal(goal, self._on_transition)
+
+    def _on_transition(self, handle):
+        if handle.get_comm_state() == CommState.DONE:
+            self._events.put((self.index, handle))
+
+    def _on_pose(self, message):
+        position = message.pose.pose.position
+        if self._pose is not None:
+            self._way_m += math.dist(self._pose[1:], (position.x, position.y))
+        self._pose = (message.header.stamp.to_nsec(), position.x, position.y)
