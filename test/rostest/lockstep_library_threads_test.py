@@ -7,7 +7,7 @@ import time
 import unittest
 
 import rostest
-from lockstep_library_run import Runs, read, wait_for_end
+from lockstep_library_run import Run, Runs, read, wait_for_end
 
 RUNS = None
 WAITS = ('in_spin', 'in_sleep', 'in_loop', 'in_message', 'in_service', 'in_call', 'in_queue', 'in_event', 'in_join',
@@ -67,6 +67,25 @@ class EndsTest(unittest.TestCase):
         self.assertEqual(run.of('hears_the_end'), [(3.0, 'hears', 'stop')])
         self.assertTrue(run.end['repeatable'], run.end)
         self.assertEqual(run.end['degraded_because'], [])
+
+    def test_an_interrupt_labels_nothing_but_a_last_word(self):
+        for role, words in (('in_spin', []), ('speaks_at_its_end', [(1.0, 'hears', 'stop')])):
+            run = self._interrupted(role)
+            self.assertEqual(run.of('listens'), words, role)
+            self.assertEqual(run.end['repeatable'], not words, (role, run.end))
+
+    def _interrupted(self, role):
+        """Return a run in which one node is interrupted in its wait and another one listens."""
+        names = [role, 'listens']
+        master, path = RUNS.start_master(names)
+        nodes = {name: RUNS.start_node('threads', name) for name in names}
+        for node in nodes.values():
+            self._wait_for_start(node)
+        os.kill(nodes[role].pid, signal.SIGINT)
+        wait_for_end(nodes[role], nodes)
+        for child in (*nodes.values(), master):
+            RUNS.ros.end(child)
+        return Run(path, {}, {name: read(node) for name, node in nodes.items()}, 0.0)
 
     def test_exit_codes(self):
         run = RUNS.run('threads', 'exits', 'fails', 'shuts_down')

@@ -187,6 +187,11 @@ class Scheduler:
         self._channel.knock()
 
     @property
+    def has_outside(self):
+        """Whether something from outside has not entered yet; for any thread."""
+        return bool(self._outside)
+
+    @property
     def open_waits(self):
         """The tasks that wait without end for something that is not time."""
         return self._open

@@ -102,7 +102,7 @@ class Participant:
         if self.scheduler.is_closed:
             return
         holds_turn = self.scheduler.is_mine()
-        if not holds_turn:
+        if not holds_turn and self.scheduler.has_outside:
             self._leave_in_turn(reason)
             if self.scheduler.is_closed:
                 return
@@ -118,7 +118,7 @@ class Participant:
         self.charge.close()
 
     def _leave_in_turn(self, reason):
-        """Leave in a round, after what has been published at last; but not at any price, others may be slow."""
+        """Leave in a round, after what hooks have published at last; but not at any price, others may be slow."""
         over = _make_lock()
         over.acquire()
 

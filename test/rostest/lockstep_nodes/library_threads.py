@@ -124,6 +124,18 @@ def stops_at_its_end(say):
     say('main ends')
 
 
+def speaks_at_its_end(_say):
+    """Interrupted while it waits, it has a last word too."""
+    publisher = rospy.Publisher('chat', String, queue_size=1)
+    rospy.on_shutdown(lambda: publisher.publish('stop'))
+    rospy.spin()
+
+
+def listens(say):
+    rospy.Subscriber('chat', String, lambda message: say('hears', message.data))
+    rospy.spin()
+
+
 def hears_the_end(say):
     rospy.Subscriber('chat', String, lambda message: say('hears', message.data))
     rospy.sleep(5)
