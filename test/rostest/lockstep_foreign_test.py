@@ -1,0 +1,107 @@
+#!/usr/bin/python3
+"""A whole foreign system under its own launch file: what rosbag recorded is the same in every run.
+
+Nothing in test/rostest/foreign knows of lockstep but the launch file, by its launch-prefix and the package of
+move_base.
+"""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from contextlib import contextmanager
+
+import rosbag
+import rostest
+
+from move_base_abstract.event_log import EventLog
+from move_base_abstract_ros.loopback import Loopback
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+LAUNCH = os.path.join(HERE, 'foreign', 'system.launch')
+PREFIX = 'rosrun move_base_abstract lockstep'
+ROBOTS = ['/robot_0', '/robot_1', '/robot_2']
+PARTICIPANTS = (['/coordinator', '/metrics', '/recorder'] + [name + '/move_base' for name in ROBOTS]
+                + [name + '/task_queue' for name in ROBOTS])
+GUARD = 120.0  # s, wall; only ends a run that would never end
+TASKS = 30
+
+
+class Run:
+    """One run of the system to its end: ``bag`` is what was recorded, ``log`` the event log's text."""
+
+    def __init__(self, speed_limit=0.0):
+        folder = tempfile.mkdtemp(prefix='lockstep_foreign_')
+        try:
+            self._run(folder, speed_limit)
+        finally:
+            shutil.rmtree(folder)
+
+    def _run(self, folder, speed_limit):
+        log, bag = os.path.join(folder, 'events.jsonl'), os.path.join(folder, 'run.bag')
+        with Loopback() as ros:
+            ros.run('time_master', 'time_master', parameters={
+                'mode': 'lockstep', 'participants': PARTICIPANTS, 'event_log': log, 'speed_limit': speed_limit})
+            command = ['roslaunch', LAUNCH, 'prefix:=' + PREFIX, 'bag:=' + bag, 'tasks:={}'.format(TASKS)]
+            subprocess.run(command, env=ros.environment, timeout=GUARD, check=True, stdout=subprocess.DEVNULL)
+        with open(log) as stream:
+            self.log = EventLog(stream.readlines(), 'the run')
+        self.events = [event.compared for event in self.log]
+        with rosbag.Bag(bag) as recorded:
+            self.bag = [(topic, time.to_nsec(), message[1])
+                        for topic, message, time in recorded.read_messages(raw=True)]
+
+
+@contextmanager
+def load(count):
+    """Keep ``count`` cores busy meanwhile."""
+    busy = [subprocess.Popen([sys.executable, '-c', 'while True: pass']) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for process in busy:
+            process.kill()
+            process.wait()
+
+
+class ForeignSystem(unittest.TestCase):
+    """Coordinator, a task queue per robot, metrics and rosbag record, all unmodified."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.first = Run()
+
+    def assert_same(self, run):
+        """The run's robots did the same, and its bag has the same messages at the same times."""
+        self.assertEqual(run.events, self.first.events)
+        self.assertEqual(len(run.bag), len(self.first.bag))
+        for entry, its in zip(self.first.bag, run.bag):
+            self.assertEqual(entry, its)
+
+    def test_the_run_is_whole_and_repeatable(self):
+        count = {}
+        for topic, _, _ in self.first.bag:
+            count[topic] = count.get(topic, 0) + 1
+        self.assertEqual(count['/done'], TASKS)
+        self.assertEqual(sum(count[name + '/tasks'] for name in ROBOTS), TASKS)
+        self.assertEqual(count['/finished'], 1)
+        self.assertGreater(count['/metrics'], 5)
+        self.assertGreater(count['/robot_0/odom'], TASKS / 3)
+        self.assertEqual(self.first.log.end['not_repeatable_because'], [])
+        self.assertEqual(self.first.log.end['degraded_because'], [])
+
+    def test_metrics_are_recorded_every_five_seconds_exactly(self):
+        times = [time_ns for topic, time_ns, _ in self.first.bag if topic == '/metrics']
+        self.assertEqual({after - before for before, after in zip(times, times[1:])}, {5000000000})
+
+    def test_the_bag_is_the_same_again_under_load(self):
+        with load(os.cpu_count()):
+            self.assert_same(Run())
+
+    def test_the_bag_is_the_same_at_fifty_times_real_time(self):
+        self.assert_same(Run(speed_limit=50.0))
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_foreign', ForeignSystem, sysargs=sys.argv)
