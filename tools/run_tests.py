@@ -43,7 +43,8 @@ class Step:
 
 def all_steps():
     """Return the steps in the order in which they run: the quick ones first."""
-    steps = [_gtest('time_master_test'), _gtest('event_log_writer_test'), _pytest('unit', ROOT / 'test' / 'unit', 300.0)]
+    steps = [_gtest(name) for name in ('time_master_test', 'lockstep_test', 'event_log_writer_test')]
+    steps += [_pytest('unit', ROOT / 'test' / 'unit', 300.0)]
     steps += [_rostest(path) for path in sorted((ROOT / 'test' / 'rostest').glob('*.test'))]
     return [*steps, _pytest('install', ROOT / 'test' / 'install', 300.0)]
 
