@@ -1,0 +1,95 @@
+"""Tasks that take a while where a robot stands, one at a time for each robot: sampling, loading, charging."""
+import random
+
+from .outcome import CANCELLED, GoalState, Outcome, aborted
+from .units import NS_PER_S, seconds_to_ns
+
+DONE = Outcome(GoalState.SUCCEEDED, 'Task done.')
+
+
+class DrawnDurations:
+    """Durations drawn evenly from ``mean`` -+ ``spread`` [s], by a generator of the seed and the robot's index alone.
+
+    :raises ValueError: if not 0 <= spread <= mean.
+    """
+
+    def __init__(self, mean, spread, seed, robot_index):
+        if not 0.0 <= spread <= mean:
+            raise ValueError('the spread must lie in 0..{:g} s, the duration; got {!r}'.format(mean, spread))
+        self._mean_ns = seconds_to_ns(mean)
+        self._spread_ns = seconds_to_ns(spread)
+        self._generator = random.Random('{}/{}'.format(seed, robot_index))
+
+    def draw_ns(self):
+        """Return the next duration [ns]."""
+        if not self._spread_ns:
+            return self._mean_ns
+        return self._mean_ns + self._generator.randint(-self._spread_ns, self._spread_ns)
+
+
+class TimedTaskRunner:
+    """The life of one robot's tasks, from the goal to the ending, which ``ledger`` (GoalLedger) publishes.
+
+    ``durations`` has ``draw_ns()``, for goals that do not say how long. ``on_begin(record, duration_ns, now_ns)`` and
+    ``on_progress(record, elapsed_ns, duration_ns, now_ns)`` are told of the task that is worked on, the second one
+    ``progress_frequency`` times a simulated second. Not thread-safe: as the simulation.
+    """
+
+    def __init__(self, simulation, robot_index, ledger, durations, on_begin, on_progress, progress_frequency=0.0):
+        self._queue = simulation.queue
+        self._robot_index = robot_index
+        self._ledger = ledger
+        self._durations = durations
+        self._on_begin = on_begin
+        self._on_progress = on_progress
+        self._progress = simulation.series(robot_index, progress_frequency, self._tell_progress)
+        self._end = None  # the event
+        self._began_ns = 0
+        self._duration_ns = 0
+
+    def elapsed_ns(self, now_ns):
+        """Return for how long the latest task has been worked on [ns]."""
+        return min(now_ns - self._began_ns, self._duration_ns)
+
+    def receive(self, goal_id, stamp_ns, duration_ns, now_ns):
+        """Take a goal in; the task that was under way is ended by it. ``duration_ns`` 0: draw one."""
+        record = self._ledger.receive(goal_id, stamp_ns, now_ns)
+        if record is None:
+            return
+        self._stop()
+        self._began_ns = now_ns
+        self._duration_ns = duration_ns or self._durations.draw_ns()
+        if duration_ns < 0:
+            self._duration_ns = 0
+            self._ledger.finish(aborted('duration must be >= 0 s, got {:g} s'.format(duration_ns / NS_PER_S)), now_ns)
+            return
+        self._on_begin(record, self._duration_ns, now_ns)
+        self._end = self._queue.schedule(now_ns + self._duration_ns, self._robot_index, self._done)
+        if self._progress is not None:
+            self._progress.start(now_ns)
+
+    def cancel(self, goal_id, stamp_ns, now_ns):
+        """Take a cancel request in, as of GoalLedger.cancel; the task ends at once."""
+        if self._ledger.cancel(goal_id, stamp_ns, now_ns):
+            self._stop()
+            self._ledger.finish(CANCELLED, now_ns)
+
+    def shut_down(self, outcome, now_ns):
+        """End the task that is under way with an Outcome."""
+        self._stop()
+        self._ledger.finish(outcome, now_ns)
+
+    def _done(self, due_ns, _now_ns):
+        self._end = None
+        self._stop()
+        self._ledger.finish(DONE, due_ns)
+
+    def _stop(self):
+        if self._end is not None:
+            self._end.cancel()
+            self._end = None
+        if self._progress is not None:
+            self._progress.stop()
+
+    def _tell_progress(self, due_ns, _now_ns):
+        self._on_progress(self._ledger.active, due_ns - self._began_ns, self._duration_ns, due_ns)
