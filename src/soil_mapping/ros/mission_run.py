@@ -39,7 +39,12 @@ class MissionRun:
         self._events = events
         self._computing = computing
         self._show = show
-        self.wall_s = None  # of the mission, once it is over
+        self.began = self.ended = None  # wall s (perf_counter) at which the mission did
+
+    @property
+    def wall_s(self):
+        """How long the mission took [wall s], once it is over."""
+        return self.ended - self.began
 
     def wait_until_ready(self, participant=None, check=lambda: None):
         """Wait for all robots.
@@ -81,7 +86,7 @@ class MissionRun:
 
     def run(self):
         """Carry the mission out, to its end. :raises MissionFailed: if ROS is shut down meanwhile."""
-        began = time.perf_counter()
+        self.began = time.perf_counter()
         start_ns = now_ns()
         commands = self._coordinator.start(start_ns)
         threading.Thread(target=self._tell_end, name='budget', daemon=True).start()
@@ -89,7 +94,7 @@ class MissionRun:
         while not (self._coordinator.complete or self._take_events()):
             pass
         self._finish()
-        self.wall_s = time.perf_counter() - began
+        self.ended = time.perf_counter()
 
     def shut_down(self):
         """End the waiting for robots: ROS goes down. From any thread."""
@@ -116,9 +121,8 @@ class MissionRun:
                 events.append(self._events.get_nowait())
         if SHUTDOWN in events:
             raise MissionFailed('ROS was shut down during the mission')
-        with self._computing():
-            for index, handle in sorted((event for event in events if event is not END), key=lambda event: event[0]):
-                self._carry_out(self._tell(index, handle))
+        for index, handle in sorted((event for event in events if event is not END), key=lambda event: event[0]):
+            self._carry_out(self._tell(index, handle))
         self._show()
         return END in events
 
@@ -136,7 +140,9 @@ class MissionRun:
         if not reached:
             raise MissionFailed(f"{robot.namespace} could not sample: '{handle.get_goal_status_text()}'")
         place = robot.place()
-        return self._coordinator.sampled(index, at_ns, place, self._coordinator.truth.value_at(place.x, place.y))
+        with self._computing():
+            value = self._coordinator.truth.value_at(place.x, place.y)
+            return self._coordinator.sampled(index, at_ns, place, value)
 
     def _carry_out(self, commands):
         for command in commands:

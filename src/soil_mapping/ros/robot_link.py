@@ -88,11 +88,11 @@ class RobotLink:
 
     def is_reached(self, handle):
         """Return whether a goal of a handle is the one under way, and has been reached."""
-        return handle is self._handle and handle.get_terminal_state() == GoalStatus.SUCCEEDED
+        return handle == self._handle and handle.get_terminal_state() == GoalStatus.SUCCEEDED
 
     def end_of_goal(self, handle):
         """Return whether a goal that has ended was reached; it is no longer under way. None if it is an older one."""
-        if handle is not self._handle:
+        if handle != self._handle:
             return None
         self._handle = None
         return handle.get_terminal_state() == GoalStatus.SUCCEEDED

@@ -1,0 +1,22 @@
+"""What the clock does while the mission computes.
+
+Real time: it goes on. The scaled clock of the time master: it is held, so that computing takes the simulated time that
+it would take on a robot. Lockstep: it stands, and the node's charge (~lockstep_charge) says how long computing took.
+"""
+
+import contextlib
+
+import rospy
+
+from move_base_abstract_ros.time_master_client import TimeMasterClient
+
+HOLD_TIMEOUT_S = 60.0  # wall; no computation takes that long
+
+
+def computing(is_lockstep):
+    """Return a function that makes the context manager for the time in which something is computed."""
+    mode = rospy.get_param('/time_master/mode', None)
+    if is_lockstep or mode is None or not rospy.get_param('~hold', True):
+        return contextlib.nullcontext
+    client = TimeMasterClient()
+    return lambda: client.hold(rospy.get_name(), HOLD_TIMEOUT_S)

@@ -1,0 +1,83 @@
+"""The node ``soil_coordinator``: an ordinary user's node that has robots map the compaction of a field.
+
+It takes the robots as they are: any action server under <robot>/move_base, and <robot>/<task> for the sampling. The
+parameters of the mission are those of soil_mapping.config.TrialConfig, by the same names; docs/soil_study_ros.md.
+"""
+
+import queue
+import sys
+import time
+
+import rospy
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_ros import lockstep
+from soil_mapping.config import TrialConfig
+from soil_mapping.coordinator import Coordinator
+from soil_mapping.field import load_field
+from soil_mapping.result import collect
+from soil_mapping.stopwatch import Stopwatch
+from soil_mapping.trial_folder import TrialFolder
+
+from ..computing import computing
+from ..mission_run import MissionFailed, MissionRun
+from ..robot_link import RobotLink
+from ..views import Views
+
+OWN_PARAMETERS = ('seed', 'names', 'task', 'pose_topic', 'hold', 'output', 'pictures', 'lockstep_rank',
+                  'lockstep_charge')
+
+
+def main():
+    """Run one mission; exit with 0 when it is over, 1 if it could not be carried out."""
+    began = time.perf_counter()
+    rospy.init_node('soil_coordinator')
+    try:
+        raw = rospy.get_param('~', {})
+        config = TrialConfig.from_dict({key: value for key, value in raw.items() if key not in OWN_PARAMETERS})
+        stopwatch = Stopwatch()
+        coordinator = Coordinator(config, raw.get('seed', 0), load_field(config.field, config.cell_m), stopwatch)
+        names = raw.get('names') or [f'robot_{index}' for index in range(config.robots)]
+        if len(names) != config.robots:
+            raise ConfigurationError(f'parameter {rospy.resolve_name("~names")}: got {len(names)} names for '
+                                     f'{config.robots} robots')
+        _carry_out(coordinator, stopwatch, names, raw, began)
+    except (ConfigurationError, MissionFailed) as error:
+        rospy.logfatal('%s: %s', rospy.get_name(), error)
+        sys.exit(1)
+
+
+def _carry_out(coordinator, stopwatch, names, raw, began):
+    """Run the mission and write its folder, if one is wanted."""
+    ready = time.perf_counter()
+    run = run_mission(coordinator, names, raw.get('task', 'take_sample'),
+                      raw.get('pose_topic', 'base_pose_ground_truth'), stopwatch)
+    stopwatch.seconds.update(mission=run.wall_s, start_up=ready - began)
+    engine = {'name': 'ros', 'clock': rospy.get_param('/time_master/mode', 'machine')}
+    result = collect(coordinator, engine, stopwatch.seconds, run.wall_s)
+    rospy.loginfo('%s: %s', rospy.get_name(), result.metrics)
+    if raw.get('output'):
+        with TrialFolder(raw['output']) as folder:
+            folder.finish(result, raw.get('pictures', True))
+
+
+def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: None):
+    """Run a mission in this process, whose node is initialised, to its end; return the MissionRun.
+
+    names: of the robots. task: of the sampling action below each. pose_topic: nav_msgs/Odometry in the map frame.
+    check: called while robots are waited for; may raise.
+    """
+    participant = lockstep.join()
+    events = queue.Queue()  # made after joining: its locks are lockstep's then
+    robots = [RobotLink(index, name, task, pose_topic, events) for index, name in enumerate(names)]
+    views = Views(coordinator)
+
+    def show():
+        with stopwatch.phase('maps'):
+            views.refresh()
+    run = MissionRun(coordinator, robots, events, computing(participant is not None), show)
+    rospy.on_shutdown(run.shut_down)
+    run.wait_until_ready(participant, check)
+    run.go_to_start()
+    run.run()
+    return run

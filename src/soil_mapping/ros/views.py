@@ -1,0 +1,110 @@
+"""What the mission looks like in RViz: maps as OccupancyGrid, samples, tasks and ways as markers; RMSE and variance.
+
+Pictures are made for those who listen only: without RViz they cost nothing. Who comes late gets the latest at once.
+"""
+
+import numpy as np
+import rospy
+from geometry_msgs.msg import Point
+from nav_msgs.msg import OccupancyGrid
+from std_msgs.msg import ColorRGBA, Float64
+from visualization_msgs.msg import Marker, MarkerArray
+
+ROBOT_COLOURS = ((0.84, 0.15, 0.16), (0.12, 0.47, 0.71), (0.17, 0.63, 0.17), (0.58, 0.40, 0.74), (1.0, 0.5, 0.05))
+SAMPLE_M, TASK_M, WAY_M = 5.0, 6.0, 1.0  # sizes of markers
+SAMPLE_Z, TASK_Z, WAY_Z = 0.3, 0.2, 0.1  # heights: what matters more lies on top
+
+
+class LatchedView(rospy.SubscribeListener):
+    """A topic whose message is made by make() when there is somebody to see it; None: there is nothing to see yet."""
+
+    def __init__(self, topic, kind, make):
+        super().__init__()
+        self._make = make
+        self._publisher = rospy.Publisher(topic, kind, subscriber_listener=self, queue_size=2)
+
+    def refresh(self):
+        """Publish anew, if anybody listens."""
+        if self._publisher.get_num_connections():
+            message = self._make()
+            if message is not None:
+                self._publisher.publish(message)
+
+    def peer_subscribe(self, _topic_name, _topic_publish, peer_publish):
+        """Show a newcomer the present state."""
+        message = self._make()
+        if message is not None:
+            peer_publish(message)
+
+
+class Views:
+    """All topics that show a mission; below the node's own name. refresh() after each change."""
+
+    def __init__(self, coordinator):
+        self._coordinator = coordinator
+        grid, truth = coordinator.truth.grid, coordinator.truth.values
+        self._cell_m = grid.cell_m
+        self._range = float(truth.min()), float(truth.max())
+        self._told = None
+        self._latched = [
+            LatchedView('~prediction', OccupancyGrid, lambda: self._map('mean', *self._range)),
+            LatchedView('~variance', OccupancyGrid, lambda: self._map('variance', 0.0, float(truth.var()))),
+            LatchedView('~truth', OccupancyGrid, lambda: to_grid(truth, self._cell_m, *self._range)),
+            LatchedView('~markers', MarkerArray, self._markers)]
+        self._rmse = rospy.Publisher('~rmse', Float64, queue_size=10, latch=True)
+        self._mean_variance = rospy.Publisher('~mean_variance', Float64, queue_size=10, latch=True)
+
+    def refresh(self):
+        """Show what has changed."""
+        markers, estimate = self._latched[-1], self._coordinator.estimate
+        markers.refresh()
+        if estimate is None or estimate is self._told:
+            return
+        self._told = estimate
+        self._rmse.publish(estimate.rmse)
+        self._mean_variance.publish(estimate.mean_variance)
+        for view in self._latched[:2]:
+            view.refresh()
+
+    def _map(self, name, low, high):
+        estimate = self._coordinator.estimate
+        return None if estimate is None else to_grid(getattr(estimate, name), self._cell_m, low, high)
+
+    def _markers(self):
+        log = self._coordinator.log
+        markers = [to_points('samples', 0, Marker.SPHERE_LIST, SAMPLE_M, SAMPLE_Z, (0.1, 0.1, 0.1),
+                             [(sample.x, sample.y) for sample in log.samples])]
+        for robot in range(self._coordinator.config.robots):
+            colour = ROBOT_COLOURS[robot % len(ROBOT_COLOURS)]
+            current = self._coordinator.current_task(robot)
+            tasks = ([current] if current else []) + list(self._coordinator.queue(robot))
+            places = [(task.x, task.y) for task in tasks]
+            markers.append(to_points('tasks', robot, Marker.CUBE_LIST, TASK_M, TASK_Z, colour, places))
+            here = [(way.x, way.y) for way in log.waypoints if way.robot == robot][-1:]
+            markers.append(to_points('ways', robot, Marker.LINE_STRIP, WAY_M, WAY_Z, colour,
+                                     here + places if here and places else []))
+        return MarkerArray(markers)
+
+
+def to_grid(values, cell_m, low, high):
+    """Return values (rows from the south) as an OccupancyGrid in the map frame, low..high as 0..100."""
+    grid = OccupancyGrid()
+    grid.header.frame_id = 'map'
+    grid.header.stamp = grid.info.map_load_time = rospy.Time.now()
+    grid.info.resolution = cell_m
+    grid.info.height, grid.info.width = values.shape
+    grid.info.origin.orientation.w = 1.0
+    share = (values - low) / (high - low) if high > low else np.zeros(values.shape)
+    grid.data = np.rint(100.0 * np.clip(share, 0.0, 1.0)).astype(np.int8).ravel().tolist()
+    return grid
+
+
+def to_points(namespace, number, kind, size_m, height_m, colour, places):
+    """Return a marker of many places (x, y) [m, map frame]; one without places deletes what was shown before."""
+    marker = Marker(ns=namespace, id=number, type=kind, action=Marker.ADD if places else Marker.DELETE)
+    marker.header.frame_id = 'map'
+    marker.pose.orientation.w = 1.0
+    marker.scale.x = marker.scale.y = marker.scale.z = size_m
+    marker.color = ColorRGBA(*colour, 1.0)
+    marker.points = [Point(x, y, height_m) for x, y in places]
+    return marker

@@ -1,0 +1,65 @@
+"""One trial to run: the mission, its seed, and the engine with what only that engine knows."""
+
+from dataclasses import dataclass, field
+
+from move_base_abstract.errors import ConfigurationError
+from soil_mapping.config import TrialConfig
+
+ENGINES = ('ros', 'mesa')
+CLOCKS = ('lockstep', 'scaled')
+
+
+@dataclass(frozen=True)
+class TrialSpec:
+    """What makes a trial the trial it is. :raises ConfigurationError: if values do not go together."""
+
+    config: TrialConfig = field(default_factory=TrialConfig)
+    seed: int = 0
+    engine: str = 'ros'
+    clock: str = 'lockstep'  # of ROS
+    factor: float = 10.0  # simulated s per wall s; of the scaled clock
+    limit: float = 0.0  # at most so many simulated s per wall s in lockstep; 0 = no limit
+    charge: str = 'none'  # what computing costs in lockstep: none, fixed:SECONDS, measured[:FILE], replay:FILE, ...
+    motion: str = 'euclidean'  # of Mesa
+
+    def __post_init__(self):
+        for name, allowed in (('engine', ENGINES), ('clock', CLOCKS)):
+            if getattr(self, name) not in allowed:
+                raise ConfigurationError(f'{name} must be one of {", ".join(allowed)}, got {getattr(self, name)!r}')
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
+            raise ConfigurationError(f'seed must be a whole number >= 0, got {self.seed!r}')
+        if not 0.01 <= self.factor <= 1e6:
+            raise ConfigurationError(f'factor must lie in 0.01..1e6, got {self.factor!r}')
+        if self.limit != 0.0 and not 0.01 <= self.limit <= 1e6:
+            raise ConfigurationError(f'limit must be 0 (none) or lie in 0.01..1e6, got {self.limit!r}')
+
+    @property
+    def about_engine(self):
+        """The engine and its options, as they stand in trial.json; what does not apply is left out."""
+        if self.engine == 'mesa':
+            return {'name': 'mesa', 'motion': self.motion}
+        if self.clock == 'scaled':
+            return {'name': 'ros', 'clock': 'scaled', 'factor': self.factor}
+        return {'name': 'ros', 'clock': 'lockstep', 'limit': self.limit, 'charge': self.charge}
+
+    @property
+    def group(self):
+        """A name for trials of the same engine and clock, fit for a folder: 'mesa', 'ros-lockstep', 'ros-10x', ..."""
+        if self.engine == 'mesa':
+            return 'mesa' if self.motion == 'euclidean' else f'mesa-{self.motion}'
+        if self.clock == 'scaled':
+            return f'ros-{self.factor:g}x'
+        parts = [f'limit-{self.limit:g}x'] if self.limit else []
+        if self.charge != 'none':
+            parts.append('charge')
+        return '-'.join(['ros-lockstep', *parts])
+
+    @property
+    def name(self):
+        """Where the trial belongs below a study's folder of trials."""
+        return f'{self.group}/{self.config.allocation.value}_{self.config.sampling.value}/seed_{self.seed:03d}'
+
+    def is_of(self, about):
+        """Return whether trial.json's content (a mapping) is of this trial."""
+        own = self.config.to_dict(), self.seed, self.about_engine
+        return (about['config'], about['seed'], about['engine']) == own
