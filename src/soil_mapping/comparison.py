@@ -1,0 +1,134 @@
+"""How alike two studies are: the published measure, its noise floor, and measures that feel scale.
+
+A study is a mapping from a configuration's name to an array of trials, shape (trials, metrics), its columns in the
+order of METRICS. Both studies of a comparison have the same configurations.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .seeds import Purpose, generator
+
+METRICS = ('rmse_kpa', 'mean_variance_kpa2', 'samples', 'distance_m', 'idle_s', 'task_s')  # waiting is 0 everywhere
+RESAMPLES = 2000
+PUBLISHED_TABLE = (  # Table 1 of the TAROS 2023 abstract: first study, second study, mean cosine similarity
+    ('TAROS 22 Mesa trials', 'TAROS 23 stage_ros trials - 10x sim. speed', 0.969960079),
+    ('TAROS 23 stage_ros trials - 1x sim. speed', 'TAROS 23 stage_ros trials - 10x sim. speed', 0.992865229),
+    ('TAROS 23 stage_ros trials - 1x sim. speed', 'TAROS 23 stage_ros trials - 15x sim. speed', 0.869587149),
+)
+PUBLISHED_OVERALL_SPEED_UPS = ((10.0, 2.87), (15.0, 14.18))  # nominal factor, simulated s per wall s over all
+
+
+class Difference(NamedTuple):
+    """One metric of one configuration, second study against first."""
+
+    configuration: str
+    metric: str
+    first_mean: float
+    second_mean: float
+    first_sd: float  # of the trials, n - 1
+    second_sd: float
+    relative: float  # (second - first) / |first| of the means; NaN where the first is 0 and the second is not
+    standardised: float  # (second - first) of the means / pooled sd of the trials; +-inf where that is 0
+
+
+def trial_row(metrics):
+    """Return the row of a trial's Metrics."""
+    return [float(getattr(metrics, name)) for name in METRICS]
+
+
+def cosine_similarity(first, second):
+    """Return the mean over the metrics of the cosine between the studies' vectors of configuration means.
+
+    Blunt: it does not feel scale, and positive vectors are never far apart. A vector of zeros is like another one (1)
+    and unlike any other (0). NaN in a trial is left out of its mean.
+    """
+    return float(np.mean(metric_cosines(first, second)))
+
+
+def metric_cosines(first, second):
+    """Return the cosine per metric, in the order of METRICS."""
+    return _cosines(_means(first, first), _means(second, first))
+
+
+def noise_floor(study, trials=10, resamples=RESAMPLES, seed=0, level=0.95):
+    """Return the (lower, upper) end of the range in which the cosine similarity of two runs of one study lies.
+
+    Both runs are drawn from the study's own trials, with replacement, so many per configuration (percentile bootstrap:
+    B. Efron and R. Tibshirani, An Introduction to the Bootstrap, 1993, chapter 13). Two runs that differ by chance only
+    score within that range in level of all cases.
+    """
+    chance = generator(seed, Purpose.BOOTSTRAP)
+    scores = [np.mean(_cosines(_redrawn_means(study, trials, chance), _redrawn_means(study, trials, chance)))
+              for _ in range(resamples)]
+    tail = 50.0 * (1.0 - level)
+    return tuple(float(bound) for bound in np.percentile(scores, (tail, 100.0 - tail)))
+
+
+def differences(first, second):
+    """Return a Difference per configuration and metric, configurations in the order of the first study."""
+    found = []
+    for name in _names(first, second):
+        a, b = np.asarray(first[name], dtype=float), np.asarray(second[name], dtype=float)
+        for column, metric in enumerate(METRICS):
+            found.append(_difference(name, metric, a[:, column], b[:, column]))
+    return found
+
+
+def bootstrap_interval(first, second, comparisons=1, resamples=20 * RESAMPLES, seed=0, level=0.95):
+    """Return the (lower, upper) end of the bootstrap interval of the difference of means, second - first.
+
+    :param first, second: values of one metric, shape (trials,).
+    :param comparisons: how many such intervals are looked at together: the level is corrected so that all of them
+        hold with the given probability (Bonferroni). 0 lies inside if no difference is shown.
+    """
+    chance = generator(seed, Purpose.BOOTSTRAP)
+    first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
+    change = (second[chance.integers(len(second), size=(resamples, len(second)))].mean(axis=1)
+              - first[chance.integers(len(first), size=(resamples, len(first)))].mean(axis=1))
+    tail = 50.0 * (1.0 - level) / comparisons
+    return tuple(float(bound) for bound in np.percentile(change, (tail, 100.0 - tail)))
+
+
+def _difference(name, metric, a, b):
+    a, b = a[~np.isnan(a)], b[~np.isnan(b)]
+    means = [float(x.mean()) if len(x) else np.nan for x in (a, b)]
+    sds = [float(x.std(ddof=1)) if len(x) > 1 else np.nan for x in (a, b)]
+    change = means[1] - means[0]
+    freedom = len(a) + len(b) - 2
+    pooled = np.sqrt(((len(a) - 1) * sds[0] ** 2 + (len(b) - 1) * sds[1] ** 2) / freedom) if freedom > 0 else np.nan
+    return Difference(name, metric, *means, *sds, _ratio(change, abs(means[0]), np.nan),
+                      _ratio(change, float(pooled), np.copysign(np.inf, change)))
+
+
+def _ratio(change, by, if_zero):
+    """Return change / by; 0 where nothing changed, if_zero where something did and by is 0."""
+    if change == 0.0:
+        return 0.0
+    return float(if_zero) if by == 0.0 else float(change / by)
+
+
+def _names(first, second):
+    if set(first) != set(second):
+        raise ValueError(f'the studies must have the same configurations, got {sorted(first)} and {sorted(second)}')
+    return list(first)
+
+
+def _means(study, like):
+    """Return the configuration means, shape (configurations, metrics), in the order of the study like."""
+    return np.array([np.nanmean(np.asarray(study[name], dtype=float), axis=0) for name in _names(like, study)])
+
+
+def _redrawn_means(study, trials, chance):
+    rows = (np.asarray(rows, dtype=float) for rows in study.values())
+    return np.array([np.nanmean(r[chance.integers(len(r), size=trials)], axis=0) for r in rows])
+
+
+def _cosines(first, second):
+    """Return the cosine of each pair of columns; 1 for two zero columns, 0 for one."""
+    product = (first * second).sum(axis=0)
+    lengths = np.linalg.norm(first, axis=0), np.linalg.norm(second, axis=0)
+    both = lengths[0] * lengths[1]
+    zero = np.where((lengths[0] == 0.0) & (lengths[1] == 0.0), 1.0, 0.0)
+    return np.where(both == 0.0, zero, product / np.where(both == 0.0, 1.0, both))
