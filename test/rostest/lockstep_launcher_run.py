@@ -64,8 +64,12 @@ class Programs:
         rospy.signal_shutdown('the tests are over')
         self.ros.close()
 
-    def run(self, programs, until, fleet=(), parameters=None, clock=None, load=0):
-        """Run programs {name: words} in lockstep, and robots; clock: parameters of the time master."""
+    def run(self, programs, until, fleet=(), parameters=None, clock=None, load=0, commands=None, wall_limit=None):
+        """Run programs {name: words} in lockstep, and robots; clock: parameters of the time master.
+
+        commands: whole command lines of programs that are started in another way; wall_limit [s]: the run is over then.
+        """
+        self.forget_clock()
         for name, value in (parameters or {}).items():
             self.ros.set_param(name, value)
         self._count += 1
@@ -77,7 +81,7 @@ class Programs:
         children = {}
         try:
             with busy(load):
-                state = self._run(programs, fleet, children, until)
+                state = self._run(programs, fleet, children, until, commands or {}, wall_limit)
         finally:
             self.ros.end(master)
             outputs, codes = self._end(children)
@@ -85,21 +89,30 @@ class Programs:
             log = stream.read()
         return Run(log, outputs, codes, state)
 
-    def _run(self, programs, fleet, children, until):
+    @staticmethod
+    def forget_clock():
+        """Remove the parameters of the last run's time master."""
+        if rospy.has_param('/time_master'):
+            rospy.delete_param('/time_master')
+
+    def _run(self, programs, fleet, children, until, commands, wall_limit):
         """Start everything and wait for the end; return the time master's state then."""
         if fleet:
             children['fleet'] = self.ros.run('fleet', 'fleet', parameters={
                 'defaults': {'max_speed': 1.0}, 'robots': [dict(robot) for robot in fleet]})
         for name, words in programs.items():
-            children[name] = self.ros.spawn('/' + name, command(words, name))
+            children[name] = self.ros.spawn('/' + name, commands.get(name) or command(words, name))
         TimeMasterClient().run_until(until)
-        deadline = time.monotonic() + GUARD
+        began = time.monotonic()
         while True:
             state = rospy.wait_for_message('/time_master/state', TimeState, timeout=GUARD)
-            if state.phase in _OVER and not (state.phase == 'paused' and state.sim_time.to_sec() < until):
+            took = time.monotonic() - began
+            if state.phase in _OVER and not (state.phase == 'paused' and state.sim_time.to_sec() < until) or (
+                    wall_limit is not None and took > wall_limit):
                 return state
-            if time.monotonic() > deadline:
+            if took > GUARD:
                 outputs, _ = self._end(children)
+                children.clear()
                 raise AssertionError('the run has not ended within {} s; it is {} at {} s:\n{}\n{}'.format(
                     GUARD, state.phase, state.sim_time.to_sec(), state, outputs))
             time.sleep(0.02)
@@ -128,7 +141,13 @@ def command(words, name):
     options, words = split(words)
     if words[0].endswith('.py') and '/' not in words[0]:
         words = [os.path.join(FOLDER, words[0])] + words[1:]
-    return [sys.executable, find_executable('lockstep'), *options, *words, '__name:={}'.format(name)]
+    return [sys.executable, find_executable('lockstep'), *options, *words, *remaps(name)]
+
+
+def remaps(name):
+    """Return the words that give a node its name and namespace."""
+    namespace, _, base = name.rpartition('/')
+    return ['__name:=' + base] + (['__ns:=/' + namespace] if namespace else [])
 
 
 def split(words):

@@ -1,0 +1,19 @@
+#!/usr/bin/env python3
+"""Has a mistake that shows after a while."""
+import rospy
+
+
+def drive(places):
+    return places[3]
+
+
+def main():
+    rospy.init_node('failing')
+    rospy.sleep(1.5)
+    try:
+        drive([])
+    except IndexError:
+        raise RuntimeError('at %.1f s' % rospy.get_time())
+
+
+main()
