@@ -202,6 +202,8 @@ bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& re
                                  request.num_bytes - head);
   const auto [status, bytes] = shim::call(service, payload);
   if (status == wire::CallStatus::kNoServer) {
+    shim::node().label("service " + service +
+                       ", which was called, is offered by a node that does not take part");
     const shim::Blocking blocking;  // time stands until the other node has answered
     return function(this, request, response, md5);
   }

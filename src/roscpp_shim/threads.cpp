@@ -1,9 +1,11 @@
 // The program's threads, and where they wait by means of libc: conditions, locks, joins, sleeps.
 #include <dlfcn.h>
 #include <pthread.h>
+#include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
@@ -29,10 +31,15 @@ using CondSignal = int(pthread_cond_t*);
 using Create = int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
 using NanoSleep = int(const timespec*, timespec*);
 
-/** @brief What a thread has read from a clock of the wall: what its next deadline starts from. */
+constexpr Nanoseconds kPreparation = 1'000'000;  // of a thread's processor time
+
+/** @brief What a thread has read from the clocks of the wall: what its next deadline starts from.
+ */
 struct Readings {
   Nanoseconds last[2] = {0, 0};
-  Nanoseconds expired[2] = {0, 0};  // deadline that passed in simulated time; read once
+  std::uint64_t round = 0;  // in which it has read first, with these real clocks
+  Nanoseconds processor = 0;
+  Nanoseconds monotonic = 0;
 };
 thread_local Readings t_readings __attribute__((tls_model("initial-exec")));
 
@@ -44,24 +51,73 @@ GetTime* realGetTime() {
   return function;
 }
 
-Nanoseconds wallNow(clockid_t clock) {
-  timespec now{};
-  realGetTime()(clock, &now);
-  return toNs(now);
+/**
+ * @brief The clocks of the wall as the program's threads see them: they go on with simulated time,
+ * and stand while a thread only prepares a wait, so that its deadline is exact.
+ *
+ * What a thread computes for longer is seen, too; not so with --sleep simulated, where both clocks
+ * are simulated time itself. ros::WallTime stays the wall's (without --sleep simulated).
+ */
+class SeenClock {
+ public:
+  Nanoseconds read(clockid_t clock) {
+    const Nanoseconds simulated = node().now();
+    if (node().sleepsSimulated()) {
+      return simulated;
+    }
+    const Nanoseconds processor = read(CLOCK_THREAD_CPUTIME_ID, 0);
+    const Nanoseconds monotonic = read(CLOCK_MONOTONIC, 0);
+    if (begin_ == 0) {
+      begin_ = simulated;
+      walls_[0] = read(CLOCK_REALTIME, 0);
+      walls_[1] = monotonic;
+    }
+    Readings& mine = t_readings;
+    if (mine.round != node().round()) {
+      mine = Readings();
+      mine.round = node().round();
+      mine.processor = processor;
+      mine.monotonic = monotonic;
+    } else if (processor - mine.processor > kPreparation) {
+      computed_ += monotonic - mine.monotonic;
+      mine.processor = processor;
+      mine.monotonic = monotonic;
+    }
+    return walls_[clock == CLOCK_REALTIME ? 0 : 1] + simulated - begin_ + computed_;
+  }
+
+  void addSleep(Nanoseconds duration) { computed_ += duration; }
+
+ private:
+  static Nanoseconds read(clockid_t clock, int) {
+    timespec now{};
+    realGetTime()(clock, &now);
+    return toNs(now);
+  }
+
+  Nanoseconds begin_ = 0;
+  Nanoseconds walls_[2] = {0, 0};
+  Nanoseconds computed_ = 0;  // only who has the turn reads or writes
+};
+
+SeenClock& seenClock() {
+  static SeenClock* const instance = new SeenClock;
+  return *instance;
 }
 
-/** @brief With --sleep simulated: the wall clock as of the first reading, and simulated time since.
- */
-Nanoseconds simulatedWall(clockid_t clock) {
-  static const Nanoseconds begin = node().now();
-  static const Nanoseconds walls[2] = {wallNow(CLOCK_REALTIME), wallNow(CLOCK_MONOTONIC)};
-  return walls[clock == CLOCK_REALTIME ? 0 : 1] + node().now() - begin;
+/** @brief One of the program's threads reads a clock, of which it sees @p step [ns]. */
+Nanoseconds readSeen(clockid_t clock, Nanoseconds step) {
+  const Nanoseconds now = seenClock().read(clock);
+  t_readings.last[clock == CLOCK_REALTIME ? 0 : 1] = now - now % step;
+  return now - now % step;
 }
 
 /** @return how long a wait until @p deadline is meant to last. */
 Nanoseconds remaining(clockid_t clock, const timespec& deadline) {
-  const Nanoseconds read = t_readings.last[clock == CLOCK_REALTIME ? 0 : 1];
-  return toNs(deadline) - (read > 0 ? read : wallNow(clock));
+  const int index = clock == CLOCK_REALTIME ? 0 : 1;
+  const bool is_fresh = t_readings.round == node().round() && t_readings.last[index] > 0;
+  // The thread may have computed since it read the clock, or may have been held up.
+  return toNs(deadline) - (is_fresh ? t_readings.last[index] : readSeen(clock, 1));
 }
 
 /** @brief Take a lock; where one of the program's waiting threads has it, let that one go on. */
@@ -104,11 +160,7 @@ int waitOn(pthread_cond_t* condition, pthread_mutex_t* mutex, Nanoseconds lasts)
 
 int waitOnUntil(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
                 const timespec& deadline) {
-  const int result = waitOn(condition, mutex, remaining(clock, deadline));
-  if (result == ETIMEDOUT) {
-    t_readings.expired[clock == CLOCK_REALTIME ? 0 : 1] = toNs(deadline);
-  }
-  return result;
+  return waitOn(condition, mutex, remaining(clock, deadline));
 }
 
 /** @brief A sleep by the wall clock, of a thread that has the turn. */
@@ -128,6 +180,7 @@ void sleepWall(Nanoseconds duration, const timespec& request, NanoSleep* sleep) 
     sleep(&request, nullptr);
   }
   if (me.slept < kPatience) {
+    seenClock().addSleep(duration);
     wait.next_round = true;  // what has happened at this instant is seen after the sleep
   } else {
     node().label(
@@ -319,20 +372,22 @@ int sched_yield() {
 }
 
 int clock_gettime(clockid_t clock, timespec* time) {
-  if (shim::Turn::self() == nullptr || shim::Turn::isInside() ||
-      (clock != CLOCK_REALTIME && clock != CLOCK_MONOTONIC)) {
+  if ((clock != CLOCK_REALTIME && clock != CLOCK_MONOTONIC) || !shim::turn().holds()) {
     return shim::realGetTime()(clock, time);
   }
-  const int index = clock == CLOCK_REALTIME ? 0 : 1;
-  std::int64_t& expired = shim::t_readings.expired[index];
-  std::int64_t now =
-      shim::node().sleepsSimulated() ? shim::simulatedWall(clock) : shim::wallNow(clock);
-  if (expired > now) {
-    now = expired;
+  *time = shim::toTimespec(shim::readSeen(clock, 1));
+  return 0;
+}
+
+int gettimeofday(timeval* time, void* zone) {
+  using GetTimeOfDay = int(timeval*, void*);
+  static GetTimeOfDay* const function = shim::real<GetTimeOfDay>("gettimeofday");
+  if (!shim::turn().holds()) {
+    return function(time, zone);
   }
-  expired = 0;
-  shim::t_readings.last[index] = now;
-  *time = shim::toTimespec(now);
+  constexpr std::int64_t kMicrosecond = 1000;
+  const timespec now = shim::toTimespec(shim::readSeen(CLOCK_REALTIME, kMicrosecond));
+  *time = {now.tv_sec, now.tv_nsec / kMicrosecond};
   return 0;
 }
 

@@ -246,6 +246,28 @@ bool Time::sleepUntil(const Time& end) {
   return shim::sleepUntil(static_cast<std::int64_t>(end.toNSec()));
 }
 
+// The wall clocks of ROS stay what they are, unless the program's sleeps are simulated.
+
+WallTime WallTime::now() {
+  using Now = WallTime();
+  static Now* const function = shim::real<Now>("_ZN3ros8WallTime3nowEv");
+  if (shim::node().sleepsSimulated()) {
+    return function();
+  }
+  const shim::Inside inside;
+  return function();
+}
+
+SteadyTime SteadyTime::now() {
+  using Now = SteadyTime();
+  static Now* const function = shim::real<Now>("_ZN3ros10SteadyTime3nowEv");
+  if (shim::node().sleepsSimulated()) {
+    return function();
+  }
+  const shim::Inside inside;
+  return function();
+}
+
 // ---- callback queues -------------------------------------------------------------------------
 
 void CallbackQueue::callAvailable(WallDuration timeout) {

@@ -1,8 +1,7 @@
 """Runs of unmodified roscpp binaries in lockstep, for the tests of the shim: the event log has every message.
 
-    RUNS = Runs()
-    run = RUNS.run([Program('rate', own('shim_rate'), frequency=7.0), Program('relay', RELAY, '/ticks', '/relayed')])
-    run.texts('/ticks')                               # what std_msgs/String messages said, in order
+    run = Runs().run([Program('rate', own('shim_rate'), frequency=7.0), recorder('/ticks')])
+    run.printed(1)                                    # what std_msgs/String messages said, and when
 """
 
 import json
@@ -17,6 +16,8 @@ import rosgraph
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
 GUARD = 40.0  # s, wall
+#: the programs' logs are read while they run
+os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
 #: keeps both cores busy
 LOAD = 'while True:\n    sum(range(1000))\n'
 
@@ -38,25 +39,33 @@ class Program:
         self.parameters = parameters
 
 
-class Run:
-    """What came out of a run: the event log up to the moment when the first program had ended."""
+def recorder(*topics):
+    """Return a program that prints std_msgs/String messages with the time."""
+    return Program('recorder', own('shim_recorder'), topics=list(topics))
 
-    def __init__(self, path, code, outputs):
+
+class Run:
+    """What came out of a run: its messages and calls, its labels, and what the programs printed."""
+
+    def __init__(self, path, code, outputs, parameters):
         with open(path, encoding='utf-8') as log:
             records = [json.loads(line) for line in log]
-        self.end = records[-1]
+        end = records[-1]['end']
+        # The tests end most programs by a signal: that is no property of what is tested.
+        self.labels = [label for label in end['not_repeatable_because'] if ' left at ' not in label]
         self.code = code
         self.outputs = outputs
+        self.parameters = parameters  # of the first program, when it had ended
         self.events = [(record['time_ns'], record['robot'], record['kind'], record['values'])
-                       for record in records[1:-1]]
+                       for record in records[1:-1] if record['kind'] in ('message', 'call', 'response')]
 
     def until(self, seconds):
-        """Return the events before a simulated time."""
+        """Return the messages and calls before a simulated time."""
         return [event for event in self.events if event[0] < seconds * 1e9]
 
-    @property
-    def labels(self):
-        return self.end.get('not_repeatable', [])
+    def printed(self, program):
+        """Return the lines that a recorder (by its place in the list) has printed."""
+        return [line for line in self.outputs[program].splitlines() if line and '\x1b' not in line]
 
 
 class Runs:
@@ -64,7 +73,14 @@ class Runs:
 
     def __init__(self):
         self.ros = None
-        self.count = 0
+
+    def parameters(self, program):
+        master = rosgraph.Master('/run', master_uri=self.ros.uri)
+        return master.getParam('/' + program.name) if master.hasParam('/' + program.name) else {}
+
+    def three(self, programs):
+        """Return three runs that must be the same: alone, under load, and slowed down."""
+        return [self.run(programs), self.run(programs, load=True), self.run(programs, speed_limit=50.0)]
 
     def run(self, programs, load=False, **parameters):
         """Run until the first program has ended by itself; the others are ended then."""
@@ -77,17 +93,17 @@ class Runs:
             try:
                 children = [self.start(program) for program in programs]
                 code = wait_for_end(children)
-                self.values = rosgraph.Master('/run', master_uri=self.ros.uri).getParam('/' + programs[0].name)
+                values = self.parameters(programs[0])
             finally:
                 for burner in burners:
                     burner.kill()
                     burner.wait()
             for child in children:
                 child.signal(signal.SIGINT)  # as Ctrl-C and roslaunch do; roscpp knows no SIGTERM
-            for child in [*children, master]:
-                child.process.wait(GUARD) if child is not master else None
-                self.ros.end(child)
-            return Run(path, code, [read(child) for child in children])
+            for child in children:
+                child.process.wait(GUARD)
+            self.ros.end(master)
+            return Run(path, code, [read(child) for child in children], values)
 
     def start(self, program):
         for key, value in program.parameters.items():

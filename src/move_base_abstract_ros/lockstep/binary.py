@@ -40,7 +40,7 @@ def prepare(path, rank, sleep, environment):
         return dict(environment)  # it takes part by itself
     if not any(name.startswith(_ROSCPP) for name in needed):
         raise ValueError("'{}' is no roscpp program: it needs {}, but not {}; programs that it starts can be given "
-                         'themselves'.format(path, ', '.join(needed) or 'no library (it is linked statically)', _ROSCPP))
+                         'themselves'.format(path, ', '.join(needed) or 'no library (it is static)', _ROSCPP))
     if os.stat(path).st_mode & (stat.S_ISUID | stat.S_ISGID):
         raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system lets nobody "
                          'preload a library into it'.format(path))

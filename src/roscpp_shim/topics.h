@@ -1,0 +1,72 @@
+// The program's topics as the time master knows them.
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TOPICS_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TOPICS_H
+
+#include <ros/publisher_link.h>
+#include <ros/subscriber_link.h>
+#include <ros/subscription.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "turn.h"
+
+namespace move_base_abstract::shim {
+
+class MemberSubscriber;
+class MemberPublisher;
+
+struct Topic {
+  std::uint32_t number = 0;
+  std::string name;
+  bool is_advertised = false;
+  bool is_subscribed = false;
+  std::map<std::uint32_t, boost::shared_ptr<MemberSubscriber>> receivers;  // by participant
+  std::map<std::uint32_t, boost::shared_ptr<MemberPublisher>> senders;     // by participant
+};
+
+using HandleMessage = std::uint32_t(ros::Subscription*, const ros::SerializedMessage&, bool, bool,
+                                    const boost::shared_ptr<ros::M_string>&,
+                                    const ros::PublisherLinkPtr&);
+
+/** @return roscpp's own Subscription::handleMessage. */
+HandleMessage* handleMessage();
+
+/** @brief Topics by number and name; the lock is for readers in roscpp's own threads. */
+class Topics {
+ public:
+  Topic& of(const std::string& name) {
+    const auto [at, is_new] =
+        numbers_.emplace(name, static_cast<std::uint32_t>(numbers_.size() + 1));
+    Topic& topic = topics_[at->second];
+    topic.number = at->second;
+    topic.name = name;
+    return topic;
+  }
+  Topic* of(std::uint32_t number) {
+    const auto found = topics_.find(number);
+    return found == topics_.end() ? nullptr : &found->second;
+  }
+
+  /** The message that is being published to all, and whether it is in the report already. */
+  const Topic* broadcast = nullptr;
+  bool is_sent = false;
+  /** Links of roscpp's to participants: kept, so that they are not made again, but unused. */
+  std::vector<ros::SubscriberLinkPtr> silent;
+  PlainMutex silent_mutex;
+
+ private:
+  std::map<std::string, std::uint32_t> numbers_;
+  std::map<std::uint32_t, Topic> topics_;
+};
+
+Topics& topics();
+/** @return the program's subscription to @p topic, if there is one. */
+ros::SubscriptionPtr subscriptionTo(const std::string& topic);
+/** @return whether @p link leads to a participant through the time master. */
+bool isMemberLink(const ros::SubscriberLinkPtr& link);
+
+}  // namespace move_base_abstract::shim
+
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TOPICS_H

@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+"""Unmodified roscpp programs in lockstep: Debian's own and nodes of test/cpp_nodes that know nothing of lockstep.
+
+What is said to be exact is run three times (alone, under load, slowed down) and must leave the same event log; its
+values are those that simulated time dictates.
+"""
+
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import rosbag
+import rostest
+from lockstep_raw_client import RawClient
+from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder
+
+from move_base_abstract_ros.loopback import Loopback, find_executable
+
+RUNS = Runs()
+SECOND = 10 ** 9
+TOPIC_TOOLS = '/usr/lib/topic_tools/'
+
+
+def rate(frequency=10.0, ticks=100, **more):
+    return Program('rate', own('shim_rate'), frequency=frequency, ticks=ticks, **more)
+
+
+def ticks_at(topic, times, numbers):
+    return [f'{at} {topic} {number} {sent}' for at, number, sent in zip(times, numbers, times)]
+
+
+class LockstepRoscppTest(unittest.TestCase):
+    def same(self, programs, until=1e9):
+        """Return the first of three runs, which are the same."""
+        runs = RUNS.three(programs)
+        first = runs[0].until(until)
+        self.assertTrue(first)
+        for run in runs:
+            self.assertEqual(run.code, 0, run.outputs)
+            self.assertEqual(run.labels, [])
+            self.assertEqual(run.until(until), first)
+        return runs[0]
+
+    def test_ten_thousand_ticks_of_a_rate_none_off(self):
+        run = RUNS.run([rate(frequency=40.0, ticks=10000, quiet=True)])
+        self.assertEqual(run.parameters['off'], 0)
+        # Far below what it does (docs/lockstep_roscpp.md), far above what a poll every millisecond allows.
+        self.assertGreater(run.parameters['ticks_per_second'], 1200)
+
+    def test_relay_and_a_callback_that_sleeps(self):
+        run = self.same([rate(ticks=20), recorder('/heard', '/relayed'),
+                         Program('listener', own('shim_listener'), work=0.25),
+                         Program('relay', TOPIC_TOOLS + 'relay', '/ticks', '/relayed')])
+        lines = run.printed(1)
+        times = [SECOND + k * SECOND // 10 for k in range(1, 21)]
+        # relay advertises when its first message has come, and that one finds nobody who listens yet.
+        self.assertEqual([line for line in lines if 'relayed' in line], ticks_at('/relayed', times[1:], range(2, 21)))
+        heard = [line.split()[2:5] for line in lines if '/heard' in line]
+        self.assertEqual(heard[0], [str(1350000000), 'heard', '1'])
+        self.assertEqual(heard[3], [str(2100000000), 'heard', '4'])
+
+    def test_throttle(self):
+        run = self.same([rate(ticks=60), recorder('/throttled'),
+                         Program('throttle', TOPIC_TOOLS + 'throttle', 'messages', '/ticks', '1.0', '/throttled')])
+        times = [SECOND + k * SECOND // 10 for k in (12, 23, 34, 45, 56)]  # it wants more than a second
+        self.assertEqual(run.printed(1), ticks_at('/throttled', times, (12, 23, 34, 45, 56)))
+
+    def test_mux(self):
+        run = self.same([rate(ticks=30), recorder('/muxed'),
+                         Program('mux', TOPIC_TOOLS + 'mux', '/muxed', '/ticks', '/other')])
+        self.assertEqual(len(run.printed(1)), 29)
+
+    def test_static_transform_publisher(self):
+        run = self.same([rate(ticks=5), Program('relay', TOPIC_TOOLS + 'relay', '/tf_static', '/copy'),
+                         Program('static', '/usr/lib/tf2_ros/static_transform_publisher', '1', '2', '3', '0', '0', '0',
+                                 'map', 'odom')])
+        self.assertEqual([event[:2] for event in run.events], [(SECOND, '/tf_static')])
+
+    def test_timers_of_all_kinds(self):
+        run = self.same([rate(frequency=1.0, ticks=10), recorder('/fired'), Program('timers', own('shim_timer'))], 10)
+        lines = run.printed(1)
+        for line in lines:
+            words = line.split()
+            self.assertEqual(words[4], words[6], line)  # when it was due and when it fired
+            self.assertEqual(int(words[0]), round(float(words[6]) * 1e9), line)
+        first = [line.split()[2:5:2] for line in lines[:16]]
+        self.assertEqual([at for name, at in first if name == 'slow'], ['1.300000000', '1.600000000', '1.900000000',
+                                                                         '2.200000000'])
+        self.assertEqual([at for name, at in first if name == 'once'], ['2.050000000'])
+        self.assertTrue(any('again expected 4.05' in line for line in lines))
+
+    def test_services(self):
+        run = self.same([Program('client', own('shim_calls'), client=True), recorder('/answers'),
+                         Program('server', own('shim_calls'), work=0.25)])
+        lines = run.printed(1)
+        self.assertEqual([line.split(' ', 3)[2:] for line in lines[:2]],
+                         [['3000000000', 'not found'], ['3000000000', 'found']])
+        self.assertEqual(lines[2:5], [f'{at} /answers {at} at {at}' for at in (3250000000, 4250000000, 5250000000)])
+        self.assertEqual(lines[-1], '23000000000 /answers 23000000000 refused')
+
+    def test_simple_action_client_and_server_with_their_own_threads(self):
+        run = self.same([Program('goals', own('shim_goals'), goals=6), recorder('/results'),
+                         Program('worker', own('shim_worker'))])
+        results = [line.split(' ', 3)[2:] for line in run.printed(1)]
+        self.assertEqual([text for _time, text in results],
+                         ['server is there', *(f'goal {k} SUCCEEDED' for k in range(4)), 'timeout of 4',
+                          'goal 4 PREEMPTED', 'goal 5 SUCCEEDED'])
+        times = [int(time_ns) for time_ns, _text in results]
+        steps = [(after - before) / 1e9 for before, after in zip(times, times[1:])]
+        self.assertEqual(steps, [1.0, 1.1, 1.2, 1.3, 0.5, 0.1, 1.5])
+
+    def test_transform_listener(self):
+        run = self.same([Program('look', own('shim_frames'), look=True), recorder('/looked'),
+                         Program('send', own('shim_frames'))], 10)
+        lines = run.printed(1)
+        self.assertEqual(lines[0], '1503000000 /looked 1500000000 1.500000 at 1503000000')  # tf2 asks every 3 ms here
+        self.assertEqual(lines[10], '6800000000 /looked 6500000000 no transform at 6800000000')
+
+    def test_rosbag_record_has_every_message_with_its_time(self):
+        contents = []
+        for load in (False, True):
+            folder = tempfile.mkdtemp()
+            self.addCleanup(shutil.rmtree, folder)
+            path = os.path.join(folder, 'run.bag')
+            record = Program('record', '/usr/lib/rosbag/record', '-O', path, '/ticks')
+            run = RUNS.run([rate(ticks=200), record], load=load)
+            self.assertEqual(run.labels, [])
+            with rosbag.Bag(path) as bag:
+                contents.append([(topic, message.data, at.to_nsec()) for topic, message, at in bag.read_messages()])
+        times = [SECOND + k * SECOND // 10 for k in range(1, 201)]
+        self.assertEqual(contents[0], [('/ticks', f'{k} {at}', at) for k, at in enumerate(times, 1)])
+        self.assertEqual(contents[0], contents[1])
+
+
+class OutsideTest(unittest.TestCase):
+    """Nodes that do not take part, and runs that are not in lockstep."""
+
+    def start(self, ros, *participants, **parameters):
+        RUNS.ros = ros
+        return ros.run('time_master', 'time_master',
+                       parameters=dict(mode='lockstep', participants=list(participants), **parameters))
+
+    def test_where_the_time_master_is_not_in_lockstep_nothing_changes(self):
+        with Loopback() as RUNS.ros:
+            RUNS.ros.run('time_master', 'time_master', parameters={'factor': 50.0})
+            child = RUNS.start(rate(ticks=20))
+            self.assertEqual(child.process.wait(GUARD), 0, read(child))
+            self.assertEqual(RUNS.parameters(rate())['done'], True)
+
+    def test_a_call_from_outside_is_answered_and_labelled(self):
+        with Loopback() as ros:
+            master = self.start(ros, '/server')
+            server = RUNS.start(Program('server', own('shim_calls'), work=0.5))
+            answer = self.call(ros, '/trigger')
+            self.assertIn('at 1500000000', answer)
+            server.signal(signal.SIGINT)
+            self.assertEqual(server.process.wait(GUARD), 0, read(server))
+            self.assertIn('has reached /server from outside of lockstep', read(master))
+
+    def test_a_call_by_one_who_keeps_time_standing_is_answered(self):
+        with Loopback() as ros:
+            self.start(ros, '/raw', '/server')
+            RUNS.start(Program('server', own('shim_calls')))
+            client = RawClient(self.address(ros)).hello('/raw')
+            self.addCleanup(client.close)
+            client.grant()  # and no report: no round can follow
+            self.assertIn('at 1000000000', self.call(ros, '/trigger'))
+
+    def test_others_go_on_when_a_program_is_killed(self):
+        with Loopback() as ros:
+            master = self.start(ros, '/listener', '/rate')
+            listener = RUNS.start(Program('listener', own('shim_listener')))
+            child = RUNS.start(rate(frequency=1.0, ticks=20000))
+            wait_for(lambda: 'the clock starts' in read(master))
+            listener.signal(signal.SIGKILL)
+            self.assertEqual(child.process.wait(GUARD), 0, read(child))
+            self.assertIn("'/listener' died", read(master))
+
+    def test_the_launcher_says_what_it_cannot_preload_into(self):
+        with Loopback() as ros:
+            self.start(ros, '/none')
+            told = self.launch(ros, '/bin/ls')
+            self.assertIn("'/bin/ls' is no roscpp program: it needs ", told)
+            self.assertIn('but not libroscpp.so', told)
+            folder = tempfile.mkdtemp()
+            self.addCleanup(shutil.rmtree, folder)
+            path = shutil.copy(own('shim_rate'), folder)
+            os.chmod(path, 0o4755)
+            self.assertIn('the system lets nobody preload', self.launch(ros, path))
+
+    def launch(self, ros, path):
+        done = subprocess.run([find_executable('lockstep'), path], env=ros.environment, timeout=GUARD, text=True,
+                              check=False, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        return done.stdout
+
+    def call(self, ros, service):
+        wait_for(lambda: subprocess.run(['rosservice', 'info', service], env=ros.environment, check=False,
+                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0)
+        return subprocess.run(['rosservice', 'call', service], env=ros.environment, timeout=GUARD, text=True,
+                              check=True, stdout=subprocess.PIPE).stdout
+
+    def address(self, ros):
+        def ask():
+            return subprocess.run(['rosparam', 'get', '/time_master/lockstep_address'], env=ros.environment, text=True,
+                                  check=False, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout.strip()
+        wait_for(lambda: ':' in ask())
+        return ask()
+
+
+def wait_for(condition):
+    deadline = time.monotonic() + GUARD
+    while not condition():
+        if time.monotonic() > deadline:
+            raise AssertionError(f'not within {GUARD} s')
+        time.sleep(0.02)
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_roscpp', __name__)

@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""Unmodified roscpp programs with threads of their own in lockstep: one runs at a time, in the same order always."""
+
+import unittest
+
+import rostest
+from lockstep_roscpp_run import Program, Runs, own, recorder
+
+RUNS = Runs()
+
+
+def rate(name='rate', frequency=10.0, ticks=100, topic=None):
+    remaps = [f'ticks:={topic}'] if topic else []
+    return Program(name, own('shim_rate'), frequency=frequency, ticks=ticks, remaps=remaps)
+
+
+class LockstepRoscppThreadsTest(unittest.TestCase):
+    def told(self, what, *others, **parameters):
+        """Return what a program with threads says, the same in three runs: [(ns, text), ...]."""
+        program = Program('threads', own('shim_threads'), what=what, **parameters)
+        runs = RUNS.three([program, recorder('/told', '/polled'), *others])
+        for run in runs:
+            self.assertEqual(run.code, 0, run.outputs)
+            self.assertEqual(run.labels, [])
+            self.assertEqual(run.printed(1), runs[0].printed(1))
+        told = [line.split(' ', 3) for line in runs[0].printed(1)]
+        self.assertTrue(told)
+        for at, _topic, said, _text in told:
+            self.assertEqual(at, said)  # when it came and when it was said
+        return [(int(at), text) for at, _topic, _said, text in told]
+
+    def test_a_thread_for_each_robot_and_a_lock_that_is_held_in_a_sleep(self):
+        told = self.told('robots')
+        self.assertEqual(told[:4], [(1250000000, 'robot 3 has the lock'), (1300000000, 'robot 3 leaves it'),
+                                    (1333333333, 'robot 2 has the lock'), (1383333333, 'robot 2 leaves it')])
+        self.assertEqual(len(told), 80)
+        for (taken, who), (left, leaver) in zip(told[::2], told[1::2]):
+            self.assertEqual((left - taken, leaver.split()[1]), (50000000, who.split()[1]))
+
+    def test_waits_for_conditions_time_out_in_simulated_time(self):
+        told = self.told('queue')
+        self.assertEqual(told[:5], [(1100000000, 'first takes 0'), (1200000000, 'second takes 1'),
+                                    (1300000000, 'first takes 2'), (1700000000, 'second has waited in vain'),
+                                    (1800000000, 'first has waited in vain')])
+
+    def test_an_async_spinner_runs_callbacks_side_by_side(self):
+        told = self.told('spinners', rate(), rate('rate2', 3.0, 50, 'others'), threads=3)
+        begins = {text: at for at, text in told}
+        self.assertEqual(begins['ticks begins 1 1100000000'], 1100000000)
+        self.assertEqual(begins['others begins 1 1333333333'], 1333333333)  # while the other one sleeps
+        self.assertEqual(begins['ticks ends 1 1100000000'], 1450000000)
+
+    def test_a_multi_threaded_program_with_one_thread_in_its_spinner(self):
+        told = self.told('spinners', rate(), rate('rate2', 3.0, 50, 'others'), threads=1)
+        begins = {text: at for at, text in told}
+        # Behind the second and the third message of the other topic, which were there before it.
+        self.assertEqual(begins['others begins 1 1333333333'], 2150000000)
+
+    def test_polls_come_to_an_end(self):
+        told = self.told('polls', rate(ticks=10))
+        self.assertEqual([text for _at, text in told], ['somebody listens', 'five are heard', 'time has gone on'])
+        self.assertLess(told[1][0], 1510000000)  # the fifth came at 1.5 s
+
+    def test_a_wait_that_cannot_be_followed_is_labelled_and_no_hang(self):
+        run = RUNS.run([Program('threads', own('shim_threads'), what='hidden'), recorder('/told')])
+        self.assertEqual(run.code, 0, run.outputs)
+        self.assertEqual([line.split(' ', 3)[3] for line in run.printed(1)], ['keeps its promise', 'got 7', 'goes on'])
+        self.assertEqual(run.labels,
+                         ["'/threads': a thread waits for another one in a way that lockstep does not follow"])
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_roscpp_threads', __name__)
