@@ -9,6 +9,8 @@ import uuid
 import zlib
 from importlib.machinery import SourceFileLoader
 
+from move_base_abstract.lockstep.scheduler import TurnLost
+
 from . import fork, threads, watchdog
 
 _NAME, _NAMESPACE = '__name:=', '__ns:='
@@ -99,6 +101,8 @@ def _call(main):
         main()
     except SystemExit:
         raise
+    except TurnLost:
+        sys.exit(1)  # the run is over, which the log says
     except BaseException as error:
         trace = error.__traceback__
         while trace is not None and _is_ours(trace.tb_frame.f_code.co_filename):
