@@ -23,6 +23,7 @@ import test_summary
 ROOT = Path(__file__).resolve().parent.parent
 WS = ROOT / '.ws'
 RESULTS = WS / 'test_results'
+VENV_PYTHON = WS / 'venv' / 'bin' / 'python'  # the same Python, with what the study needs from PyPI
 ROSTEST = '/usr/bin/rostest'
 GRACE_S = 20.0  # wall seconds between the request to stop and the kill
 
@@ -44,7 +45,7 @@ class Step:
 def all_steps():
     """Return the steps in the order in which they run: the quick ones first."""
     steps = [_gtest(name) for name in ('time_master_test', 'lockstep_test', 'event_log_writer_test')]
-    steps += [_pytest('unit', ROOT / 'test' / 'unit', 300.0)]
+    steps += [_pytest('unit', ROOT / 'test' / 'unit', 300.0, VENV_PYTHON)]
     steps += [_rostest(path) for path in sorted((ROOT / 'test' / 'rostest').glob('*.test'))]
     return [*steps, _pytest('install', ROOT / 'test' / 'install', 300.0)]
 
@@ -55,9 +56,9 @@ def _gtest(target):
     return Step(name, (program, f'--gtest_output=xml:{RESULTS / name}/gtest.xml'), 120.0)
 
 
-def _pytest(name, folder, limit_s):
+def _pytest(name, folder, limit_s, python=sys.executable):
     name = f'pytest_{name}'
-    command = (sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider', folder,
+    command = (python, '-m', 'pytest', '-p', 'no:cacheprovider', folder,
                f'--junitxml={RESULTS / name}/pytest.xml')
     return Step(name, command, limit_s)
 

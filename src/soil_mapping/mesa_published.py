@@ -4,8 +4,8 @@ A cell is 2 m, a step 1 s, the grid 162 x 110 cells. What differs from the study
 in the published program (TAROS 2022):
 
 - A robot moves to a neighbouring cell per step, in eight directions, along a path that is searched anew at each step
-  (greedy_path.py). Cells within 2 steps of where another robot ever was weigh 2 for it, others 1. Where its next cell is
-  taken, or it stands on the next cell of another robot's path, it moves to a free cell beside it by chance instead.
+  (greedy_path.py). Cells within 2 steps of where another robot ever was weigh 2 for it, others 1. Where its next cell
+  is taken, or it stands on the next cell of another robot's path, it moves to a free cell beside it by chance instead.
 - It samples in the step after its arrival, and sets off again in the step after that if it has a task.
 - Whenever there are at least as many samples as robots, each sample makes new tasks. Dynamic: in the six clusters with
   the highest mean variance of those not used, in the order of the clusters' numbers; one that holds a robot's start is
@@ -76,9 +76,7 @@ class PublishedRobot(mesa.Agent):
         self.path = greedy_path(self.search_weights, self.pos, self.goal)
         ahead = self.path[1]
         others = [robot for robot in self.model.robots if robot is not self]
-        if any(robot.pos == ahead for robot in others):
-            self._step_aside(others)
-        elif any(len(robot.path) > 1 and robot.path[1] == self.pos for robot in others):
+        if any(robot.pos == ahead or robot.path[1:2] == [self.pos] for robot in others):
             self._step_aside(others)
         else:
             self.pos = ahead

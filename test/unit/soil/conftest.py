@@ -1,0 +1,47 @@
+"""What the tests of the study share: the published data where it is, and small fields and results."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from soil_mapping.config import TrialConfig
+from soil_mapping.field import Field
+from soil_mapping.grid import Grid
+from soil_mapping.mesa_model import run_mesa_trial
+
+SHARED_DATA = Path(__file__).resolve().parents[4] / 'shared' / 'data'  # beside the repository
+NAME = 'SOIL_MAPPING_DATA'
+
+
+@pytest.fixture(scope='session')
+def data_folder():
+    folder = Path(os.environ.get(NAME, SHARED_DATA))
+    if not (folder / 'riseholme_compaction_0cm_kpa.csv').is_file():
+        pytest.skip(f'the published data is not in {folder}; set {NAME} to its folder')
+    return folder
+
+
+@pytest.fixture(scope='session')
+def compaction_source(data_folder):
+    return f'csv:{data_folder / "riseholme_compaction_0cm_kpa.csv"}'
+
+
+def hill(cell_m=2):
+    """Return a smooth Field without randomness."""
+    grid = Grid.of_field(cell_m)
+    x, y = np.meshgrid(grid.x_centres() / 324.0, grid.y_centres() / 220.0)
+    return Field(800.0 + 30.0 * np.sin(3.0 * x) * np.cos(4.0 * y + x), grid, 'hill')
+
+
+@pytest.fixture(name='hill', scope='session')
+def hill_fixture():
+    return hill()
+
+
+@pytest.fixture(scope='session')
+def result(hill):
+    """One short trial, with maps."""
+    config = TrialConfig(field='hill', cell_m=2, budget_s=60.0, allocation='ssi', sampling='dynamic')
+    return run_mesa_trial(config, 7, truth=hill)

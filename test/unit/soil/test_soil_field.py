@@ -1,0 +1,88 @@
+import numpy as np
+import pytest
+
+from move_base_abstract.errors import ConfigurationError
+from soil_mapping.field import Field, load_field
+from soil_mapping.grid import Grid
+from soil_mapping.readings import read_readings
+
+
+def statistics(field):
+    values = field.values
+    return [values.min(), values.max(), values.mean(), values.std()]
+
+
+def test_the_published_field_has_its_check_figures_on_both_grids(compaction_source):
+    fine = load_field(compaction_source)
+    assert fine.values.shape == (220, 324)
+    assert statistics(fine) == pytest.approx([758.804, 847.810, 785.2975, 17.0323], abs=6e-4)
+    coarse = load_field(compaction_source, cell_m=2)
+    assert coarse.values.shape == (110, 162)
+    assert statistics(coarse) == pytest.approx([758.80, 847.54, 785.25, 17.02], abs=6e-3)
+
+
+def test_the_field_equals_pykrige_at_some_rows(compaction_source):
+    from pykrige.ok import OrdinaryKriging
+    field = load_field(compaction_source)
+    readings = read_readings(compaction_source.partition(':')[2])
+    lon, lat, value = readings.astype(np.float32).T
+    ordinary = OrdinaryKriging(lon, lat, value, variogram_model='gaussian')
+    x = np.linspace(readings[:, 0].min(), readings[:, 0].max(), 324, endpoint=False).astype(np.float32)
+    y = np.linspace(readings[:, 1].min(), readings[:, 1].max(), 220, endpoint=False).astype(np.float32)
+    rows = [0, 77, 219]
+    mean, _ = ordinary.execute('grid', x, y[rows])
+    assert field.values[rows] == pytest.approx(np.asarray(mean), rel=1e-9)
+
+
+def test_a_reading_is_the_value_of_the_cell_that_holds_the_place():
+    grid = Grid(2, 3, 2.0)
+    field = Field(np.arange(6.0).reshape(2, 3), grid, 'six cells')
+    assert [field.value_at(*place) for place in ((0.0, 0.0), (1.99, 1.99), (2.0, 1.0), (5.9, 0.1), (0.5, 2.0))] == \
+        [0.0, 0.0, 1.0, 2.0, 3.0]
+    assert field.value_at(-1.0, 99.0) == 3.0  # outside: the nearest cell
+    assert field.every_second_cell().values.tolist() == [[0.0, 2.0]]
+    with pytest.raises(ValueError, match='read-only'):
+        field.values[0, 0] = 1.0
+
+
+def test_the_synthetic_field_has_the_published_mean_and_spread_and_depends_on_its_seed_alone():
+    field = load_field('synthetic')
+    assert field.values.shape == (220, 324)
+    assert statistics(field)[2:] == pytest.approx([785.2975, 17.0323], abs=1e-9)
+    assert np.array_equal(field.values, load_field('synthetic:1').values)
+    assert not np.array_equal(field.values, load_field('synthetic:2').values)
+    steps = np.abs(np.diff(field.values, axis=1))
+    assert steps.max() < 2.0  # kPa from one metre to the next: smooth
+
+
+def test_the_meuse_field_is_zinc_on_the_same_grid():
+    field = load_field('meuse')
+    assert field.unit == 'mg/kg'
+    assert field.values.shape == (220, 324)
+    assert 113.0 <= field.values.min() < field.values.max() <= 1839.0  # the extremes of the 155 readings
+
+
+@pytest.mark.parametrize('text, complaint', [
+    ('lat,value\n1,2\n', "{}:1: column 'lon' is missing"),
+    ('lat,lon\n1,2\n', "{}:1: column 'value' is missing"),
+    ('lat,lon,lat,v\n1,2,3,4\n', "{}:1: column 'lat' is there 2 times"),
+    ('lat,lon,v\n1,2,3\n1,3,nan\n', "{}:3: column 'v' must be a finite number, got 'nan'"),
+    ('lat,lon,v\n1,2,3\n\n1,3,\n', "{}:4: column 'v' must be a finite number, got ''"),
+    ('lat,lon,v\n1,2,3\n1,3\n', "{}:3: column 'v' is missing"),
+    ('lat,lon,v\n1,2,3\n91,2,3\n', "{}:3: column 'lat' must lie in -90..90 degrees, got 91.0"),
+    ('lat,lon,v\n1,2,3\n1,3,3\n', '{}: needs at least 3 readings, got 2'),
+    ('lat,lon,v\n1,2,3\n2,3,3\n1,2.0,4\n', '{}:4: the same place as in line 2'),
+    ('', "{}:1: column 'lon' is missing"),
+])
+def test_a_bad_csv_is_refused_with_file_and_line(tmp_path, text, complaint):
+    path = tmp_path / 'readings.csv'
+    path.write_text(text)
+    with pytest.raises(ConfigurationError) as caught:
+        load_field(f'csv:{path}')
+    assert str(caught.value).startswith(complaint.format(path))
+
+
+@pytest.mark.parametrize('source', ['', 'mouse', 'csv:', 'meuse:1', 'synthetic:x', 'synthetic:-1', 'csv:/none.csv'])
+def test_an_unknown_field_is_refused(source):
+    with pytest.raises(ConfigurationError):
+        load_field(source)
