@@ -21,6 +21,8 @@ class TrialSpec:
     limit: float = 0.0  # at most so many simulated s per wall s in lockstep; 0 = no limit
     charge: str = 'none'  # what computing costs in lockstep: none, fixed:SECONDS, measured[:FILE], replay:FILE, ...
     motion: str = 'euclidean'  # of Mesa
+    load: int = 0  # so many processes that only burn time run beside it
+    again: int = 0  # number of the repetition: a trial that is to be the same as the one before
 
     def __post_init__(self):
         for name, allowed in (('engine', ENGINES), ('clock', CLOCKS)):
@@ -37,22 +39,26 @@ class TrialSpec:
     def about_engine(self):
         """The engine and its options, as they stand in trial.json; what does not apply is left out."""
         if self.engine == 'mesa':
-            return {'name': 'mesa', 'motion': self.motion}
-        if self.clock == 'scaled':
-            return {'name': 'ros', 'clock': 'scaled', 'factor': self.factor}
-        return {'name': 'ros', 'clock': 'lockstep', 'limit': self.limit, 'charge': self.charge}
+            about = {'name': 'mesa', 'motion': self.motion}
+        elif self.clock == 'scaled':
+            about = {'name': 'ros', 'clock': 'scaled', 'factor': self.factor}
+        else:
+            about = {'name': 'ros', 'clock': 'lockstep', 'limit': self.limit, 'charge': self.charge}
+        about.update({name: getattr(self, name) for name in ('load', 'again') if getattr(self, name)})
+        return about
 
     @property
     def group(self):
         """A name for trials of the same engine and clock, fit for a folder: 'mesa', 'ros-lockstep', 'ros-10x', ..."""
         if self.engine == 'mesa':
-            return 'mesa' if self.motion == 'euclidean' else f'mesa-{self.motion}'
-        if self.clock == 'scaled':
-            return f'ros-{self.factor:g}x'
-        parts = [f'limit-{self.limit:g}x'] if self.limit else []
-        if self.charge != 'none':
-            parts.append('charge')
-        return '-'.join(['ros-lockstep', *parts])
+            parts = ['mesa'] if self.motion == 'euclidean' else ['mesa', self.motion]
+        elif self.clock == 'scaled':
+            parts = [f'ros-{self.factor:g}x']
+        else:
+            parts = ['ros-lockstep', *([f'limit-{self.limit:g}x'] if self.limit else [])]
+            parts += ['charge'] if self.charge != 'none' else []
+        parts += [f'load-{self.load}'] if self.load else []
+        return '-'.join(parts + ([f'again-{self.again}'] if self.again else []))
 
     @property
     def name(self):

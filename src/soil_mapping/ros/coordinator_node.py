@@ -19,10 +19,10 @@ from soil_mapping.result import collect
 from soil_mapping.stopwatch import Stopwatch
 from soil_mapping.trial_folder import TrialFolder
 
-from ..computing import computing
-from ..mission_run import MissionFailed, MissionRun
-from ..robot_link import RobotLink
-from ..views import Views
+from .computing import computing
+from .mission_run import MissionFailed, MissionRun
+from .robot_link import RobotLink
+from .views import Views
 
 OWN_PARAMETERS = ('seed', 'names', 'task', 'pose_topic', 'hold', 'output', 'pictures', 'lockstep_rank',
                   'lockstep_charge')
@@ -61,11 +61,11 @@ def _carry_out(coordinator, stopwatch, names, raw, began):
             folder.finish(result, raw.get('pictures', True))
 
 
-def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: None):
+def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: None, before=lambda: None):
     """Run a mission in this process, whose node is initialised, to its end; return the MissionRun.
 
     names: of the robots. task: of the sampling action below each. pose_topic: nav_msgs/Odometry in the map frame.
-    check: called while robots are waited for; may raise.
+    check: called while robots are waited for; may raise. before: called before the mission; in lockstep time stands.
     """
     participant = lockstep.join()
     events = queue.Queue()  # made after joining: its locks are lockstep's then
@@ -79,5 +79,6 @@ def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: N
     rospy.on_shutdown(run.shut_down)
     run.wait_until_ready(participant, check)
     run.go_to_start()
+    before()
     run.run()
     return run

@@ -1,0 +1,12 @@
+"""The node ``soil_coordinator``."""
+
+import sys
+
+from ..find_python import find_python
+
+
+def main():
+    """Run one mission and exit."""
+    find_python(sys.argv)
+    from ..coordinator_node import main as node
+    node()

@@ -1,0 +1,76 @@
+"""A rosbag of one trial. The recorder takes no part in lockstep: so it is connected before the mission begins."""
+
+import signal
+import time
+import xmlrpc.client
+
+import rosgraph
+
+from move_base_abstract_ros.loopback import LoopbackError
+
+NODE = '/bag'
+TIMEOUT_S = 20.0  # wall
+POLL_S = 0.05  # wall
+LAST_WORDS_S = 0.3  # wall; what rospy has queued reaches the recorder by then
+ACTION = ('goal', 'cancel', 'status', 'feedback', 'result')
+COMMON = ('/clock', '/tf', '/tf_static', '/rosout', '/robot_markers', '/time_master/state')
+VIEWS = ('prediction', 'variance', 'truth', 'markers', 'rmse', 'mean_variance')
+
+
+class BagRecorder:
+    """rosbag on the master of a Loopback, writing to path.
+
+    names: of the robots. actions: below each. poses: the pose topic below each. coordinator: its node's name.
+    """
+
+    def __init__(self, ros, path, names, actions, poses, coordinator):
+        self._ros = ros
+        topics = [*COMMON, *(f'/{coordinator}/{view}' for view in VIEWS)]
+        for name in names:
+            topics += [f'/{name}/{poses}', *(f'/{name}/{action}/{topic}' for action in actions for topic in ACTION)]
+        self._topics = topics
+        command = ['rosbag', 'record', '--lz4', '-O', str(path), *topics, f'__name:={NODE[1:]}']
+        self._child = ros.spawn(NODE, command)
+
+    def wait_until_connected(self):
+        """Wait until all topics that somebody publishes reach the recorder. :raises LoopbackError: after 20 s."""
+        deadline = time.monotonic() + TIMEOUT_S
+        while True:
+            self._ros.check()
+            missing = self._missing()
+            if not missing:
+                return
+            if time.monotonic() > deadline:
+                raise LoopbackError(f'after {TIMEOUT_S:g} s rosbag does not receive {", ".join(sorted(missing)[:5])}; '
+                                    f'its last lines:\n{self._child.last_lines()}')
+            time.sleep(POLL_S)
+
+    def _missing(self):
+        """Return the topics of which some publisher does not send to the recorder yet.
+
+        The publishers are asked: the recorder calls a link connected when it has only begun to connect.
+        """
+        master = rosgraph.Master('/study', master_uri=self._ros.uri)
+        missing, links = set(), {}
+        for topic, nodes in master.getSystemState()[0]:
+            for node in nodes if topic in self._topics else ():
+                if node not in links and node != NODE:
+                    links[node] = self._links(master, node)
+                if node != NODE and topic not in links[node]:
+                    missing.add(topic)
+        return missing if links else {NODE}
+
+    @staticmethod
+    def _links(master, node):
+        """Return the topics that a node sends to the recorder."""
+        try:
+            rows = xmlrpc.client.ServerProxy(master.lookupNode(node)).getBusInfo('/study')[2]
+        except (rosgraph.MasterError, OSError):
+            return set()
+        return {row[4] for row in rows if row[1] == NODE and row[2] == 'o'}
+
+    def close(self):
+        """Let it write what it has and close its file."""
+        time.sleep(LAST_WORDS_S)
+        self._child.signal(signal.SIGINT)
+        self._child.process.wait(TIMEOUT_S)

@@ -1,0 +1,168 @@
+"""The command line: ``study trial``, ``study run``, ``study report``.
+
+Exit codes: 0 all is done; 1 a trial failed (the reason is printed); 2 wrong arguments; 130 interrupted.
+"""
+
+import argparse
+import math
+import os
+import sys
+import time
+from pathlib import Path
+
+from move_base_abstract.errors import ConfigurationError
+from soil_mapping.config import Allocation, Sampling, TrialConfig
+
+from .plan import plan
+from .spec import CLOCKS, ENGINES, TrialSpec
+
+DEFAULT_OUTPUT = 'study'
+
+
+def main(words=None):
+    """Run the command of these words, or those of the shell; return the exit code."""
+    arguments = _parser().parse_args(words)
+    try:
+        return arguments.run(arguments)
+    except (ConfigurationError, FileNotFoundError) as error:
+        print(f'study: {error}', file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print('\nstudy: interrupted; the same command goes on with what is missing', file=sys.stderr)
+        return 130
+
+
+def _trial(arguments):
+    """Run one trial and print its metrics."""
+    from . import running
+    spec = TrialSpec(config=_config(arguments), seed=arguments.seed, engine=arguments.engine, clock=arguments.clock,
+                     factor=arguments.factor, limit=arguments.limit, charge=arguments.charge, motion=arguments.motion)
+    path = Path(arguments.output).absolute()
+    began = time.monotonic()
+    running.prepare([spec])
+    trial = running.RunningTrial(spec, path, arguments.pictures, arguments.bag)
+    while trial.poll() is None:
+        time.sleep(0.01)
+    if not trial.poll():
+        print(f'study: the trial failed: {trial.error}', file=sys.stderr)
+        return 1
+    _print_trial(path, time.monotonic() - began)
+    return 0
+
+
+def _print_trial(path, total_s):
+    """Print what came out of a trial."""
+    from soil_mapping.trial_folder import read_about
+    about = read_about(path)
+    for name, value in about['metrics'].items():
+        print(f'{name:<20} {"none" if value is None else f"{value:.6g}"}')
+    phases = ', '.join(f'{name} {seconds:.2f}' for name, seconds in about['wall_s'].items())
+    print(f'{about["simulated_s"]:g} s simulated, {about["speed_up"]["moving"]:.1f} times real time; {total_s:.2f} s '
+          f'in all; wall seconds: {phases}')
+    print(path)
+
+
+def _run(arguments):
+    """Run what is missing of a study, then write the report."""
+    from . import pool
+    specs = plan(_config(arguments), arguments.seeds, arguments.scaled_seeds, arguments.jobs,
+                 os.environ.get('STUDY_1X') == '1')
+    if arguments.groups:
+        specs = [spec for spec in specs if spec.group in arguments.groups]
+    failed = pool.run_all(specs, Path(arguments.output).absolute(), arguments.jobs, arguments.pictures)
+    for spec, error in failed:
+        print(f'study: {spec.name} failed: {error}', file=sys.stderr)
+    code = _report(arguments)
+    return 1 if failed else code
+
+
+def _report(arguments):
+    """Write the report of what is there."""
+    from . import report
+    for path in report.write(Path(arguments.output).absolute()):
+        print(path)
+    return 0
+
+
+def _config(arguments):
+    names = ('field', 'robots', 'allocation', 'sampling', 'budget_s', 'dwell_s', 'dwell_spread_s', 'speed', 'cell_m')
+    return TrialConfig(**{name: getattr(arguments, name) for name in names if hasattr(arguments, name)})
+
+
+def _parser():
+    parser = argparse.ArgumentParser(prog='study', description='The soil compaction mapping study: trials on ROS and '
+                                     'on Mesa, and the comparison of them. Each ROS trial has a master of its own.')
+    commands = parser.add_subparsers(required=True, metavar='trial|run|report')
+    _add_trial(commands.add_parser('trial', help='run one trial'))
+    _add_run(commands.add_parser('run', help='run what is missing of the whole study, then report'))
+    report = commands.add_parser('report', help='write the report of the trials that are there')
+    report.add_argument('--output', default=DEFAULT_OUTPUT, metavar='DIR', help='the study (default: %(default)s)')
+    report.set_defaults(run=_report)
+    return parser
+
+
+def _add_trial(parser):
+    parser.set_defaults(run=_trial)
+    parser.add_argument('--engine', choices=ENGINES, default='ros', help='default: %(default)s')
+    parser.add_argument('--clock', choices=CLOCKS, default='lockstep', help='of ROS (default: %(default)s)')
+    parser.add_argument('--factor', type=float, default=10.0, metavar='F',
+                        help='simulated s per wall s of the scaled clock, 0.01..1e6 (default: %(default)g)')
+    parser.add_argument('--limit', type=float, default=0.0, metavar='F',
+                        help='in lockstep at most so many simulated s per wall s; 0 = no limit')
+    parser.add_argument('--charge', default='none', help='simulated time that computing takes in lockstep: none, '
+                        'fixed:SECONDS, measured[:FILE], measured_cpu[:FILE], replay:FILE (default: %(default)s)')
+    parser.add_argument('--motion', choices=('euclidean', 'eight'), default='euclidean',
+                        help='of Mesa: straight, or one 2 m cell a second in eight directions (default: %(default)s)')
+    parser.add_argument('--seed', type=int, default=0, metavar='S', help='whole number >= 0 (default: %(default)s)')
+    parser.add_argument('--allocation', choices=[each.value for each in Allocation], default='ssi',
+                        help='round robin or auction (default: %(default)s)')
+    parser.add_argument('--sampling', choices=[each.value for each in Sampling], default='dynamic',
+                        help='default: %(default)s')
+    parser.add_argument('--bag', action='store_true', help='record all topics to trial.bag')
+    parser.add_argument('--output', default='trial', metavar='DIR', help='the folder to be (default: %(default)s)')
+    _add_mission(parser, pictures=True)
+
+
+def _add_run(parser):
+    parser.set_defaults(run=_run)
+    parser.add_argument('--seeds', type=_count, default=10, metavar='N',
+                        help='seeds 0..N-1 of each configuration on Mesa and in lockstep (default: %(default)s)')
+    parser.add_argument('--scaled-seeds', type=_count, default=2, metavar='N',
+                        help='the same for each factor of the scaled clock (default: %(default)s)')
+    parser.add_argument('--groups', nargs='+', metavar='GROUP', help='only these, such as mesa or ros-lockstep')
+    parser.add_argument('--jobs', type=_count, default=len(os.sched_getaffinity(0)), metavar='N',
+                        help='trials at a time (default: number of cores, %(default)s)')
+    parser.add_argument('--output', default=DEFAULT_OUTPUT, metavar='DIR',
+                        help='the study; what is there already is kept (default: %(default)s)')
+    _add_mission(parser, pictures=False)
+
+
+def _add_mission(parser, pictures):
+    parser.add_argument('--field', default='synthetic', help="'synthetic', 'synthetic:SEED', 'csv:PATH' or 'meuse' "
+                        '(default: %(default)s)')
+    parser.add_argument('--robots', type=_count, default=3, metavar='N', help='default: %(default)s')
+    parser.add_argument('--budget', dest='budget_s', type=_positive, default=240.0, metavar='S',
+                        help='simulated s of a trial (default: %(default)g)')
+    parser.add_argument('--dwell', dest='dwell_s', type=float, default=1.0, metavar='S',
+                        help='simulated s that a sample takes (default: %(default)g)')
+    parser.add_argument('--dwell-spread', dest='dwell_spread_s', type=float, default=0.0, metavar='S',
+                        help='a dwell is drawn evenly from the dwell -+ this (default: %(default)g)')
+    parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
+    parser.add_argument('--cell', dest='cell_m', type=int, choices=(1, 2), default=1, metavar='M',
+                        help='edge of a cell of truth and map, 1 or 2 m (default: %(default)s)')
+    parser.add_argument('--pictures', action=argparse.BooleanOptionalAction, default=pictures,
+                        help='draw the maps of the trial')
+
+
+def _positive(text):
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f'must be a finite number > 0, got {text}')
+    return value
+
+
+def _count(text):
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f'must be a whole number >= 1, got {text}')
+    return value
