@@ -50,6 +50,7 @@ class PublishedRobot(mesa.Agent):
         self.path = []  # from where it was before its last step
         self.task_steps = []  # steps on the way, per finished task
         self.steps_on_way = self.distance = self.idle = 0
+        self.costs = {}  # of ways, by their ends, as long as no weight changes
 
     def step(self):
         """Sample, or move one cell, or stand idle."""
@@ -73,6 +74,7 @@ class PublishedRobot(mesa.Agent):
         self.steps_on_way += 1
         self.distance += 1
         self.search_weights = self.weights.copy()
+        self.costs.clear()
         self.path = greedy_path(self.search_weights, self.pos, self.goal)
         ahead = self.path[1]
         others = [robot for robot in self.model.robots if robot is not self]
@@ -90,8 +92,10 @@ class PublishedRobot(mesa.Agent):
 
     def way_cost(self, start, goal):
         """Return the weight of all cells of the path between two cells."""
-        path = np.array(greedy_path(self.search_weights, start, goal))
-        return int(self.weights[path[:, 0], path[:, 1]].sum())
+        if (start, goal) not in self.costs:
+            path = np.array(greedy_path(self.search_weights, start, goal))
+            self.costs[start, goal] = int(self.weights[path[:, 0], path[:, 1]].sum())
+        return self.costs[start, goal]
 
     def cheapest(self, task):
         """Return (cost of the queue with the task where that is least, the position)."""
@@ -137,6 +141,7 @@ class PublishedModel(mesa.Model):
             for other in self.robots:
                 if other is not robot:
                     other.weights[near] = CROWDED_WEIGHT
+                    other.costs.clear()
         self._reported = (sum(robot.distance for robot in self.robots), sum(robot.idle for robot in self.robots))
         self.running = self.steps < self.max_steps
         self.agents.do('step')

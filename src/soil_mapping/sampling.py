@@ -10,6 +10,7 @@ from .seeds import Purpose, generator
 
 GRID_POINTS = 10  # per side
 GRID_MARGIN = 0.05  # of the field's extent, at each side
+VARIANCE_DECIMALS = 6  # of kPa^2: where variances differ by rounding errors only, no machine decides otherwise
 
 
 class Task(NamedTuple):
@@ -70,7 +71,8 @@ class DynamicSampling:
     """Tasks where the map is least certain.
 
     Each time, in the coarse cells with the highest mean kriging variance of those without a task so far, each at its
-    cell of highest variance; in falling order of mean variance. Ties: lower label, then southern, then western cell.
+    cell of highest variance; in falling order of mean variance. Variances are compared to the sixth decimal. Ties (there
+    are many where the fitted range is short): lower label, then southern, then western cell.
 
     :param count: tasks at a time. :param labels: coarse cell of each cell, from 0.
     :param before: what makes tasks as long as there is no map.
@@ -101,11 +103,12 @@ class DynamicSampling:
 
     def _pick(self, estimate):
         """Return (row, column) per task and mark the coarse cells as used."""
-        mean = np.bincount(self._labels.ravel(), weights=estimate.variance.ravel()) / self._sizes
+        variance = estimate.variance.round(VARIANCE_DECIMALS)
+        mean = (np.bincount(self._labels.ravel(), weights=variance.ravel()) / self._sizes).round(VARIANCE_DECIMALS)
         order = np.argsort(-np.where(self._free, mean, -np.inf), kind='stable')[:self._count]
         chosen = [label for label in order if self._free[label]]
         self._free[chosen] = False
-        return [np.unravel_index(np.argmax(np.where(self._labels == label, estimate.variance, -np.inf)),
+        return [np.unravel_index(np.argmax(np.where(self._labels == label, variance, -np.inf)),
                                  self._grid.shape) for label in chosen]
 
 

@@ -133,8 +133,9 @@ def test_two_robots_need_not_wait_for_a_third_sample_that_nobody_takes(hill):
 
 
 def test_a_mission_is_complete_when_no_task_can_be_made_and_none_is_open(hill):
-    coordinator = mission(hill, robots=1, sampling='grid')
+    coordinator = mission(hill, robots=1, sampling='dynamic', coarse_m=100.0)
     now_ns, commands = 0, coordinator.start(0)
+    commands = first_samples(coordinator, now_ns)
     while commands:
         drive = commands[0]
         assert not coordinator.complete
@@ -142,7 +143,7 @@ def test_a_mission_is_complete_when_no_task_can_be_made_and_none_is_open(hill):
         coordinator.arrived(0, now_ns, Place(drive.x, drive.y))
         commands = coordinator.sampled(0, now_ns, Place(drive.x, drive.y), 800.0 + drive.x / 100.0)
     assert coordinator.complete
-    assert len(coordinator.log.samples) == 100
+    assert len(coordinator.log.samples) == 1 + 1 + 1 + 12  # two at random before the map, 4 x 3 squares
 
 
 def test_dwells_are_spread_by_the_seed_within_their_limits(hill):
