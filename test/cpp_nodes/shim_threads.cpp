@@ -134,6 +134,49 @@ void polls(Teller& teller) {
   teller.tell("time has gone on");
 }
 
+/** A queue of its own, a connect callback, a timer whose period changes, a MultiThreadedSpinner. */
+void queues(Teller& teller) {
+  ros::NodeHandle node;
+  const ros::SubscriberStatusCallback connected = [&](const ros::SingleSubscriberPublisher& peer) {
+    teller.tell(peer.getSubscriberName() + " listens");
+  };
+  const ros::Publisher publisher = node.advertise<std_msgs::String>("polled", 10, connected);
+  ros::CallbackQueue queue;
+  ros::NodeHandle other;
+  other.setCallbackQueue(&queue);
+  const boost::function<void(const std_msgs::String::ConstPtr&)> hear =
+      [&](const std_msgs::String::ConstPtr& message) { teller.tell("heard " + message->data); };
+  const auto subscriber = other.subscribe<std_msgs::String>("ticks", 10, hear);
+  for (int k = 0; k < 12; ++k) {
+    queue.callAvailable(ros::WallDuration(0.03));
+    teller.tell("round " + std::to_string(k));
+  }
+  int fired = 0;
+  ros::Timer timer;
+  const ros::TimerCallback fire = [&](const ros::TimerEvent&) {
+    teller.tell("fired");
+    timer.setPeriod(ros::Duration(++fired < 3 ? 0.5 : 1.0));
+    if (fired == 6) {
+      ros::requestShutdown();
+    }
+  };
+  timer = node.createTimer(ros::Duration(0.25), fire);
+  ros::MultiThreadedSpinner spinner(2);
+  spinner.spin();
+}
+
+/** A timer of the wall. */
+void wall(Teller& teller) {
+  ros::NodeHandle node;
+  int fired = 0;
+  const ros::WallTimerCallback fire = [&](const ros::WallTimerEvent&) { ++fired; };
+  const ros::WallTimer timer = node.createWallTimer(ros::WallDuration(0.01), fire);
+  while (fired < 3) {
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
+  }
+  teller.tell("fired thrice");
+}
+
 /** A wait that lockstep does not see. */
 void hidden(Teller& teller) {
   std::promise<int> promise;
@@ -165,6 +208,10 @@ int main(int argc, char** argv) {
     spinners(teller, own.param("threads", 3));
   } else if (what == "polls") {
     polls(teller);
+  } else if (what == "queues") {
+    queues(teller);
+  } else if (what == "wall") {
+    wall(teller);
   } else if (what == "hidden") {
     hidden(teller);
   }

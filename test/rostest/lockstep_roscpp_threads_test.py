@@ -56,6 +56,18 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         # Behind the second and the third message of the other topic, which were there before it.
         self.assertEqual(begins['others begins 1 1333333333'], 2150000000)
 
+    def test_queues_connect_callbacks_periods_and_a_multi_threaded_spinner(self):
+        told = self.told('queues', rate(ticks=5))
+        self.assertEqual(told[:4], [(1030000000, 'round 0'), (1060000000, 'round 1'), (1090000000, 'round 2'),
+                                    (1100000000, 'heard 1 1100000000')])
+        self.assertEqual(told[-7:], [(1300000000, '/recorder listens'), *(
+            (at * 10000000, 'fired') for at in (155, 205, 255, 355, 455, 555))])
+
+    def test_a_wall_timer_fires_and_is_labelled(self):
+        run = RUNS.run([Program('threads', own('shim_threads'), what='wall'), recorder('/told')])
+        self.assertEqual([line.split(' ', 3)[3] for line in run.printed(1)], ['fired thrice'])
+        self.assertIn('a wall timer has reached /threads from outside', ' '.join(run.labels))
+
     def test_polls_come_to_an_end(self):
         told = self.told('polls', rate(ticks=10))
         self.assertEqual([text for _at, text in told], ['somebody listens', 'five are heard', 'time has gone on'])
