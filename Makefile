@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo test lint bench picture clean
+.PHONY: help deps build demo test lint bench study study-trial picture clean
 
 WS := $(CURDIR)/.ws
 # Debian's own Python, the one that ROS was built for; another python3 may come first on PATH.
@@ -21,9 +21,11 @@ export ROS_HOME := $(WS)/ros_home
 # make demo CLOCK=scaled FACTOR=10 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml
 FIELD_DATA := $(wildcard ../shared/data/riseholme_compaction_0cm_kpa.csv)
 CSV ?= $(if $(MISSION),,$(FIELD_DATA))
+# make study STUDY_FIELD=csv:/path/of/readings.csv (or meuse)
+STUDY_FIELD ?= $(if $(FIELD_DATA),csv:$(abspath $(FIELD_DATA)),synthetic)
 
 help:  ## this list
-	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' Makefile | expand -t 16
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile | expand -t 20
 	@echo
 	@echo 'Options: make demo CLOCK=scaled FACTOR=10 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml; make test ONLY=part_of_a_name'
 	@echo 'A shell in the built environment: source .ws/setup.sh'
@@ -51,6 +53,12 @@ bench: build  ## the measurements, as JSON lines
 	@cmake --build $(WS)/build --target bench_ping_pong bench_rate >$(WS)/build_bench.log || { cat $(WS)/build_bench.log; exit 1; }
 	@$(ENTER) $(PYTHON) bench/lockstep $(BENCH_ARGS) && $(PYTHON) bench/launcher $(BENCH_ARGS) && \
 	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS)
+
+study-trial: build  ## one trial of the soil mapping study; TRIAL_ARGS='--seed 3 --clock scaled --factor 10'
+	@$(ENTER) rosrun move_base_abstract study trial --field '$(STUDY_FIELD)' --output '$(WS)/trial' $(TRIAL_ARGS)
+
+study: build  ## the whole study in .ws/study, resumable; STUDY_1X=1 adds real time, STUDY_ARGS='--seeds 3' options
+	@$(ENTER) rosrun move_base_abstract study run --field '$(STUDY_FIELD)' --output '$(WS)/study' $(STUDY_ARGS)
 
 picture: build  ## take the picture of the README: RViz on a screen without a monitor
 	@tools/install_deps tools/apt-packages-picture.txt
