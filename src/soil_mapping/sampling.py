@@ -71,8 +71,8 @@ class DynamicSampling:
     """Tasks where the map is least certain.
 
     Each time, in the coarse cells with the highest mean kriging variance of those without a task so far, each at its
-    cell of highest variance; in falling order of mean variance. Variances are compared to the sixth decimal. Ties (there
-    are many where the fitted range is short): lower label, then southern, then western cell.
+    cell of highest variance; in falling order of mean variance. Variances are compared to the sixth decimal.
+    Ties, which are frequent where the fitted range is short: lower label, then southern, then western cell.
 
     :param count: tasks at a time. :param labels: coarse cell of each cell, from 0.
     :param before: what makes tasks as long as there is no map.
