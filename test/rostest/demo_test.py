@@ -40,9 +40,9 @@ class Demo(unittest.TestCase):
         self.addCleanup(process.kill)
         return process
 
-    def start_busy(self):
+    def start_busy(self, clock):
         """Start a long demo; return its Popen and its child processes once the mission is under way."""
-        process = self.start(1000000)
+        process = self.start(1000000, '--clock', clock, '--factor', '1')
         for line in process.stdout:
             if line.startswith('0/3 goals'):
                 return process, psutil.Process(process.pid).children()
@@ -59,9 +59,17 @@ class Demo(unittest.TestCase):
         alive = [child for child in alive if child.status() != psutil.STATUS_ZOMBIE]
         self.assertEqual(alive, [])
 
+    def test_in_lockstep_the_figures_are_exact_and_the_speed_up_is_told(self):
+        output, code = self.finish(self.start(80))
+        self.assertEqual(code, 0, output)
+        self.assertIn('3 goals, lockstep; started', output)
+        self.assertRegex(output, r'\nnear +2/2 +90\.0 +45\.00 +0\.00\n')
+        self.assertRegex(output, r'\nfar +1/1 +80\.0 +40\.00 +5\.00\n')
+        self.assertRegex(output, r'\n45\.00 s simulated in \d+\.\d\d s of wall time: \d+\.\dx real time\n$')
+
     def test_it_prints_plain_progress_a_table_and_the_closing_line(self):
         before = rosgraph.Master('/demo_test').getSystemState()
-        output, code = self.finish(self.start(80, '--factor', '100'))
+        output, code = self.finish(self.start(80, '--clock', 'scaled', '--factor', '100'))
         self.assertEqual(code, 0, output)
         self.assertIsNone(re.search(r'[\x00-\x09\x0b-\x1f]', output), 'control characters where there is no terminal')
         self.assertIn('3/3 goals', output)
@@ -70,16 +78,28 @@ class Demo(unittest.TestCase):
         self.assertRegex(output, r'\n\d+\.\d\d s simulated in \d+\.\d\d s of wall time: \d+\.\dx real time\n$')
         self.assertEqual(rosgraph.Master('/demo_test').getSystemState(), before)
 
-    def test_ctrl_c_ends_all_processes(self):
-        process, children = self.start_busy()
+    def test_ctrl_c_ends_all_processes_in_lockstep(self):
+        self.check_ctrl_c('lockstep')
+
+    def test_ctrl_c_ends_all_processes_on_the_scaled_clock(self):
+        self.check_ctrl_c('scaled')
+
+    def check_ctrl_c(self, clock):
+        process, children = self.start_busy(clock)
         process.send_signal(signal.SIGINT)
         output, code = self.finish(process)
         self.assertEqual(code, 130, output)
         self.assertIn('demo: interrupted', output)
         self.assert_all_gone(children)
 
-    def test_a_node_that_dies_ends_the_demo_and_is_named(self):
-        process, children = self.start_busy()
+    def test_a_node_that_dies_ends_the_demo_and_is_named_in_lockstep(self):
+        self.check_a_dying_node('lockstep')
+
+    def test_a_node_that_dies_ends_the_demo_and_is_named_on_the_scaled_clock(self):
+        self.check_a_dying_node('scaled')
+
+    def check_a_dying_node(self, clock):
+        process, children = self.start_busy(clock)
         next(child for child in children if '__name:=fleet' in child.cmdline()).kill()
         output, code = self.finish(process)
         self.assertEqual(code, 1, output)
@@ -87,7 +107,7 @@ class Demo(unittest.TestCase):
         self.assert_all_gone(children)
 
     def test_a_demo_that_is_killed_leaves_no_process_behind(self):
-        process, children = self.start_busy()
+        process, children = self.start_busy('lockstep')
         process.kill()
         process.wait(GUARD)
         self.assert_all_gone(children)

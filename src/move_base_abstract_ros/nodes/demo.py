@@ -21,6 +21,7 @@ from move_base_abstract_ros.loopback import Loopback, LoopbackError
 from move_base_abstract_ros.nodes import demo_nodes, demo_report
 from move_base_abstract_ros.nodes.demo_mission import MissionFailed, MissionRun
 
+LAST_LOOK_SECONDS = 1.0  # wall
 FACTOR_MIN, FACTOR_MAX = 0.01, 1e6  # those of the time master
 
 
@@ -59,7 +60,7 @@ def _run(arguments, plan):
                   f'started in {time.monotonic() - begin:.1f} s; ROS master {ros.uri}', flush=True)
             _carry_out(run, ros)
         except rospy.ROSInterruptException:
-            ros.check()
+            _name_who_died(ros)
             raise MissionFailed('the run ended before the mission did') from None
         except Exception:
             print(f"demo: the nodes' logs are kept in {ros.log_dir}", file=sys.stderr)
@@ -71,6 +72,14 @@ def _run(arguments, plan):
                               robot.odometer.moving_s) for robot in run.robots], simulated_s))
     print(demo_report.closing_line(simulated_s, wall_s), flush=True)
     return 0
+
+
+def _name_who_died(ros):
+    """Raise ChildEnded if a node has died; a lost connection is noticed a little before the death itself."""
+    deadline = time.monotonic() + LAST_LOOK_SECONDS
+    while time.monotonic() < deadline:
+        ros.check()
+        time.sleep(0.02)
 
 
 def _speed(clock):
