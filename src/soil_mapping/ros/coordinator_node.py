@@ -24,8 +24,8 @@ from .mission_run import MissionFailed, MissionRun
 from .robot_link import RobotLink
 from .views import Views
 
-OWN_PARAMETERS = ('seed', 'names', 'task', 'pose_topic', 'hold', 'output', 'pictures', 'lockstep_rank',
-                  'lockstep_charge')
+OWN_PARAMETERS = ('seed', 'names', 'task', 'pose_topic', 'hold', 'output', 'pictures', 'variance_frame',
+                  'stay', 'lockstep_rank', 'lockstep_charge')
 
 
 def main():
@@ -42,6 +42,8 @@ def main():
             raise ConfigurationError(f'parameter {rospy.resolve_name("~names")}: got {len(names)} names for '
                                      f'{config.robots} robots')
         _carry_out(coordinator, stopwatch, names, raw, began)
+        if raw.get('stay', False):
+            rospy.spin()  # for those who look at it yet
     except (ConfigurationError, MissionFailed) as error:
         rospy.logfatal('%s: %s', rospy.get_name(), error)
         sys.exit(1)
@@ -70,7 +72,7 @@ def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: N
     participant = lockstep.join()
     events = queue.Queue()  # made after joining: its locks are lockstep's then
     robots = [RobotLink(index, name, task, pose_topic, events) for index, name in enumerate(names)]
-    views = Views(coordinator)
+    views = Views(coordinator, rospy.get_param('~variance_frame', 'map'))
 
     def show():
         with stopwatch.phase('maps'):

@@ -38,18 +38,21 @@ class LatchedView(rospy.SubscribeListener):
 
 
 class Views:
-    """All topics that show a mission; below the node's own name. refresh() after each change."""
+    """All topics that show a mission; below the node's own name. refresh() after each change.
 
-    def __init__(self, coordinator):
+    variance_frame: that of the variance's map; another one than map shows it beside the prediction.
+    """
+
+    def __init__(self, coordinator, variance_frame='map'):
         self._coordinator = coordinator
         grid, truth = coordinator.truth.grid, coordinator.truth.values
         self._cell_m = grid.cell_m
-        self._range = float(truth.min()), float(truth.max())
+        span, to = (float(truth.min()), float(truth.max())), (0.0, float(truth.var()))
         self._told = None
         self._latched = [
-            LatchedView('~prediction', OccupancyGrid, lambda: self._map('mean', *self._range)),
-            LatchedView('~variance', OccupancyGrid, lambda: self._map('variance', 0.0, float(truth.var()))),
-            LatchedView('~truth', OccupancyGrid, lambda: to_grid(truth, self._cell_m, *self._range)),
+            LatchedView('~prediction', OccupancyGrid, lambda: self._map('mean', 'map', span)),
+            LatchedView('~variance', OccupancyGrid, lambda: self._map('variance', variance_frame, to)),
+            LatchedView('~truth', OccupancyGrid, lambda: to_grid(truth, self._cell_m, 'map', span)),
             LatchedView('~markers', MarkerArray, self._markers)]
         self._rmse = rospy.Publisher('~rmse', Float64, queue_size=10, latch=True)
         self._mean_variance = rospy.Publisher('~mean_variance', Float64, queue_size=10, latch=True)
@@ -66,9 +69,9 @@ class Views:
         for view in self._latched[:2]:
             view.refresh()
 
-    def _map(self, name, low, high):
+    def _map(self, name, frame, span):
         estimate = self._coordinator.estimate
-        return None if estimate is None else to_grid(getattr(estimate, name), self._cell_m, low, high)
+        return None if estimate is None else to_grid(getattr(estimate, name), self._cell_m, frame, span)
 
     def _markers(self):
         log = self._coordinator.log
@@ -86,16 +89,20 @@ class Views:
         return MarkerArray(markers)
 
 
-def to_grid(values, cell_m, low, high):
-    """Return values (rows from the south) as an OccupancyGrid in the map frame, low..high as 0..100."""
+def to_grid(values, cell_m, frame, span):
+    """Return values (rows from the south) as an OccupancyGrid; span: what is shown as 1 and as 98, (low, high).
+
+    RViz's colours of 0, 99 and 100 mean something else.
+    """
+    low, high = span
     grid = OccupancyGrid()
-    grid.header.frame_id = 'map'
+    grid.header.frame_id = frame
     grid.header.stamp = grid.info.map_load_time = rospy.Time.now()
     grid.info.resolution = cell_m
     grid.info.height, grid.info.width = values.shape
     grid.info.origin.orientation.w = 1.0
     share = (values - low) / (high - low) if high > low else np.zeros(values.shape)
-    grid.data = np.rint(100.0 * np.clip(share, 0.0, 1.0)).astype(np.int8).ravel().tolist()
+    grid.data = np.rint(1.0 + 97.0 * np.clip(share, 0.0, 1.0)).astype(np.int8).ravel().tolist()
     return grid
 
 
