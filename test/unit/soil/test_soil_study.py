@@ -1,0 +1,148 @@
+"""Which trials a study is made of, and what its report says of those that are there."""
+
+import base64
+import re
+from dataclasses import replace
+
+import pytest
+
+from move_base_abstract.errors import ConfigurationError
+from soil_mapping.config import TrialConfig
+from soil_mapping.mesa_model import run_mesa_trial
+from soil_mapping.result import Metrics
+from soil_mapping.study import collection, report, tables
+from soil_mapping.study.command import main
+from soil_mapping.study.plan import plan
+from soil_mapping.study.pool import path_of
+from soil_mapping.study.running import is_done
+from soil_mapping.study.spec import TrialSpec
+from soil_mapping.trial_folder import TrialFolder, read_about, read_trial
+
+CONFIG = TrialConfig(budget_s=90.0, cell_m=2)
+ALL = [replace(CONFIG, allocation=allocation, sampling=sampling)
+       for allocation in ('ssi', 'rr') for sampling in ('random', 'dynamic')]
+
+
+def write(folder, spec, result):
+    with TrialFolder(path_of(folder, spec)) as trial:
+        return trial.finish(replace(result, engine=spec.about_engine))
+
+
+@pytest.fixture(scope='module')
+def study(tmp_path_factory):
+    """A study of two seeds: Mesa, the same as if ROS had done it in lockstep, and late by 10 % as if at 10x."""
+    folder = tmp_path_factory.mktemp('study')
+    for config in ALL:
+        for seed in range(2):
+            spec = TrialSpec(config=config, seed=seed, engine='mesa')
+            result = run_mesa_trial(config, seed)
+            write(folder, spec, result)
+            write(folder, replace(spec, engine='ros'), result)
+            write(folder, replace(spec, engine='ros', again=1), result)
+            write(folder, replace(spec, engine='ros', clock='scaled'), late(result))
+    return folder
+
+
+def late(result):
+    """Return the result with all arrivals 10 % late, and distances as much too long."""
+    events = [event._replace(time_ns=event.time_ns + 100_000_000) if event.event == 'arrive' else event
+              for event in result.events]
+    metrics = Metrics(**dict(result.metrics._asdict(), distance_m=1.1 * result.metrics.distance_m))
+    return replace(result, events=events, metrics=metrics)
+
+
+def test_a_study_has_four_configurations_and_all_seeds_on_both_engines():
+    specs = plan(CONFIG, 3, 1, 2)
+    for group in ('mesa', 'mesa-eight', 'ros-lockstep'):
+        own = [spec for spec in specs if spec.group == group]
+        assert len({(spec.config.allocation, spec.config.sampling, spec.seed) for spec in own}) == len(own) == 12
+    assert {spec.group for spec in specs if spec.clock == 'scaled'} == {'ros-10x', 'ros-15x', 'ros-100x'}
+
+
+def test_real_time_is_run_only_when_asked_for():
+    assert not [spec for spec in plan(CONFIG, 1, 1, 2) if spec.group == 'ros-1x']
+    assert len([spec for spec in plan(CONFIG, 1, 1, 2, with_1x=True) if spec.group == 'ros-1x']) == 4
+
+
+def test_each_trial_of_a_study_has_a_folder_of_its_own(tmp_path):
+    specs = plan(CONFIG, 10, 3, 2, with_1x=True)
+    assert len({path_of(tmp_path, spec) for spec in specs}) == len(specs)
+
+
+@pytest.mark.parametrize(('wrong', 'text'), [
+    ({'engine': 'gazebo'}, "engine must be one of ros, mesa, got 'gazebo'"),
+    ({'clock': 'wall'}, 'clock must be one of lockstep, scaled'),
+    ({'seed': -1}, 'seed must be a whole number >= 0, got -1'),
+    ({'factor': 0.0}, r'factor must lie in 0.01..1e6, got 0.0'),
+    ({'limit': -1.0}, r'limit must be 0 \(none\) or lie in 0.01..1e6, got -1.0')])
+def test_a_trial_that_cannot_be_is_refused(wrong, text):
+    with pytest.raises(ConfigurationError, match=text):
+        TrialSpec(**wrong)
+
+
+def test_a_complete_trial_is_not_run_again_and_one_of_other_parameters_is(study):
+    spec = TrialSpec(config=ALL[0], seed=1, engine='mesa')
+    path = path_of(study, spec)
+    assert is_done(spec, path)
+    assert not is_done(replace(spec, config=replace(ALL[0], budget_s=91.0)), path)
+    assert not is_done(replace(spec, seed=2), path_of(study, replace(spec, seed=2)))
+
+
+def test_trial_json_tells_the_spec(study):
+    for spec in (TrialSpec(config=ALL[2], engine='mesa'), TrialSpec(config=ALL[2], again=1),
+                 TrialSpec(config=ALL[2], clock='scaled')):
+        about = read_about(path_of(study, spec))
+        assert spec.is_of(about)
+        assert not replace(spec, load=3).is_of(about)
+
+
+def test_legs_of_straight_motion_have_no_error_and_late_ones_have_theirs(study):
+    exact = read_trial(path_of(study, TrialSpec(config=ALL[0], engine='mesa')))
+    errors_ns, errors = collection.leg_errors(exact)
+    assert len(errors) > 3
+    assert set(errors_ns) == {0}
+    assert set(errors) == {0.0}
+    assert set(collection.leg_errors(late(exact))[0]) == {100_000_000}
+
+
+def test_the_report_names_runs_that_are_identical_and_those_that_are_not(study):
+    groups = collection.collect_trials(study)
+    assert [row[0] + ': ' + row[3] for row in tables.identities(groups).rows] == [
+        'Mesa and ROS, lockstep: yes', 'ROS, lockstep again 1 and ROS, lockstep: yes']
+    changed = [replace(trial, events_sha256='another') for trial in groups['mesa']]
+    assert tables.identities(dict(groups, mesa=changed)).rows[0][2:] == ('0', 'no')
+
+
+def test_the_cosine_table_begins_with_the_published_rows_and_goes_on_with_ours(study):
+    table = tables.cosines(collection.collect_trials(study))
+    assert table.header[:3] == ('first', 'second', 'mean_cosine_similarity')
+    assert [row[2] for row in table.rows[:3]] == ['0.969960079', '0.992865229', '0.869587149']
+    ours = {row[:2]: row for row in table.rows[3:]}
+    assert ours['Mesa', 'ROS, lockstep'][2] == '1.000000000'
+    assert re.fullmatch(r'0\.\d{4} to [01]\.\d{4}', ours['Mesa', 'ROS, lockstep'][3])
+
+
+def test_errors_that_a_cosine_does_not_feel_are_told(study):
+    titles = {table.title: table for table in tables.scale_errors(collection.collect_trials(study))}
+    table = titles['ROS, 10x against ROS, lockstep']
+    column = table.header.index('distance [m]')
+    assert [row[column].split(' (')[0] for row in table.rows] == ['10 %'] * 4
+
+
+def test_the_report_is_one_page_that_holds_all_that_it_shows(study):
+    page, text = report.write(study)
+    html = page.read_text()
+    pictures = re.findall(r'src="([^"]*)"', html)
+    assert len(pictures) == 6
+    for picture in pictures:
+        kind, _, data = picture.partition(',')
+        assert kind == 'data:image/png;base64'
+        assert base64.b64decode(data).startswith(b'\x89PNG')
+    assert 'http' not in html
+    assert '| TAROS 22 Mesa trials |' in text.read_text()
+    assert not list(study.glob('*.part'))
+
+
+def test_a_folder_without_trials_is_an_error_that_says_what_makes_them(tmp_path, capsys):
+    assert main(['report', '--output', str(tmp_path)]) == 2
+    assert 'there is no complete trial; `study run` makes them' in capsys.readouterr().err
