@@ -218,7 +218,7 @@ class LockstepCppTest(unittest.TestCase):
             said.publish(rospy.Time(5))
             wait_for('the message', lambda: lines(listener))
             self.assertEqual(lines(listener), ['1000000000 2 /said 5000000000'])
-            label = 'a message on /said came from /outside, which does not take part'
+            label = f'a message on /said came from {rospy.get_name()}, which does not take part'
             wait_for('the label', lambda: any(label in text for text in states[-1].not_repeatable_because))
             self.assertFalse(states[-1].repeatable)
             rospy.ServiceProxy('/time_master/resume', Trigger)()
