@@ -1,0 +1,96 @@
+#!/usr/bin/python3
+"""The node task_server with stock clients: durations, feedback, cancels, texts, two robots in one process.
+
+GUARD [s, simulated] only ends a test that would never end.
+"""
+import os
+import subprocess
+import sys
+import unittest
+
+import rospy
+import rostest
+from actionlib import GoalStatus, SimpleActionClient
+
+from move_base_abstract.msg import TimedTaskAction, TimedTaskGoal
+from move_base_abstract.timed_task import DrawnDurations
+from move_base_abstract_ros.loopback import find_executable
+
+GUARD = rospy.Duration(600.0)
+
+
+class TaskServer(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node('soil_task_server_test')
+        cls.clients = [SimpleActionClient('/robot_{}/take_sample'.format(robot), TimedTaskAction) for robot in range(2)]
+        for client in cls.clients:
+            assert client.wait_for_server(GUARD)
+
+    def do(self, client, seconds, feedback_cb=None):
+        """Have a task done; return the result's duration [s]."""
+        client.send_goal(TimedTaskGoal(duration=rospy.Duration(seconds)), feedback_cb=feedback_cb)
+        self.assertTrue(client.wait_for_result(GUARD))
+        return client.get_result().duration.to_sec()
+
+    def test_a_task_takes_the_time_that_its_goal_says(self):
+        began = rospy.get_time()
+        self.assertEqual(self.do(self.clients[0], 3.0), 3.0)
+        self.assertEqual(self.clients[0].get_state(), GoalStatus.SUCCEEDED)
+        self.assertEqual(self.clients[0].get_goal_status_text(), 'Task done.')
+        self.assertGreaterEqual(rospy.get_time() - began, 3.0)
+
+    def test_the_servers_own_durations_are_those_of_the_seed_robot_by_robot(self):
+        # No other test has the server draw.
+        for robot, client in enumerate(self.clients):
+            drawn = DrawnDurations(2.0, 0.5, 3, robot)
+            expected = [drawn.draw_ns() for _ in range(3)]
+            took = []
+            for _ in expected:
+                self.do(client, 0.0)
+                took.append(client.get_result().duration.to_nsec())
+            self.assertEqual(took, expected)
+
+    def test_feedback_tells_the_share_that_is_done(self):
+        shares = []
+        self.do(self.clients[0], 10.0, lambda feedback: shares.append(feedback.progress))
+        self.assertGreater(len(shares), 3)
+        self.assertEqual(shares, sorted(shares))
+        self.assertLessEqual(shares[-1], 1.0)
+
+    def test_a_cancelled_task_says_how_long_it_was_worked_on(self):
+        client = self.clients[1]
+        client.send_goal(TimedTaskGoal(duration=rospy.Duration(500.0)))
+        rospy.sleep(5.0)
+        client.cancel_goal()
+        self.assertTrue(client.wait_for_result(GUARD))
+        self.assertEqual(client.get_state(), GoalStatus.PREEMPTED)
+        self.assertTrue(0.0 < client.get_result().duration.to_sec() < 100.0)
+
+    def test_two_robots_work_at_the_same_time(self):
+        began = rospy.get_time()
+        for client in self.clients:
+            client.send_goal(TimedTaskGoal(duration=rospy.Duration(20.0)))
+        for client in self.clients:
+            self.assertTrue(client.wait_for_result(GUARD))
+        self.assertLess(rospy.get_time() - began, 40.0)
+
+    def test_a_negative_duration_is_refused_with_a_text(self):
+        self.do(self.clients[0], -1.0)
+        self.assertEqual(self.clients[0].get_state(), GoalStatus.ABORTED)
+        self.assertEqual(self.clients[0].get_goal_status_text(), 'duration must be >= 0 s, got -1 s')
+
+    def test_parameters_that_cannot_be_used_are_fatal(self):
+        for parameter, text in (('_spread:=5.0', 'the spread must lie in 0..1 s, the duration; got 5.0'),
+                                ('_duration:=soon', "got 'soon'; allowed: a finite number >= 0 [s, simulated]"),
+                                ('_robots:=[a, a]', 'allowed: a list of different namespaces')):
+            name = 'wrong_' + parameter[1:4]
+            done = subprocess.run([find_executable('task_server'), parameter, '__name:=' + name], timeout=60.0,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+                                  env=dict(os.environ, ROS_LOG_DIR=os.environ.get('ROS_LOG_DIR', '/tmp')))
+            self.assertEqual(done.returncode, 1, done.stdout)
+            self.assertIn(text, done.stdout)
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'soil_task_server', TaskServer, sysargs=sys.argv)
