@@ -14,7 +14,7 @@ import rospy
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.lockstep.charge import make_charge
 
-from . import finish, threads, waits
+from . import finish, fork, threads, waits
 from .participant import DEFAULT_RANK, Participant, connect
 from .topics import sender
 
@@ -64,6 +64,7 @@ def join(rank=None, own_threads=True):
     waits.install(joining)
     threads.install(joining, own_threads)
     finish.install(joining)
+    fork.install(joining)
     _warn(joining, declared)
     _state.joined = joining
     return joining

@@ -11,7 +11,7 @@ from importlib.machinery import SourceFileLoader
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from . import fork, threads, watchdog
+from . import queries, threads, watchdog
 
 _NAME, _NAMESPACE = '__name:=', '__ns:='
 
@@ -47,7 +47,7 @@ def _join_after_init_node(rospy, lockstep, options):
         if lockstep.participant() is None:
             joined = lockstep.join(options.rank)
             watchdog.follow(joined)
-            fork.install(joined)
+            queries.install(joined)
 
     rospy.init_node = rospy.client.init_node = init_node_and_join
 

@@ -16,6 +16,7 @@ import move_base_abstract
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from . import source
+from .queries import settle
 
 _state = {'participant': None, 'told': set()}
 _LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
@@ -33,9 +34,7 @@ _EVENTS = {
 }
 _CLOCKS = ('time', 'time_ns', 'monotonic', 'monotonic_ns', 'perf_counter', 'perf_counter_ns')
 _READS = 'reads the wall clock; what it does with that differs from run to run'
-#: In wall time a sleep lets what is on its way at this instant arrive: links, what is latched on them, an answer.
-_ROUNDS_OF_A_SLEEP = 10
-_LONG_SLEEPS = 10.0  # s, wall, at one instant
+_LONG_SLEEPS = 5.0  # s, wall, at one instant
 
 
 def install(sleep):
@@ -68,7 +67,7 @@ class _Sleep:
     """time.sleep of the application's threads."""
 
     def __init__(self, kind, wall_sleep):
-        self._kind = kind
+        self._is_simulated = kind == 'simulated'
         self._wall_sleep = wall_sleep
         self._at_ns = None
         self._slept = 0.0
@@ -79,28 +78,29 @@ class _Sleep:
             self._wall_sleep(seconds)
             return
         try:
-            if self._kind == 'simulated':
+            if not self._is_simulated:
+                _tell('time.sleep', 'sleeps in wall time while simulated time stands still (--sleep simulated turns '
+                      'this into simulated time)')
+                settle(participant.scheduler)
+                self._give_in(participant, seconds)
+            if self._is_simulated:
                 participant.scheduler.wait(participant.now_ns + round(seconds * 1e9))
                 return
-            _tell('time.sleep', 'sleeps in wall time while simulated time stands still (--sleep simulated turns this '
-                  'into simulated time)')
-            for _ in range(_ROUNDS_OF_A_SLEEP):
-                participant.scheduler.wait_round()
         except TurnLost:
-            self._wall_sleep(min(0.1, seconds))
-            return
+            seconds = min(0.1, seconds)
         self._wall_sleep(seconds)
-        self._add(participant.now_ns, seconds)
 
-    def _add(self, now_ns, seconds):
-        """Tell who sleeps again and again until something comes that needs simulated time."""
-        if now_ns != self._at_ns:
-            self._at_ns, self._slept = now_ns, 0.0
-        before, self._slept = self._slept, self._slept + seconds
-        if before < _LONG_SLEEPS <= self._slept:
-            rospy.logwarn('%s: time.sleep has taken %g s of wall time while simulated time stands at %.9f s; if it '
-                          'waits for something that comes later, it needs the option --sleep simulated',
-                          rospy.get_name(), self._slept, now_ns * 1e-9)
+    def _give_in(self, participant, seconds):
+        """Who sleeps again and again waits for something that needs simulated time: have it go on."""
+        if participant.now_ns != self._at_ns:
+            self._at_ns, self._slept = participant.now_ns, 0.0
+        self._slept += seconds
+        if self._slept > _LONG_SLEEPS:
+            self._is_simulated = True
+            text = ('time.sleep was called for more than {:g} s while simulated time stood at {:.9f} s; from here on '
+                    'it takes simulated time, as with --sleep simulated'.format(_LONG_SLEEPS, participant.now_ns * 1e-9))
+            rospy.logwarn('%s: %s', rospy.get_name(), text)
+            participant.label('{}: {}'.format(rospy.get_name(), text))
 
 
 def _reading(clock, name):
