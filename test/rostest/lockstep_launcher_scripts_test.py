@@ -11,20 +11,10 @@ import sys
 import unittest
 
 import rostest
-from lockstep_launcher_run import FOLDER, Programs, assert_same
+from lockstep_launcher_run import FOLDER, assert_same, run_programs, run_thrice
 
-PROGRAMS = None
 ROBOTS = [{'name': 'robot_0', 'tf_heartbeat_freq': 10.0}] + [
     {'name': 'robot_{}'.format(i), 'start_y': 10.0 * (i - 3) if i in (3, 4) else 0.0} for i in range(1, 8)]
-
-
-def setUpModule():  # noqa: N802 - unittest's name
-    global PROGRAMS  # noqa: PLW0603 - one ROS master for all tests
-    PROGRAMS = Programs()
-
-
-def tearDownModule():  # noqa: N802 - unittest's name
-    PROGRAMS.close()
 
 
 class UnmodifiedTest(unittest.TestCase):
@@ -41,7 +31,7 @@ class DrivingTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.runs = PROGRAMS.same({
+        cls.runs = run_thrice({
             'poller': ['poller.py', '_ticks:=20', 'odom:=/robot_0/odom'],
             'flags': ['flags.py', 'move_base:=/robot_0/move_base'],
             'dispatcher': ['chain_handles.py'],
@@ -58,10 +48,7 @@ class DrivingTest(unittest.TestCase):
 
     def test_all_runs_are_the_same(self):
         assert_same(self, self.runs)
-        for run in self.runs:
-            self.assertTrue(run.state.repeatable, run.state.not_repeatable_because)
-            self.assertEqual(run.state.degraded_because, [])
-            self.assertEqual({code for name, code in run.codes.items() if name != 'fleet'}, {0}, run.codes)
+        self.assertEqual({code for run in self.runs for name, code in run.codes.items() if name != 'fleet'}, {0})
         self.assertGreater(self.runs[0].log.count(b'\n'), 300)
 
     def test_nothing_is_warned_of_but_what_is_there(self):
@@ -110,9 +97,9 @@ class DrivingTest(unittest.TestCase):
     def test_global_generators_are_seeded_by_the_name_of_the_node(self):
         self.assertEqual(len(self.printed('walker')), 5)
         words = ['random_walk.py', 'move_base:=/robot_7/move_base']
-        other = PROGRAMS.run({'other': words}, until=60.0, fleet=ROBOTS[7:])
-        again = PROGRAMS.run({'walker': words}, until=60.0, fleet=ROBOTS[7:])
-        seeded = PROGRAMS.run({'walker': [['--seed', '1'], *words]}, until=60.0, fleet=ROBOTS[7:])
+        other = run_programs({'other': words}, until=60.0, fleet=ROBOTS[7:])
+        again = run_programs({'walker': words}, until=60.0, fleet=ROBOTS[7:])
+        seeded = run_programs({'walker': [['--seed', '1'], *words]}, until=60.0, fleet=ROBOTS[7:])
         self.assertEqual(again.printed('walker'), self.printed('walker'))
         self.assertNotEqual(other.printed('other'), self.printed('walker'))
         self.assertNotEqual(seeded.printed('walker'), self.printed('walker'))
@@ -137,7 +124,7 @@ class TalkingTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.runs = PROGRAMS.same({
+        cls.runs = run_thrice({
             'battery': ['timer_publisher.py'], 'charger': ['message_loop.py'],
             'depot': ['answerer.py'], 'worker_1': ['asker.py'], 'worker_2': ['asker.py', '_persistent:=true'],
             'workshop': ['queue_worker.py'], 'giver': ['job_giver.py'],
@@ -152,9 +139,6 @@ class TalkingTest(unittest.TestCase):
 
     def test_all_runs_are_the_same(self):
         assert_same(self, self.runs)
-        for run in self.runs:
-            self.assertTrue(run.state.repeatable, run.state.not_repeatable_because)
-            self.assertEqual(run.state.degraded_because, [])
 
     def test_a_timer_fires_at_its_times_and_no_other(self):
         lines = [line for line in self.printed('battery') if 'charged' not in line]

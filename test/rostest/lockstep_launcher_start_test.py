@@ -9,11 +9,10 @@ import tempfile
 import unittest
 
 import rostest
-from lockstep_launcher_run import FOLDER, GUARD, Programs, command, remaps
+from lockstep_launcher_run import FOLDER, GUARD, command, remaps, run_programs
 
-from move_base_abstract_ros.loopback import find_executable
+from move_base_abstract_ros.loopback import Loopback, find_executable
 
-PROGRAMS = None
 CMAKE = """cmake_minimum_required(VERSION 3.12)
 project(probes)
 find_package(catkin REQUIRED)
@@ -36,19 +35,11 @@ LAUNCH = """<launch>
 """
 
 
-def setUpModule():  # noqa: N802 - unittest's name
-    global PROGRAMS  # noqa: PLW0603 - one ROS master for all tests
-    PROGRAMS = Programs()
-
-
-def tearDownModule():  # noqa: N802 - unittest's name
-    PROGRAMS.close()
-
-
 class StartTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix='lockstep_launcher_')
+        cls.ros = Loopback().__enter__()  # for what is started without lockstep
         for name in ('probe', 'plain_text', 'link.py'):
             shutil.copy(os.path.join(FOLDER, 'probe.py'), os.path.join(cls.folder, name))
         os.chmod(os.path.join(cls.folder, 'probe'), 0o755)
@@ -63,6 +54,7 @@ class StartTest(unittest.TestCase):
 
     @classmethod
     def tearDownClass(cls):
+        cls.ros.close()
         shutil.rmtree(cls.folder)
 
     def path(self, *names):
@@ -70,11 +62,11 @@ class StartTest(unittest.TestCase):
 
     def as_without(self, **forms):
         """Assert that each form says the same by the launcher as without it, with the same exit code."""
-        run = PROGRAMS.run(forms, until=5.0)
+        run = run_programs(forms, until=5.0)
         for name, words in forms.items():
             python = sys.executable if words[0] == 'python3' else words[0]
             plain = [python, *words[1:]] if 'python' in os.path.basename(python) else [sys.executable, *words]
-            done = subprocess.run(plain + remaps(name), check=False, env=PROGRAMS.ros.environment,
+            done = subprocess.run(plain + remaps(name), check=False, env=self.ros.environment,
                                   stdout=subprocess.PIPE, text=True, timeout=GUARD)
             expected = [line for line in done.stdout.splitlines() if line]
             self.assertEqual(len(expected), 9, done.stdout)
@@ -96,7 +88,7 @@ class StartTest(unittest.TestCase):
                         module=['python3', '-m', 'probe', '--flag', '_y:=two'])
 
     def test_a_module_by_the_launchers_own_option(self):
-        run = PROGRAMS.run({'module': ['-m', 'probe', '-m', '_x:=1']}, until=5.0)
+        run = run_programs({'module': ['-m', 'probe', '-m', '_x:=1']}, until=5.0)
         self.assertIn("argv ['{}', '-m', '_x:=1', '__name:=module'], without remaps ['{}', '-m']".format(
             *[os.path.join(FOLDER, 'probe.py')] * 2), run.printed('module'))
         self.assertEqual(run.codes['module'], 3)
@@ -109,7 +101,7 @@ class StartTest(unittest.TestCase):
             text = source.read().split('\n', 1)[1]
         with open(self.path('of_venv'), 'w') as script:
             script.write('#!{}\nimport sys\nprint(sys.prefix)\n{}'.format(python, text))
-        run = PROGRAMS.run({'first_line': [self.path('of_venv')], 'word': [python, os.path.join(FOLDER, 'probe.py')]},
+        run = run_programs({'first_line': [self.path('of_venv')], 'word': [python, os.path.join(FOLDER, 'probe.py')]},
                            until=5.0)
         self.assertEqual(run.printed('first_line')[0], self.path('venv'))
         self.assertEqual((run.codes['first_line'], run.codes['word']), (3, 3), run.outputs)
@@ -146,7 +138,7 @@ class StartTest(unittest.TestCase):
         os.environ['ROS_PACKAGE_PATH'] = self.path('source') + os.pathsep + os.environ.get('ROS_PACKAGE_PATH', '')
         os.environ['CMAKE_PREFIX_PATH'] = self.path('devel') + os.pathsep + os.environ.get('CMAKE_PREFIX_PATH', '')
         try:
-            run = PROGRAMS.run({'fleet_7/renamed': None}, until=5.0, commands={
+            run = run_programs({'fleet_7/renamed': None}, until=5.0, commands={
                 'fleet_7/renamed': [shutil.which('roslaunch'), self.path('source', 'start.launch')]})
         finally:
             os.environ.clear()
@@ -160,7 +152,7 @@ class StartTest(unittest.TestCase):
 
     def check_traceback(self, script, lines):
         """The traceback of a failing script begins in the program's own first line."""
-        run = PROGRAMS.run({'failing': [script]}, until=5.0)
+        run = run_programs({'failing': [script]}, until=5.0)
         self.assertEqual(run.codes['failing'], 1)
         said = run.outputs['failing']
         self.assertNotIn('move_base_abstract_ros', said)
@@ -180,7 +172,7 @@ class StartTest(unittest.TestCase):
         for name, ending in endings.items():
             with open(self.path(name + '.py'), 'w') as script:
                 script.write("import rospy\nrospy.init_node('a')\nrospy.sleep(0.5)\n{}\n".format(ending))
-        run = PROGRAMS.run({name: [self.path(name + '.py')] for name in endings}, until=5.0)
+        run = run_programs({name: [self.path(name + '.py')] for name in endings}, until=5.0)
         self.assertEqual(run.codes, {'zero': 0, 'text': 1, 'three': 3, 'hard': 5, 'interrupt': 130, 'error': 1})
         self.assertIn('enough', run.outputs['text'])
         self.assertIn('KeyboardInterrupt', run.outputs['interrupt'])
@@ -195,20 +187,18 @@ class StartTest(unittest.TestCase):
                             (['python3'], 'needs a script or -m MODULE'), ([], 'no program was given'),
                             (['--sleep', 'never', 'x.py'], "invalid choice: 'never'")):
             done = subprocess.run([sys.executable, find_executable('lockstep'), *words], check=False, text=True,
-                                  env=PROGRAMS.ros.environment, stderr=subprocess.PIPE, timeout=GUARD)
+                                  env=self.ros.environment, stderr=subprocess.PIPE, timeout=GUARD)
             self.assertIn(text, done.stderr)
             self.assertNotEqual(done.returncode, 0)
             self.assertNotIn('Traceback', done.stderr)
 
     def test_without_lockstep_a_program_runs_as_ever(self):
-        PROGRAMS.forget_clock()
-        master = PROGRAMS.ros.run('time_master', 'time_master', parameters={'mode': 'scaled', 'factor': 100.0})
-        child = PROGRAMS.ros.spawn('/poller', command(['poller.py', '_ticks:=5'], 'poller'))
-        self.assertEqual(child.process.wait(GUARD), 0)
-        with open(child.log_path) as log:
-            self.assertIn('tick 5 x=nan of 0', log.read())
-        PROGRAMS.ros.end(child)
-        PROGRAMS.ros.end(master)
+        with Loopback() as ros:
+            ros.run('time_master', 'time_master', parameters={'mode': 'scaled', 'factor': 100.0})
+            child = ros.spawn('/poller', command(['poller.py', '_ticks:=5'], 'poller'))
+            self.assertEqual(child.process.wait(GUARD), 0)
+            with open(child.log_path) as log:
+                self.assertIn('tick 5 x=nan of 0', log.read())
 
 
 class HabitsTest(unittest.TestCase):
@@ -216,7 +206,7 @@ class HabitsTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.run_once = PROGRAMS.run({'habits': ['habits.py']}, until=10.0)
+        cls.run_once = run_programs({'habits': ['habits.py']}, until=10.0)
 
     def test_each_is_told_once_with_file_and_line(self):
         with open(os.path.join(FOLDER, 'habits.py')) as script:
@@ -244,23 +234,24 @@ class HabitsTest(unittest.TestCase):
         self.assertTrue(self.run_once.state.repeatable, self.run_once.state.not_repeatable_because)
 
     def test_random_identifiers_are_repeated(self):
-        again = PROGRAMS.run({'habits': ['habits.py']}, until=10.0)
+        again = run_programs({'habits': ['habits.py']}, until=10.0)
         self.assertEqual(again.printed('habits'), self.run_once.printed('habits'))
         self.assertRegex(again.printed('habits')[-1], '^id [0-9a-f]{8}-[0-9a-f]{4}-4')
 
     def test_sleep_in_simulated_time(self):
-        run = PROGRAMS.run({'loop': [['--sleep', 'simulated'], 'wall_loop.py'], 'greeter': [
-            '/usr/bin/rostopic', 'pub', '-r', '2', 'greeting', 'std_msgs/String', 'data: hello']}, until=10.0)
+        run = run_programs({'loop': [['--sleep', 'simulated'], 'wall_loop.py'], 'greeter': [
+            shutil.which('rostopic'), 'pub', '-r', '2', 'greeting', 'std_msgs/String', 'data: hello']}, until=10.0)
         # Twice a second; the first comes before they know of each other.
         self.assertEqual(run.printed('loop'), ['2.600000000 after 16 looks'])
         self.assertEqual(run.logged('loop', 'WARN'), [])
 
-    def test_sleeping_in_wall_time_for_what_comes_later_is_told(self):
-        run = PROGRAMS.run({'loop': ['wall_loop.py'], 'greeter': [
-            '/usr/bin/rostopic', 'pub', '-r', '2', 'greeting', 'std_msgs/String', 'data: hello']}, until=10.0,
-            wall_limit=16.0)
-        self.assertEqual(run.state.sim_time.to_sec(), 1.0)
-        self.assertIn('needs the option --sleep simulated', run.logged('loop', 'WARN')[-1])
+    def test_sleeping_in_wall_time_for_what_comes_later_takes_simulated_time_after_a_while(self):
+        run = run_programs({'loop': ['wall_loop.py'], 'greeter': [
+            shutil.which('rostopic'), 'pub', '-r', '2', 'greeting', 'std_msgs/String', 'data: hello']}, until=10.0)
+        # 5 s of it at the first instant, then as above.
+        self.assertEqual(run.printed('loop'), ['2.600000000 after 66 looks'])
+        self.assertIn('from here on it takes simulated time', run.logged('loop', 'WARN')[-1])
+        self.assertIn('from here on it takes simulated time', ' '.join(run.state.not_repeatable_because))
 
 
 if __name__ == '__main__':

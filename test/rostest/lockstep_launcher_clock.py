@@ -1,0 +1,38 @@
+#!/usr/bin/env python3
+"""Have the time master run until argv[1] [s, simulated]; print its state, as JSON, when nothing more is to come.
+
+argv[2] [s, wall]: how long at most.
+"""
+
+import json
+import sys
+import time
+
+import rospy
+
+from move_base_abstract.msg import TimeState
+from move_base_abstract_ros.time_master_client import TimeMasterClient
+
+_OVER = ('idle', 'deadlock', 'zero_delay_loop', 'ended')
+
+
+def main():
+    until, limit = float(sys.argv[1]), float(sys.argv[2])
+    rospy.init_node('launcher_clock', disable_rostime=True)
+    TimeMasterClient().run_until(until)
+    deadline = time.monotonic() + limit
+    while True:
+        state = rospy.wait_for_message('/time_master/state', TimeState)
+        is_there = state.phase == 'paused' and state.sim_time.to_sec() >= until
+        if is_there or state.phase in _OVER or time.monotonic() > deadline:
+            break
+        time.sleep(0.02)
+    print(json.dumps({
+        'is_over': is_there or state.phase in _OVER, 'phase': state.phase, 'time': state.sim_time.to_sec(),
+        'reason': state.reason, 'waiting_for': ['{} owes {}'.format(one.name, one.owes) for one in state.waiting_for],
+        'repeatable': state.repeatable, 'not_repeatable_because': state.not_repeatable_because,
+        'degraded_because': state.degraded_because}))
+
+
+if __name__ == '__main__':
+    main()
