@@ -13,7 +13,7 @@ from tf2_msgs.msg import TFMessage
 
 from move_base_abstract.errors import FrameError
 
-from . import conversions
+from . import conversions, lockstep
 
 _STATIC = '/tf_static'
 _STATIC_SECONDS = 2.0  # wall
@@ -21,7 +21,7 @@ _POLL_SECONDS = 0.01
 
 
 class _EarlyFrames:
-    """One buffer for all robots of a process, and what had come on /tf_static before the node took part in lockstep."""
+    """One buffer for all robots of a process, and what comes on /tf_static in the first round."""
 
     def __init__(self):
         self.buffer = tf2_ros.Buffer(debug=False)
@@ -37,8 +37,9 @@ class _EarlyFrames:
                 self._listener = tf2_ros.TransformListener(self.buffer)
 
     def wait(self):
-        """Wait for all nodes that publish static transforms now; they are latched, so each has something to say."""
-        expected = set(_publishers(_STATIC)) - {rospy.get_name()}
+        """Wait for all outsiders that publish static transforms; they are latched, so each has something to say."""
+        takes_part = lockstep.participant().is_member  # what participants say comes in a later round
+        expected = {name for name in _publishers(_STATIC) if not takes_part(name)}
         deadline = time.monotonic() + _STATIC_SECONDS
         while not expected <= self._heard and not rospy.is_shutdown():
             if time.monotonic() > deadline:
@@ -57,7 +58,7 @@ _early = []
 
 
 def listen_to_static_frames():
-    """Get to know all static transforms of other nodes; for lockstep, before the node takes part. May block."""
+    """Get to know all static transforms of nodes that do not take part; in the first round. May block."""
     _early.append(_EarlyFrames())
     _early[0].wait()
 
