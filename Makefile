@@ -60,9 +60,10 @@ study-trial: build  ## one trial of the soil mapping study; TRIAL_ARGS='--seed 3
 study: build  ## the whole study in .ws/study, resumable; STUDY_1X=1 adds real time, STUDY_ARGS='--seeds 3' options
 	@$(ENTER) rosrun move_base_abstract study run --field '$(STUDY_FIELD)' --output '$(WS)/study' $(STUDY_ARGS)
 
-picture: build  ## take the picture of the README: RViz on a screen without a monitor
+picture: build  ## take the pictures of the README: RViz on a screen without a monitor
 	@tools/install_deps tools/apt-packages-picture.txt
-	@$(ENTER) $(PYTHON) tools/take_picture.py docs/images/rviz.png
+	@$(ENTER) $(PYTHON) tools/take_picture.py docs/images/rviz.png && \
+	  $(PYTHON) tools/take_soil_picture.py docs/images/soil_mapping.png
 
 clean:  ## remove everything that was built
 	rm -rf $(WS)

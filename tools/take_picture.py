@@ -109,10 +109,10 @@ def send_goals(clock):
     clock.step(UNTIL)
 
 
-def shoot(ros, output):
-    """Write the screen to ``output`` when RViz has drawn the robots and nothing moves any more."""
-    wait_for_subscriber('/robot_markers', '/rviz')
-    wait_for_subscriber('/map', '/rviz')
+def shoot(ros, output, topics=('/robot_markers', '/map')):
+    """Write the screen to ``output`` when RViz listens to ``topics``, has drawn them and nothing moves any more."""
+    for topic in topics:
+        wait_for_subscriber(topic, '/rviz')
     deadline = time.monotonic() + WAIT
     before, now = 0, -1
     while before != now or now < COLOURED_PIXELS:
@@ -122,7 +122,7 @@ def shoot(ros, output):
         time.sleep(2.0)
         image = screenshot()
         before, now = now, coloured_pixels(image)
-    image.quantize(COLOURS).save(output, optimize=True)
+    image.crop(image.getbbox()).quantize(COLOURS).save(output, optimize=True)  # without the screen's black rest
 
 
 def screenshot():

@@ -1,0 +1,53 @@
+#!/usr/bin/python3
+"""Take the README's picture of the soil study: prediction and variance, robots, samples and tasks, as RViz shows them.
+
+usage: tools/take_soil_picture.py OUTPUT.png
+
+As take_picture.py: on a ROS master and a screen of its own. The mission runs in lockstep to UNTIL and stands still.
+"""
+import os
+import sys
+
+import rospkg
+import rospy
+import take_picture
+from nav_msgs.msg import OccupancyGrid
+
+from move_base_abstract_ros.loopback import PACKAGE, Loopback
+from move_base_abstract_ros.time_master_client import TimeMasterClient
+
+UNTIL = 230.0  # s, simulated: when the picture is taken
+
+
+def main():
+    """Take the picture and write it to the file that the command line names."""
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    output = sys.argv[1]
+    with Loopback() as ros:
+        ros.adopt()
+        screen = take_picture.Screen()
+        try:
+            start(ros)
+            rospy.init_node('picture', disable_signals=True)
+            TimeMasterClient().run_until(UNTIL)
+            rospy.wait_for_message('/soil_coordinator/prediction', OccupancyGrid)
+            take_picture.shoot(ros, output, topics=('/robot_markers', '/soil_coordinator/prediction'))
+        finally:
+            rospy.signal_shutdown('the picture is taken')
+            screen.close()
+    print(f'{output}: {os.path.getsize(output) // 1024} KB')
+
+
+def start(ros):
+    """Start the study as its launch file does, and RViz."""
+    package = rospkg.RosPack().get_path(PACKAGE)
+    launch = os.path.join(package, 'launch', 'soil_mapping.launch')
+    ros.spawn('/roslaunch', ['roslaunch', launch, 'clock:=lockstep', 'factor:=40', 'stay:=true'])
+    os.environ.update(HOME=ros.log_dir, XDG_RUNTIME_DIR=ros.log_dir)
+    rviz = os.path.join(rospkg.RosPack().get_path('rviz'), '..', '..', 'lib', 'rviz', 'rviz')
+    ros.spawn('/rviz', [rviz, '-d', os.path.join(package, 'rviz', 'soil_mapping.rviz'), '__name:=rviz'])
+
+
+if __name__ == '__main__':
+    main()
