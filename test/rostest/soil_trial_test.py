@@ -103,16 +103,25 @@ class Trials(unittest.TestCase):
         self.assertGreaterEqual(about['simulated_s'], 120.0)
         self.assertGreater(about['metrics']['samples'], 5)
 
-    def test_a_trial_that_is_killed_is_marked_and_run_again(self):
-        path = self.path('killed')
+    def end_by(self, number, name):
+        """Start a slow trial and end it by a signal in the middle; return its code when all its processes are gone."""
+        path = self.path(name)
         process = subprocess.Popen([find_executable('study'), 'trial', *MISSION, '--output', path, '--limit', '2'],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
         wait_for(lambda: os.path.exists(path + '.unfinished/lockstep_events.jsonl.part'))
-        process.send_signal(signal.SIGKILL)
-        process.wait(GUARD)
+        process.send_signal(number)
+        code = process.wait(GUARD)
         self.assertTrue(os.path.isdir(path + '.unfinished'))
         self.assertFalse(os.path.exists(path))
         wait_for(lambda: not processes_with(path))
+        return code
+
+    def test_a_trial_that_is_interrupted_ends_soon_with_its_code(self):
+        self.assertEqual(self.end_by(signal.SIGINT, 'interrupted'), 130)
+
+    def test_a_trial_that_is_killed_is_marked_and_run_again(self):
+        path = self.path('killed')
+        self.assertEqual(self.end_by(signal.SIGKILL, 'killed'), -signal.SIGKILL)
         self.assertEqual(self.trial('killed')[:2], self.plain[:2])
         self.assertFalse(os.path.exists(path + '.unfinished'))
 

@@ -28,7 +28,7 @@ def main(words=None):
         print(f'study: {error}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print('\nstudy: interrupted; the same command goes on with what is missing', file=sys.stderr)
+        print('\nstudy: interrupted; what is complete stays', file=sys.stderr)
         return 130
 
 
@@ -41,9 +41,7 @@ def _trial(arguments):
     began = time.monotonic()
     running.prepare([spec])
     trial = running.RunningTrial(spec, path, arguments.pictures, arguments.bag)
-    while trial.poll() is None:
-        time.sleep(0.01)
-    if not trial.poll():
+    if not trial.wait():
         print(f'study: the trial failed: {trial.error}', file=sys.stderr)
         return 1
     _print_trial(path, time.monotonic() - began)

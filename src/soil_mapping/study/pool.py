@@ -3,9 +3,7 @@
 import sys
 from multiprocessing import connection
 
-from .running import RunningTrial, is_done, prepare
-
-WAIT_S = 0.5  # wall; how often a trial that would never end is looked for
+from .running import POLL_S, RunningTrial, is_done, prepare
 
 
 def path_of(folder, spec):
@@ -29,7 +27,7 @@ def run_all(specs, folder, jobs, pictures=False, stream=sys.stderr):
             while missing and _may_start(missing[0], running, jobs):
                 spec = missing.pop(0)
                 running.append(RunningTrial(spec, path_of(folder, spec), pictures))
-            connection.wait([trial.sentinel for trial in running], WAIT_S)
+            connection.wait([trial.sentinel for trial in running], POLL_S)
             for trial in [trial for trial in running if trial.poll() is not None]:
                 running.remove(trial)
                 progress.update()

@@ -14,6 +14,7 @@ import subprocess
 import sys
 import time
 import traceback
+from multiprocessing import connection
 
 from soil_mapping.trial_folder import TrialFolder, is_complete, read_about
 
@@ -21,6 +22,7 @@ from .truth import truth_of
 
 PR_SET_PDEATHSIG = 1
 HEAVY = {'ros': ('soil_mapping.study.ros_trial', 'pykrige.ok'), 'mesa': ('soil_mapping.mesa_model', 'pykrige.ok')}
+POLL_S = 0.5  # wall; how often a trial that would never end is looked for
 GUARD_S = 300.0  # wall, on top of what the clock needs; only ends a trial that would never end
 _FORK = multiprocessing.get_context('fork')
 
@@ -68,6 +70,15 @@ class RunningTrial:
             self.kill()
         self._process.join()
         return self._process.exitcode == 0 and is_done(self.spec, self.path)
+
+    def wait(self):
+        """Wait for the end and return whether the trial is complete; if interrupted, end the child."""
+        try:
+            while self.poll() is None:
+                connection.wait([self.sentinel], POLL_S)
+        finally:
+            self.kill()
+        return self.poll()
 
     def kill(self):
         """End the child at once; the kernel ends its nodes."""
