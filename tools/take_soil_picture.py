@@ -43,7 +43,8 @@ def start(ros):
     """Start the study as its launch file does, and RViz."""
     package = rospkg.RosPack().get_path(PACKAGE)
     launch = os.path.join(package, 'launch', 'soil_mapping.launch')
-    ros.spawn('/roslaunch', ['roslaunch', launch, 'clock:=lockstep', 'factor:=40', 'stay:=true'])
+    quickly = ['--sigint-timeout', '1', '--sigterm-timeout', '1']  # so that no node outlives its roslaunch
+    ros.spawn('/roslaunch', ['roslaunch', *quickly, launch, 'clock:=lockstep', 'factor:=40', 'stay:=true'])
     os.environ.update(HOME=ros.log_dir, XDG_RUNTIME_DIR=ros.log_dir)
     rviz = os.path.join(rospkg.RosPack().get_path('rviz'), '..', '..', 'lib', 'rviz', 'rviz')
     ros.spawn('/rviz', [rviz, '-d', os.path.join(package, 'rviz', 'soil_mapping.rviz'), '__name:=rviz'])
