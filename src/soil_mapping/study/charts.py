@@ -64,8 +64,7 @@ def _draw_legs(axes, groups):
     axes.set(xscale='log', xlabel='speed-up while moving [simulated s per wall s]', ylabel='mean error of the legs [%]',
              title='Legs too long')
     axes.set_yscale('symlog', linthresh=0.1)
-    axes.set_ylim(bottom=-0.02)
-    axes.legend(loc='upper left')
+    _make_room(axes, (-0.02, 1000.0))
 
 
 def _draw_cosines(axes, groups):
@@ -76,7 +75,7 @@ def _draw_cosines(axes, groups):
         axes.annotate(label, (speed, 1.0 - value), color='0.4', xytext=(4, 4), textcoords='offset points')
     for name, trials in groups.items():
         seeds = common_seeds(trials, groups.get(LOCKSTEP, []))
-        if name.startswith('ros-') and name != LOCKSTEP and seeds:
+        if name.startswith('ros-') and seeds and not name.startswith(LOCKSTEP + '-'):
             distance = 1.0 - cosine_similarity(as_study(groups[LOCKSTEP], seeds), as_study(trials, seeds))
             speed = mean([trial.speed_up['overall'] for trial in trials])
             axes.plot(speed, max(0.0, distance), 'o', color=COLOURS[0])
@@ -84,8 +83,14 @@ def _draw_cosines(axes, groups):
     axes.set(xscale='log', xlabel='speed-up over all [simulated s per wall s]',
              ylabel='1 - mean cosine similarity to lockstep', title='Dissimilarity')
     axes.set_yscale('symlog', linthresh=1e-4)
-    axes.set_ylim(bottom=-2e-5)
-    axes.legend(loc='upper left')
+    _make_room(axes, (-2e-5, 1.0))
+
+
+def _make_room(axes, limits):
+    """Leave room for texts at the right, the legend and what lies at 0."""
+    left, right = axes.get_xlim()
+    axes.set(xlim=(left, 3.0 * right), ylim=limits)
+    axes.legend(loc='lower left')
 
 
 def _png(figure):

@@ -125,7 +125,7 @@ def _add_run(parser):
     parser.set_defaults(run=_run)
     parser.add_argument('--seeds', type=_count, default=10, metavar='N',
                         help='seeds 0..N-1 of each configuration on Mesa and in lockstep (default: %(default)s)')
-    parser.add_argument('--scaled-seeds', type=_count, default=2, metavar='N',
+    parser.add_argument('--scaled-seeds', type=_count, default=3, metavar='N',
                         help='the same for each factor of the scaled clock (default: %(default)s)')
     parser.add_argument('--groups', nargs='+', metavar='GROUP', help='only these, such as mesa or ros-lockstep')
     parser.add_argument('--jobs', type=_count, default=len(os.sched_getaffinity(0)), metavar='N',

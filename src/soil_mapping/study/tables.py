@@ -83,18 +83,19 @@ def cosines(groups):
     return Table('Similarity of studies', ('first', 'second', 'mean_cosine_similarity', 'noise floor (95 %)',
                                            'largest standardised difference', 'source'), tuple(rows),
                  'Mean over six metrics of the cosine between vectors of configuration means. It is blunt: two halves '
-                 'of one study score 0.97 to 0.98. Noise floor: the range in which two runs of the first study lie '
-                 'that differ by chance only (bootstrap of its trials). Standardised difference: of the means, in '
-                 'standard deviations of the trials; it feels scale. Pairs of trials with the same seeds only.')
+                 'of one study score 0.97 to 0.98, and a metric that is 0 in one study alone scores 0. Noise floor: '
+                 'the range in which two runs of the first study lie that differ by chance only (bootstrap of its '
+                 'trials). Standardised difference: of the means, in standard deviations of the trials; it feels scale '
+                 '(unknown with one trial per configuration). Pairs of trials with the same seeds only.')
 
 
 def _compared(first, second, seeds):
     a, b = as_study(first, seeds), as_study(second, seeds)
     trials = max(1, len(seeds) // len(a))
     low, high = noise_floor(as_study(first), trials)
-    sizes = [abs(each.standardised) for each in differences(a, b) if not math.isnan(each.standardised)]
-    return (f'{cosine_similarity(a, b):.9f}', f'{low:.4f} to {high:.4f}', number(max(sizes)) if sizes else 'unknown',
-            f'{len(seeds)} pairs of trials')
+    sizes = [abs(each.standardised) for each in differences(a, b)]
+    largest = 'unknown' if any(map(math.isnan, sizes)) else number(max(sizes))
+    return f'{cosine_similarity(a, b):.9f}', f'{low:.4f} to {high:.4f}', largest, f'{len(seeds)} pairs of trials'
 
 
 def cosines_per_metric(groups):
