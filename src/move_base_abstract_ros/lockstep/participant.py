@@ -236,7 +236,7 @@ class Participant:
 
     def _told_of_members(self, kind, body):
         if kind == wire.END:
-            raise Closed(wire.read_text(body, 0)[0])
+            self._give_up('the time master has ended lockstep: {}'.format(wire.read_text(body, 0)[0]), rospy.loginfo)
         number = int.from_bytes(body[:4], 'little')
         if kind == wire.WELCOME:
             self.own_id = number
@@ -254,7 +254,7 @@ class Participant:
         """The time master is gone, so that time will never move again: end the node."""
         return self._give_up('the time master has ended lockstep: {}'.format(reason))
 
-    def _give_up(self, reason):
+    def _give_up(self, reason, tell=rospy.logfatal):
         if not self.scheduler.is_closed:
             self.scheduler.close()
             try:
@@ -264,7 +264,7 @@ class Participant:
             self.connection.close()
             self.charge.close()
             if not rospy.core.is_shutdown_requested():
-                rospy.logfatal('%s: %s', rospy.get_name(), reason)
+                tell('%s: %s', rospy.get_name(), reason)
                 # Not in this thread: it may be one that a shutdown hook waits for.
                 threading._start_new_thread(rospy.signal_shutdown, (reason,))
         raise TurnLost()
