@@ -10,10 +10,10 @@ import subprocess
 import sys
 import tempfile
 import unittest
-from contextlib import contextmanager
 
 import rosbag
 import rostest
+from busy_cores import busy
 
 from move_base_abstract.event_log import EventLog
 from move_base_abstract_ros.loopback import Loopback
@@ -53,18 +53,6 @@ class Run:
                         for topic, message, time in recorded.read_messages(raw=True)]
 
 
-@contextmanager
-def load(count):
-    """Keep ``count`` cores busy meanwhile."""
-    busy = [subprocess.Popen([sys.executable, '-c', 'while True: pass']) for _ in range(count)]
-    try:
-        yield
-    finally:
-        for process in busy:
-            process.kill()
-            process.wait()
-
-
 class ForeignSystem(unittest.TestCase):
     """Coordinator, a task queue per robot, metrics and rosbag record, all unmodified."""
 
@@ -96,7 +84,7 @@ class ForeignSystem(unittest.TestCase):
         self.assertEqual({after - before for before, after in zip(times, times[1:])}, {5000000000})
 
     def test_the_bag_is_the_same_again_under_load(self):
-        with load(os.cpu_count()):
+        with busy(os.cpu_count()):
             self.assert_same(Run())
 
     def test_the_bag_is_the_same_at_fifty_times_real_time(self):

@@ -12,11 +12,11 @@ programs do then, or when nobody has anything left to do. Each has a ROS master 
 import json
 import os
 import re
-import subprocess
 import sys
 import time
-from contextlib import contextmanager
 from types import SimpleNamespace
+
+from busy_cores import busy
 
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
@@ -130,18 +130,6 @@ def remaps(name):
     """Return the words that give a node its name and namespace."""
     namespace, _, base = name.rpartition('/')
     return ['__name:=' + base] + (['__ns:=/' + namespace] if namespace else [])
-
-
-@contextmanager
-def busy(count):
-    """Keep ``count`` cores busy meanwhile."""
-    processes = [subprocess.Popen([sys.executable, '-c', 'while True: pass']) for _ in range(count)]
-    try:
-        yield
-    finally:
-        for process in processes:
-            process.kill()
-            process.wait()
 
 
 def assert_same(case, runs):

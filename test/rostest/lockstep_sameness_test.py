@@ -11,9 +11,9 @@ import subprocess
 import sys
 import tempfile
 import unittest
-from contextlib import contextmanager
 
 import rostest
+from busy_cores import busy
 
 from move_base_abstract.event_log import EventLog
 from move_base_abstract_ros.loopback import Loopback, find_executable
@@ -96,7 +96,7 @@ class Sameness(unittest.TestCase):
         self.assert_same(self.run_once(COORDINATOR, clock={'speed_limit': 50.0}))
 
     def test_with_both_cores_loaded(self):
-        with load(os.cpu_count()):
+        with busy(os.cpu_count()):
             self.assert_same(self.run_once(COORDINATOR))
 
     def test_with_random_delays_in_callbacks_in_sending_and_in_connecting(self):
@@ -117,24 +117,12 @@ class Sameness(unittest.TestCase):
         scenario = {'defaults': {'max_speed': 10.0}, 'robots': [{'name': 'robot_0'}, {'name': 'robot_1'}]}
         runs = []
         for number in range(20):
-            with load(number % 3):
+            with busy(number % 3):
                 run = self.run_once([sys.executable, os.path.join(NODES, 'pairs.py')], scenario=scenario,
                                         parameters={'goals': 1000, 'delay': 0.0005 * (number % 4)})
             runs.append(run.data)
         self.assertGreaterEqual(runs[0].count(b'"ended"'), 1000)
         self.assertEqual(len(set(runs)), 1)
-
-
-@contextmanager
-def load(count):
-    """Keep ``count`` cores busy meanwhile."""
-    busy = [subprocess.Popen([sys.executable, '-c', 'while True: pass']) for _ in range(count)]
-    try:
-        yield
-    finally:
-        for process in busy:
-            process.kill()
-            process.wait()
 
 
 if __name__ == '__main__':

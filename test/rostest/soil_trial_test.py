@@ -13,9 +13,9 @@ import sys
 import tempfile
 import time
 import unittest
-from contextlib import contextmanager
 
 import rostest
+from busy_cores import busy
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -82,7 +82,7 @@ class Trials(unittest.TestCase):
         self.assertEqual(self.trial('again')[:2], self.plain[:2])
 
     def test_the_same_at_a_limited_speed_on_loaded_cores(self):
-        with load(os.cpu_count()):
+        with busy(os.cpu_count()):
             began = time.monotonic()
             events, log, about = self.trial('limited', '--limit', str(LIMIT))
         self.assertGreater(time.monotonic() - began, 120.0 / LIMIT)
@@ -177,18 +177,6 @@ def wait_for(condition):
         if time.monotonic() > deadline:
             raise AssertionError('not within {} s'.format(GUARD))
         time.sleep(0.02)
-
-
-@contextmanager
-def load(count):
-    """Keep ``count`` cores busy meanwhile."""
-    busy = [subprocess.Popen([sys.executable, '-c', 'while True: pass']) for _ in range(count)]
-    try:
-        yield
-    finally:
-        for process in busy:
-            process.kill()
-            process.wait()
 
 
 if __name__ == '__main__':
