@@ -157,7 +157,7 @@ void queues(Teller& teller) {
     teller.tell("fired");
     timer.setPeriod(ros::Duration(++fired < 3 ? 0.5 : 1.0));
     if (fired == 6) {
-      ros::requestShutdown();
+      ros::shutdown();
     }
   };
   timer = node.createTimer(ros::Duration(0.25), fire);
