@@ -9,6 +9,7 @@ import random
 import signal
 import socket
 import struct
+import time
 from pathlib import Path
 
 import lockstep_raw_client as raw
@@ -185,6 +186,8 @@ class LockstepFaultsTest(LockstepCase):
                                     and rosmaster.getParam('/time_master/lockstep_address'))
             client = self.join('/a')
             client.turn(items=raw.log('robot', 'goal', '[1]'))
+            # A roscpp node whose ROS master dies in the middle of a call to it hangs in that call: let it come to rest.
+            time.sleep(2.0)
             os.kill(rosmaster.getPid(), signal.SIGKILL)
             self.assertIn('the ROS master at', client.end())
             self.assertEqual(child.process.wait(GUARD), 1)
