@@ -99,8 +99,8 @@ def test_the_installed_python_packages_are_imported(installed, prefix):
         assert Path(path).is_relative_to(prefix)
 
 
-def test_every_launch_and_config_file_is_installed(prefix):
-    for folder in ('launch', 'config'):
+def test_every_file_that_people_start_with_is_installed(prefix):
+    for folder in ('launch', 'config', 'maps', 'worlds', 'rviz'):
         wanted = {path.relative_to(ROOT) for path in (ROOT / folder).rglob('*') if path.is_file()}
         share = prefix / 'share' / 'move_base_abstract'
         assert wanted == {path.relative_to(share) for path in (share / folder).rglob('*') if path.is_file()}

@@ -6,6 +6,7 @@ GUARD [s, simulated] only ends a test that would never end.
 
 import glob
 import os
+import shlex
 import sys
 import unittest
 from xml.etree import ElementTree
@@ -60,6 +61,25 @@ class LaunchFiles(unittest.TestCase):
                          [2, 3, True, scenario])
         self.assertEqual(nodes(load('fleet.launch')), ['/fleet'])
         self.assertNotIn('/fleet/use_map', load('fleet.launch').params)
+
+    def test_stage_is_started_with_the_world_the_map_and_the_robots_that_belong_together(self):
+        for arguments, world, scenario in (([], 'farm_yard', 'scenario'), (['world:=field'], 'field', 'soil_robots')):
+            config = load('stage.launch', *arguments)
+            self.assertEqual(nodes(config), ['/stageros', '/map_server', '/fleet'])  # no time master beside Stage
+            stage, server, _ = config.nodes
+            self.assertEqual((stage.package, stage.type, stage.required), ('stage_ros', 'stageros', True))
+            *options, world_file = shlex.split(stage.args)
+            self.assertEqual(options, ['-u'])
+            for path, folder, name in ((world_file, 'worlds', world + '.world'), (server.args, 'maps', world + '.yaml'),
+                                       (parameter(config, '/fleet/scenario'), 'config', scenario + '.yaml')):
+                self.assertTrue(os.path.samefile(path, os.path.join(LAUNCH, '..', folder, name)), path)
+            self.assertEqual(parameter(config, '/fleet/backend'), 'stage_ros')
+            self.assertIs(parameter(config, '/use_sim_time'), True)
+        headless = load('stage.launch', 'gui:=false', 'use_map:=false', 'respawn:=true')
+        self.assertEqual(nodes(headless), ['/stageros', '/fleet'])
+        self.assertEqual(shlex.split(headless.nodes[0].args)[:-1], ['-g', '-u'])
+        self.assertEqual((headless.nodes[0].required, headless.nodes[0].respawn), (False, True))
+        self.assertNotIn('/fleet/backend', load('fleet.launch').params)
 
     def test_simulator_starts_as_many_robots_as_its_text_names_each_at_its_pose(self):
         config = load('simulator.launch', 'robots:=a 1 2 3; b -4.5 0 0;c 0 0 0', 'factor:=7')

@@ -22,7 +22,10 @@ _TABLE = (
     Parameter('part', 0, integer(0), 'a whole number >= 0 and < parts'),
     Parameter('parts', 1, integer(1), 'a whole number >= 1'),
     Parameter('use_map', None, boolean, 'true or false'),
+    Parameter('backend', None, text, 'the name of a backend'),
 )
+#: parameters of the node that come before the scenario's defaults of the same name
+_OVERRIDES = ('use_map', 'backend')
 _INLINE = ('seed', 'defaults', 'robots')
 
 
@@ -72,7 +75,7 @@ def _read_scenario(raw, values, where, base):
     if values['part'] >= values['parts']:
         raise ConfigurationError('parameter {}/part: got {}; allowed: less than parts, which is {}'.format(
             where, values['part'], values['parts']))
-    overrides = {} if values['use_map'] is None else {'use_map': values['use_map']}
+    overrides = {name: values[name] for name in _OVERRIDES if values[name] is not None}
     return (read_scenario(values['scenario'], overrides, base) if values['scenario']
             else make_scenario(inline, where, overrides, base))
 
