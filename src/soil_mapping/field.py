@@ -52,7 +52,7 @@ def load_field(source='synthetic', cell_m=1):
     """Return the Field that a text names, 324 x 220 m in cells of 1 m, or of 2 m (every second one).
 
     'synthetic' or 'synthetic:SEED': a random field; 'csv:PATH': readings at lat, lon; 'meuse': zinc [mg/kg] in the
-    topsoil of the Meuse's flood plain, from the data of scikit-gstat, its box stretched over the field.
+    topsoil of the Meuse's flood plain (Rikken and Van Rijn, 1993), its box stretched over the field.
 
     :raises ConfigurationError: if the text is none of these, or the file cannot be used.
     """

@@ -5,7 +5,7 @@ import importlib.metadata
 import os
 import platform
 
-LIBRARIES = ('numpy', 'scipy', 'PyKrige', 'gstools', 'scikit-gstat', 'Mesa', 'matplotlib')
+LIBRARIES = ('numpy', 'scipy', 'PyKrige', 'gstools', 'Mesa', 'matplotlib')
 
 
 @functools.lru_cache(maxsize=1)

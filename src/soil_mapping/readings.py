@@ -1,7 +1,6 @@
 """Readings of a field from files: rows of (east, north, value), checked when they are read."""
 
 import csv
-import importlib.util
 import math
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import numpy as np
 from move_base_abstract.errors import ConfigurationError
 
 MIN_READINGS = 3
+MEUSE_FILE = Path(__file__).with_name('data') / 'meuse_zinc.csv'
 
 
 def read_readings(path):
@@ -23,11 +23,11 @@ def read_readings(path):
 
 
 def read_meuse():
-    """Return the zinc readings of the Meuse data set that scikit-gstat carries, shape (n, 3): x, y [m] and mg/kg."""
-    package = importlib.util.find_spec('skgstat')  # importing it would take 4 s
-    if package is None:
-        raise ConfigurationError("field 'meuse': scikit-gstat is not installed; it carries the data")
-    return _read(Path(package.origin).parent / 'data' / 'samples' / 'meuse.txt', ('x', 'y', 'zinc'))
+    """Return the zinc readings of the Meuse data set, shape (n, 3): x, y [m, Dutch national grid] and mg/kg.
+
+    M. G. J. Rikken and R. P. G. Van Rijn, Soil pollution with heavy metals, Utrecht University, 1993.
+    """
+    return _read(MEUSE_FILE, ('x', 'y', 'zinc'))
 
 
 def _read(path, names):

@@ -99,6 +99,12 @@ def test_the_installed_python_packages_are_imported(installed, prefix):
         assert Path(path).is_relative_to(prefix)
 
 
+def test_every_data_file_of_the_study_is_installed(prefix):
+    source = ROOT / 'src' / 'soil_mapping' / 'data'
+    installed, = prefix.glob('lib/python3*/*-packages/soil_mapping/data')
+    assert sorted(path.name for path in source.iterdir()) == sorted(path.name for path in installed.iterdir())
+
+
 def test_every_file_that_people_start_with_is_installed(prefix):
     for folder in ('launch', 'config', 'maps', 'worlds', 'rviz'):
         wanted = {path.relative_to(ROOT) for path in (ROOT / folder).rglob('*') if path.is_file()}
