@@ -9,20 +9,19 @@ import csv
 import difflib
 import math
 import random
-import re
 from typing import NamedTuple, Tuple
 
-import yaml
-
+from move_base_abstract.bounded_yaml import load_yaml_file
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.geometry import Pose2D
+from move_base_abstract.ros_names import ROBOT_NAME_RULE, is_robot_name
+from move_base_abstract.shown import shown, shown_text
 
 WGS84_SEMI_MAJOR_M = 6378137.0  # equatorial radius a [m]
 WGS84_ECCENTRICITY_SQUARED = 0.00669437999014  # e^2
 
 MISSION_KEYS = ('robots',)
 ROBOT_KEYS = ('name', 'start', 'goals')
-ROBOT_NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
 
 
 class MissionError(ConfigurationError):
@@ -79,10 +78,9 @@ def _facing_travel(previous, place):
 def read_mission(path):
     """Read the YAML mission file at path; raise MissionError where it cannot be used."""
     try:
-        with open(path, encoding='utf-8') as stream:
-            document = yaml.safe_load(stream)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise MissionError(f'{path}: cannot be read as YAML: {error}') from None
+        document = load_yaml_file(path)
+    except ConfigurationError as error:
+        raise MissionError(str(error)) from None
     return parse_mission(document, str(path))
 
 
@@ -91,7 +89,7 @@ def parse_mission(document, source):
     _check_mapping(document, MISSION_KEYS, MISSION_KEYS, f'{source}: mission')
     entries = document['robots']
     if not isinstance(entries, list) or not entries:
-        raise MissionError(f'{source}: robots: must be a list of at least one robot, got {entries!r}')
+        raise MissionError(f'{source}: robots: must be a list of at least one robot, got {shown(entries)}')
     robots = tuple(_parse_robot(entry, f'{source}: robots[{i}]') for i, entry in enumerate(entries))
     seen = {}
     for i, robot in enumerate(robots):
@@ -105,13 +103,12 @@ def parse_mission(document, source):
 def _parse_robot(entry, where):
     _check_mapping(entry, ROBOT_KEYS, ROBOT_KEYS, where)
     name = entry['name']
-    if not isinstance(name, str) or not ROBOT_NAME.match(name):
-        raise MissionError(f'{where}.name: must start with a letter and hold only letters, digits and _ '
-                           f'(it becomes a ROS namespace), got {name!r}')
+    if not is_robot_name(name):
+        raise MissionError(f'{where}.name: must be {ROBOT_NAME_RULE} (it becomes a ROS namespace), got {shown(name)}')
     start = _parse_place(entry['start'], None, f'{where}.start')
     goals = entry['goals']
     if not isinstance(goals, list) or not goals:
-        raise MissionError(f'{where}.goals: must be a list of at least one goal, got {goals!r}')
+        raise MissionError(f'{where}.goals: must be a list of at least one goal, got {shown(goals)}')
     places = [start]
     for i, goal in enumerate(goals):
         places.append(_parse_place(goal, places[-1], f'{where}.goals[{i}]'))
@@ -121,23 +118,23 @@ def _parse_robot(entry, where):
 def _parse_place(value, previous, where):
     """Return [x, y] or [x, y, yaw] as a Pose2D; without a yaw it faces away from the previous place (0 if none)."""
     if not isinstance(value, list) or len(value) not in (2, 3):
-        raise MissionError(f'{where}: must be [x, y] or [x, y, yaw] in m and rad, map frame, got {value!r}')
+        raise MissionError(f'{where}: must be [x, y] or [x, y, yaw] in m and rad, map frame, got {shown(value)}')
     for name, number in zip(('x', 'y', 'yaw'), value):
         if isinstance(number, bool) or not isinstance(number, (int, float)) or not math.isfinite(number):
             hint = ' (YAML takes 1e3 as text: write 1.0e+3)' if isinstance(number, str) else ''
-            raise MissionError(f'{where}: {name} must be a finite number, got {number!r}{hint}')
+            raise MissionError(f'{where}: {name} must be a finite number, got {shown(number)}{hint}')
     place = Pose2D(*(float(number) for number in value))
     return _facing_travel(previous, place) if len(value) == 2 and previous is not None else place
 
 
 def _check_mapping(value, known, required, where):
     if not isinstance(value, dict):
-        raise MissionError(f'{where}: must be a mapping with the keys {", ".join(known)}, got {value!r}')
+        raise MissionError(f'{where}: must be a mapping with the keys {", ".join(known)}, got {shown(value)}')
     for key in value:
         if key not in known:
-            close = difflib.get_close_matches(str(key), known, n=1)
+            close = difflib.get_close_matches(shown_text(key), known, n=1)
             hint = f"did you mean '{close[0]}'?" if close else f'known keys: {", ".join(known)}'
-            raise MissionError(f'{where}.{key}: unknown key; {hint}')
+            raise MissionError(f'{where}.{shown_text(key)}: unknown key; {hint}')
     for key in required:
         if key not in value:
             raise MissionError(f"{where}: the key '{key}' is missing")
@@ -238,7 +235,7 @@ def mission_from_points(points, robot_count, goals_each, seed=1):
     """
     for name, value in (('robot_count', robot_count), ('goals_each', goals_each)):
         if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-            raise MissionError(f'{name} must be a whole number >= 1, got {value!r}')
+            raise MissionError(f'{name} must be a whole number >= 1, got {shown(value)}')
     if goals_each + 1 > len(points):
         raise MissionError(f'goals_each must be < the number of points, {len(points)}, got {goals_each}')
     return Mission(tuple(_draw_plan(points, k, goals_each, seed) for k in range(robot_count)))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Callable, Tuple
 
 from .errors import ConfigurationError
+from .shown import shown, shown_text
 
 
 @dataclass(frozen=True)
@@ -28,10 +29,10 @@ def number(low=-math.inf, high=math.inf, above=None):
     return convert
 
 
-def integer(low):
-    """Return a converter of whole numbers >= ``low``."""
+def integer(low, high=math.inf):
+    """Return a converter of whole numbers in [low, high]."""
     def convert(value):
-        if isinstance(value, bool) or not isinstance(value, int) or value < low:
+        if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
             raise ValueError
         return value
     return convert
@@ -94,8 +95,8 @@ def checked(raw, key, parameter, where):
     try:
         return parameter.convert(raw)
     except (ValueError, TypeError, OverflowError):
-        raise ConfigurationError('parameter {}/{}: got {!r}; allowed: {}'.format(
-            where.rstrip('/'), key, raw, parameter.allowed)) from None
+        raise ConfigurationError('parameter {}/{}: got {}; allowed: {}'.format(
+            where.rstrip('/'), key, shown(raw), parameter.allowed)) from None
 
 
 def read_table(raw, table, where):
@@ -110,7 +111,7 @@ def unknown_names(raw: dict, known: Tuple[str, ...], where: str):
     for key in sorted(raw):
         if key in known:
             continue
-        close = difflib.get_close_matches(key, known, n=1)
+        close = difflib.get_close_matches(shown_text(key), known, n=1)
         hint = "; did you mean '{}'?".format(close[0]) if close else ''
-        warnings.append('parameter {}/{}: unknown, not used{}'.format(where.rstrip('/'), key, hint))
+        warnings.append('parameter {}/{}: unknown, not used{}'.format(where.rstrip('/'), shown_text(key), hint))
     return warnings

@@ -10,20 +10,20 @@
 The settings are the private parameters of the ``move_base`` node; a robot's own come before the defaults.
 """
 import difflib
-import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Tuple
 
-import yaml
-
+from .bounded_yaml import load_yaml_file
 from .errors import ConfigurationError
 from .parameter_table import Parameter, checked, integer, number
+from .ros_names import ROBOT_NAME_RULE, is_robot_name
 from .settings import OWN_NAMES, RobotSettings, read_settings
+from .shown import shown, shown_text
 
 _TOP_KEYS = ('seed', 'defaults', 'robots')
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
-_NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
-_COUNT = Parameter('count', None, integer(1), 'a whole number >= 1')
+MAX_ROBOTS = 100_000  # of a scenario; ten thousand are the most that have been driven
+_COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
 _SEED = Parameter('seed', 0, integer(0), 'a whole number >= 0')
 _STEP = Parameter('step', 0.0, number(), 'a finite number [m]')
 
@@ -51,12 +51,7 @@ def read_scenario(path, overrides=None, base=None):
 
     :raises ConfigurationError: if the file cannot be read, a key is unknown, or a value is not allowed.
     """
-    try:
-        with open(path, encoding='utf-8') as stream:
-            raw = yaml.safe_load(stream)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ConfigurationError('{}: {}'.format(path, ' '.join(str(error).split()))) from None
-    return make_scenario(raw, str(path), overrides, base)
+    return make_scenario(load_yaml_file(path), str(path), overrides, base)
 
 
 def make_scenario(raw, where='scenario', overrides=None, base=None):
@@ -75,11 +70,10 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     defaults = {**(base or {}), **defaults, **(overrides or {})}
     groups = raw.get('robots') or []
     _check_type(groups, list, 'a list of robots', where + ': robots')
+    if sum(_size(group) for group in groups) > MAX_ROBOTS:
+        raise ConfigurationError('{}: robots: got more than {} robots; allowed: at most that'.format(where, MAX_ROBOTS))
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, where)]
-    names = [spec.name for spec in specs]
-    twice = sorted({name for name in names if names.count(name) > 1}) if len(set(names)) < len(names) else []
-    if twice:
-        raise ConfigurationError("{}: robots: the name '{}' is given to more than one robot".format(where, twice[0]))
+    _check_different(specs, where)
     return Scenario(tuple(specs), defaults, checked(raw.get('seed', 0), 'seed', _SEED, where))
 
 
@@ -88,9 +82,8 @@ def make_robot(name, parameters, where='robot'):
 
     :raises ConfigurationError: if the name is no ROS name, a key is unknown, or a value is not allowed.
     """
-    if not isinstance(name, str) or not _NAME.match(name):
-        raise ConfigurationError("{}: name: got {!r}; allowed: letters, digits and '_', a letter first".format(
-            where, name))
+    if not is_robot_name(name):
+        raise ConfigurationError('{}: name: got {}; allowed: {}'.format(where, shown(name), ROBOT_NAME_RULE))
     _check_keys(parameters, OWN_NAMES, where, '')
     return RobotSpec(name, dict(parameters), read_settings(parameters, where))
 
@@ -113,14 +106,51 @@ def _expand(group, index, defaults, where):
             for number_ in range(count)]
 
 
+def _size(group):
+    """Return how many robots an entry of the list stands for, if it is one at all and its count is allowed."""
+    count = group.get('count', 1) if isinstance(group, dict) else 1
+    return count if isinstance(count, int) and 1 <= count <= MAX_ROBOTS else 1
+
+
+def frame_of(spec):
+    """Return the tf frame that a robot publishes as its own: its base's, below its prefix, which may be its name."""
+    settings = spec.settings
+    prefix = spec.name if settings.tf_prefix is None else settings.tf_prefix
+    return replace(settings, tf_prefix=prefix).frame(settings.values['robot_base_frame'])
+
+
+def _check_different(specs, where):
+    """Refuse two robots of one name, and two that would publish one tf frame."""
+    names, frames = set(), {}
+    for spec in specs:
+        if spec.name in names:
+            raise ConfigurationError("{}: robots: the name '{}' is given to more than one robot".format(
+                where, spec.name))
+        names.add(spec.name)
+        check_frame(spec, frames, '{}: robots'.format(where))
+
+
+def check_frame(spec, frames, where):
+    """Note the tf frame of a robot in ``frames``, {frame: name of its robot}.
+
+    :raises ConfigurationError: if another robot has it.
+    """
+    frame = frame_of(spec)
+    other = frames.setdefault(frame, spec.name)
+    if other != spec.name:
+        raise ConfigurationError(
+            "{}: '{}' and '{}' would both publish the tf frame '{}'; allowed: a tf_prefix, or a robot_base_frame, of "
+            'its own for each robot'.format(where, other, spec.name, shown_text(frame)))
+
+
 def _check_type(value, kind, allowed, where):
     if not isinstance(value, kind):
-        raise ConfigurationError('{}: got {!r}; allowed: {}'.format(where, value, allowed))
+        raise ConfigurationError('{}: got {}; allowed: {}'.format(where, shown(value), allowed))
 
 
 def _check_keys(raw, known, where, prefix):
     for key in raw:
         if key not in known:
-            close = difflib.get_close_matches(str(key), known, n=1)
+            close = difflib.get_close_matches(shown_text(key), known, n=1)
             hint = "; did you mean '{}'?".format(close[0]) if close else '; allowed: ' + ', '.join(known[:12])
-            raise ConfigurationError('{}: {}{}: unknown key{}'.format(where, prefix, key, hint))
+            raise ConfigurationError('{}: {}{}: unknown key{}'.format(where, prefix, shown_text(key), hint))

@@ -24,6 +24,7 @@ from .parameter_table import (
 )
 from .planning import WorldBounds
 from .recovery import DEFAULT_BEHAVIORS, ROTATION_SECONDS, RecoveryBehavior, RecoveryPolicy
+from .shown import shown
 
 DEFAULT_SPEED = 0.5
 
@@ -130,7 +131,7 @@ def read_settings(raw, where):
     :raises ConfigurationError: for a wrong type or an impossible value of a parameter that is used.
     """
     if not isinstance(raw, dict):
-        raise ConfigurationError('{}: got {!r}; allowed: a namespace of parameters'.format(where, raw))
+        raise ConfigurationError('{}: got {}; allowed: a namespace of parameters'.format(where, shown(raw)))
     values = read_table(raw, TABLE, where)
     planners = _planner_order(values)
     speed, speed_source = _limit(raw, SPEED, ('max_vel_x', 'max_vel_trans'), planners, where)
@@ -208,8 +209,8 @@ def _behaviors(raw, where):
                                       ROTATION_SECONDS if 'rotate' in str(entry['type']).lower() else 0.0)
                      for entry in raw)
     except (TypeError, KeyError):
-        raise ConfigurationError('parameter {}/recovery_behaviors: got {!r}; allowed: a list of {{name, type}}'.format(
-            where.rstrip('/'), raw)) from None
+        raise ConfigurationError('parameter {}/recovery_behaviors: got {}; allowed: a list of {{name, type}}'.format(
+            where.rstrip('/'), shown(raw))) from None
 
 
 def _other_names(raw, values, used, where):

@@ -6,7 +6,7 @@ and parameters are read from one copy of the tree. The topics made here open a f
 connection comes instead of one each from the start: a thousand robots would need more than a process may have.
 """
 import xmlrpc.client
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import rosgraph
 import rospy
@@ -68,6 +68,20 @@ def set_params(namespace, values):
         _State.collector.set_params(namespace, values)
 
 
+def delete_params(namespace, keys):
+    """Delete the parameters ``keys`` below ``namespace``, an absolute name, and the namespace if nothing is left."""
+    if not namespace.strip('/'):
+        return
+    there = rospy.get_param(namespace, None)
+    if not isinstance(there, dict):
+        return
+    gone = [namespace] if all(key in keys for key in there) else [
+        '{}/{}'.format(namespace, key) for key in keys if key in there]
+    for name in gone:
+        with suppress(KeyError):  # somebody else was faster
+            rospy.delete_param(name)
+
+
 def _check_only_what_is_connected(manager):
     """Make rospy's regular search for broken connections pass over topics that have none."""
     def check_all():
@@ -118,7 +132,8 @@ class _Collector(RegistrationListener):
     def __init__(self, managers):
         self._managers = managers
         self.calls = []
-        self.parameters = rospy.get_param('/', {})
+        # Not rospy.get_param: of '/' it returns no more than what it keeps in its cache.
+        self.parameters = rosgraph.Master(rospy.get_name()).getParam('/')
 
     def set_params(self, namespace, values):
         """Note parameters; a namespace is set as a whole, in one call, where nothing else is in it."""

@@ -1,10 +1,13 @@
 """Many robots in one process: each a :class:`MoveBaseServer`, added, removed and reset by services."""
+import threading
+
 import rospy
-import yaml
 from std_srvs.srv import Trigger, TriggerResponse
 
+from move_base_abstract.bounded_yaml import REQUEST, load_yaml_text
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.scenario import make_robot
+from move_base_abstract.scenario import check_frame, make_robot
+from move_base_abstract.shown import shown, shown_text
 from move_base_abstract.srv import AddRobot, AddRobotResponse, RemoveRobot, RemoveRobotResponse
 
 from .bulk_registration import bulk_registration
@@ -17,6 +20,10 @@ def robot_names(namespace, name):
     return RobotNames('{}/{}'.format(namespace.rstrip('/'), name))
 
 
+#: what the fields x, y and yaw of a request say
+_OF_REQUEST = {'start_x': 'x', 'start_y': 'y', 'start_yaw': 'yaw'}
+
+
 class FleetServer:
     """The robots of one process below ``namespace``, in the order of their indices."""
 
@@ -26,7 +33,9 @@ class FleetServer:
         self._host = host
         self._defaults = defaults
         self._robots = {}
+        self._frames = {}  # {tf frame: name of its robot}
         self._indices = indices
+        self._changes = threading.Lock()  # rospy has a thread for each call of a service
         with bulk_registration():
             for index, spec in specs:
                 self._add(spec, index)
@@ -42,20 +51,33 @@ class FleetServer:
 
     def shut_down(self):
         """End all active goals as a killed move_base does."""
-        for robot in self._robots.values():
+        for robot in list(self._robots.values()):
             robot.shut_down()
 
     def _add(self, spec, index):
         settings = spec.settings
+        check_frame(spec, self._frames, 'robots')
         if settings.tf_prefix is None:
             settings.tf_prefix = spec.name
-        self._robots[spec.name] = MoveBaseServer(robot_names(self._namespace, spec.name), settings, self._host, index)
+        try:
+            self._robots[spec.name] = MoveBaseServer(robot_names(self._namespace, spec.name), settings, self._host,
+                                                     index)
+        except BaseException:
+            self._forget_frame(spec.name)
+            raise
+
+    def _forget_frame(self, name):
+        self._frames = {frame: robot for frame, robot in self._frames.items() if robot != name}
 
     def _on_add(self, request):
+        with self._changes:
+            return self._add_requested(request)
+
+    def _add_requested(self, request):
         try:
             if request.name in self._robots:
                 raise ConfigurationError("robot '{}' is there already".format(request.name))
-            spec = make_robot(request.name, self._parameters(request), 'robot ' + request.name)
+            spec = make_robot(request.name, self._parameters(request), 'robot ' + shown_text(request.name))
             with bulk_registration():
                 self._add(spec, next(self._indices))
         except ConfigurationError as error:
@@ -65,26 +87,34 @@ class FleetServer:
         return AddRobotResponse(True, '')
 
     def _parameters(self, request):
-        try:
-            own = yaml.safe_load(request.parameters) or {}
-        except yaml.YAMLError as error:
-            raise ConfigurationError('parameters: {}'.format(' '.join(str(error).split()))) from None
+        own = load_yaml_text(request.parameters, 'parameters', REQUEST) or {}
         if not isinstance(own, dict):
-            raise ConfigurationError('parameters: got {!r}; allowed: a YAML mapping of settings'.format(own))
-        return dict(self._defaults, start_x=request.x, start_y=request.y, start_yaw=request.yaw, **own)
+            raise ConfigurationError('parameters: got {}; allowed: a YAML mapping of settings'.format(shown(own)))
+        for key, field in _OF_REQUEST.items():
+            if key in own:
+                raise ConfigurationError("parameters: {}: unknown here; the request's own field {} says it".format(
+                    key, field))
+        return {**self._defaults, 'start_x': request.x, 'start_y': request.y, 'start_yaw': request.yaw, **own}
 
     def _on_remove(self, request):
+        with self._changes:
+            return self._remove_requested(request)
+
+    def _remove_requested(self, request):
         robot = self._robots.pop(request.name, None)
         if robot is None:
             return RemoveRobotResponse(False, "robot '{}' is unknown; there are: {}".format(
-                request.name, ', '.join(self.names[:10]) or 'none'))
+                shown_text(request.name), ', '.join(self.names[:10]) or 'none'))
         robot.close()
+        self._forget_frame(request.name)
         rospy.loginfo('%s: robot %s is removed', rospy.get_name(), request.name)
         return RemoveRobotResponse(True, '')
 
     def _on_reset(self, _request):
-        with self._host.clock.lock:
-            for robot in self._robots.values():
-                robot.reset()
-        rospy.loginfo('%s: %d robots are reset', rospy.get_name(), len(self._robots))
-        return TriggerResponse(True, '{} robots are at their start'.format(len(self._robots)))
+        with self._changes:
+            robots = list(self._robots.values())
+            with self._host.clock.lock:
+                for robot in robots:
+                    robot.reset()
+        rospy.loginfo('%s: %d robots are reset', rospy.get_name(), len(robots))
+        return TriggerResponse(True, '{} robots are at their start'.format(len(robots)))

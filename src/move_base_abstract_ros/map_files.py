@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from typing import Tuple
 
 import numpy as np
-import yaml
 from PIL import Image
 
+from move_base_abstract.bounded_yaml import load_yaml_file
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.geometry import Pose2D
 from move_base_abstract.occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
+from move_base_abstract.shown import shown, shown_text
 
 _REQUIRED = ('image', 'resolution', 'origin', 'negate', 'occupied_thresh', 'free_thresh')
 _KEYS = _REQUIRED + ('mode',)
@@ -65,13 +66,7 @@ def read_description(path):
 
 
 def _parse(path):
-    try:
-        with open(path, encoding='utf-8') as stream:
-            document = yaml.safe_load(stream)
-    except OSError as error:
-        raise ConfigurationError('{}: cannot be opened: {}'.format(path, error.strerror)) from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ConfigurationError('{}: is not a YAML file: {}'.format(path, ' '.join(str(error).split()))) from None
+    document = load_yaml_file(path)
     if not isinstance(document, dict):
         raise ConfigurationError('{}: got {}; allowed: a mapping with the keys {}'.format(
             path, type(document).__name__, ', '.join(_REQUIRED)))
@@ -86,15 +81,15 @@ def _number(raw, path, key, above=None, unit=''):
         value = float(raw)
         if not math.isfinite(value) or (above is not None and not value > above):
             raise ValueError
-    except (TypeError, ValueError):
-        raise ConfigurationError('{}: {}: got {!r}; allowed: a finite number{}{}'.format(
-            path, key, raw, '' if above is None else ' > {:g}'.format(above), unit)) from None
+    except (TypeError, ValueError, OverflowError):
+        raise ConfigurationError('{}: {}: got {}; allowed: a finite number{}{}'.format(
+            path, key, shown(raw), '' if above is None else ' > {:g}'.format(above), unit)) from None
     return value
 
 
 def _choice(raw, path, key, choices, allowed):
     if not isinstance(raw, (bool, int, str)) or raw not in choices:
-        raise ConfigurationError('{}: {}: got {!r}; allowed: {}'.format(path, key, raw, allowed))
+        raise ConfigurationError('{}: {}: got {}; allowed: {}'.format(path, key, shown(raw), allowed))
     return choices[raw]
 
 
@@ -104,24 +99,24 @@ def _mode(raw, path):
 
 def _origin(raw, path):
     if not isinstance(raw, list) or len(raw) != 3:
-        raise ConfigurationError('{}: origin: got {!r}; allowed: [x, y, yaw] [m, m, rad], the pose of the lower left '
-                                 'corner'.format(path, raw))
+        raise ConfigurationError('{}: origin: got {}; allowed: [x, y, yaw] [m, m, rad], the pose of the lower left '
+                                 'corner'.format(path, shown(raw)))
     return Pose2D(*(_number(part, path, 'origin[{}]'.format(index)) for index, part in enumerate(raw)))
 
 
 def _image_path(raw, path):
     if not isinstance(raw, str) or not raw:
-        raise ConfigurationError('{}: image: got {!r}; allowed: the path of an image, relative to this file or '
-                                 'absolute'.format(path, raw))
+        raise ConfigurationError('{}: image: got {}; allowed: the path of an image, relative to this file or '
+                                 'absolute'.format(path, shown(raw)))
     return os.path.join(os.path.dirname(path), raw)
 
 
 def _warnings(document, rule, path):
     for key in document:
         if key not in _KEYS:
-            close = difflib.get_close_matches(str(key), _KEYS, n=1)
+            close = difflib.get_close_matches(shown_text(key), _KEYS, n=1)
             yield '{}: {}: unknown key, not used{}'.format(
-                path, key, "; did you mean '{}'?".format(close[0]) if close else '')
+                path, shown_text(key), "; did you mean '{}'?".format(close[0]) if close else '')
     if rule.free_thresh > rule.occupied_thresh:
         yield '{}: free_thresh {:g} is above occupied_thresh {:g}: what is above either is occupied'.format(
             path, rule.free_thresh, rule.occupied_thresh)

@@ -8,7 +8,7 @@ from dynamic_reconfigure.server import Server
 from move_base_abstract.cfg import DWAPlannerConfig, MoveBaseConfig, TrajectoryPlannerConfig
 from move_base_abstract.motion import MotionLimits, Tolerances
 
-from .bulk_registration import get_namespace, set_params
+from .bulk_registration import delete_params, get_namespace, set_params
 
 _PLANNER_TYPES = {'TrajectoryPlannerROS': TrajectoryPlannerConfig}
 _CASTS = {'double': float, 'int': int, 'bool': bool, 'str': str}
@@ -20,6 +20,7 @@ class _SafeServer(Server):
     def __init__(self, config_type, callback, namespace, known):
         self._known = known
         self._registered = {}
+        self._made = None  # names of parameters that were not there before
         super().__init__(config_type, callback, namespace)
 
     def _copy_from_parameter_server(self):
@@ -35,16 +36,19 @@ class _SafeServer(Server):
 
     def _copy_to_parameter_server(self):
         names = [parameter['name'] for parameter in extract_params(self.type.config_description)]
+        if self._made is None:
+            there = get_namespace(self.ns.rstrip('/'))
+            self._made = [name for name in names if name not in there]
         changed = {name: self.config[name] for name in names if self._registered.get(name) != self.config[name]}
         self._registered.update(changed)
         set_params(self.ns.rstrip('/'), changed)
 
-
     def close(self):
-        """Leave the graph."""
+        """Leave the graph, and no parameter that was not there before."""
         self.descr_topic.unregister()
         self.update_topic.unregister()
         self.set_service.shutdown('the robot is removed')
+        delete_params(self.ns.rstrip('/'), self._made)
 
 
 class Reconfigure:
@@ -53,6 +57,7 @@ class Reconfigure:
     def __init__(self, names, settings, server):
         self._server = server
         self._where = names.private
+        self._namespace = names.namespace
         values = settings.values
         self._move_base_start = {
             'controller_frequency': values['controller_frequency'], 'planner_patience': values['planner_patience'],
@@ -75,8 +80,9 @@ class Reconfigure:
 
     def close(self):
         """Leave the graph."""
-        for server in self._servers:
+        for server in reversed(self._servers):  # the planner's namespace lies in that of move_base
             server.close()
+        delete_params(self._namespace, ())
 
     def _on_move_base(self, config, level):
         if config['restore_defaults']:

@@ -4,6 +4,7 @@ import itertools
 import math
 import random
 import unittest
+from concurrent.futures import ThreadPoolExecutor
 
 import rosgraph
 import rospkg
@@ -19,6 +20,9 @@ from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import read_scenario
 from move_base_abstract.srv import AddRobot, RemoveRobot
 
+#: 9 ** 6 values in some 200 bytes
+EXPLODING = 'a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n' + ''.join('{0}: &{0} [{1}]\n'.format(name, ', '.join(
+    ['*' + before] * 9)) for before, name in zip('abcde', 'bcdef'))
 NAMES = ['{}_{}'.format(kind, number) for kind in ('robot', 'truck') for number in range(10)]
 FIRST, SECOND = '/fleet_0', '/fleet_1'  # ten robots each
 
@@ -27,6 +31,11 @@ def service(name, kind):
     """Return a proxy of a service that must be there."""
     rospy.wait_for_service(name, GUARD * 20)
     return rospy.ServiceProxy(name, kind)
+
+
+def parameters_of_all():
+    """Return all that is on the parameter server; rospy.get_param('/') shows its cache only."""
+    return rosgraph.Master('/fleet_test').getParam('/')
 
 
 class FleetTrial(unittest.TestCase):
@@ -103,6 +112,7 @@ class FleetTrial(unittest.TestCase):
         self.assertEqual(self.clients['robot_3'].status.wait_for(lambda array: not array.status_list).status_list, [])
 
     def test_a_robot_is_added_works_and_is_removed_without_a_trace(self):
+        parameters = parameters_of_all()
         answer = service(SECOND + '/add_robot', AddRobot)('newcomer', 7.0, 8.0, math.pi, 'max_speed: 4.0')
         self.assertTrue(answer.success, answer.message)
         client = RawClient('/newcomer')
@@ -119,8 +129,32 @@ class FleetTrial(unittest.TestCase):
         mine = [(name, nodes) for name, nodes in itertools.chain(publishers, subscribers, services)
                 if name.startswith('/newcomer/') and SECOND in nodes]
         self.assertEqual(mine, [])
+        self.assertEqual(parameters_of_all(), parameters)
         self.assertTrue(service(SECOND + '/add_robot', AddRobot)('newcomer', 0.0, 0.0, 0.0, '').success)
         self.assertTrue(service(SECOND + '/remove_robot', RemoveRobot)('newcomer').success)
+
+    def test_parameters_that_were_there_before_a_robot_stay_when_it_is_removed(self):
+        rospy.set_param('/guest/move_base', {'max_planning_retries': 3, 'of_the_user': 1,
+                                             'TrajectoryPlannerROS': {'max_vel_x': 0.75}})
+        self.addCleanup(rospy.delete_param, '/guest')
+        self.assertTrue(service(FIRST + '/add_robot', AddRobot)('guest', 0.0, 0.0, 0.0, '').success)
+        self.assertGreater(len(rospy.get_param('/guest/move_base')), 10)
+        self.assertTrue(service(FIRST + '/remove_robot', RemoveRobot)('guest').success)
+        self.assertEqual(set(rospy.get_param('/guest/move_base')),
+                         {'max_planning_retries', 'of_the_user', 'TrajectoryPlannerROS'})
+        self.assertEqual(set(rospy.get_param('/guest/move_base/TrajectoryPlannerROS')), {'max_vel_x'})
+
+    def test_robots_that_are_added_and_removed_at_the_same_time_do_not_disturb_each_other(self):
+        add, remove = service(FIRST + '/add_robot', AddRobot), service(FIRST + '/remove_robot', RemoveRobot)
+        names = ['guest_{}'.format(number) for number in range(6)]
+        for call in (lambda name: add(name, 0.0, 0.0, 0.0, ''), remove):
+            with ThreadPoolExecutor(len(names)) as pool:
+                self.assertEqual([answer.message for answer in pool.map(call, names)], [''] * len(names))
+            listed = {name for part in rosgraph.Master('/fleet_test').getSystemState() for name, nodes in part
+                      if FIRST in nodes}
+            there = [name for name in names if '/{}/move_base/status'.format(name) in listed]
+            self.assertIn(there, ([], names))
+        self.assertEqual(there, [])
 
     def test_bad_requests_are_refused_with_a_reason(self):
         add = service(FIRST + '/add_robot', AddRobot)
@@ -130,10 +164,20 @@ class FleetTrial(unittest.TestCase):
                                   (('ok', 0, 0, 0, 'max_sped: 1'), "did you mean 'max_speed'?"),
                                   (('ok', 0, 0, 0, 'max_speed: -1'), 'a finite number > 0'),
                                   (('ok', 0, 0, 0, 'backend: nonsense'), "'nonsense'"),
-                                  (('ok', 0, 0, 0, '[1, 2'), 'parameters')):
+                                  (('ok', 0, 0, 0, '[1, 2'), 'parameters'),
+                                  (('ok', 0, 0, 0, 'start_x: 7'), "start_x: unknown here; the request's own field x"),
+                                  (('ok', 0, 0, 0, '{1: 2}'), '1: unknown key'),
+                                  (('ok', 0, 0, 0, 'max_speed: 1\nmax_speed: 2'), "'max_speed' is there twice"),
+                                  (('ok', 0, 0, 0, 'max_speed: ' + '9' * 5001), 'a number of 5001 characters'),
+                                  (('ok', 0, 0, 0, '[' * 50000), 'more than 32 deep'),
+                                  (('ok', 0, 0, 0, EXPLODING), 'more than 10000 values'),
+                                  (('ok', 0, 0, 0, 'x' * 70000), 'more than 65536 bytes'),
+                                  (('x' * 70000, 0, 0, 0, ''), 'a letter first'),
+                                  (('ok', 0, 0, 0, 'tf_prefix: robot_3'), "'robot_3' and 'ok' would both publish")):
             answer = add(*arguments)
             self.assertFalse(answer.success)
             self.assertIn(reason, answer.message)
+            self.assertLess(len(answer.message), 600)
         answer = service(FIRST + '/remove_robot', RemoveRobot)('nobody')
         self.assertFalse(answer.success)
         self.assertIn("robot 'nobody' is unknown", answer.message)

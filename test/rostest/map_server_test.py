@@ -146,8 +146,8 @@ class MapServer(unittest.TestCase):
         self.assertEqual(self.service('static_map', GetMap)().map.data, CELLS)
         process.terminate()
         output, _ = process.communicate(timeout=GUARD)
-        for words in ('/no/map.yaml: cannot be opened', "there is no package 'no_such_package'", 'cut.pgm: the image',
-                      'resolution: got 0; allowed', 'is not a YAML file', 'the map stays as it is'):
+        for words in ('/no/map.yaml: cannot be read', "there is no package 'no_such_package'", 'cut.pgm: the image',
+                      'resolution: got 0; allowed', 'is not YAML of plain values', 'the map stays as it is'):
             self.assertIn(words, output)
         self.assertNotIn('Traceback', output)
 
@@ -167,8 +167,8 @@ class MapServer(unittest.TestCase):
                          'USAGE: map_server')
 
     def test_bad_files_end_it_with_an_error_that_says_where_and_what(self):
-        self.refused(('/no/map.yaml',), 'FATAL', '/no/map.yaml: cannot be opened: No such file or directory')
-        self.refused((self.write('m.yaml', 'image: ['),), 'FATAL', 'm.yaml: is not a YAML file')
+        self.refused(('/no/map.yaml',), 'FATAL', '/no/map.yaml: cannot be read: No such file or directory')
+        self.refused((self.write('m.yaml', 'image: ['),), 'FATAL', 'm.yaml: is not YAML of plain values')
         self.refused((self.write('m.yaml', ''),), 'FATAL', 'm.yaml: got NoneType; allowed: a mapping')
         self.refused((self.write('m.yaml', {'image': 'm.pgm'}),), 'FATAL', 'm.yaml: resolution: missing')
         self.refused((self.describe(resolution=0),), 'FATAL', 'resolution: got 0; allowed: a finite number > 0')

@@ -93,17 +93,18 @@ def test_a_bad_part_of_the_origin_is_named(describe):
 
 
 @pytest.mark.parametrize('text, words', [
-    ('image: [', 'is not a YAML file: '), ('', 'got NoneType; allowed: a mapping'), ('- 1', 'got list; allowed'),
-    ('!!python/object/apply:os.getcwd []', 'is not a YAML file: could not determine a constructor')])
+    ('image: [', 'is not YAML of plain values: '), ('', 'got NoneType; allowed: a mapping'),
+    ('- 1', 'got list; allowed'),
+    ('!!python/object/apply:os.getcwd []', 'is not YAML of plain values: could not determine a constructor')])
 def test_what_is_no_mapping_is_refused(describe, text, words):
     assert words in refusal(describe, text)
 
 
 def test_files_that_are_not_there_or_not_text(tmp_path):
-    assert refusal(read_description, '/no/m.yaml') == '/no/m.yaml: cannot be opened: No such file or directory'
-    assert refusal(read_description, str(tmp_path)) == '{}: cannot be opened: Is a directory'.format(tmp_path)
+    assert refusal(read_description, '/no/m.yaml') == '/no/m.yaml: cannot be read: No such file or directory'
+    assert refusal(read_description, str(tmp_path)) == '{}: cannot be read: Is a directory'.format(tmp_path)
     (tmp_path / 'm').write_bytes(b'P5\n1 1\n255\n\xff')
-    assert 'm: is not a YAML file: ' in refusal(read_description, str(tmp_path / 'm'))
+    assert 'm: is not YAML of plain values: ' in refusal(read_description, str(tmp_path / 'm'))
 
 
 def test_unknown_keys_and_thresholds_the_wrong_way_round_are_warned_of(describe, tmp_path):

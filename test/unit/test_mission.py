@@ -47,7 +47,7 @@ def test_the_mission_that_ships_with_the_package_is_readable():
     (robot_with(goal=[]), "m.yaml: robots[0].goal: unknown key; did you mean 'goals'?"),
     (robot_with(colour='red'), 'm.yaml: robots[0].colour: unknown key; known keys: name, start, goals'),
     ({'robots': [{'name': 'a', 'goals': [[1, 1]]}]}, "m.yaml: robots[0]: the key 'start' is missing"),
-    (robot_with(name='/a'), 'm.yaml: robots[0].name: must start with a letter'),
+    (robot_with(name='/a'), 'm.yaml: robots[0].name: must be letters'),
     (robot_with(goals=[]), 'm.yaml: robots[0].goals: must be a list of at least one goal, got []'),
     (robot_with(goals=[[1, math.nan]]), 'm.yaml: robots[0].goals[0]: y must be a finite number, got nan'),
     (robot_with(start=[math.inf, 0]), 'm.yaml: robots[0].start: x must be a finite number, got inf'),
@@ -74,7 +74,7 @@ def test_a_missing_or_broken_file_is_named(tmp_path):
     with pytest.raises(MissionError, match='absent.yaml: cannot be read'):
         mission.read_mission(tmp_path / 'absent.yaml')
     (tmp_path / 'broken.yaml').write_text('robots: [\n')
-    with pytest.raises(MissionError, match='broken.yaml: cannot be read as YAML(.|\n)*line 2'):
+    with pytest.raises(MissionError, match='broken.yaml: is not YAML.*line 2'):
         mission.read_mission(tmp_path / 'broken.yaml')
 
 

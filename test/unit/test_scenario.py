@@ -66,7 +66,7 @@ def test_an_empty_scenario_has_no_robots():
     ({'robots': [{'name': 'a/b'}]}, ("'a/b'",)),
     ({'robots': [{'name': 'a'}, {'name': 'a'}]}, ("the name 'a' is given to more than one robot",)),
     ({'robots': [{'name': 'a_1'}, {'name': 'a', 'count': 2}]}, ("the name 'a_1'",)),
-    ({'robots': [{'name': 'a', 'count': 0}]}, ('count', 'got 0', 'a whole number >= 1')),
+    ({'robots': [{'name': 'a', 'count': 0}]}, ('count', 'got 0', 'a whole number in 1..100000')),
     ({'robots': [{'name': 'a', 'count': 2, 'step_x': float('nan')}]}, ('step_x', 'a finite number')),
     ({'robots': [{'name': 'a', 'max_speed': -1.0}]}, ('robots[0]', 'max_speed', '-1.0', 'a finite number > 0')),
     ({'robots': [{'name': 'a', 'start_x': 'left'}]}, ('start_x', "'left'")),
@@ -100,3 +100,31 @@ def test_the_scenario_that_ships_with_the_package_is_readable():
 def test_a_robot_by_itself_is_checked_alike():
     with pytest.raises(ConfigurationError, match="did you mean 'turn_rate'"):
         make_robot('a', {'turn_rat': 1.0})
+
+
+@pytest.mark.parametrize('groups', [
+    [{'name': 'a', 'count': 1_000_000_000}], [{'name': 'a', 'count': 60_000}, {'name': 'b', 'count': 60_000}],
+    [{'name': 'a', 'count': 10 ** 400}]])
+def test_no_more_robots_are_made_than_anybody_can_drive(groups):
+    with pytest.raises(ConfigurationError, match='100000|100,000'):
+        make_scenario({'robots': groups})
+
+
+@pytest.mark.parametrize('robots', [
+    [{'name': 'a', 'tf_prefix': 'x'}, {'name': 'b', 'tf_prefix': 'x'}],
+    [{'name': 'a'}, {'name': 'b', 'tf_prefix': 'a'}],
+    [{'name': 'a', 'tf_prefix': ''}, {'name': 'b', 'tf_prefix': ''}], [{'name': 'a', 'count': 2, 'tf_prefix': 'x'}]])
+def test_two_robots_of_one_tf_frame_are_refused(robots):
+    with pytest.raises(ConfigurationError, match="would both publish the tf frame '.*base_link'"):
+        make_scenario({'robots': robots})
+
+
+def test_robots_of_one_tf_prefix_may_have_frames_of_their_own():
+    make_scenario({'defaults': {'tf_prefix': ''}, 'robots': [
+        {'name': 'a', 'robot_base_frame': 'a_base'}, {'name': 'b', 'robot_base_frame': 'b_base'}]})
+
+
+@pytest.mark.parametrize('name', ['a b', 'a/b', '', 'a\n', '7up', 'gr\u00fcn', 'x' * 201, None, ['a']])
+def test_only_names_of_the_ros_graph_name_robots(name):
+    with pytest.raises(ConfigurationError, match='a letter first'):
+        make_scenario({'robots': [{'name': name}]})

@@ -12,6 +12,7 @@ from move_base_abstract.parameter_table import Parameter, checked, integer, name
 from move_base_abstract.planning import WorldBounds
 from move_base_abstract.recovery import DEFAULT_BEHAVIORS, ROTATION_SECONDS, RecoveryBehavior
 from move_base_abstract.settings import OWN_NAMES, read_settings
+from move_base_abstract.shown import shown
 from move_base_abstract.upstream import plugin_namespace
 
 WHERE = '/robot_0/move_base'
@@ -204,7 +205,7 @@ NUMBERS = ('max_speed', 'acceleration', 'xy_goal_tolerance', 'yaw_goal_tolerance
 @pytest.mark.parametrize('value', [math.nan, math.inf, -math.inf, True, False, '1.0',
                                    pytest.param(10 ** 400, id='huge')])
 def test_no_number_may_be_nan_infinite_a_bool_a_text_or_beyond_all_floats(key, value):
-    assert refusal_of({key: value}).startswith('parameter {}/{}: got {!r}; allowed: a '.format(WHERE, key, value))
+    assert refusal_of({key: value}).startswith('parameter {}/{}: got {}; allowed: a '.format(WHERE, key, shown(value)))
 
 
 @pytest.mark.parametrize('key', ['max_planning_retries', 'recovery_behavior_enabled'])

@@ -7,6 +7,7 @@ import struct
 
 PROTOCOL = 1
 NEVER = 2 ** 63 - 1
+MAX_RANK = 2 ** 31 - 1  # a rank has 32 bits with its sign
 
 HELLO, REPORT, KNOCK, LEAVE = 1, 2, 3, 4
 WELCOME, MEMBER, GONE, GRANT, END = 16, 17, 18, 19, 20

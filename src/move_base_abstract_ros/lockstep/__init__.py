@@ -11,8 +11,9 @@ from types import SimpleNamespace
 
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.lockstep.charge import make_charge
+from move_base_abstract.lockstep.wire import MAX_RANK
+from move_base_abstract.parameter_table import Parameter, checked, integer
 
 from . import finish, fork, threads, waits
 from .participant import DEFAULT_RANK, Participant, connect
@@ -22,6 +23,8 @@ __all__ = ['Participant', 'is_lockstep', 'join', 'participant', 'sender']
 
 _ANONYMOUS = re.compile(r'_[0-9]+_[0-9]{13}$')
 _CONNECT_SECONDS = 30.0
+RANK = Parameter('lockstep_rank', None, integer(-MAX_RANK - 1, MAX_RANK),
+                 'a whole number in {}..{}'.format(-MAX_RANK - 1, MAX_RANK))
 _state = SimpleNamespace(joined=None)
 
 
@@ -48,9 +51,8 @@ def join(rank=None, own_threads=True):
     if _state.joined is not None or not is_lockstep():
         return _state.joined
     declared = rank if rank is not None else rospy.get_param('~lockstep_rank', None)
-    if declared is not None and (isinstance(declared, bool) or not isinstance(declared, int)):
-        raise ConfigurationError('parameter {}: got {!r}; allowed: a whole number'.format(
-            rospy.resolve_name('~lockstep_rank'), declared))
+    if declared is not None:
+        declared = checked(declared, 'lockstep_rank', RANK, rospy.resolve_name('~'))
     charge = make_charge(rospy.get_param('~lockstep_charge', 'none'), time.perf_counter_ns, time.process_time_ns)
     joining = Participant(connect(_CONNECT_SECONDS), DEFAULT_RANK if declared is None else declared, charge)
     for topic in rospy.get_param('/time_master/excluded_topics', []):

@@ -13,9 +13,13 @@ import re
 import shutil
 import sys
 
+from move_base_abstract.lockstep.wire import MAX_RANK
+from move_base_abstract.shown import shown
+
 from ..lockstep import program
 
 _PYTHON = re.compile(r'python[0-9.]*$')
+_WHOLE_NUMBER = re.compile(r'[+-]?[0-9]{1,18}\Z', re.ASCII)
 _AS_SCRIPT = '--as-script'
 _WITH_VALUE = ('-W', '-X', '--check-hash-based-pycs')  # options of Python whose value is a word of its own
 
@@ -39,11 +43,11 @@ def main():
 def _parse(words):
     parser = argparse.ArgumentParser(prog='lockstep', usage='%(prog)s [options] PROGRAM [ARGUMENTS] | -m MODULE [...]',
                                      description='Make a participant of lockstep of an unmodified program.')
-    parser.add_argument('--rank', type=int, metavar='N', help='place among equal events; lower is earlier '
+    parser.add_argument('--rank', type=_rank, metavar='N', help='place among equal events; lower is earlier '
                         '(default: the private parameter lockstep_rank, else after the robots, by name)')
     parser.add_argument('--sleep', choices=('wall', 'simulated'), default='wall',
                         help='what time.sleep waits for (default: %(default)s, while simulated time stands)')
-    parser.add_argument('--seed', type=int, default=0, metavar='S',
+    parser.add_argument('--seed', type=_whole_number, default=0, metavar='S',
                         help="seed of Python's and numpy's global generators, with the node's name (default: 0)")
     # From this launcher to itself: the words after a Python interpreter, which it has started again with.
     parser.add_argument(_AS_SCRIPT, action='store_true', help=argparse.SUPPRESS)
@@ -53,6 +57,20 @@ def _parse(words):
     if split == len(words):
         parser.error('no program was given')
     return options, words[split:]
+
+
+def _whole_number(text):
+    if not _WHOLE_NUMBER.match(text):
+        raise argparse.ArgumentTypeError('must be a whole number of at most 18 digits, got {}'.format(shown(text)))
+    return int(text)
+
+
+def _rank(text):
+    value = _whole_number(text)
+    if not -MAX_RANK - 1 <= value <= MAX_RANK:
+        raise argparse.ArgumentTypeError('must be a whole number in {}..{}, got {}'.format(
+            -MAX_RANK - 1, MAX_RANK, shown(text)))
+    return value
 
 
 def _own_words(words):

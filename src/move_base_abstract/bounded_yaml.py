@@ -1,0 +1,147 @@
+"""YAML that anybody may have written: plain data only, bounded in every direction, no key twice.
+
+A few hundred bytes of YAML can stand for more than any machine holds (aliases of aliases), and a few kilobytes can
+exhaust the reader (nesting, long numbers). Here each of these is an error that says what was got, what is allowed, and
+where. Maps, scenarios, missions and services read with this, so that they all allow the same.
+"""
+import os
+from typing import NamedTuple
+
+import yaml
+
+from .errors import ConfigurationError
+from .shown import shown, shown_text
+
+MAX_DEPTH = 32  # lists and mappings in one another
+MAX_DIGITS = 100  # characters of a number
+_MERGE_TAG = 'tag:yaml.org,2002:merge'
+_NUMBER_TAGS = ('tag:yaml.org,2002:int', 'tag:yaml.org,2002:float')
+#: what SafeLoader lets out where a value does not fit its tag: !!int x, 2001-13-40
+_CONSTRUCTION_ERRORS = (ValueError, TypeError, KeyError, IndexError, AttributeError, OverflowError)
+
+
+class Bounds(NamedTuple):
+    """How much a document may be. What lies behind an alias counts each time the alias is used."""
+
+    size: int  # bytes of its text
+    values: int
+    characters: int  # of all values
+
+
+FILE = Bounds(8 * 1024 * 1024, 500_000, 16 * 1024 * 1024)
+REQUEST = Bounds(64 * 1024, 10_000, 256 * 1024)  # what comes by a service, while others wait
+
+
+def load_yaml_file(path):
+    """Return the document in the YAML file ``path``.
+
+    :raises ConfigurationError: if it cannot be read, is no YAML, or is out of bounds; the text begins with the path.
+    """
+    try:
+        with open(path, 'rb') as stream:
+            data = stream.read(FILE.size + 1)
+    except (OSError, ValueError) as error:
+        raise ConfigurationError('{}: cannot be read: {}'.format(
+            shown_text(os.fspath(path)), getattr(error, 'strerror', None) or error)) from None
+    return load_yaml_text(data, str(path))
+
+
+def load_yaml_text(text, where, bounds=FILE):
+    """Return the document in ``text`` (str, or bytes in UTF-8); ``where`` begins the text of an error.
+
+    :raises ConfigurationError: if it is no YAML, or out of bounds.
+    """
+    if len(text) > bounds.size:
+        raise ConfigurationError('{}: got more than {} bytes of YAML; allowed: at most that'.format(
+            where, bounds.size))
+    try:
+        loader = _Loader(text.decode('utf-8') if isinstance(text, bytes) else text, bounds)
+        try:
+            return loader.get_single_data()
+        finally:
+            loader.dispose()
+    except ConfigurationError as error:
+        raise ConfigurationError('{}: {}'.format(where, error)) from None
+    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
+        raise ConfigurationError('{}: is not YAML of plain values: {}'.format(where, _told(error))) from None
+
+
+def _told(error):
+    """Return an error of the library as one line, without the piece of text that it quotes at length."""
+    mark = getattr(error, 'problem_mark', None)
+    if mark is None:
+        return shown_text(' '.join(str(error)[:1000].split()) or type(error).__name__)
+    parts = [part for part in (error.context, error.problem) if part]
+    return '{}, line {}, column {}'.format(shown_text(', '.join(parts)), mark.line + 1, mark.column + 1)
+
+
+class _Loader(yaml.SafeLoader):
+    """Counts while it composes the tree, which is before anything is made of it."""
+
+    def __init__(self, text, bounds):
+        super().__init__(text)
+        self._bounds = bounds
+        self._depth = 0
+        self._total = (0, 0)  # values, characters
+        self._sizes = {}  # the same, by anchor
+
+    def compose_node(self, parent, index):
+        """Compose a node, or take that of an alias, and count it."""
+        event = self.peek_event()
+        if isinstance(event, yaml.AliasEvent):
+            if event.anchor in self.anchors and event.anchor not in self._sizes:
+                raise _error(event, "the alias '*{}' lies in what it stands for".format(shown_text(event.anchor)))
+            self._count(event, *self._sizes.get(event.anchor, (1, 0)))
+            return super().compose_node(parent, index)
+        values, characters = self._total
+        self._depth += 1
+        if self._depth > MAX_DEPTH and isinstance(event, yaml.CollectionStartEvent):
+            raise _error(event, 'lists and mappings lie more than {} deep in one another'.format(MAX_DEPTH))
+        self._count(event, 1, len(getattr(event, 'value', '')))
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        if event.anchor is not None:
+            self._sizes[event.anchor] = self._total[0] - values, self._total[1] - characters
+        return node
+
+    def compose_scalar_node(self, anchor):
+        """Refuse numbers that take long to read."""
+        node = super().compose_scalar_node(anchor)
+        if node.tag in _NUMBER_TAGS and len(node.value) > MAX_DIGITS:
+            raise _error(node, 'a number of {} characters; allowed: at most {}'.format(len(node.value), MAX_DIGITS))
+        return node
+
+    def construct_object(self, node, deep=False):
+        """Say where a value is that its tag does not fit."""
+        try:
+            return super().construct_object(node, deep)
+        except ConfigurationError:
+            raise
+        except _CONSTRUCTION_ERRORS:
+            raise _error(node, 'got {}; this is no value of the kind {}'.format(
+                shown(getattr(node, 'value', None) if isinstance(node, yaml.ScalarNode) else node.id),
+                shown_text(node.tag.rsplit(':', 1)[-1]))) from None
+
+    def construct_mapping(self, node, deep=False):
+        """Refuse a key that is there twice, also written in two ways (1 and 0x1); merged keys may be replaced."""
+        is_mapping = isinstance(node, yaml.MappingNode)
+        written = [key for key, _ in node.value if key.tag != _MERGE_TAG] if is_mapping else []
+        mapping = super().construct_mapping(node, deep)
+        seen = set()
+        for key_node in written:
+            key = self.construct_object(key_node, deep)
+            if key in seen:
+                raise _error(key_node, 'the key {} is there twice'.format(shown(key)))
+            seen.add(key)
+        return mapping
+
+    def _count(self, event, values, characters):
+        self._total = self._total[0] + values, self._total[1] + characters
+        if self._total[0] > self._bounds.values or self._total[1] > self._bounds.characters:
+            raise _error(event, 'more than {} values or {} characters, those behind aliases counted each time'.format(
+                self._bounds.values, self._bounds.characters))
+
+
+def _error(place, text):
+    mark = place.start_mark
+    return ConfigurationError('line {}, column {}: {}'.format(mark.line + 1, mark.column + 1, text))

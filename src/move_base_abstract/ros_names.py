@@ -1,0 +1,21 @@
+"""Which texts are names in the ROS graph. The rule stands here once, for scenarios, missions and parameters.
+
+http://wiki.ros.org/Names: a letter first, then letters, digits and '_'; '/' between the parts of a longer name.
+"""
+import re
+
+ROBOT_NAME_RULE = "letters, digits and '_', a letter first"
+NAMESPACE_RULE = "names of {}, with '/' between them".format(ROBOT_NAME_RULE)
+MAX_NAME_LENGTH = 200  # characters; a name becomes a part of many others
+_NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
+_NAMESPACE = re.compile(r'/?([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*/?)?\Z')
+
+
+def is_robot_name(value):
+    """Return whether ``value`` can be the name of a robot: its namespace and the prefix of its frames."""
+    return isinstance(value, str) and len(value) <= MAX_NAME_LENGTH and bool(_NAME.match(value))
+
+
+def is_namespace(value):
+    """Return whether ``value`` can be a namespace, with or without a slash in front; '' and '/' can."""
+    return isinstance(value, str) and len(value) <= MAX_NAME_LENGTH and bool(_NAMESPACE.match(value))

@@ -1,0 +1,48 @@
+"""Values in error texts are short, and cost nothing to shorten."""
+import pytest
+
+from move_base_abstract.shown import MAX_LENGTH, shown, shown_text
+
+
+def doubled(times):
+    """Return a list that would be written out as 2 ** ``times`` numbers."""
+    value = [7]
+    for _ in range(times):
+        value = [value, value]
+    return value
+
+
+def deep(times):
+    value = []
+    for _ in range(times):
+        value = [value]
+    return value
+
+
+@pytest.mark.parametrize('value', [None, True, 3, -2.5, 'two words', "it's", [1, 2], {'a': [1.0]}, (1, 'x'), {1}])
+def test_what_is_short_is_written_as_python_writes_it(value):
+    assert shown(value) == repr(value)
+
+
+@pytest.mark.parametrize('value', [
+    doubled(200), deep(100_000), 'x' * 10_000_000, {'k' * 500: 'v' * 500, 2: doubled(200)},
+    [list(range(1000))] * 1000, {str(key): key for key in range(1000)}, {(number,) for number in range(1000)}])
+def test_what_is_long_is_cut_without_making_all_of_it(value):
+    assert len(shown(value)) <= MAX_LENGTH
+
+
+def test_a_number_that_python_refuses_to_write_is_described():
+    assert shown(10 ** 5000) == 'a whole number of about 5001 digits'
+    assert shown(-10 ** 5000) == 'a whole number of about 5001 digits'
+    assert shown([10 ** 5000]) == '[a whole number of about 5001 digits]'
+    assert shown(10 ** 50) == repr(10 ** 50)
+
+
+def test_texts_stand_as_they_are_but_for_control_characters():
+    assert shown_text('max_speed') == 'max_speed'
+    assert shown_text('gr\u00fcn \u2713') == 'gr\u00fcn \u2713'
+    assert shown_text('a\nb\x1b[31m') == 'a\\nb\\x1b[31m'
+    assert shown_text(7) == '7'
+    assert len(shown_text('x' * 10_000_000)) == MAX_LENGTH
+    assert len(shown_text('\x00' * 1000)) <= MAX_LENGTH
+    assert len(shown_text(doubled(200))) <= MAX_LENGTH
