@@ -5,7 +5,8 @@ in the published program (TAROS 2022):
 
 - A robot moves to a neighbouring cell per step, in eight directions, along a path that is searched anew at each step
   (greedy_path.py). Cells within 2 steps of where another robot ever was weigh 2 for it, others 1. Where its next cell
-  is taken, or it stands on the next cell of another robot's path, it moves to a free cell beside it by chance instead.
+  is taken, or it stands on the next cell of another robot's path, it moves to a free cell beside it by chance instead:
+  drawn from the free ones in the first case, from all of them until it is free in the second.
 - It samples in the step after its arrival, and sets off again in the step after that if it has a task.
 - Whenever there are at least as many samples as robots, each sample makes new tasks. Dynamic: in the six clusters with
   the highest mean variance of those not used, in the order of the clusters' numbers; one that holds a robot's start is
@@ -13,6 +14,8 @@ in the published program (TAROS 2022):
 - The cost of a queue leaves out the way to its first task where that is not the new one: it is the weight of all cells
   on the path from the robot to the new task, plus that of the paths between the queue's tasks in order, wherever the
   new one is. Both allocations insert a task where this is least. The lowest cost wins the auction.
+- A random task is drawn from all cells; where that cell has had a task, it is drawn once more from a list of those that
+  have had none, column by column. Of two equal tasks of one round the second is dropped.
 - Chance is two generators of Python's own, both seeded by the trial's number: starts, and tasks and side steps.
 
 The figures (see figures()) are those that the program wrote, with what it counts.
@@ -78,17 +81,25 @@ class PublishedRobot(mesa.Agent):
         self.path = greedy_path(self.search_weights, self.pos, self.goal)
         ahead = self.path[1]
         others = [robot for robot in self.model.robots if robot is not self]
-        if any(robot.pos == ahead or robot.path[1:2] == [self.pos] for robot in others):
-            self._step_aside(others)
+        taken = [robot.pos for robot in others]
+        if ahead in taken:
+            self._step_aside(taken, [cell for cell in self._beside() if cell not in taken])
+        elif any(robot.path[1:2] == [self.pos] for robot in others):
+            self._step_aside(taken, self._beside())
         else:
             self.pos = ahead
 
-    def _step_aside(self, others):
-        taken = {robot.pos for robot in others}
-        free = [cell for dx, dy in SIDE_STEPS if (cell := (self.pos[0] + dx, self.pos[1] + dy)) not in taken
-                and 0 <= cell[0] < WIDTH and 0 <= cell[1] < HEIGHT]
-        if free:
-            self.pos = free[self.model.chance.randrange(len(free))]
+    def _beside(self):
+        cells = [(self.pos[0] + dx, self.pos[1] + dy) for dx, dy in SIDE_STEPS]
+        return [cell for cell in cells if 0 <= cell[0] < WIDTH and 0 <= cell[1] < HEIGHT]
+
+    def _step_aside(self, taken, cells):
+        """Move to one of the cells that is not taken, drawn anew until it is one; stay if there is none."""
+        while any(cell not in taken for cell in cells):
+            cell = cells[self.model.chance.randrange(len(cells))]
+            if cell not in taken:
+                self.pos = cell
+                return
 
     def way_cost(self, start, goal):
         """Return the weight of all cells of the path between two cells."""
@@ -172,16 +183,13 @@ class PublishedModel(mesa.Model):
             self._allocate(task)
 
     def _random_tasks(self):
-        tasks = []
-        for _ in self.robots:
-            cell = self._random_cell()
-            while cell in self.given:
-                cell = self._random_cell()
-            tasks.append(cell)
-        return tasks
+        return [self._random_cell() for _ in self.robots]
 
     def _random_cell(self):
-        return self.chance.randrange(0, WIDTH), self.chance.randrange(0, HEIGHT)
+        cell = self.chance.randrange(0, WIDTH), self.chance.randrange(0, HEIGHT)
+        if cell in self.given:
+            cell = self.chance.choice([(x, y) for x in range(WIDTH) for y in range(HEIGHT) if (x, y) not in self.given])
+        return cell
 
     def _dynamic_tasks(self):
         variance = self.estimate.variance
@@ -204,8 +212,9 @@ class PublishedModel(mesa.Model):
         else:
             winner, self._turn = self._turn, (self._turn + 1) % len(self.robots)
             position = self.robots[winner].cheapest(task)[1]
-        self.robots[winner].queue.insert(position, task)
-        self.given.add(task)
+        if task not in self.given:
+            self.robots[winner].queue.insert(position, task)
+            self.given.add(task)
 
 
 def _starts(chance, count):

@@ -44,6 +44,15 @@ def test_trials_that_no_tie_decides_come_out_as_published(published, ours):
             assert got['variance'] == pytest.approx(expected['variance'], rel=1e-3)
 
 
+def test_a_long_trial_comes_out_as_the_published_program_gives_it(compaction_source):
+    """In trial 1 a random task falls on a cell that has had one: how it is drawn anew decides all that follows."""
+    truth = load_field(compaction_source, 2).values
+    got = run_published_trial(truth, 'ssi', 'random', 1, steps=240)
+    assert (got['samples'], got['distance'], got['idle']) == (19, 689, 28)
+    assert got['task_time'] == pytest.approx(34.43809523809524, rel=1e-12)
+    assert got['rmse'] == pytest.approx(8.5005157, rel=1e-4)
+
+
 def test_no_mean_differs_from_the_published_one(published, ours):
     comparisons = len(FILES) * len(COLUMNS)
     for configuration in FILES:
