@@ -17,6 +17,8 @@ from .ros_time import now_ns, to_ros_duration
 
 READY_TIMEOUT_S = 60.0  # wall; on the scaled clock only
 POLL_S = 0.01  # wall
+START_TRIES = 5  # how often a robot is sent to its start
+START_PAUSE_NS = 1_000_000_000  # simulated ns between two of them
 END = (-1, None)  # on the queue: the budget is over
 SHUTDOWN = (-2, None)
 
@@ -68,21 +70,34 @@ class MissionRun:
     def go_to_start(self):
         """Send robots that are elsewhere to the places where the mission begins, and wait for them.
 
-        :raises MissionFailed: if one cannot get there.
+        A robot that gives up is sent again after a pause. :raises MissionFailed: if it has given up 5 times.
         """
         places = self._coordinator.start_places
-        away = {robot.index for robot, (x, y) in zip(self._robots, places, strict=True) if not robot.is_at(x, y)}
-        for index in sorted(away):
+        tries = {robot.index: 0 for robot, (x, y) in zip(self._robots, places, strict=True) if not robot.is_at(x, y)}
+        for index in sorted(tries):
             rospy.loginfo('%s goes to its start at (%.2f, %.2f) m', self._robots[index].namespace, *places[index])
             self._robots[index].drive(*places[index])
-        while away:
+        while tries:
             index, handle = self._next()
-            if not self._robots[index].end_of_goal(handle):
-                raise MissionFailed(f'{self._robots[index].namespace} did not get to its start at {places[index]} m: '
-                                    f"'{handle.get_goal_status_text()}'")
-            away.discard(index)
+            reached = self._robots[index].end_of_goal(handle)
+            if reached:
+                self._robots[index].place_after(handle)
+                del tries[index]
+            elif reached is not None:
+                tries[index] += 1
+                self._go_to_start_again(self._robots[index], places[index], handle, tries[index])
         for robot in self._robots:
             robot.place()
+
+    @staticmethod
+    def _go_to_start_again(robot, place, handle, tries):
+        told = f"{robot.namespace} did not get to its start at ({place[0]:.2f}, {place[1]:.2f}) m: " \
+               f"'{handle.get_goal_status_text()}'"
+        if tries >= START_TRIES:
+            raise MissionFailed(f'{told} (tried {tries} times)')
+        rospy.logwarn('%s; it is sent again', told)
+        rospy.sleep(to_ros_duration(START_PAUSE_NS))
+        robot.drive(*place)
 
     def run(self):
         """Carry the mission out, to its end. :raises MissionFailed: if ROS is shut down meanwhile."""

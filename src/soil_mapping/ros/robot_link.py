@@ -1,6 +1,7 @@
 """One robot as its user knows it: the actions move_base and timed task, and a topic that says where it is."""
 
 import math
+import threading
 
 import rospy
 from actionlib import ActionClient, CommState, GoalStatus
@@ -9,11 +10,10 @@ from nav_msgs.msg import Odometry
 
 from move_base_abstract.geometry import quaternion_of_yaw
 from move_base_abstract.msg import TimedTaskAction, TimedTaskGoal
-from soil_mapping.commands import Place
+from soil_mapping.odometer import Odometer
 
-from .ros_time import to_ros_duration
+from .ros_time import now_ns, to_ros_duration
 
-DETOUR_M = 1e-3  # a way is told apart from the straight line if it is longer by this
 SAME_PLACE_M = 1e-6  # a robot that is so near its goal is there
 
 
@@ -32,23 +32,23 @@ class RobotLink:
         self._task = ActionClient(f'{self.namespace}/{task}', TimedTaskAction)
         self._handle = None  # of the goal under way: a client forgets a goal whose handle is gone
         self._goal_place = None  # (x, y) of the drive under way
-        self._pose = None  # (stamp [ns], x, y)
-        self._place = None  # where the robot was last heard of by the mission
-        self._way_m = 0.0  # since then, by the poses
+        self._lock = threading.Lock()  # poses come in another thread
+        self._odometer = Odometer()
         rospy.Subscriber(f'{self.namespace}/{pose_topic}', Odometry, self._on_pose, tcp_nodelay=True)
 
     @property
     def is_ready(self):
         """Whether both servers are connected and the robot's pose is known."""
         at_once = rospy.Duration(nsecs=-1)
-        return self._pose is not None and self._drive.wait_for_server(at_once) and self._task.wait_for_server(at_once)
+        return self._odometer.position is not None and self._drive.wait_for_server(at_once) \
+            and self._task.wait_for_server(at_once)
 
     @property
     def lacks(self):
         """What is_ready waits for, in words."""
         at_once = rospy.Duration(nsecs=-1)
         parts = [client.ns for client in (self._drive, self._task) if not client.wait_for_server(at_once)]
-        return ', '.join(parts + ([] if self._pose else [f'the pose of {self.namespace}']))
+        return ', '.join(parts + ([] if self._odometer.position else [f'the pose of {self.namespace}']))
 
     @property
     def is_busy(self):
@@ -62,7 +62,7 @@ class RobotLink:
 
     def is_at(self, x, y):
         """Return whether the robot stands at a place of the map frame [m]."""
-        return math.dist(self._pose[1:], (x, y)) <= SAME_PLACE_M
+        return math.dist(self._odometer.position, (x, y)) <= SAME_PLACE_M
 
     def drive(self, x, y):
         """Send the robot to a place of the map frame [m], looking along the straight line there."""
@@ -72,7 +72,8 @@ class RobotLink:
         goal.target_pose.header.stamp = rospy.Time.now()
         pose = goal.target_pose.pose
         pose.position.x, pose.position.y = x, y
-        yaw = math.atan2(y - self._pose[2], x - self._pose[1])
+        here = self._odometer.position
+        yaw = math.atan2(y - here[1], x - here[0])
         pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w = quaternion_of_yaw(yaw)
         self._send(self._drive, goal)
 
@@ -104,21 +105,16 @@ class RobotLink:
         come by another connection and may be late.
         """
         result = handle.comm_state_machine.latest_result
-        ended_ns = result.header.stamp.to_nsec() if result is not None else 0
-        reached = handle.get_terminal_state() == GoalStatus.SUCCEEDED
-        if reached and self._goal_place is not None and self._pose[0] < ended_ns:
-            return self._take_place(*self._goal_place)
+        if result is not None and self._goal_place is not None \
+                and handle.get_terminal_state() == GoalStatus.SUCCEEDED:
+            with self._lock:
+                self._odometer.reached(result.header.stamp.to_nsec(), *self._goal_place)
         return self.place()
 
     def place(self):
         """Return the Place where the robot was last seen, with its way since the last call."""
-        return self._take_place(*self._pose[1:])
-
-    def _take_place(self, x, y):
-        straight = math.dist(self._place, (x, y)) if self._place is not None else 0.0
-        driven = self._way_m if self._way_m > straight + DETOUR_M else None
-        self._place, self._way_m = (x, y), 0.0
-        return Place(x, y, driven)
+        with self._lock:
+            return self._odometer.take_place()
 
     def _send(self, client, goal):
         self._handle = client.send_goal(goal, self._on_transition)
@@ -129,6 +125,6 @@ class RobotLink:
 
     def _on_pose(self, message):
         position = message.pose.pose.position
-        if self._pose is not None:
-            self._way_m += math.dist(self._pose[1:], (position.x, position.y))
-        self._pose = (message.header.stamp.to_nsec(), position.x, position.y)
+        stamp_ns = message.header.stamp.to_nsec() or now_ns()  # 0: the publisher does not say when
+        with self._lock:
+            self._odometer.pose(stamp_ns, position.x, position.y)
