@@ -1,10 +1,13 @@
+import math
+
 import numpy as np
 import pytest
 from pykrige.ok import OrdinaryKriging
 
+from soil_mapping import kriging
 from soil_mapping.grid import Grid
 from soil_mapping.kriging import Kriging
-from soil_mapping.variogram import Variogram, fit
+from soil_mapping.variogram import Variogram, evaluate_mean, fit
 
 GRID = Grid.of_field(1)
 KRIGING = Kriging(GRID)
@@ -93,3 +96,38 @@ def test_the_rmse_is_against_the_truth_over_all_cells():
     points, values = scattered(6)
     truth = KRIGING.estimate(points, values, FLAT).mean
     assert KRIGING.estimate(points, values, truth + 3.0).rmse == pytest.approx(3.0)
+
+
+def test_up_to_64_samples_decide_every_cell_and_more_only_the_near_ones(monkeypatch):
+    grid = Grid.of_field(2)
+    variogram = Variogram(250.0, 60.0, 50.0)
+    points, values = scattered(65)
+    asked = []
+
+    def noted(near, *rest):
+        asked.append(len(near))
+        return evaluate_mean(near, *rest)
+    monkeypatch.setattr(kriging, 'evaluate_mean', noted)
+    Kriging(grid).evaluate(points[:64], values[:64], variogram)
+    assert asked == [64]  # once, for the whole grid
+    Kriging(grid).evaluate(points, values, variogram)
+    tiles = math.ceil(grid.rows / kriging.TILE_CELLS) * math.ceil(grid.columns / kriging.TILE_CELLS)
+    assert asked[1:] == [64] * tiles
+
+
+def test_the_near_samples_make_the_map_that_all_of_them_make():
+    grid = Grid.of_field(2)
+    points, values = scattered(400)
+    variogram = Variogram(250.0, 60.0, 50.0)
+    mean, variance = Kriging(grid).evaluate(points, values, variogram)
+    expected = evaluate_mean(points, values, variogram, grid.x_centres(), grid.y_centres())
+    assert np.sqrt(np.mean((mean - expected) ** 2)) < 0.1 * expected.std()
+    assert (variance >= 0.0).all()
+
+
+def test_many_near_samples_without_a_nugget_make_no_variance_of_rounding_errors():
+    grid = Grid.of_field(2)
+    points, values = scattered(300)
+    _, variance = Kriging(grid).evaluate(points, values, Variogram(250.0, 150.0, 0.0))
+    assert (variance >= 0.0).all()
+    assert variance.mean() < 1.0
