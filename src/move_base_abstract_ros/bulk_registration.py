@@ -166,6 +166,13 @@ class _Collector(RegistrationListener):
                 if code != 1:
                     rospy.logfatal('%s: the ROS master refuses %s of %s: %s', rospy.get_name(), method, arguments[0],
                                    message)
-                elif topic is not None and value:  # without publishers there is nothing to connect to
-                    for manager in self._managers:
-                        manager.publisher_update(topic, value)
+                elif topic is not None:
+                    self._connect(topic, value)
+
+    def _connect(self, topic, uris):
+        """Have the publishers connected to; without new ones there is nothing to do."""
+        subscription = get_topic_manager().get_subscriber_impl(topic)
+        if subscription is None or all(subscription.has_connection(uri) for uri in uris):
+            return
+        for manager in self._managers:
+            manager.publisher_update(topic, uris)

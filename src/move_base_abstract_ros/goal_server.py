@@ -56,7 +56,7 @@ class GoalServer:
         size = self._host.options.sub_queue_size
         self._subscribers = [
             rospy.Subscriber(self.ns + '/cancel', GoalID, self._on_cancel, queue_size=size, tcp_nodelay=True),
-            rospy.Subscriber(self.ns + '/goal', MoveBaseActionGoal, self._on_goal, queue_size=size, tcp_nodelay=True)]
+            rospy.Subscriber(self.ns + '/goal', MoveBaseActionGoal, self.take, queue_size=size, tcp_nodelay=True)]
 
     def close(self):
         """Take no more goals and leave the graph."""
@@ -70,7 +70,8 @@ class GoalServer:
         self._arrivals.clear()
         self._publish_status()
 
-    def _on_goal(self, message):
+    def take(self, message):
+        """Take a goal (MoveBaseActionGoal) in, as from the topic. May block; no lock is held."""
         goal = conversions.from_target(message.goal.target_pose)
         arrived = time.monotonic()
         self._prefetch(goal)

@@ -8,6 +8,7 @@ from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.parameter_table import Parameter, integer, number, read_table
 
 from . import tf_hub
+from .single_connections import connect_one_at_a_time
 from .throttle import NoThrottle, WallThrottle
 
 #: heartbeats come after the robots' own events of the same instant
@@ -58,6 +59,7 @@ class Host:
     def __init__(self, clock, options, is_crowded=False):
         if clock.simulation is None:
             raise ConfigurationError('the clock of a host must have started')
+        connect_one_at_a_time()
         self.clock = clock
         self.options = options
         self.is_crowded = is_crowded

@@ -34,6 +34,7 @@ class MoveBaseServer(NavigatorListener):
         self._clock = clock
         self._host = host
         self._last_warning = None
+        self._told = None  # (goal id, stamp [ns]) of the latest feedback
         self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
         self._trace = RobotTrace(names.robot, clock.record(robot_index))
         with lockstep.sender(robot_index):
@@ -48,8 +49,11 @@ class MoveBaseServer(NavigatorListener):
         self._teleport = Teleport(names, clock, self.navigator, self._frames, self._prefetch_frame)
         self._planner_interface = PlannerInterface(names, settings, clock, self.navigator, self._map)
         self._reconfigure = Reconfigure(names, settings, self)
+        through_the_topic = clock.is_lockstep or not host.is_crowded
+        # First its publisher, then the subscription of the same topic: see single_connections.
+        self._simple_goals = SimpleGoals(names, clock, None if through_the_topic else self._goal_server.take)
         self._goal_server.start(self.navigator, self._prefetch)
-        self._simple_goals = SimpleGoals(names, clock, at_once=clock.is_lockstep or not host.is_crowded)
+        self._simple_goals.listen()
 
     def _build(self, robot_index, now_ns):
         settings, values = self._settings, self._settings.values
@@ -140,11 +144,13 @@ class MoveBaseServer(NavigatorListener):
         """Publish a zero velocity."""
         self._publisher.stop_wheels()
 
-    def feedback(self, record, pose, stamp_ns):
-        """Tell the goal's client where the robot is, as often as the cap in wall time allows."""
+    def feedback(self, record, pose, stamp_ns, is_last=False):
+        """Tell the goal's client where the robot is, as often as the cap in wall time allows, and at the goal."""
         if not self._goal_server.has_feedback_listeners():
             return self._clock.wall_to_ns(_DEAF_SECONDS)
-        if self._feedback_throttle.ready():
+        told = (record.goal_id, stamp_ns)
+        if self._feedback_throttle.ready() or (is_last and told != self._told):
+            self._told = told
             self._goal_server.publish_feedback(
                 record, conversions.to_pose_stamped(pose, self._frames.global_frame, stamp_ns), stamp_ns)
         return self._clock.wall_to_ns(self._feedback_throttle.remaining())
