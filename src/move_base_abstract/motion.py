@@ -66,7 +66,10 @@ class SpeedProfile:
         """The highest speed that is reached [m/s]."""
         if math.isinf(self.acceleration):
             return self.max_speed
-        return min(self.max_speed, math.sqrt(self.acceleration * self.distance))
+        product = self.acceleration * self.distance
+        # The product of two tiny numbers is 0, and a robot that never starts would be there at once.
+        peak = math.sqrt(product) if product else math.sqrt(self.acceleration) * math.sqrt(self.distance)
+        return min(self.max_speed, peak)
 
     @property
     def ramp_seconds(self):

@@ -12,7 +12,7 @@ from .geometry import Pose2D, quaternion_fault, yaw_of_quaternion
 from .outcome import CANCELLED, INVALID_QUATERNION, NO_PLAN, REACHED, aborted
 from .planning import StraightLinePlanner
 from .recovery import RecoveryPolicy
-from .units import NS_PER_S
+from .units import NS_PER_S, check_reachable
 
 
 class BadFramePolicy(Enum):
@@ -47,8 +47,11 @@ class NavigatorListener:
     def stop_wheels(self):
         """move_base would now send a zero velocity."""
 
-    def feedback(self, record, pose, stamp_ns):
-        """The robot with the active goal ``record`` is at ``pose``; may return for how long to be silent [ns]."""
+    def feedback(self, record, pose, stamp_ns, is_last=False):
+        """The robot with the active goal ``record`` is at ``pose``; may return for how long to be silent [ns].
+
+        ``is_last``: it has reached the goal, of which nobody may be left in the dark.
+        """
 
     def recovery(self, pose, index, behaviors, stamp_ns):
         """Recovery behaviour ``index`` of ``behaviors`` begins."""
@@ -123,7 +126,7 @@ class Navigator:
             self._bad_place(goal, self.planner.lacking, now_ns)
             return
         if goal.stamp_ns > now_ns and self._moves(goal.frame_id, now_ns):
-            self._at(goal.stamp_ns, lambda due_ns, _now_ns: self._find_place(goal, due_ns))
+            self._try_at(goal.stamp_ns, goal, now_ns)
             return
         try:
             place = self._frames.locate(goal.frame_id, goal.stamp_ns, now_ns)
@@ -150,7 +153,21 @@ class Navigator:
         if self.bad_frame_policy is BadFramePolicy.ABORT:
             self._end(aborted(text), now_ns)
             return
-        self._at(now_ns + self.retry_ns, lambda due_ns, _now_ns: self._find_place(goal, due_ns))
+        self._try_at(now_ns + self.retry_ns, goal, now_ns)
+
+    def _try_at(self, due_ns, goal, now_ns):
+        """Look for the goal's place (again) at ``due_ns`` [ns]."""
+        if self._can_wait_for(due_ns, "the goal's frame would be looked up", now_ns):
+            self._at(due_ns, lambda due_ns, _now_ns: self._find_place(goal, due_ns))
+
+    def _can_wait_for(self, due_ns, what, now_ns):
+        """Return whether simulated time comes as far as ``due_ns`` [ns]; if not, the goal has ended."""
+        try:
+            check_reachable(due_ns, what)
+        except ValueError as error:
+            self._end(aborted('The goal cannot be waited for: {}'.format(error)), now_ns)
+            return False
+        return True
 
     def _pursue(self, pose, now_ns):
         """Go to ``pose`` (global frame) if that is possible, else give up in the configured way."""
@@ -178,11 +195,15 @@ class Navigator:
     def _arrive(self, due_ns, _now_ns):
         self.robot.stop(due_ns)
         self._listener.stands(self.robot, due_ns)
+        if self._feedback is not None:
+            self._listener.feedback(self._ledger.active, self.robot.pose_at(due_ns), due_ns, is_last=True)
         self._end(REACHED, due_ns)
 
     def _give_up(self, now_ns):
         behaviors = self.recovery_policy.behaviors
         begins, end_ns = self.recovery_policy.schedule(now_ns)
+        if not self._can_wait_for(end_ns, 'the robot would give up', now_ns):
+            return
         for begin_ns, index in begins:
             self._at(begin_ns, lambda due_ns, _now_ns, index=index: self._listener.recovery(
                 self.robot.pose_at(due_ns), index, behaviors, due_ns))

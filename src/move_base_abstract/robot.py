@@ -4,6 +4,7 @@ from collections import deque
 from .errors import TimeError
 from .geometry import Pose2D
 from .motion import Leg, MotionLimits, Tolerances
+from .units import check_reachable
 
 _REMEMBERED_LEGS = 64
 
@@ -51,9 +52,11 @@ class Robot:
     def depart(self, goal, now_ns):
         """Start for ``goal`` from where the robot is at ``now_ns`` [ns], from rest; return the :class:`Leg`.
 
-        :raises ValueError: if the goal is so far away that no number holds the distance or the time.
+        :raises ValueError: if the goal is so far away that no number holds the distance or the time, or that the robot
+            would arrive after the end of simulated time.
         """
         leg = Leg(self.pose_at(now_ns), goal, self.limits, self.tolerances, now_ns)
+        check_reachable(leg.arrive_ns, 'the arrival would be')
         self._driven = self.distance_at(now_ns)
         return self._begin(leg)
 

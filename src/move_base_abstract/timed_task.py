@@ -2,7 +2,7 @@
 import random
 
 from .outcome import CANCELLED, GoalState, Outcome, aborted
-from .units import NS_PER_S, seconds_to_ns
+from .units import NS_PER_S, check_reachable, seconds_to_ns
 
 DONE = Outcome(GoalState.SUCCEEDED, 'Task done.')
 
@@ -32,7 +32,8 @@ class TimedTaskRunner:
 
     ``durations`` has ``draw_ns()``, for goals that do not say how long. ``on_begin(record, duration_ns, now_ns)`` and
     ``on_progress(record, elapsed_ns, duration_ns, now_ns)`` are told of the task that is worked on, the second one
-    ``progress_frequency`` times a simulated second. Not thread-safe: as the simulation.
+    ``progress_frequency`` times a simulated second and, unless that is 0, at the end. Not thread-safe: as the
+    simulation.
     """
 
     def __init__(self, simulation, robot_index, ledger, durations, on_begin, on_progress, progress_frequency=0.0):
@@ -59,9 +60,10 @@ class TimedTaskRunner:
         self._stop()
         self._began_ns = now_ns
         self._duration_ns = duration_ns or self._durations.draw_ns()
-        if duration_ns < 0:
+        fault = _duration_fault(self._duration_ns, now_ns)
+        if fault:
             self._duration_ns = 0
-            self._ledger.finish(aborted('duration must be >= 0 s, got {:g} s'.format(duration_ns / NS_PER_S)), now_ns)
+            self._ledger.finish(aborted(fault), now_ns)
             return
         self._on_begin(record, self._duration_ns, now_ns)
         self._end = self._queue.schedule(now_ns + self._duration_ns, self._robot_index, self._done)
@@ -82,6 +84,8 @@ class TimedTaskRunner:
     def _done(self, due_ns, _now_ns):
         self._end = None
         self._stop()
+        if self._progress is not None:
+            self._tell_progress(due_ns, due_ns)
         self._ledger.finish(DONE, due_ns)
 
     def _stop(self):
@@ -93,3 +97,14 @@ class TimedTaskRunner:
 
     def _tell_progress(self, due_ns, _now_ns):
         self._on_progress(self._ledger.active, due_ns - self._began_ns, self._duration_ns, due_ns)
+
+
+def _duration_fault(duration_ns, now_ns):
+    """Return why no task that begins at ``now_ns`` [ns] can take ``duration_ns`` [ns], or None."""
+    if duration_ns < 0:
+        return 'duration must be >= 0 s, got {:g} s'.format(duration_ns / NS_PER_S)
+    try:
+        check_reachable(now_ns + duration_ns, 'the task would end')
+    except ValueError as error:
+        return 'The task takes too long: {}'.format(error)
+    return None

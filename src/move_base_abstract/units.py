@@ -2,6 +2,8 @@
 import math
 
 NS_PER_S = 1_000_000_000
+#: the last instant of simulated time: the seconds of a ros::Duration are an int32, and the time master ends there
+LAST_NS = (2 ** 31 - 1) * NS_PER_S
 
 
 def seconds_to_ns(seconds):
@@ -18,3 +20,13 @@ def seconds_to_ns(seconds):
 def ns_to_seconds(time_ns):
     """Return ``time_ns`` [ns] in seconds, as a float (for people and logs, never for sums)."""
     return time_ns / NS_PER_S
+
+
+def check_reachable(time_ns, what):
+    """Check that simulated time comes as far as ``time_ns`` [ns].
+
+    :raises ValueError: if it ends before; the text begins with ``what``.
+    """
+    if time_ns > LAST_NS:
+        raise ValueError('{} at {:.10g} s, simulated time ends at {} s'.format(
+            what, time_ns / NS_PER_S, LAST_NS // NS_PER_S))

@@ -69,9 +69,9 @@ class PlannerInterface:
             if request.start.header.frame_id:
                 start = self._in_global_frame(request.start)
             goal = self._in_global_frame(request.goal)
+            poses = self._navigator.planner.plan_near(start, goal, request.tolerance, self.add_unreachable_goal)
         except ValueError as error:
             raise rospy.ServiceException('make_plan: {}'.format(error)) from None
-        poses = self._navigator.planner.plan_near(start, goal, request.tolerance, self.add_unreachable_goal)
         plan = self._to_path(poses, now_ns)
         plan.header.frame_id, plan.header.stamp = '', conversions.to_time(0)
         return GetPlanResponse(plan)

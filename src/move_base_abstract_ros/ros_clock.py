@@ -43,7 +43,7 @@ class RosClock:
         self._arrived = threading.Event()
         self._latest_ns = 0
         self._subscriber = None
-        self._speed = 1.0
+        self._speeds = (1.0, 1.0)
         self._speed_mark = (0.0, 0)
 
     def start(self):
@@ -94,15 +94,19 @@ class RosClock:
             time.sleep(_WAIT_POLL_SECONDS)
 
     def wall_to_ns(self, seconds):
-        """Return how far simulated time [ns] moves in ``seconds`` of the wall clock, at its present speed."""
-        return int(seconds * self._speed * NS_PER_S)
+        """Return how far simulated time [ns] moves in ``seconds`` of the wall clock, at its present speed.
+
+        Rather too little than too much, since who sleeps too long misses an instant: after a stall of this process
+        time seems to run fast for a moment.
+        """
+        return int(seconds * min(self._speeds) * NS_PER_S)
 
     def _measure_speed(self, time_ns):
         wall = time.monotonic()
         mark_wall, mark_ns = self._speed_mark
         if wall - mark_wall >= _SPEED_WINDOW_SECONDS:
             if mark_ns:
-                self._speed = (time_ns - mark_ns) / NS_PER_S / (wall - mark_wall)
+                self._speeds = (self._speeds[1], (time_ns - mark_ns) / NS_PER_S / (wall - mark_wall))
             self._speed_mark = (wall, time_ns)
 
     def _on_clock(self, message):

@@ -85,7 +85,8 @@ class TaskServer:
         self._trace(now_ns, 'task_began', record.goal_id, duration_ns)
 
     def _publish_feedback(self, record, elapsed_ns, duration_ns, now_ns):
-        if self._feedback.get_num_connections() and self._throttle.ready():
+        is_last = elapsed_ns == duration_ns
+        if self._feedback.get_num_connections() and (self._throttle.ready() or is_last):
             feedback = TimedTaskFeedback(_to_duration(elapsed_ns), elapsed_ns / duration_ns if duration_ns else 1.0)
             self._outbox.send(self._feedback, TimedTaskActionFeedback(conversions.to_header('', now_ns),
                                                                       _to_status(record), feedback))

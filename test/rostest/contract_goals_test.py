@@ -214,14 +214,17 @@ class ContractGoals(unittest.TestCase):
         self.assertEqual(self.current_goal.wait_for().pose.position.x, 3.0)
         publisher.unregister()
 
-    def test_feedback_is_in_the_map_on_the_grid_of_20_hz_of_simulated_time(self):
+    def test_feedback_is_in_the_map_on_the_grid_of_20_hz_of_simulated_time_and_ends_at_the_goal(self):
         feedback = Record('/move_base/feedback', MoveBaseActionFeedback)
         self.client.ending(self.client.send(pose_stamped(0.5)))
         goal_id = self.client.send(pose_stamped(40.0))
         start_ns = active_since_ns(self.client, goal_id)
-        self.client.ending(goal_id)
+        end_ns = self.client.ending(goal_id).header.stamp.to_nsec()
+        last = feedback.wait_for(lambda message: message.header.stamp.to_nsec() == end_ns)
+        self.assertEqual(last.feedback.base_position.pose.position.x, 40.0)
+        self.assertEqual(last.status.status, GoalStatus.ACTIVE)
         mine = [message for message in feedback.messages if message.status.goal_id.id == goal_id]
-        self.assertGreater(len(mine), 5)
+        self.assertEqual(mine[-1], last)
         for message in mine:
             position = message.feedback.base_position
             elapsed_ns = position.header.stamp.to_nsec() - start_ns

@@ -9,7 +9,7 @@ from move_base_msgs.msg import MoveBaseGoal
 from robot_harness import pose_stamped, simple_client
 
 GOALS = 1000
-LOST = rospy.Duration(1000.0)  # simulated; 10 s of the wall
+LOST = rospy.Duration(3000.0)  # simulated; 30 s of the wall
 
 
 class StockClient(unittest.TestCase):

@@ -155,7 +155,7 @@ class LockstepFleet(unittest.TestCase):
         told = Run('telling', TWO, fleet(TWO, own={'feedback_freq': 100.0, 'pose_update_freq': 50.0}))
         grid = [number / 50.0 for number in range(100)]
         feedback = [values[0] for kind, values in told.of('client') if kind == 'feedback']
-        self.assertEqual([round(x, 9) for x in feedback], grid)
+        self.assertEqual([round(x, 9) for x in feedback], [*grid, 2.0])
         poses = [values[0] for kind, values in told.of('client') if kind == 'pose']
         # as latched, departure, the series from the departure on, arrival
         self.assertEqual([round(x, 9) for x in poses], [0.0, 0.0] + grid[::2] + [2.0])

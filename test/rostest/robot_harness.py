@@ -166,7 +166,7 @@ class RawClient:
 def simple_client(ns='/'):
     """Return a stock SimpleActionClient that is connected."""
     client = actionlib.SimpleActionClient(ns.rstrip('/') + '/move_base', MoveBaseAction)
-    assert client.wait_for_server(rospy.Duration(1000.0)), 'no action server'
+    assert client.wait_for_server(rospy.Duration(10000.0)), 'no action server'
     return client
 
 

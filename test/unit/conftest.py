@@ -81,7 +81,7 @@ class NavigatorRig(NavigatorListener):
     def stop_wheels(self):
         self.trace.append(('stop wheels',))
 
-    def feedback(self, record, pose, stamp_ns):
+    def feedback(self, record, pose, stamp_ns, is_last=False):
         self.trace.append(('feedback', record.goal_id, pose, stamp_ns))
 
     def recovery(self, pose, index, behaviors, stamp_ns):

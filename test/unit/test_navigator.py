@@ -29,8 +29,9 @@ def begins(pose, time_ns):
     return [STOP, ('target', pose, time_ns), ('departed', pose, time_ns)]
 
 
-def reaches(goal_id, pose, time_ns):
-    return [('stands', pose, time_ns), STOP, ('result', goal_id, 'SUCCEEDED', 'Goal reached.', time_ns)]
+def reaches(goal_id, pose, time_ns, with_feedback=False):
+    told = [('feedback', goal_id, pose, time_ns)] if with_feedback else []
+    return [('stands', pose, time_ns), *told, STOP, ('result', goal_id, 'SUCCEEDED', 'Goal reached.', time_ns)]
 
 
 def cancelled(goal_id, pose, time_ns):
@@ -315,13 +316,20 @@ def feedback(goal_id, *samples):
     return [('feedback', goal_id, Pose2D(x, 0.0), seconds_to_ns(t)) for x, t in samples]
 
 
-def test_feedback_comes_on_a_grid_from_the_goals_start_until_before_its_end(rig):
+def test_feedback_comes_on_a_grid_from_the_goals_start_and_at_its_end(rig):
     robot = rig(feedback_freq=4.0)
     robot.advance(1.1)
     assert robot.send('g', 2.0, 0.0) == begins(Pose2D(2.0, 0.0), 1_100_000_000)
     trace = [line for k in range(200) for line in robot.advance(1.1 + k / 100.0)]
     assert trace == [*feedback('g', (0.0, 1.1), (0.5, 1.35), (1.0, 1.6), (1.5, 1.85)),
-                     *reaches('g', Pose2D(2.0, 0.0), 2_100_000_000)]
+                     *reaches('g', Pose2D(2.0, 0.0), 2_100_000_000, with_feedback=True)]
+
+
+def test_a_clock_that_leaps_over_the_arrival_has_feedback_end_at_the_goal_all_the_same(rig):
+    robot = rig(feedback_freq=20.0)
+    robot.send('g', 2.0, 0.0)
+    assert robot.advance(0.4) == feedback('g', (0.0, 0.0))
+    assert robot.advance(1000.0) == feedback('g', (0.9, 0.45)) + reaches('g', Pose2D(2.0, 0.0), S, with_feedback=True)
 
 
 def test_feedback_that_the_clock_leaps_over_is_left_out(rig):

@@ -79,13 +79,26 @@ def test_a_negative_duration_is_refused_and_ends_the_task_under_way():
     assert rig.trace[1:] == [(2.0, 'PREEMPTED', 'a', 1.0), (2.0, 'ABORTED', 'b', 0.0)]
 
 
-def test_progress_is_told_at_its_frequency_until_the_end():
+def test_progress_is_told_at_its_frequency_and_at_the_end():
     rig = Rig(progress_frequency=2.0)
     rig.send(0.0, duration=1.0)
     for quarters in range(20):
         rig.at(0.25 * quarters)
     assert rig.trace == [(0.0, 'began', 'a', 1.0), (0.0, 'progress', 0.0), (0.5, 'progress', 0.5),
-                         (1.0, 'SUCCEEDED', 'a', 1.0)]
+                         (1.0, 'progress', 1.0), (1.0, 'SUCCEEDED', 'a', 1.0)]
+
+
+def test_a_task_that_would_end_after_the_end_of_time_is_aborted_at_once():
+    for duration in (2_147_483_647 - 2.0, 2_147_483_647.0):
+        rig = Rig(duration=1e18, progress_frequency=2.0)
+        rig.send(3.0, duration=duration)
+        rig.send(4.0, goal_id='drawn')
+        assert [line[1:3] for line in rig.trace] == [('ABORTED', 'a'), ('ABORTED', 'drawn')]
+        assert rig.simulation.next_due_ns() is None
+    rig = Rig()
+    rig.send(3.0, duration=2_147_483_644.0)
+    rig.at(2_147_483_647)
+    assert rig.trace[-1] == (2_147_483_647.0, 'SUCCEEDED', 'a', 2_147_483_644.0)
 
 
 def test_a_killed_server_ends_its_task():
