@@ -59,6 +59,11 @@ class EventQueue:
             enter(event.due_ns)
             action(event.due_ns, now_ns)
 
+    def shift(self, by_ns):
+        """Move all that is due by ``by_ns`` [ns]; the order stays."""
+        for event in self._heap:
+            event.due_ns += by_ns
+
 
 class Series:
     """An event that comes back every ``period_ns`` [ns], on multiples counted from its start.

@@ -143,6 +143,16 @@ class GoalLedger:
         self._last_cancel_ns = 0
         self._early_cancels.clear()
 
+    def restart(self, now_ns):
+        """Go on with a clock that has started anew at ``now_ns`` [ns]; no goal is active.
+
+        What has ended stays on the list as if it had ended now. New goals are compared with no stamp of the old clock.
+        """
+        for record in self._records:
+            record.ended_ns = now_ns
+        self._current = None
+        self._last_cancel_ns = 0
+
     def _remember_cancel(self, goal_id, stamp_ns, now_ns):
         self._early_cancels[goal_id] = None
         while len(self._early_cancels) > _REMEMBERED_CANCELS:

@@ -9,7 +9,7 @@ from typing import Tuple
 
 from .errors import FrameError
 from .geometry import Pose2D, quaternion_fault, yaw_of_quaternion
-from .outcome import CANCELLED, INVALID_QUATERNION, NO_PLAN, REACHED, aborted
+from .outcome import CANCELLED, CLOCK_RESTARTED, INVALID_QUATERNION, NO_PLAN, REACHED, aborted
 from .planning import StraightLinePlanner
 from .recovery import RecoveryPolicy
 from .units import NS_PER_S, check_reachable
@@ -223,6 +223,17 @@ class Navigator:
         if self.is_active:
             self._halt(now_ns)
             self._end(outcome, now_ns)
+
+    def restart(self, before_ns, now_ns):
+        """Go on at ``now_ns`` [ns] of a clock that has started anew, the old one having come to ``before_ns`` [ns].
+
+        The goal under way is aborted; the robot stands where it was.
+        """
+        self.robot.restart(before_ns, now_ns)
+        if self.is_active:
+            self._end(CLOCK_RESTARTED, now_ns)
+        self._ledger.restart(now_ns)
+        self._listener.stands(self.robot, now_ns)
 
     def place(self, pose, now_ns):
         """Put the robot at ``pose`` (global frame). With a goal under way, it goes on to it from there."""

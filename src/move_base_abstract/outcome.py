@@ -49,6 +49,8 @@ NODE_KILLED = Outcome(GoalState.ABORTED, 'Aborting on the goal because the node 
 ROBOT_REMOVED = Outcome(GoalState.ABORTED, 'Aborting on the goal because the robot has been removed')
 ROBOT_RESET = Outcome(GoalState.ABORTED, 'Aborting on the goal because the robots have been reset')
 
+CLOCK_RESTARTED = Outcome(GoalState.ABORTED, 'Aborting on the goal because simulated time has started anew')
+
 
 def aborted(text):
     """Return the ending of a goal that is refused for the reason ``text``."""

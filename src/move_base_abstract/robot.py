@@ -78,6 +78,13 @@ class Robot:
         self._driven = 0.0
         self._begin(_Stand(pose, now_ns))
 
+    def restart(self, before_ns, now_ns):
+        """Stand where the robot was at ``before_ns`` [ns] of a clock that has started anew, since ``now_ns`` [ns]."""
+        pose = self.pose_at(before_ns)
+        self._driven = self.distance_at(before_ns)
+        self._past.clear()
+        self._begin(_Stand(pose, now_ns))
+
     def _begin(self, motion):
         self._motion = motion
         self._past.append(motion)

@@ -25,6 +25,14 @@ class Simulation:
         self.queue.run_until(now_ns, self._enter)
         self._now_ns = now_ns
 
+    def restart(self, now_ns):
+        """Go on at ``now_ns`` [ns], also an earlier time; what was due comes as much later as before.
+
+        For a clock that has started anew. Who keeps a time of the old one has to be told of it.
+        """
+        self.queue.shift(now_ns - self._now_ns)
+        self._now_ns = now_ns
+
     def _enter(self, due_ns):
         self._now_ns = max(self._now_ns, due_ns)
 

@@ -1,7 +1,7 @@
 """Tasks that take a while where a robot stands, one at a time for each robot: sampling, loading, charging."""
 import random
 
-from .outcome import CANCELLED, GoalState, Outcome, aborted
+from .outcome import CANCELLED, CLOCK_RESTARTED, GoalState, Outcome, aborted
 from .units import NS_PER_S, check_reachable, seconds_to_ns
 
 DONE = Outcome(GoalState.SUCCEEDED, 'Task done.')
@@ -80,6 +80,15 @@ class TimedTaskRunner:
         """End the task that is under way with an Outcome."""
         self._stop()
         self._ledger.finish(outcome, now_ns)
+
+    def restart(self, before_ns, now_ns):
+        """Go on at ``now_ns`` [ns] of a clock that has started anew, the old one having come to ``before_ns`` [ns].
+
+        The task that is under way is aborted.
+        """
+        self._began_ns += now_ns - before_ns
+        self.shut_down(CLOCK_RESTARTED, now_ns)
+        self._ledger.restart(now_ns)
 
     def _done(self, due_ns, _now_ns):
         self._end = None

@@ -19,6 +19,7 @@ class LockstepClock:
     def __init__(self, join):
         self.lock = threading.RLock()
         self.simulation = None
+        self.on_restart = []  # as of RosClock; a run in lockstep has one clock, so that nobody is ever called
         self.participant = None
         self._join = join
 

@@ -39,6 +39,7 @@ class MoveBaseServer(NavigatorListener):
         self._trace = RobotTrace(names.robot, clock.record(robot_index))
         with lockstep.sender(robot_index):
             self._set_up(robot_index)
+        clock.on_restart.append(self._restart)
         host.robot_count += 1  # last: a robot whose settings are refused takes no share
 
     def _set_up(self, robot_index):
@@ -90,6 +91,7 @@ class MoveBaseServer(NavigatorListener):
             self._goal_server.close()
             self._publisher.close()
             self._markers.close()
+            self._clock.on_restart.remove(self._restart)
         self._host.robot_count -= 1
 
     def reset(self):
@@ -103,6 +105,10 @@ class MoveBaseServer(NavigatorListener):
             self.navigator.robot.limits, self.navigator.robot.tolerances = settings.limits, settings.tolerances
             self.navigator.robot.reset(settings.start, now_ns)
             self.stands(self.navigator.robot, now_ns)
+
+    def _restart(self, before_ns, now_ns):
+        self._publisher.restart()
+        self.navigator.restart(before_ns, now_ns)
 
     def set_motion(self, limits, tolerances):
         """Travel with other limits from the next leg on."""

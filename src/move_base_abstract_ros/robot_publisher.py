@@ -42,6 +42,10 @@ class RobotPublisher:
         with lockstep.sender(self._robot.index):  # tf is one topic of all robots of the process
             self._backend.place(self._robot.pose_at(now_ns), self._robot.velocity_at(now_ns), now_ns)
 
+    def restart(self):
+        """Time has started anew: stamps may be earlier than those before."""
+        self._backend.restart()
+
     def target(self, goal, now_ns):
         """Show the goal that is worked on."""
         self._current_goal.publish(conversions.to_pose_stamped(goal, self._global_frame, now_ns))

@@ -9,6 +9,7 @@ import time
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from move_base_abstract.clock_source import ClockSource, Step
 from move_base_abstract.simulation import Simulation
 from move_base_abstract.units import NS_PER_S
 
@@ -33,13 +34,19 @@ def _join():
 
 
 class RosClock:
-    """Drives one :class:`Simulation` by ``/clock``, or by the machine's clock where ROS uses that."""
+    """Drives one :class:`Simulation` by ``/clock``, or by the machine's clock where ROS uses that.
+
+    ``on_restart`` lists functions ``(before_ns, now_ns)`` that are called, in order and under the lock, when ``/clock``
+    has started anew: the simulation goes on at ``now_ns`` [ns], the old time had come to ``before_ns`` [ns].
+    """
 
     is_lockstep = False
 
     def __init__(self):
         self.lock = threading.RLock()
         self.simulation = None
+        self.on_restart = []
+        self._source = ClockSource()
         self._arrived = threading.Event()
         self._latest_ns = 0
         self._subscriber = None
@@ -66,8 +73,8 @@ class RosClock:
                 return False
             if time.monotonic() - warned > _REMINDER_SECONDS:
                 warned = time.monotonic()
-                rospy.logwarn('%s: use_sim_time is true but nothing has come on /clock yet: is a time master running?',
-                              rospy.get_name())
+                rospy.logwarn('%s: use_sim_time is true but nothing has come on /clock yet: is a time master running, '
+                              'or a simulator that publishes /clock?', rospy.get_name())
         return True
 
     def now_ns(self):
@@ -110,21 +117,36 @@ class RosClock:
             self._speed_mark = (wall, time_ns)
 
     def _on_clock(self, message):
-        time_ns = message.clock.to_nsec()
-        if time_ns <= self._latest_ns:
-            if time_ns < self._latest_ns:
-                rospy.logwarn_throttle(5.0, '{}: /clock went back from {} ns to {} ns; this is ignored: are there two '
-                                            'publishers of /clock?'.format(rospy.get_name(), self._latest_ns, time_ns))
-            return
-        if self.simulation is None:
-            self._latest_ns = time_ns
-            if time_ns > 0:
-                self._arrived.set()
-            return
         with self.lock:
-            self._latest_ns = time_ns
+            self._take(message.clock.to_nsec(), message._connection_header['callerid'])
+
+    def _take(self, time_ns, source):
+        before_ns = self._source.latest_ns
+        step = self._source.judge(time_ns, source, time.monotonic())
+        if step is Step.BEHIND:
+            rospy.logwarn_throttle(5.0, '{}: /clock went back from {} ns to {} ns, says {}; this is ignored: are there '
+                                        'two publishers of /clock?'.format(rospy.get_name(), before_ns, time_ns,
+                                                                           source))
+        if step in (Step.BEHIND, Step.SAME):
+            return
+        self._latest_ns = time_ns
+        if self.simulation is None:
+            self._arrived.set()
+        elif step is Step.ANEW:
+            self._restart(time_ns, source)
+        else:
             self._measure_speed(time_ns)
             self.simulation.advance(time_ns)
+
+    def _restart(self, time_ns, source):
+        before_ns = self.simulation.now_ns
+        rospy.logwarn('%s: /clock went back from %.3f s to %.3f s: %s has started anew. Goals under way are aborted, '
+                      'and all goes on from where it is', rospy.get_name(), before_ns / NS_PER_S,
+                      time_ns / NS_PER_S, source)
+        self._speed_mark = (0.0, 0)
+        self.simulation.restart(time_ns)
+        for listener in list(self.on_restart):
+            listener(before_ns, time_ns)
 
     def _follow_machine(self):
         while not rospy.is_shutdown():

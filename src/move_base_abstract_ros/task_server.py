@@ -50,6 +50,7 @@ class TaskServer:
                 self._publish_status()
             host.status_heartbeat.add(self._repeat_status)
             self._subscribe(host.options.sub_queue_size)
+        self._clock.on_restart.append(self._tasks.restart)
         host.robot_count += 1
 
     def _advertise(self, size):

@@ -45,6 +45,10 @@ class BuiltinBackend:
             conversions.to_transform(Pose2D(), self._global_frame, self._odom_frame, stamp_ns),
             conversions.to_transform(pose, self._odom_frame, self._base_frame, stamp_ns)])
 
+    def restart(self):
+        """Time has started anew."""
+        self._tf_stamp_ns = -1
+
     def close(self):
         """Leave the graph."""
         tf_hub.forget(self._base_frame)

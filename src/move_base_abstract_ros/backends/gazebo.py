@@ -40,6 +40,10 @@ class GazeboBackend:
         """Publish tf."""
         self._display.heartbeat(pose, stamp_ns)
 
+    def restart(self):
+        """Time has started anew."""
+        self._display.restart()
+
     def close(self):
         """Leave the graph; the model stays where it is."""
         self._display.close()

@@ -12,7 +12,7 @@ from move_base_abstract.geometry import Pose2D
 
 from .. import conversions, tf_hub
 from ..tf_lookup import TfLookup
-from . import clock_check
+from . import clock_check, stage_watch
 
 _REMINDER_SECONDS = 10.0
 
@@ -33,7 +33,6 @@ class StageBackend:
         self._lock = threading.Lock()
         self._world = _StageWorld(names.robot, values)
         self._check = FollowCheck()
-        self._silent_since = time.monotonic()
         self._held = None
         self._truth = self._odom = (None, None)
         self._tf = None
@@ -44,6 +43,7 @@ class StageBackend:
         self._truth_topic = names.topic('base_pose_ground_truth')
         self._subscribers = (rospy.Subscriber(self._truth_topic, Odometry, self._on_truth, queue_size=10),
                              rospy.Subscriber(names.topic('odom'), Odometry, self._on_odom, queue_size=10))
+        stage_watch.add(self._truth_topic)
 
     def place(self, pose, _velocity, stamp_ns):
         """Tell Stage and everybody that the robot is at ``pose``."""
@@ -60,11 +60,16 @@ class StageBackend:
         if self._held is not None and self._world.pose() is not None:
             self._command(self._held)
             self._held = None
-        self._remind()
         self._send_tf(stamp_ns)
+
+    def restart(self):
+        """Time has started anew."""
+        with self._lock:
+            self._sent = (-1, None)
 
     def close(self):
         """Leave the graph."""
+        stage_watch.remove(self._truth_topic)
         self._world.close()
         for topic in (*self._subscribers, self._cmd_pose, self._amcl_pose, self._robot_pose):
             topic.unregister()
@@ -76,14 +81,17 @@ class StageBackend:
             self._check.placed(commanded, time.monotonic())
 
     def _on_odom(self, message):
+        stamp = message.header.stamp
         with self._lock:
-            self._odom = (message.header.stamp, conversions.from_pose(message.pose.pose))
+            if self._odom[0] is not None and stamp < self._odom[0]:  # Stage has started anew
+                self._sent = (-1, None)
+            self._odom = (stamp, conversions.from_pose(message.pose.pose))
         self._locate()
 
     def _on_truth(self, message):
         reported = conversions.from_pose(message.pose.pose)
+        stage_watch.heard(self._truth_topic)
         with self._lock:
-            self._silent_since = None
             self._truth = (message.header.stamp, reported)
             gap = self._check.reported(reported, time.monotonic())
         clock_check.warn_if_shared('Stage')
@@ -116,15 +124,6 @@ class StageBackend:
             self._sent = (stamp_ns, self._tf)
             transform = conversions.to_transform(self._tf, self._global_frame, self._odom_frame, stamp_ns)
         tf_hub.send(self._odom_frame, lambda: [transform])
-
-    def _remind(self):
-        with self._lock:
-            silent = self._silent_since is not None and time.monotonic() - self._silent_since > _REMINDER_SECONDS
-            if silent:
-                self._silent_since = time.monotonic()
-        if silent:
-            rospy.logwarn('%s: nothing has come on %s: is Stage running, and does it call the robot so?',
-                          self._robot, self._truth_topic)
 
 
 class _StageWorld:

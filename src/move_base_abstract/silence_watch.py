@@ -1,0 +1,64 @@
+"""Telling whether another simulator is still there: who has said nothing for how long."""
+from dataclasses import dataclass
+from typing import Tuple
+
+
+@dataclass(frozen=True)
+class Silence:
+    """What there is to tell: sources that were never heard, that have fallen silent, and that are heard again."""
+
+    unheard: Tuple[str, ...] = ()
+    silent: Tuple[str, ...] = ()
+    back: Tuple[str, ...] = ()
+
+
+class SilenceWatch:
+    """Names sources that were silent for ``limit`` [s, wall], and again every ``repeat`` [s, wall] while they are.
+
+    Wall times are arguments [s, of one clock that never goes back]. Not thread-safe.
+    """
+
+    def __init__(self, limit=8.0, repeat=60.0):
+        self.limit = limit
+        self._repeat = repeat
+        self._sources = {}
+
+    def add(self, name, wall):
+        """Watch ``name`` from now on."""
+        self._sources[name] = _Source(wall + self.limit)
+
+    def remove(self, name):
+        """Watch ``name`` no more."""
+        self._sources.pop(name, None)
+
+    def heard(self, name, wall):
+        """Note that ``name`` has said something."""
+        source = self._sources.get(name)
+        if source is not None:
+            source.due = wall + self.limit
+            source.was_heard = True
+            source.is_back = source.is_back or source.is_told
+            source.is_told = False
+
+    def check(self, wall):
+        """Return the :class:`Silence` that has not been told yet, names in the order in which they were added."""
+        unheard, silent, back = [], [], []
+        for name, source in self._sources.items():
+            if source.is_back:
+                source.is_back = False
+                back.append(name)
+            if wall >= source.due:
+                source.due = wall + self._repeat
+                source.is_told = True
+                (silent if source.was_heard else unheard).append(name)
+        return Silence(tuple(unheard), tuple(silent), tuple(back))
+
+
+class _Source:
+    """``due``: when its silence is told [s, wall]."""
+
+    __slots__ = ('due', 'was_heard', 'is_told', 'is_back')
+
+    def __init__(self, due):
+        self.due = due
+        self.was_heard = self.is_told = self.is_back = False

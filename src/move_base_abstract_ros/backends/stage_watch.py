@@ -1,0 +1,60 @@
+"""One thread per process that notices when Stage falls silent: with Stage its clock stands, and all that goes by it."""
+import threading
+import time
+
+import rospy
+
+from move_base_abstract.silence_watch import SilenceWatch
+
+_POLL_SECONDS = 0.5
+_NAMED = 5  # topics in a warning
+
+_lock = threading.Lock()
+_watch = SilenceWatch()
+_threads = []
+
+
+def add(topic):
+    """Warn when nothing comes on ``topic`` any more."""
+    with _lock:
+        _watch.add(topic, time.monotonic())
+        if not _threads:
+            _threads.append(threading.Thread(target=_run, name='stage_watch', daemon=True))
+            _threads[0].start()
+
+
+def remove(topic):
+    """Watch ``topic`` no more."""
+    with _lock:
+        _watch.remove(topic)
+
+
+def heard(topic):
+    """Note that a message has come on ``topic``."""
+    with _lock:
+        _watch.heard(topic, time.monotonic())
+
+
+def _run():
+    while not rospy.is_shutdown():
+        time.sleep(_POLL_SECONDS)
+        with _lock:
+            silence = _watch.check(time.monotonic())
+        _tell(silence)
+
+
+def _tell(silence):
+    if silence.unheard:
+        rospy.logwarn('%s: nothing has come on %s for %g s: is Stage running, and does it call the robot so?',
+                      rospy.get_name(), _list(silence.unheard), _watch.limit)
+    if silence.silent:
+        rospy.logwarn('%s: Stage has fallen silent: nothing has come on %s for %g s or more. It has ended, hangs or is '
+                      'paused; where it publishes /clock, time stands still. Start it again, and the robots go on',
+                      rospy.get_name(), _list(silence.silent), _watch.limit)
+    if silence.back:
+        rospy.loginfo('%s: Stage is heard again: %s', rospy.get_name(), _list(silence.back))
+
+
+def _list(topics):
+    more = len(topics) - _NAMED
+    return ', '.join(topics[:_NAMED]) + (' and {} more'.format(more) if more > 0 else '')

@@ -1,0 +1,98 @@
+#!/usr/bin/python3
+"""A Stage that is killed and started anew, as a process: that is noticed, goals end, and the robots go on."""
+import os
+import subprocess
+import sys
+import unittest
+
+import rospy
+import rostest
+import tf2_ros
+from actionlib_msgs.msg import GoalID, GoalStatus
+from nav_msgs.msg import Odometry
+from robot_harness import RawClient, Record, pose_stamped
+from rosgraph_msgs.msg import Log
+from tf2_msgs.msg import TFMessage
+
+from move_base_abstract.msg import TimedTaskActionGoal, TimedTaskActionResult
+from move_base_abstract_ros import conversions
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+RESTARTED = 'Aborting on the goal because simulated time has started anew'
+OLD = 1000.0  # s, simulated
+STARTS = {'robot_0': (4.0, 4.0), 'robot_1': (4.0, 6.0)}
+
+
+def start_stage(begin=0.0):
+    """Start the stand-in at ``begin`` [s, simulated], with each robot at its start; return the process."""
+    words = [word for name, pose in STARTS.items() for word in (name, *map(str, pose))]
+    return subprocess.Popen([sys.executable, os.path.join(HERE, 'stage_stand_in.py'), str(begin), *words])
+
+
+class Restart(unittest.TestCase):
+    """The tests build on each other: a goal is under way when Stage is killed."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.stage = start_stage(OLD)  # as if it had run for long
+        cls.log = Record('/rosout', Log)
+        cls.truth = Record('/robot_0/base_pose_ground_truth', Odometry)
+        cls.client = RawClient('/robot_0')
+        cls.task_result = Record('/robot_1/load/result', TimedTaskActionResult)
+        cls.task_goal = rospy.Publisher('/robot_1/load/goal', TimedTaskActionGoal, queue_size=1, latch=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.stage.kill()
+        cls.stage.wait()
+
+    def warning(self, *words):
+        return self.log.wait_for(lambda entry: entry.level == Log.WARN and all(word in entry.msg for word in words)).msg
+
+    def test_1_a_stage_that_dies_is_told_of(self):
+        type(self).goal = self.client.send(pose_stamped(1000.0, 4.0))
+        self.task_goal.publish(TimedTaskActionGoal(goal_id=GoalID(rospy.Time(), 'sacks')))
+        self.client.wait_for_state(self.goal, GoalStatus.ACTIVE)
+        self.truth.wait_for(lambda message: message.pose.pose.position.x > 10.0)
+        self.stage.kill()
+        self.stage.wait()
+        type(self).left = self.truth.messages[-1]
+        self.warning('/fleet', 'Stage has fallen silent', '/robot_0/base_pose_ground_truth, /robot_1/base_pose')
+        self.assertEqual(self.client.endings(self.goal), [])
+
+    def test_2_a_stage_that_starts_anew_ends_goals_and_tasks_and_that_is_told_of(self):
+        self.truth.clear()
+        type(self).stage = start_stage()
+        ending = self.client.ending(self.goal)
+        self.assertEqual((ending.status.status, ending.status.text), (GoalStatus.ABORTED, RESTARTED))
+        self.assertLess(ending.header.stamp.to_sec(), OLD)
+        self.assertEqual(self.task_result.wait_for().status.text, RESTARTED)
+        for node in ('/fleet', '/task_server'):
+            self.warning(node, '/clock went back', '/stageros has started anew')
+
+    def test_3_stage_puts_the_robot_where_it_was_not_where_its_world_has_it(self):
+        was = self.left.pose.pose.position.x
+        self.truth.wait_for(lambda message: message.pose.pose.position.x >= was - 1e-6)
+
+    def test_4_goals_are_reached_by_the_new_time(self):
+        goal = self.client.send(pose_stamped(20.0, 4.0))
+        ending = self.client.ending(goal)
+        self.assertEqual((ending.status.status, ending.status.text), (GoalStatus.SUCCEEDED, 'Goal reached.'))
+        self.truth.wait_for(lambda message: abs(message.pose.pose.position.x - 20.0) < 1e-6)
+
+    def test_5_tf_has_the_new_time_too(self):
+        buffer = tf2_ros.Buffer(debug=False)
+
+        def found(message):
+            for transform in message.transforms:
+                if transform.header.stamp.to_sec() < OLD:
+                    buffer.set_transform(transform, 'test')
+            return buffer.can_transform('map', 'robot_0/base_link', rospy.Time())
+        Record.fresh('/tf', TFMessage).wait_for(found)
+        pose = conversions.from_transform(buffer.lookup_transform('map', 'robot_0/base_link', rospy.Time()).transform)
+        self.assertAlmostEqual(pose.x, 20.0, places=6)
+
+
+if __name__ == '__main__':
+    rospy.init_node('backend_stage_restart_test')
+    rostest.rosrun('move_base_abstract', 'backend_stage_restart', Restart)
