@@ -19,6 +19,7 @@ from move_base_abstract_ros import conversions
 
 QUARTER_TURN = 1.5707963267948966
 PERIOD = 0.05  # s, wall
+BEHIND_NS = 141_200_000_000  # by which robot_2's Stage dates before /clock
 
 
 class Stage:
@@ -29,8 +30,9 @@ class Stage:
 
     ODOMETRY = Pose2D(0.5, 0.25, 0.1)
 
-    def __init__(self, name):
+    def __init__(self, name, behind_ns=0):
         self.name = name
+        self._behind_ns = behind_ns
         self.follows = True
         self._pose = Pose2D()
         self._truth = rospy.Publisher(f'/{name}/base_pose_ground_truth', Odometry, queue_size=10)
@@ -47,7 +49,7 @@ class Stage:
         last_ns = 0
         while not rospy.is_shutdown():
             time.sleep(PERIOD)
-            stamp_ns = rospy.Time.now().to_nsec()
+            stamp_ns = rospy.Time.now().to_nsec() - self._behind_ns
             if stamp_ns > last_ns:
                 last_ns = stamp_ns
                 self._tell(stamp_ns)
@@ -62,14 +64,14 @@ class Stage:
 
 
 class StageBackend(unittest.TestCase):
-    """robot_0 gets the offset of Stage's world by parameters, robot_1 by tf."""
+    """robot_0 gets the offset of Stage's world by parameters, robot_1 by tf; robot_2's Stage has another clock."""
 
     @classmethod
     def setUpClass(cls):
         cls.log = Record('/rosout', Log)
         cls.commands = [Record(f'/robot_{k}/cmd_pose', Pose) for k in (0, 1)]
         cls.simple = simple_client('/robot_0')
-        cls.stages = [Stage(f'robot_{k}') for k in (0, 1)]
+        cls.stages = [Stage('robot_0'), Stage('robot_1'), Stage('robot_2', BEHIND_NS)]
         cls.buffer = tf2_ros.Buffer(debug=False)
         cls.listener = tf2_ros.TransformListener(cls.buffer)
 
@@ -142,6 +144,11 @@ class StageBackend(unittest.TestCase):
             self.assertIn('/time_master', text)
             self.assertIn(rospy.get_name(), text)
             self.assertIn('time_master:=false', text)
+
+    def test_8_a_stage_with_another_clock_is_told_of_and_tf_is_dated_as_it_dates(self):
+        text = self.warning('robot_2: Stage dates its odometry', 's before /clock').msg
+        self.assertGreaterEqual(float(text.split('odometry ')[1].split()[0]), BEHIND_NS // 10 ** 9)
+        self.wait_for_tf('robot_2/base_link', 7.0, 0.0)
 
 
 if __name__ == '__main__':

@@ -4,7 +4,11 @@ import threading
 import rosgraph
 import rospy
 
+from ..throttle import WallThrottle
+
 _first_time = threading.Lock()
+_first_machine_clock = threading.Lock()
+_other_clock = WallThrottle(0.1)  # Hz; the robots of a process share their simulator
 
 
 def warn_if_shared(simulator):
@@ -16,6 +20,28 @@ def warn_if_shared(simulator):
         rospy.logwarn('%s: /clock is published by %s: time jumps between them. %s has a clock of its own; start '
                       'without the time master (simulator.launch time_master:=false)',
                       rospy.get_name(), ' and '.join(names), simulator)
+
+
+def warn_of_machine_clock(simulator):
+    """Warn if this node goes by the machine's clock; once per process."""
+    if rospy.rostime.is_wallclock() and _first_machine_clock.acquire(blocking=False):
+        rospy.logwarn("%s: /use_sim_time was not true when this node started, so that it goes by the machine's clock. "
+                      '%s publishes /clock: set /use_sim_time before the nodes start, or start %s first',
+                      rospy.get_name(), simulator, simulator)
+
+
+def warn_of_other_clock(simulator, robot, gap):
+    """Warn that ``simulator`` dates what it says of ``robot`` ``gap`` [s] before the present of this node.
+
+    Of the robots of a process one is enough.
+    """
+    if not _other_clock.ready():
+        return
+    own = "the machine's clock" if rospy.rostime.is_wallclock() else '/clock'
+    rospy.logwarn('%s: %s dates its odometry %.1f s %s %s, by which this node goes: look-ups in tf of the present '
+                  'fail, those of the latest transform work. Let all go by one clock; where %s publishes it, without '
+                  'the time master (simulator.launch time_master:=false)', robot, simulator, abs(gap),
+                  'before' if gap > 0.0 else 'after', own, simulator)
 
 
 def clock_publishers():

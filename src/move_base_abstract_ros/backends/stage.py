@@ -9,6 +9,7 @@ from nav_msgs.msg import Odometry
 from move_base_abstract.errors import FrameError
 from move_base_abstract.follow_check import FollowCheck
 from move_base_abstract.geometry import Pose2D
+from move_base_abstract.stamp_check import StampCheck
 
 from .. import conversions, tf_hub
 from ..tf_lookup import TfLookup
@@ -33,6 +34,7 @@ class StageBackend:
         self._lock = threading.Lock()
         self._world = _StageWorld(names.robot, values)
         self._check = FollowCheck()
+        self._stamps = StampCheck()
         self._held = None
         self._truth = self._odom = (None, None)
         self._tf = None
@@ -44,6 +46,7 @@ class StageBackend:
         self._subscribers = (rospy.Subscriber(self._truth_topic, Odometry, self._on_truth, queue_size=10),
                              rospy.Subscriber(names.topic('odom'), Odometry, self._on_odom, queue_size=10))
         stage_watch.add(self._truth_topic)
+        clock_check.warn_of_machine_clock('Stage')
 
     def place(self, pose, _velocity, stamp_ns):
         """Tell Stage and everybody that the robot is at ``pose``."""
@@ -56,11 +59,15 @@ class StageBackend:
         self.heartbeat(pose, stamp_ns)
 
     def heartbeat(self, _pose, stamp_ns):
-        """Repeat tf; tell Stage the last pose if that could not be done yet."""
+        """Repeat tf; tell Stage the last pose if that could not be done yet.
+
+        Where Stage goes by another clock, tf is dated as Stage's own part of the tree, and not repeated here.
+        """
         if self._held is not None and self._world.pose() is not None:
             self._command(self._held)
             self._held = None
-        self._send_tf(stamp_ns)
+        if self._stamps.is_alike:
+            self._send_tf(stamp_ns)
 
     def restart(self):
         """Time has started anew."""
@@ -86,6 +93,9 @@ class StageBackend:
             if self._odom[0] is not None and stamp < self._odom[0]:  # Stage has started anew
                 self._sent = (-1, None)
             self._odom = (stamp, conversions.from_pose(message.pose.pose))
+            gap = self._stamps.reported(stamp.to_nsec(), rospy.Time.now().to_nsec(), time.monotonic())
+        if gap is not None:
+            clock_check.warn_of_other_clock('Stage', self._robot, gap)
         self._locate()
 
     def _on_truth(self, message):
