@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from move_base_abstract.errors import ConfigurationError
+
 from .config import CoarseCells
 
 CLUSTERS_FILE = Path(__file__).with_name('data') / 'coarse_clusters.npy'  # compute_clusters(110, 162), made once
@@ -14,6 +16,9 @@ def coarse_cells(config, grid):
     """Return the label of each cell of the grid, whole numbers from 0, shape (rows, columns), as a TrialConfig asks."""
     if config.coarse_cells is CoarseCells.SQUARES:
         return square_labels(grid, config.coarse_m)
+    if not grid.is_published:
+        raise ConfigurationError(f'coarse_cells: the clusters are those of the published field, 324 x 220 m; this one '
+                                 f'has {grid.width_m:g} x {grid.height_m:g} m: take squares')
     labels = field_clusters()
     row = (grid.y_centres() // 2.0).astype(np.int64)  # the clusters are of cells of 2 m
     column = (grid.x_centres() // 2.0).astype(np.int64)

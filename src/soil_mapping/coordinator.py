@@ -22,6 +22,7 @@ from .commands import FIRST_SAMPLE, Drive, Stop, TakeSample
 from .config import Sampling
 from .kriging import MIN_SAMPLES, Kriging
 from .mission_log import Activity, MissionLog
+from .own_code import OwnAllocator, OwnSampling, is_own
 from .sampling import make_sampling, start_places
 from .seeds import Purpose, generator
 from .stopwatch import NullStopwatch
@@ -45,8 +46,11 @@ class Coordinator:
         self.log = MissionLog(config.robots)
         self._stopwatch = stopwatch or NullStopwatch()
         self._kriging = Kriging(truth.grid)
-        self._sampling = make_sampling(config, seed, truth.grid)
-        self._allocator = Allocator(config.allocation, self.start_places)
+        self._sampling = (OwnSampling if is_own(config.sampling) else make_sampling)(config, seed, truth.grid)
+        if is_own(config.allocation):
+            self._allocator = OwnAllocator(config, seed, truth.grid, self.start_places)
+        else:
+            self._allocator = Allocator(config.allocation, self.start_places)
         self._dwells = [generator(seed, Purpose.DWELL, robot) for robot in range(config.robots)]
         self._current = [None] * config.robots  # the Task that a robot drives to or samples
         self._start_ns = None
@@ -85,7 +89,7 @@ class Coordinator:
         """
         self._start_ns = now_ns
         self.log.start(now_ns, self.start_places)
-        if self.config.sampling is Sampling.GRID:
+        if not self._sampling.first_samples:
             return self._plan(now_ns)
         return [self._take_sample(robot, now_ns, FIRST_SAMPLE) for robot in range(self.config.robots)]
 

@@ -1,12 +1,16 @@
 """The truth: soil compaction over the whole field, and where it comes from."""
 
+import hashlib
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from move_base_abstract.errors import ConfigurationError
 
-from .grid import Grid
+from .config import Crs, parse_size
+from .grid import FIELD_HEIGHT_M, FIELD_WIDTH_M, MAX_CELLS, Grid
+from .projection import to_plane
 from .readings import read_meuse, read_readings
 from .seeds import Purpose, generator
 from .variogram import evaluate_mean, fit
@@ -14,6 +18,9 @@ from .variogram import evaluate_mean, fit
 SYNTHETIC_MEAN_KPA = 785.2975  # statistics of the interpolated compaction of the published study's field
 SYNTHETIC_SD_KPA = 17.0323
 SYNTHETIC_LENGTH_M = 65.0  # makes its autocorrelation at 40 m that of the published study's field, 0.6 to 0.8
+PUBLISHED_SIZE = (FIELD_WIDTH_M, FIELD_HEIGHT_M)
+PUBLISHED_READINGS = '9a06310d7d32033b0aa37d09e20161efe2de10cc1b7cc48c4ebc1f534c13fd09'  # SHA-256 of (lon, lat, kPa)
+WHOLE = 1e-9  # of a cell: a box that is longer than whole cells by rounding only needs no further one
 SYNTHETIC_NODE_M = 4.0  # it is drawn at nodes so far apart and is smooth between them: 16 times faster
 
 
@@ -28,6 +35,7 @@ class Field:
     grid: Grid
     source: str  # the text that load_field was given
     unit: str = 'kPa'
+    extent: str = ''  # how its size came about, for people; '' for made fields
 
     def __post_init__(self):
         values = np.array(self.values, dtype=np.float64)
@@ -37,6 +45,12 @@ class Field:
             raise ValueError('values must be finite')
         values.flags.writeable = False
         object.__setattr__(self, 'values', values)
+
+    @property
+    def about(self):
+        """What a trial records of it, as plain values."""
+        return {'source': self.source, 'unit': self.unit, 'width_m': self.grid.width_m, 'height_m': self.grid.height_m,
+                'extent': self.extent}
 
     def value_at(self, x, y):
         """Return the reading at a place of the map frame [m]: the value of the cell that holds it."""
@@ -48,42 +62,92 @@ class Field:
         return replace(self, values=self.values[::2, ::2], grid=coarse)
 
 
-def load_field(source='synthetic', cell_m=1):
-    """Return the Field that a text names, 324 x 220 m in cells of 1 m, or of 2 m (every second one).
+def field_of(config):
+    """Return the Field of a TrialConfig; see load_field."""
+    return load_field(config.field, config.cell_m, config.crs, config.size)
 
-    'synthetic' or 'synthetic:SEED': a random field; 'csv:PATH': readings at lat, lon; 'meuse': zinc [mg/kg] in the
-    topsoil of the Meuse's flood plain (Rikken and Van Rijn, 1993), its box stretched over the field.
 
-    :raises ConfigurationError: if the text is none of these, or the file cannot be used.
+def load_field(source='synthetic', cell_m=1, crs=Crs.DEGREES, size=''):
+    """Return the Field that a text names.
+
+    'synthetic' or 'synthetic:SEED': a random field of 324 x 220 m; 'csv:PATH': readings at lat, lon, or with crs metres
+    at x, y; 'meuse': zinc [mg/kg] in the topsoil of the Meuse's flood plain (Rikken and Van Rijn, 1993), its box
+    stretched over 324 x 220 m if no size is given.
+
+    A csv field is as large as the readings' bounding box. With a size, 'WIDTHxHEIGHT' [m], the box is stretched over
+    that; the published study's readings are over 324 x 220 m, as published, if no size is given. Field.extent says it.
+    Synthetic and stretched fields have cells of 1 m, or of 2 m (every second one); others of any cell_m.
+
+    :raises ConfigurationError: if the text is none of these, the file cannot be used, or the values do not go together.
     """
     kind, _, rest = source.partition(':')
+    size = parse_size(size)
     if kind == 'synthetic':
+        if size is not None:
+            raise ConfigurationError(f"field {source!r}: only 'csv:PATH' and 'meuse' can be stretched over a size")
         made = _synthetic(source, rest or '1')
     elif kind == 'csv' and rest:
-        made = interpolate(read_readings(rest), source)
+        readings = read_readings(rest, crs)
+        size = size or (PUBLISHED_SIZE if is_published(readings) else None)
+        if size is None:
+            return interpolate_true(readings, source, cell_m, crs)
+        made = interpolate(readings, source, size=size)
     elif source == 'meuse':
-        made = interpolate(read_meuse(), source, 'mg/kg')
+        made = interpolate(read_meuse(), source, 'mg/kg', size or PUBLISHED_SIZE)
     else:
         raise ConfigurationError(f"field must be 'synthetic', 'synthetic:SEED', 'meuse' or 'csv:PATH', got {source!r}")
     if cell_m not in (1, 2):
-        raise ConfigurationError(f'cell_m must be 1 or 2 m, got {cell_m!r}')
+        raise ConfigurationError(f'field {source!r}: cell_m must be 1 or 2 m, got {cell_m!r}')
     return made if cell_m == 1 else made.every_second_cell()
 
 
-def interpolate(readings, source, unit='kPa'):
-    """Return the Field of readings (columns east, north, value), by ordinary kriging to the field's grid.
+def interpolate(readings, source, unit='kPa', size=PUBLISHED_SIZE):
+    """Return the Field of readings (columns east, north, value), stretched over a size (width, height) [m].
 
     As the published study did it: the variogram is gaussian and fitted by PyKrige, coordinates are float32 and taken as
     planar whatever their unit, and the grid divides the readings' bounding box evenly, its last edge excluded.
     """
-    grid = Grid.of_field(1)
+    grid = _checked(Grid(round(size[1]), round(size[0]), 1.0), source)
     exact = np.asarray(readings, dtype=np.float64)
     rounded = exact.astype(np.float32).astype(np.float64)
     points, values = rounded[:, :2], rounded[:, 2]
     east = np.linspace(exact[:, 0].min(), exact[:, 0].max(), grid.columns, endpoint=False, dtype=np.float32)
     north = np.linspace(exact[:, 1].min(), exact[:, 1].max(), grid.rows, endpoint=False, dtype=np.float32)
     mean = evaluate_mean(points, values, fit(points, values), east.astype(np.float64), north.astype(np.float64))
-    return Field(mean, grid, source, unit)
+    extent = f'bounding box of {np.ptp(exact[:, 0]):.6g} x {np.ptp(exact[:, 1]):.6g} (unit of its coordinates) ' \
+             f'stretched over {grid.width_m:g} x {grid.height_m:g} m'
+    return Field(mean, grid, source, unit, extent)
+
+
+def interpolate_true(readings, source, cell_m, crs=Crs.DEGREES):
+    """Return the Field of readings in its true size, by ordinary kriging in metres at the middles of its cells.
+
+    The map frame's origin is the south-west corner of the readings' bounding box, which whole cells cover.
+    """
+    x, y, name = readings[:, 0], readings[:, 1], 'the file'
+    if Crs(crs) is Crs.DEGREES:
+        x, y, name = to_plane(x, y, source)
+    grid = _checked(Grid(math.ceil(np.ptp(y) / cell_m - WHOLE), math.ceil(np.ptp(x) / cell_m - WHOLE), float(cell_m)),
+                    source)
+    points = np.column_stack((x - x.min(), y - y.min()))
+    mean = evaluate_mean(points, readings[:, 2], fit(points, readings[:, 2]), grid.x_centres(), grid.y_centres())
+    extent = f'bounding box of {np.ptp(x):.1f} x {np.ptp(y):.1f} m in true size; the map frame begins at x ' \
+             f'{x.min():.3f}, y {y.min():.3f} m of {name}'
+    return Field(mean, grid, source, extent=extent)
+
+
+def is_published(readings):
+    """Return whether readings are those of the published study's field: the same numbers in the same order."""
+    return hashlib.sha256(np.ascontiguousarray(readings, dtype='<f8').tobytes()).hexdigest() == PUBLISHED_READINGS
+
+
+def _checked(grid, source):
+    """Return the grid; :raises ConfigurationError: if it has no cells, or more than can be kriged."""
+    if min(grid.shape) < 1 or grid.rows * grid.columns > MAX_CELLS:
+        raise ConfigurationError(f'field {source!r}: {grid.width_m:g} x {grid.height_m:g} m in cells of '
+                                 f'{grid.cell_m:g} m are {grid.columns} x {grid.rows} cells; 1 to {MAX_CELLS} in all '
+                                 'are allowed: give another cell_m, or check the places')
+    return grid
 
 
 def _synthetic(source, seed_text):

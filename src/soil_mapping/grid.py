@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-FIELD_WIDTH_M = 324.0
+FIELD_WIDTH_M = 324.0  # of the published study's field, and of the made ones
 FIELD_HEIGHT_M = 220.0
+MAX_CELLS = 1_000_000  # kriging to more takes too long
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,11 @@ class Grid:
     def of_field(cls, cell_m):
         """Return the grid of the study's field, 324 x 220 m, with cells of cell_m [m]."""
         return cls(round(FIELD_HEIGHT_M / cell_m), round(FIELD_WIDTH_M / cell_m), float(cell_m))
+
+    @property
+    def is_published(self):
+        """Whether it covers the published study's field, 324 x 220 m."""
+        return (self.width_m, self.height_m) == (FIELD_WIDTH_M, FIELD_HEIGHT_M)
 
     @property
     def shape(self):

@@ -12,7 +12,7 @@ from move_base_abstract.units import NS_PER_S
 
 from .commands import Drive, Place, TakeSample
 from .coordinator import Coordinator
-from .field import load_field
+from .field import field_of
 from .motion import motion_named
 from .result import collect
 from .stopwatch import Stopwatch
@@ -52,7 +52,7 @@ class SoilMappingModel(mesa.Model):
         self._trip = motion_named(motion, config)
         self._queue = EventQueue()
         self.now_ns = 0
-        truth = truth or load_field(config.field, config.cell_m)
+        truth = truth or field_of(config)
         self.coordinator = Coordinator(config, seed, truth, stopwatch)
         self.robots = [RobotAgent(self, robot, place) for robot, place in enumerate(self.coordinator.start_places)]
         self.datacollector = mesa.DataCollector(model_reporters={

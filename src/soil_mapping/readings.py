@@ -8,18 +8,21 @@ import numpy as np
 
 from move_base_abstract.errors import ConfigurationError
 
+from .config import Crs
+
 MIN_READINGS = 3
 MEUSE_FILE = Path(__file__).with_name('data') / 'meuse_zinc.csv'
 
 
-def read_readings(path):
-    """Return the readings of a CSV file as an array of shape (n, 3): lon, lat [degrees] and the value.
+def read_readings(path, crs=Crs.DEGREES):
+    """Return the readings of a CSV file as an array of shape (n, 3): lon, lat [degrees], or x, y [m], and the value.
 
-    The file has a header with the columns lat and lon and one for the value: 'value', or else the first that is
-    neither. :raises ConfigurationError: naming file and line, if a column is missing, a number is not finite, two
-    readings lie at the same place, or there are fewer than 3.
+    The file has a header with the columns lat and lon (crs metres: x and y) and one for the value: 'value', or else the
+    first that is neither. :raises ConfigurationError: naming file and line, if a column is missing, a number is not
+    finite, two readings lie at the same place, or there are fewer than 3.
     """
-    return _read(path, ('lon', 'lat', None))
+    names = ('lon', 'lat') if Crs(crs) is Crs.DEGREES else ('x', 'y')
+    return _read(path, (*names, None))
 
 
 def read_meuse():

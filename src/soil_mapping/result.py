@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .mission_log import Activity
+from .own_code import own_code
 
 
 class Metrics(NamedTuple):
@@ -66,6 +67,8 @@ class TrialResult:
     prediction: np.ndarray = field(repr=False)  # kPa; all NaN without a map
     variance: np.ndarray = field(repr=False)  # kPa^2; all NaN without a map
     cell_m: float = 1.0  # edge of a cell
+    about_field: dict = field(default_factory=dict)  # its source, unit, width_m, height_m, and how they came about
+    own_code: dict = field(default_factory=dict)  # SHA-256 of the files of a user's own classes, by their names
     wall_s: dict = field(default_factory=dict)  # wall seconds per phase: start_up, mission, kriging, allocation, ...
     moving_wall_s: float = math.nan  # wall s from the first command to the end of the mission
 
@@ -91,4 +94,5 @@ def collect(coordinator, engine, wall_s, moving_wall_s):
         history=log.history, waypoints=log.waypoints, truth=truth.values,
         prediction=unknown if estimate is None else estimate.mean,
         variance=unknown if estimate is None else estimate.variance,
-        cell_m=truth.grid.cell_m, wall_s=dict(wall_s), moving_wall_s=moving_wall_s)
+        cell_m=truth.grid.cell_m, about_field=truth.about, own_code=own_code(coordinator.config), wall_s=dict(wall_s),
+        moving_wall_s=moving_wall_s)

@@ -43,6 +43,8 @@ def make_sampling(config, seed, grid):
 class RandomSampling:
     """As many tasks as there are robots, uniform over the field; no cell twice."""
 
+    first_samples = True  # each robot samples where it starts
+
     def __init__(self, count, seed, grid):
         self._count = count
         self._grid = grid
@@ -77,6 +79,8 @@ class DynamicSampling:
     :param count: tasks at a time. :param labels: coarse cell of each cell, from 0.
     :param before: what makes tasks as long as there is no map.
     """
+
+    first_samples = True
 
     def __init__(self, count, labels, grid, before):
         self._count = count
@@ -114,6 +118,8 @@ class DynamicSampling:
 
 class GridSampling:
     """10 x 10 points with a margin of 5 % of the field at each side, all at once: from the south-west, row by row."""
+
+    first_samples = False  # the tasks are there at once
 
     def __init__(self, grid):
         self._grid = grid

@@ -90,7 +90,8 @@ def describe(result, events_sha256):
         'format': FORMAT, 'config': result.config, 'seed': result.seed, 'engine': result.engine,
         'metrics': result.metrics._asdict(), 'simulated_s': result.simulated_s, 'speed_up': result.speed_up,
         'wall_s': result.wall_s, 'moving_wall_s': result.moving_wall_s, 'cell_m': result.cell_m,
-        'events_sha256': events_sha256, 'versions': versions(), 'machine': machine(),
+        'field': result.about_field, 'own_code': result.own_code, 'events_sha256': events_sha256,
+        'versions': versions(), 'machine': machine(),
     }
 
 
@@ -105,7 +106,8 @@ def read_trial(path):
     metrics = Metrics(**{name: math.nan if value is None else value for name, value in about['metrics'].items()})
     moving = about['moving_wall_s']
     return TrialResult(config=about['config'], seed=about['seed'], engine=about['engine'], metrics=metrics,
-                       simulated_s=about['simulated_s'], cell_m=about['cell_m'], wall_s=about['wall_s'],
+                       simulated_s=about['simulated_s'], cell_m=about['cell_m'],
+                       about_field=about.get('field', {}), own_code=about.get('own_code', {}), wall_s=about['wall_s'],
                        moving_wall_s=math.nan if moving is None else moving, **tables, **arrays)
 
 

@@ -62,6 +62,24 @@ class LaunchFiles(unittest.TestCase):
         self.assertEqual(nodes(load('fleet.launch')), ['/fleet'])
         self.assertNotIn('/fleet/use_map', load('fleet.launch').params)
 
+    def test_the_soil_study_takes_names_speed_cell_and_field(self):
+        config = load('soil_mapping.launch', 'names:=tractor, quad', 'speed:=3', 'cell:=2.5', 'field:=csv:/a.csv',
+                      'crs:=metres', 'size:=100x50', 'sampling:=my_package.module:Class')
+        self.assertEqual(nodes(config), ['/time_master', '/fleet', '/task_server', '/soil_coordinator'])
+        names = ['tractor', 'quad']
+        self.assertEqual(parameter(config, '/fleet/robots'), [{'name': name} for name in names])
+        self.assertEqual(parameter(config, '/fleet/defaults/max_speed'), 3.0)
+        self.assertEqual(parameter(config, '/task_server/robots'), names)
+        own = {'names': names, 'robots': 2, 'speed': 3.0, 'cell_m': 2.5, 'field': 'csv:/a.csv', 'crs': 'metres',
+               'size': '100x50', 'sampling': 'my_package.module:Class'}
+        self.assertEqual({key: parameter(config, f'/soil_coordinator/{key}') for key in own}, own)
+        usual = load('soil_mapping.launch')
+        self.assertEqual(parameter(usual, '/soil_coordinator/names'), ['robot_0', 'robot_1', 'robot_2'])
+        self.assertEqual(parameter(usual, '/fleet/robots'), [{'name': 'robot', 'count': 3, 'step_x': 10.0}])
+        given = load('soil_mapping.launch', 'scenario:=/a.yaml')
+        self.assertEqual(parameter(given, '/fleet/scenario'), '/a.yaml')
+        self.assertNotIn('/fleet/robots', given.params)
+
     def test_stage_is_started_with_the_world_the_map_and_the_robots_that_belong_together(self):
         for arguments, world, scenario in (([], 'farm_yard', 'scenario'), (['world:=field'], 'field', 'soil_robots')):
             config = load('stage.launch', *arguments)

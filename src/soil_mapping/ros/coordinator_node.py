@@ -14,7 +14,7 @@ from move_base_abstract.errors import ConfigurationError
 from move_base_abstract_ros import lockstep
 from soil_mapping.config import TrialConfig
 from soil_mapping.coordinator import Coordinator
-from soil_mapping.field import load_field
+from soil_mapping.field import field_of
 from soil_mapping.result import collect
 from soil_mapping.stopwatch import Stopwatch
 from soil_mapping.trial_folder import TrialFolder
@@ -36,7 +36,9 @@ def main():
         raw = rospy.get_param('~', {})
         config = TrialConfig.from_dict({key: value for key, value in raw.items() if key not in OWN_PARAMETERS})
         stopwatch = Stopwatch()
-        coordinator = Coordinator(config, raw.get('seed', 0), load_field(config.field, config.cell_m), stopwatch)
+        truth = field_of(config)
+        rospy.loginfo('%s: field %s', rospy.get_name(), truth.about)
+        coordinator = Coordinator(config, raw.get('seed', 0), truth, stopwatch)
         names = raw.get('names') or [f'robot_{index}' for index in range(config.robots)]
         if len(names) != config.robots:
             raise ConfigurationError(f'parameter {rospy.resolve_name("~names")}: got {len(names)} names for '

@@ -5,10 +5,13 @@ Pictures are made for those who listen only: without RViz they cost nothing. Who
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import Point
+from geometry_msgs.msg import Point, TransformStamped
 from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import ColorRGBA, Float64
+from tf2_ros import StaticTransformBroadcaster
 from visualization_msgs.msg import Marker, MarkerArray
+
+from .legend import make_legend, variance_offset_m
 
 ROBOT_COLOURS = ((0.84, 0.15, 0.16), (0.12, 0.47, 0.71), (0.17, 0.63, 0.17), (0.58, 0.40, 0.74), (1.0, 0.5, 0.05))
 SAMPLE_M, TASK_M, WAY_M = 5.0, 6.0, 1.0  # sizes of markers
@@ -40,7 +43,7 @@ class LatchedView(rospy.SubscribeListener):
 class Views:
     """All topics that show a mission; below the node's own name. refresh() after each change.
 
-    variance_frame: that of the variance's map; another one than map shows it beside the prediction.
+    variance_frame: that of the variance's map; another one than map is put beside the prediction by a static transform.
     """
 
     def __init__(self, coordinator, variance_frame='map'):
@@ -53,7 +56,11 @@ class Views:
             LatchedView('~prediction', OccupancyGrid, lambda: self._map('mean', 'map', span)),
             LatchedView('~variance', OccupancyGrid, lambda: self._map('variance', variance_frame, to)),
             LatchedView('~truth', OccupancyGrid, lambda: to_grid(truth, self._cell_m, 'map', span)),
+            LatchedView('~legend', MarkerArray, lambda: make_legend(grid, coordinator.truth.unit, span, to)),
             LatchedView('~markers', MarkerArray, self._markers)]
+        if variance_frame != 'map':
+            self._frames = StaticTransformBroadcaster()
+            self._frames.sendTransform(_beside(variance_frame, variance_offset_m(grid)))
         self._rmse = rospy.Publisher('~rmse', Float64, queue_size=10, latch=True)
         self._mean_variance = rospy.Publisher('~mean_variance', Float64, queue_size=10, latch=True)
 
@@ -87,6 +94,16 @@ class Views:
             markers.append(to_points('ways', robot, Marker.LINE_STRIP, WAY_M, WAY_Z, colour,
                                      here + places if here and places else []))
         return MarkerArray(markers)
+
+
+def _beside(frame, x):
+    """Return where a frame lies that is so far east of map [m]."""
+    transform = TransformStamped()
+    transform.header.frame_id, transform.child_frame_id = 'map', frame
+    transform.header.stamp = rospy.Time.now()
+    transform.transform.translation.x = x
+    transform.transform.rotation.w = 1.0
+    return transform
 
 
 def to_grid(values, cell_m, frame, span):

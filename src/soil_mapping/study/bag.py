@@ -14,7 +14,7 @@ POLL_S = 0.05  # wall
 LAST_WORDS_S = 0.3  # wall; what rospy has queued reaches the recorder by then
 ACTION = ('goal', 'cancel', 'status', 'feedback', 'result')
 COMMON = ('/clock', '/tf', '/tf_static', '/rosout', '/robot_markers', '/time_master/state')
-VIEWS = ('prediction', 'variance', 'truth', 'markers', 'rmse', 'mean_variance')
+VIEWS = ('prediction', 'variance', 'truth', 'markers', 'legend', 'rmse', 'mean_variance')
 
 
 class BagRecorder:

@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 from move_base_abstract.errors import ConfigurationError
-from soil_mapping.config import Allocation, Sampling, TrialConfig
+from soil_mapping.config import Crs, TrialConfig
 
 from .plan import plan
 from .spec import CLOCKS, ENGINES, TrialSpec
@@ -57,14 +57,18 @@ def _print_trial(path, total_s):
     phases = ', '.join(f'{name} {seconds:.2f}' for name, seconds in about['wall_s'].items())
     print(f'{about["simulated_s"]:g} s simulated, {about["speed_up"]["moving"]:.1f} times real time; {total_s:.2f} s '
           f'in all; wall seconds: {phases}')
+    if about['field']['extent']:
+        print(f'field: {about["field"]["extent"]}')
     print(path)
 
 
 def _run(arguments):
     """Run what is missing of a study, then write the report."""
     from . import pool
-    specs = plan(_config(arguments), arguments.seeds, arguments.scaled_seeds, arguments.jobs,
-                 os.environ.get('STUDY_1X') == '1')
+    from .truth import truth_of
+    config = _config(arguments)
+    specs = plan(config, arguments.seeds, arguments.scaled_seeds, arguments.jobs,
+                 os.environ.get('STUDY_1X') == '1', truth_of(config).grid.is_published)
     if arguments.groups:
         specs = [spec for spec in specs if spec.group in arguments.groups]
     failed = pool.run_all(specs, Path(arguments.output).absolute(), arguments.jobs, arguments.pictures)
@@ -83,7 +87,8 @@ def _report(arguments):
 
 
 def _config(arguments):
-    names = ('field', 'robots', 'allocation', 'sampling', 'budget_s', 'dwell_s', 'dwell_spread_s', 'speed', 'cell_m')
+    names = ('field', 'crs', 'size', 'robots', 'allocation', 'sampling', 'budget_s', 'dwell_s', 'dwell_spread_s',
+             'speed', 'cell_m')
     return TrialConfig(**{name: getattr(arguments, name) for name in names if hasattr(arguments, name)})
 
 
@@ -112,10 +117,10 @@ def _add_trial(parser):
     parser.add_argument('--motion', choices=('euclidean', 'eight'), default='euclidean',
                         help='of Mesa: straight, or one 2 m cell a second in eight directions (default: %(default)s)')
     parser.add_argument('--seed', type=int, default=0, metavar='S', help='whole number >= 0 (default: %(default)s)')
-    parser.add_argument('--allocation', choices=[each.value for each in Allocation], default='ssi',
-                        help='round robin or auction (default: %(default)s)')
-    parser.add_argument('--sampling', choices=[each.value for each in Sampling], default='dynamic',
-                        help='default: %(default)s')
+    parser.add_argument('--allocation', default='ssi', metavar='NAME', help='rr (round robin), ssi (auction), or a '
+                        'class of your own, my_package.module:Class (default: %(default)s)')
+    parser.add_argument('--sampling', default='dynamic', metavar='NAME', help='random, dynamic, grid, or a class of '
+                        'your own, my_package.module:Class (default: %(default)s)')
     parser.add_argument('--bag', action='store_true', help='record all topics to trial.bag')
     parser.add_argument('--output', default='trial', metavar='DIR', help='the folder to be (default: %(default)s)')
     _add_mission(parser, pictures=True)
@@ -138,6 +143,11 @@ def _add_run(parser):
 def _add_mission(parser, pictures):
     parser.add_argument('--field', default='synthetic', help="'synthetic', 'synthetic:SEED', 'csv:PATH' or 'meuse' "
                         '(default: %(default)s)')
+    parser.add_argument('--crs', choices=[each.value for each in Crs], default='degrees',
+                        help='of csv:PATH: columns lat, lon in degrees, or x, y in metres such as UTM (default: '
+                        '%(default)s)')
+    parser.add_argument('--size', default='', metavar='WxH', help="of csv:PATH: stretch the readings' box over so many "
+                        'metres, such as 324x220 (default: their own size)')
     parser.add_argument('--robots', type=_count, default=3, metavar='N', help='default: %(default)s')
     parser.add_argument('--budget', dest='budget_s', type=_positive, default=240.0, metavar='S',
                         help='simulated s of a trial (default: %(default)g)')
@@ -146,8 +156,9 @@ def _add_mission(parser, pictures):
     parser.add_argument('--dwell-spread', dest='dwell_spread_s', type=float, default=0.0, metavar='S',
                         help='a dwell is drawn evenly from the dwell -+ this (default: %(default)g)')
     parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
-    parser.add_argument('--cell', dest='cell_m', type=int, choices=(1, 2), default=1, metavar='M',
-                        help='edge of a cell of truth and map, 1 or 2 m (default: %(default)s)')
+    parser.add_argument('--cell', dest='cell_m', type=_positive, default=1, metavar='M',
+                        help='edge of a cell of truth and map; of synthetic and stretched fields 1 or 2 m (default: '
+                        '%(default)s)')
     parser.add_argument('--pictures', action=argparse.BooleanOptionalAction, default=pictures,
                         help='draw the maps of the trial')
 

@@ -10,17 +10,19 @@ SCALED_FACTORS = (10.0, 15.0, 100.0)
 LIMIT = 20.0  # simulated s per wall s
 
 
-def plan(config, seeds, scaled_seeds, cores, with_1x=False):
+def plan(config, seeds, scaled_seeds, cores, with_1x=False, clusters=True):
     """Return the TrialSpecs of a study, those first that much depends on.
 
     config: a TrialConfig; allocation and sampling are replaced by each of the four published configurations.
+    clusters: whether the field is the published one's size, so that eight directions can have its coarse cells.
     seeds, scaled_seeds: how many seeds, from 0; the second one for the scaled clock, which takes its time.
     """
     configs = [replace(config, allocation=Allocation(allocation), sampling=Sampling(sampling))
                for allocation, sampling in PUBLISHED_CONFIGURATIONS]
     mesa = [TrialSpec(config=each, seed=seed, engine='mesa') for seed in range(seeds) for each in configs]
     lockstep = [replace(spec, engine='ros') for spec in mesa]
-    eight = [replace(spec, motion='eight', config=replace(spec.config, cell_m=2, coarse_cells='clusters'))
+    coarse = 'clusters' if clusters else 'squares'
+    eight = [replace(spec, motion='eight', config=replace(spec.config, cell_m=2, coarse_cells=coarse))
              for spec in mesa]
     factors = ((1.0,) if with_1x else ()) + SCALED_FACTORS
     scaled = [TrialSpec(config=each, seed=seed, clock='scaled', factor=factor)

@@ -8,7 +8,6 @@ import rospy
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.loopback import Loopback
 from soil_mapping.coordinator import Coordinator
-from soil_mapping.grid import Grid
 from soil_mapping.result import collect
 from soil_mapping.ros.coordinator_node import run_mission
 from soil_mapping.ros.mission_run import MissionFailed
@@ -55,7 +54,7 @@ def _start_nodes(ros, spec, names, folder):
     """Start the nodes of a trial, which come up while this process goes on; return their Childs, time master first."""
     nodes = [ros.run('time_master', 'time_master', parameters=_clock(spec, folder))]
     config = spec.config
-    places = start_places(config.robots, spec.seed, Grid.of_field(config.cell_m))
+    places = start_places(config.robots, spec.seed, truth_of(config).grid)
     nodes.append(ros.run('fleet', 'fleet', parameters={
         'defaults': {'max_speed': config.speed},
         'robots': [{'name': name, 'start_x': x, 'start_y': y} for name, (x, y) in zip(names, places, strict=True)]}))

@@ -16,6 +16,7 @@ import time
 import traceback
 from multiprocessing import connection
 
+from soil_mapping.coordinator import Coordinator
 from soil_mapping.trial_folder import TrialFolder, is_complete, read_about
 
 from .truth import truth_of
@@ -33,7 +34,7 @@ def prepare(specs):
         for module in HEAVY[engine]:
             importlib.import_module(module)
     for spec in specs:
-        truth_of(spec.config)
+        Coordinator(spec.config, spec.seed, truth_of(spec.config))  # what cannot be is refused before a node is started
 
 
 def is_done(spec, path):

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from move_base_abstract.errors import ConfigurationError
 from soil_mapping.config import TrialConfig
+from soil_mapping.own_code import own_code
 
 ENGINES = ('ros', 'mesa')
 CLOCKS = ('lockstep', 'scaled')
@@ -63,9 +64,9 @@ class TrialSpec:
     @property
     def name(self):
         """Where the trial belongs below a study's folder of trials."""
-        return f'{self.group}/{self.config.allocation.value}_{self.config.sampling.value}/seed_{self.seed:03d}'
+        return f'{self.group}/{self.config.label}/seed_{self.seed:03d}'
 
     def is_of(self, about):
         """Return whether trial.json's content (a mapping) is of this trial."""
-        own = self.config.to_dict(), self.seed, self.about_engine
-        return (about['config'], about['seed'], about['engine']) == own
+        own = self.config.to_dict(), self.seed, self.about_engine, own_code(self.config)
+        return (about['config'], about['seed'], about['engine'], about.get('own_code', {})) == own

@@ -7,9 +7,9 @@ from soil_mapping.field import load_field
 
 def truth_of(config):
     """Return the Field of a TrialConfig."""
-    return _load(config.field, config.cell_m)
+    return _load(config.field, config.cell_m, config.crs, config.size)
 
 
 @functools.lru_cache(maxsize=4)
-def _load(source, cell_m):
-    return load_field(source, cell_m)
+def _load(source, cell_m, crs, size):
+    return load_field(source, cell_m, crs, size)

@@ -173,7 +173,7 @@ def test_a_mission_without_a_map_has_maps_of_nan(hill):
     ({'speed': 0.0}, 'speed must be > 0 m/s'),
     ({'dwell_s': -1.0}, 'dwell_s must be >= 0 s'),
     ({'dwell_spread_s': 1.5}, 'dwell_spread_s must lie in 0..dwell_s, 1 s, got 1.5'),
-    ({'cell_m': 3}, 'cell_m must be 1 or 2 m, got 3'),
+    ({'cell_m': 0}, 'cell_m must be > 0 m and finite, got 0'),
     ({'field': 4}, 'field must be a text'),
 ])
 def test_a_configuration_that_cannot_be_used_is_refused(options, complaint):

@@ -1,0 +1,33 @@
+"""Places given as latitude and longitude, in metres of a plane."""
+
+import warnings
+
+import numpy as np
+
+from move_base_abstract.errors import ConfigurationError
+
+MAX_SPAN_DEG = 1.0  # about 111 km: no field is larger, and lengths are true to 0.01 %
+DECIMALS = 6  # of the degrees of the projection's origin: 0.1 m
+
+
+def to_plane(lon, lat, where):
+    """Return (x, y, name): metres east and north of the places' middle, and the projection's PROJ text.
+
+    A transverse Mercator projection of WGS84 about the middle of the places, scale 1 there: the one of UTM, but with
+    the field on its central meridian, so that y is north and lengths are true. Computed by PROJ.
+    :raises ConfigurationError: naming where, if the places are no field, or pyproj is not installed.
+    """
+    if max(np.ptp(lon), np.ptp(lat)) > MAX_SPAN_DEG or np.abs(lat).max() > 89.0:
+        raise ConfigurationError(f'{where}: the readings span {np.ptp(lat):g} x {np.ptp(lon):g} degrees of lat and lon'
+                                 f'; a field has at most {MAX_SPAN_DEG:g}, between 89 degrees south and north')
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')  # in a virtual environment it misses its database, which this needs not
+            import pyproj
+    except ImportError:
+        raise ConfigurationError(f'{where}: lat and lon need pyproj (python3-pyproj), which is not installed; or give '
+                                 'x and y with crs metres') from None
+    lat_0, lon_0 = (round(float(each.min() + each.max()) / 2.0, DECIMALS) for each in (lat, lon))
+    text = f'+proj=tmerc +lat_0={lat_0:.{DECIMALS}f} +lon_0={lon_0:.{DECIMALS}f} +k=1 +ellps=WGS84 +units=m'
+    x, y = pyproj.Proj(text)(lon, lat)
+    return np.asarray(x), np.asarray(y), text
