@@ -99,6 +99,21 @@ class OccupancyMap:
         ground = self.ground_at(pose.x, pose.y)
         return ground is Ground.FREE or (unknown_is_free and ground is Ground.UNKNOWN)
 
+    def cut(self, x, y, columns, rows, resolution):
+        """Return a grid [row from the south, column from the west] of int8 with its south-west corner at (x, y).
+
+        ``x``, ``y`` [m] and the grid's axes are those of the map's frame, ``resolution`` [m] is the side of its cells.
+        Each gets the value that the map has under its centre; off the map that is UNKNOWN.
+        """
+        east = x - self._origin.x + (np.arange(columns) + 0.5) * resolution
+        north = (y - self._origin.y + (np.arange(rows) + 0.5) * resolution)[:, np.newaxis]
+        column = (self._cos * east + self._sin * north) / self._resolution
+        row = (self._cos * north - self._sin * east) / self._resolution
+        inside = (column >= 0.0) & (column < self.width) & (row >= 0.0) & (row < self.height)
+        values = np.full((rows, columns), UNKNOWN, np.int8)
+        values[inside] = self._cells[row[inside].astype(int), column[inside].astype(int)]
+        return values
+
     def reach_from(self, x, y):
         """Return the distance [m] from (x, y) [m, map frame] to the corner of the map that is farthest from it."""
         east, north = self.size

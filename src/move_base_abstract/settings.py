@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import List, Optional
 
 from . import upstream
+from .costmaps import Costmaps, read_costmaps
 from .errors import ConfigurationError
 from .geometry import Pose2D
 from .motion import MotionLimits, Tolerances
@@ -103,6 +104,7 @@ class RobotSettings:
     bounds: WorldBounds
     recovery: RecoveryPolicy
     bad_frame_policy: BadFramePolicy
+    costmaps: Costmaps
     values: dict
     tf_prefix: Optional[str] = None
     ignored: List[str] = field(default_factory=list)
@@ -138,7 +140,8 @@ def read_settings(raw, where):
     acceleration, acceleration_source = _limit(raw, ACCELERATION, ('acc_lim_x',), planners, where)
     xy_tolerance, xy_source = _limit(raw, XY_TOLERANCE, ('xy_goal_tolerance',), planners, where)
     yaw_tolerance, yaw_source = _limit(raw, YAW_TOLERANCE, ('yaw_goal_tolerance',), planners, where)
-    used = [speed_source, acceleration_source, xy_source, yaw_source]
+    costmaps, costmap_sources = read_costmaps(raw, where)
+    used = [speed_source, acceleration_source, xy_source, yaw_source, *costmap_sources]
     for own, costmap, key, default in _COSTMAP_FRAMES:
         if values[own] is None:
             values[own], source = _costmap_frame(raw, costmap, key, default, where)
@@ -155,6 +158,7 @@ def read_settings(raw, where):
         bounds=_bounds(values['world_bounds'], where),
         recovery=_recovery(raw, values, where),
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
+        costmaps=costmaps,
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
         **_other_names(raw, values, used, where))
 

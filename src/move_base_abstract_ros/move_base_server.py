@@ -10,6 +10,7 @@ from move_base_abstract.robot import Robot
 from move_base_abstract.robot_trace import RobotTrace
 
 from . import backends, conversions, lockstep, robot_markers
+from .costmap_topics import CostmapTopics
 from .goal_server import GoalServer
 from .planner_interface import PlannerInterface
 from .reconfigure import Reconfigure
@@ -72,7 +73,8 @@ class MoveBaseServer(NavigatorListener):
         self.navigator.recovery_policy = settings.recovery
         self.navigator.set_feedback_frequency(values['feedback_freq'])
         self._feedback_throttle = self._host.throttle(values['max_feedback_rate'])
-        self._publisher = RobotPublisher(self._names, settings, self._host, robot, backend)
+        costmaps = CostmapTopics(self._names, settings, self._host, self._map)
+        self._publisher = RobotPublisher(self._names, settings, self._host, robot, backend, costmaps)
         self._markers = robot_markers.add(self._clock, settings, self.navigator)
 
     def shut_down(self):

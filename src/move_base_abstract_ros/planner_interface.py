@@ -1,16 +1,15 @@
-"""The plans that move_base shows and makes on request, and the costmaps that it would have."""
+"""The plans that move_base shows and makes on request."""
+import functools
+
 import rospy
-from geometry_msgs.msg import Point32, PolygonStamped
-from map_msgs.msg import OccupancyGridUpdate
-from nav_msgs.msg import OccupancyGrid, Path
+from nav_msgs.msg import Path
 from nav_msgs.srv import GetPlan, GetPlanResponse
 from std_srvs.srv import Empty, EmptyResponse
 
 from move_base_abstract.planning import straight_path
 
 from . import conversions
-
-_COSTMAPS = ('global_costmap', 'local_costmap')
+from .lazy_latch import LazyLatch
 
 
 class PlannerInterface:
@@ -25,13 +24,13 @@ class PlannerInterface:
         self.add_unreachable_goal = settings.values['make_plan_add_unreachable_goal']
         local = settings.local_planner
         planner = settings.global_planner
-        self._plans = [rospy.Publisher(names.own(topic), Path, queue_size=1) for topic in (
+        self._plans = [LazyLatch(names.own(topic), Path, queue_size=1) for topic in (
             planner + '/plan', local + '/global_plan', local + '/local_plan')]
         self._services = [
             rospy.Service(names.own('make_plan'), GetPlan, self._make_plan_when_idle),
-            rospy.Service(names.own(planner + '/make_plan'), GetPlan, self._make_plan),
+            rospy.Service(names.own(planner + '/make_plan'), GetPlan,
+                          lambda request: GetPlanResponse(self._make_plan(request))),
             rospy.Service(names.own('clear_costmaps'), Empty, lambda _request: EmptyResponse())]
-        self._costmaps = _CostmapTopics(names, settings, robot_map)
 
     def close(self):
         """Leave the graph."""
@@ -39,22 +38,21 @@ class PlannerInterface:
             publisher.unregister()
         for service in self._services:
             service.shutdown('the robot is removed')
-        self._costmaps.close()
 
     def show(self, start, goal, now_ns):
-        """Publish the way that the robot now takes."""
-        listened = [publisher for publisher in self._plans if publisher.get_num_connections() > 0]
-        if listened:
-            path = self._to_path(straight_path(start, goal), now_ns)
-            for publisher in listened:
-                publisher.publish(path)
+        """Publish the way that the robot now takes; who comes later gets it, too."""
+        make = functools.lru_cache(maxsize=None)(lambda: self._to_path(straight_path(start, goal), now_ns))
+        for plan in self._plans:
+            plan.offer(make)
 
     def _make_plan_when_idle(self, request):
         with self._clock.lock:
             active = self._navigator.is_active
         if active:
             raise rospy.ServiceException('move_base must be in an inactive state to make a plan for an external user')
-        return self._make_plan(request)
+        plan = self._make_plan(request)
+        plan.header.frame_id, plan.header.stamp = '', conversions.to_time(0)  # as move_base leaves it, unlike planners
+        return GetPlanResponse(plan)
 
     def _make_plan(self, request):
         """Plan from the request's start (or from the robot) in the global frame; an empty plan if there is no way."""
@@ -72,9 +70,7 @@ class PlannerInterface:
             poses = self._navigator.planner.plan_near(start, goal, request.tolerance, self.add_unreachable_goal)
         except ValueError as error:
             raise rospy.ServiceException('make_plan: {}'.format(error)) from None
-        plan = self._to_path(poses, now_ns)
-        plan.header.frame_id, plan.header.stamp = '', conversions.to_time(0)
-        return GetPlanResponse(plan)
+        return self._to_path(poses, now_ns)
 
     def _in_global_frame(self, message):
         """Return the Pose2D of a request's pose; like upstream's planners this takes the global frame only."""
@@ -86,58 +82,3 @@ class PlannerInterface:
     def _to_path(self, poses, now_ns):
         return Path(conversions.to_header(self._global_frame, now_ns),
                     [conversions.to_pose_stamped(pose, self._global_frame, now_ns) for pose in poses])
-
-
-class _CostmapTopics:
-    """The costmaps' topics, so that existing RViz set-ups find them: the map as it is, and a square footprint.
-
-    Without a map the grid is free everywhere inside the bounds. Without these the world has no end and thus no grid:
-    then the grid topics are there and stay silent.
-    """
-
-    _CELLS = 100
-
-    def __init__(self, names, settings, robot_map):
-        self._publishers = []
-        self._grids = []
-        footprint = _footprint(settings)
-        for costmap in _COSTMAPS:
-            grid = rospy.Publisher(names.own(costmap + '/costmap'), OccupancyGrid, queue_size=1, latch=True)
-            update = rospy.Publisher(names.own(costmap + '/costmap_updates'), OccupancyGridUpdate, queue_size=1)
-            polygon = rospy.Publisher(names.own(costmap + '/footprint'), PolygonStamped, queue_size=1, latch=True)
-            polygon.publish(footprint)
-            if settings.values['world_bounds'] and robot_map.check is None:
-                grid.publish(self._free_grid(settings))
-            self._publishers += [grid, update, polygon]
-            self._grids.append(grid)
-        robot_map.follow(self._show_map)
-
-    def _show_map(self, message, _occupancy):
-        """Publish the map's own message: all robots of the process share it."""
-        for grid in self._grids:
-            grid.publish(message)
-
-    def close(self):
-        """Leave the graph."""
-        for publisher in self._publishers:
-            publisher.unregister()
-
-    def _free_grid(self, settings):
-        bounds = settings.bounds
-        width, height = bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min
-        grid = OccupancyGrid(header=conversions.to_header(settings.values['global_frame'], 0))
-        grid.info.resolution = max(width, height) / self._CELLS
-        grid.info.width = max(1, int(round(width / grid.info.resolution)))
-        grid.info.height = max(1, int(round(height / grid.info.resolution)))
-        grid.info.origin.position.x, grid.info.origin.position.y = bounds.x_min, bounds.y_min
-        grid.info.origin.orientation.w = 1.0
-        grid.data = [0] * (grid.info.width * grid.info.height)
-        return grid
-
-
-def _footprint(settings):
-    """Return a square of upstream's default inscribed radius, 0.325 m, in base_link."""
-    half = 0.325
-    polygon = PolygonStamped(header=conversions.to_header(settings.frame(settings.values['robot_base_frame']), 0))
-    polygon.polygon.points = [Point32(x * half, y * half, 0.0) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
-    return polygon

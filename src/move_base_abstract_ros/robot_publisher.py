@@ -7,13 +7,14 @@ from . import conversions, lockstep
 
 
 class RobotPublisher:
-    """Publishes poses through a backend, and ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
+    """Publishes poses by a backend and the costmaps' topics, ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
 
-    def __init__(self, names, settings, host, robot, backend):
+    def __init__(self, names, settings, host, robot, backend, costmaps):
         simulation = host.clock.simulation
         self._clock = host.clock
         self._robot = robot
         self._backend = backend
+        self._costmaps = costmaps
         self._global_frame = settings.values['global_frame']
         self._pose_throttle = host.throttle(settings.values['max_pose_rate'])
         self._current_goal = rospy.Publisher(names.own('current_goal'), PoseStamped, queue_size=0)
@@ -37,10 +38,12 @@ class RobotPublisher:
             self._updates.stop()
         self.place(now_ns)
 
-    def place(self, now_ns):
-        """Show where the robot is at ``now_ns`` [ns]."""
+    def place(self, now_ns, is_event=True):
+        """Show where the robot is at ``now_ns`` [ns]; ``is_event``: it starts or stands."""
         with lockstep.sender(self._robot.index):  # tf is one topic of all robots of the process
-            self._backend.place(self._robot.pose_at(now_ns), self._robot.velocity_at(now_ns), now_ns)
+            pose = self._robot.pose_at(now_ns)
+            self._backend.place(pose, self._robot.velocity_at(now_ns), now_ns)
+            self._costmaps.moved(pose, now_ns, is_event)
 
     def restart(self):
         """Time has started anew: stamps may be earlier than those before."""
@@ -67,16 +70,19 @@ class RobotPublisher:
         if self._updates is not None:
             self._updates.stop()
         self._backend.close()
+        self._costmaps.close()
         for publisher in (self._current_goal, self._cmd_vel, self._recovery):
             publisher.unregister()
 
     def _update(self, due_ns, _now_ns):
         if self._pose_throttle.ready():
-            self.place(due_ns)
+            self.place(due_ns, is_event=False)
         return self._clock.wall_to_ns(self._pose_throttle.remaining())
 
     def _beat(self, now_ns):
         """Tell tf the pose at the latest instant, so that a look-up of the present need not wait for another one."""
         if not (self._updates_beat and self._robot.leg is not None):
             with lockstep.sender(self._robot.index):
-                self._backend.heartbeat(self._robot.pose_at(now_ns), now_ns)
+                pose = self._robot.pose_at(now_ns)
+                self._backend.heartbeat(pose, now_ns)
+                self._costmaps.moved(pose, now_ns, is_event=False)

@@ -85,13 +85,14 @@ class MapGoals(unittest.TestCase):
         self.assertEqual(plan('strict', UNKNOWN), [])
         self.assertEqual(plan('bold', OFF)[-1], OFF)
 
-    def test_the_costmaps_are_the_map(self):
+    def test_the_global_costmap_is_the_map_and_the_local_one_a_window_of_it(self):
         wanted = rospy.wait_for_message('/map', OccupancyGrid, GUARD)
         for robot in ('plain', 'strict'):
-            for costmap in ('global_costmap', 'local_costmap'):
-                topic = '/{}/move_base/{}/costmap'.format(robot, costmap)
-                shown = rospy.wait_for_message(topic, OccupancyGrid, GUARD)
-                self.assertEqual((shown.info, shown.data), (wanted.info, wanted.data))
+            shown = rospy.wait_for_message('/{}/move_base/global_costmap/costmap'.format(robot), OccupancyGrid, GUARD)
+            self.assertEqual((shown.info, shown.data), (wanted.info, wanted.data))
+            window = rospy.wait_for_message('/{}/move_base/local_costmap/costmap'.format(robot), OccupancyGrid, GUARD)
+            self.assertEqual(window.header.frame_id, robot + '/odom')
+            self.assertEqual(set(window.data), {-1, *wanted.data}, 'it is larger than this map')
 
     def test_another_map_counts_from_then_on(self):
         change = rospy.ServiceProxy('/change_map', LoadMap)

@@ -271,7 +271,7 @@ def test_upstreams_parameters_are_ignored_one_by_one_and_those_in_use_are_not_co
         DWAPlannerROS={'max_vel_x': 0.7, 'acc_lim_x': 1.0, 'acc_lim_y': 0.0, 'xy_goal_tolerance': 0.1,
                        'yaw_goal_tolerance': 0.2, 'sim_time': 1.7},
         global_costmap={'global_frame': 'map', 'robot_base_frame': 'base_link', 'inflation': {'radius': 0.5}})
-    assert settings.ignored == ['DWAPlannerROS/acc_lim_y', 'DWAPlannerROS/sim_time', 'footprint',
+    assert settings.ignored == ['DWAPlannerROS/acc_lim_y', 'DWAPlannerROS/sim_time',
                                 'global_costmap/inflation/radius', 'oscillation_timeout', 'planner_frequency']
     assert settings.warnings == []
 

@@ -91,13 +91,20 @@ def read_robot_settings(overrides, default_tf_prefix, base):
     where = rospy.get_name()
     raw = rospy.get_param(where, {})
     if isinstance(raw, dict):
-        raw = {**base, **{key: value for key, value in raw.items() if key not in LOCKSTEP_PARAMETERS}, **overrides}
+        own = {key: value for key, value in raw.items() if key not in LOCKSTEP_PARAMETERS}
+        raw = {**_inherited(raw), **base, **own, **overrides}
     settings = read_settings(raw, where)
     if settings.tf_prefix is None:
         inherited = rospy.search_param('tf_prefix')
         settings.tf_prefix = str(rospy.get_param(inherited)).strip('/') if inherited else default_tf_prefix
     _report(settings, where)
     return settings
+
+
+def _inherited(raw):
+    """Return the footprint's parameters that costmaps find further up, as {name: value}."""
+    found = {name: rospy.search_param(name) for name in ('footprint', 'robot_radius') if name not in raw}
+    return {name: rospy.get_param(path) for name, path in found.items() if path}
 
 
 def _report(settings, where):
