@@ -83,14 +83,16 @@ class Restart(unittest.TestCase):
     def test_5_tf_has_the_new_time_too(self):
         buffer = tf2_ros.Buffer(debug=False)
 
-        def found(message):
+        def all_known(message):
             for transform in message.transforms:
                 if transform.header.stamp.to_sec() < OLD:
                     buffer.set_transform(transform, 'test')
-            return buffer.can_transform('map', 'robot_0/base_link', rospy.Time())
-        Record.fresh('/tf', TFMessage).wait_for(found)
-        pose = conversions.from_transform(buffer.lookup_transform('map', 'robot_0/base_link', rospy.Time()).transform)
-        self.assertAlmostEqual(pose.x, 20.0, places=6)
+            return all(buffer.can_transform('map', name + '/base_link', rospy.Time())
+                       for name in ('robot_0', 'bystander'))
+        Record.fresh('/tf', TFMessage).wait_for(all_known)
+        for name, x in (('robot_0', 20.0), ('bystander', 7.0)):
+            found = buffer.lookup_transform('map', name + '/base_link', rospy.Time()).transform
+            self.assertAlmostEqual(conversions.from_transform(found).x, x, places=6)
 
 
 if __name__ == '__main__':
