@@ -12,6 +12,25 @@ def test_stamps_of_the_present_are_alike():
         assert check.is_alike
 
 
+def test_a_fast_clock_whose_messages_are_late_by_some_of_the_walls_time_is_the_same_clock():
+    check, gaps = StampCheck(tolerance=1.0, patience=2.0), []
+    for tick in range(1000):  # 60x, 0.2 s of the wall late
+        wall = tick * 0.01
+        gaps.append(check.reported(int((wall - 0.2) * 60 * S), int(wall * 60 * S), wall))
+    assert set(gaps) == {None}
+    assert check.is_alike
+
+
+def test_a_clock_that_runs_away_from_the_other_is_another_one():
+    check, gaps = StampCheck(tolerance=1.0, patience=2.0), []
+    for tick in range(1000):
+        wall = tick * 0.01
+        gaps.append(check.reported(int(wall * S), int(wall * 100 * S), wall))
+    told = [gap for gap in gaps if gap is not None]
+    assert len(told) == 1
+    assert 250.0 <= told[0] <= 500.0
+
+
 @pytest.mark.parametrize('gap', [141.2, -141.2])
 def test_another_clock_is_told_once_after_the_patience_with_the_gap(gap):
     check = StampCheck(tolerance=1.0, patience=2.0)
