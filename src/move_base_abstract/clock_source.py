@@ -30,6 +30,11 @@ class ClockSource:
         """The time that counts [ns]."""
         return self._latest_ns
 
+    @property
+    def leader(self):
+        """Who told the time that counts, or None."""
+        return self._leader
+
     def judge(self, time_ns, source, wall):
         """Return the :class:`Step` that the message ``time_ns`` [ns] of ``source`` is, which came at ``wall``."""
         if time_ns == self._latest_ns:

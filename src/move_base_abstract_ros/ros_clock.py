@@ -15,12 +15,14 @@ from move_base_abstract.units import NS_PER_S
 
 from . import lockstep
 from .lockstep_clock import LockstepClock
+from .throttle import WallThrottle
 
 #: robots come before all nodes that declare no rank
 ROBOTS_RANK = 0
 _POLL_SECONDS = 0.01
 _WAIT_POLL_SECONDS = 0.02
 _REMINDER_SECONDS = 5.0
+_WARNINGS_RATE = 0.2  # Hz, wall
 _SPEED_WINDOW_SECONDS = 0.02
 
 
@@ -47,6 +49,7 @@ class RosClock:
         self.simulation = None
         self.on_restart = []
         self._source = ClockSource()
+        self._behind_throttle = WallThrottle(_WARNINGS_RATE)
         self._arrived = threading.Event()
         self._latest_ns = 0
         self._subscriber = None
@@ -123,10 +126,10 @@ class RosClock:
     def _take(self, time_ns, source):
         before_ns = self._source.latest_ns
         step = self._source.judge(time_ns, source, time.monotonic())
-        if step is Step.BEHIND:
-            rospy.logwarn_throttle(5.0, '{}: /clock went back from {} ns to {} ns, says {}; this is ignored: are there '
-                                        'two publishers of /clock?'.format(rospy.get_name(), before_ns, time_ns,
-                                                                           source))
+        if step is Step.BEHIND and self._behind_throttle.ready():
+            rospy.logwarn('%s: two clocks are running: it is %.3f s by %s; the %.3f s that %s publishes on /clock are '
+                          'ignored. Stop one of them', rospy.get_name(), before_ns / NS_PER_S, self._source.leader,
+                          time_ns / NS_PER_S, source)
         if step in (Step.BEHIND, Step.SAME):
             return
         self._latest_ns = time_ns

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import threading
 import unittest
 
 import rospy
@@ -11,7 +12,7 @@ import tf2_ros
 from actionlib_msgs.msg import GoalID, GoalStatus
 from nav_msgs.msg import Odometry
 from robot_harness import RawClient, Record, pose_stamped
-from rosgraph_msgs.msg import Log
+from rosgraph_msgs.msg import Clock, Log
 from tf2_msgs.msg import TFMessage
 
 from move_base_abstract.msg import TimedTaskActionGoal, TimedTaskActionResult
@@ -93,6 +94,23 @@ class Restart(unittest.TestCase):
         for name, x in (('robot_0', 20.0), ('bystander', 7.0)):
             found = buffer.lookup_transform('map', name + '/base_link', rospy.Time()).transform
             self.assertAlmostEqual(conversions.from_transform(found).x, x, places=6)
+
+    def test_6_a_second_clock_that_is_behind_is_ignored_and_both_are_named(self):
+        self.log.clear()
+        clock = rospy.Publisher('/clock', Clock, queue_size=1)
+        ended = threading.Event()
+
+        def tick():
+            while not ended.wait(0.05):
+                clock.publish(Clock(rospy.Time(0, 50_000_000)))
+        ticking = threading.Thread(target=tick, daemon=True)
+        ticking.start()
+        try:
+            self.warning('/fleet: two clocks are running', 's by /stageros', '0.050 s that ' + rospy.get_name())
+        finally:
+            ended.set()
+            ticking.join()
+            clock.unregister()
 
 
 if __name__ == '__main__':

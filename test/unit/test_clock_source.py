@@ -38,6 +38,7 @@ def test_another_clock_takes_over_when_the_first_one_has_been_silent_for_the_pat
     source = ClockSource(patience=3.0)
     assert judge(source, (1000, 'a', 0.0), (1, 'b', 3.0), (2, 'b', 3.1), (3, 'b', 3.2)) == [
         Step.ON, Step.BEHIND, Step.ANEW, Step.ON]
+    assert source.leader == 'b'
 
 
 def test_the_clock_that_is_ahead_leads():
