@@ -63,7 +63,22 @@ def noise_floor(study, trials=10, resamples=RESAMPLES, seed=0, level=0.95):
     scores = [np.mean(_cosines(_redrawn_means(study, trials, chance), _redrawn_means(study, trials, chance)))
               for _ in range(resamples)]
     tail = 50.0 * (1.0 - level)
-    return tuple(float(bound) for bound in np.percentile(scores, (tail, 100.0 - tail)))
+    return _range_of(scores, tail)
+
+
+def similarity_interval(first, second, resamples=RESAMPLES, seed=0, level=0.95):
+    """Return the (lower, upper) end of the bootstrap interval of the cosine similarity of two studies.
+
+    Both have the same seeds in the same order; pairs of trials are drawn anew, as many as there are, with replacement.
+    """
+    chance = generator(seed, Purpose.BOOTSTRAP)
+    both = {name: np.hstack((np.asarray(first[name], dtype=float), np.asarray(second[name], dtype=float)))
+            for name in _names(first, second)}
+    scores = []
+    for _ in range(resamples):
+        means = _redrawn_means(both, None, chance)
+        scores.append(np.mean(_cosines(means[:, :len(METRICS)], means[:, len(METRICS):])))
+    return _range_of(scores, 50.0 * (1.0 - level))
 
 
 def differences(first, second):
@@ -117,12 +132,26 @@ def _names(first, second):
 
 def _means(study, like):
     """Return the configuration means, shape (configurations, metrics), in the order of the study like."""
-    return np.array([np.nanmean(np.asarray(study[name], dtype=float), axis=0) for name in _names(like, study)])
+    return np.array([_known_means(np.asarray(study[name], dtype=float)) for name in _names(like, study)])
 
 
 def _redrawn_means(study, trials, chance):
     rows = (np.asarray(rows, dtype=float) for rows in study.values())
-    return np.array([np.nanmean(r[chance.integers(len(r), size=trials)], axis=0) for r in rows])
+    return np.array([_known_means(r[chance.integers(len(r), size=trials or len(r))]) for r in rows])
+
+
+def _known_means(rows):
+    """Return the mean of each column without its NaNs; NaN where there is nothing else."""
+    known = ~np.isnan(rows)
+    count = known.sum(axis=0)
+    total = np.where(known, rows, 0.0).sum(axis=0)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def _range_of(scores, tail):
+    """Return the (tail, 100 - tail) percentiles; what was drawn from trials without a value (NaN) is left out."""
+    known = [score for score in scores if not np.isnan(score)] or [np.nan]
+    return tuple(float(bound) for bound in np.percentile(known, (tail, 100.0 - tail)))
 
 
 def _cosines(first, second):

@@ -30,6 +30,7 @@ class Trial:
     speed_up: dict  # overall, moving
     leg_errors: tuple  # per leg: how much longer it took than by the law of motion, as a share of that
     leg_errors_ns: tuple  # the same [simulated ns]
+    about: dict  # trial.json
 
 
 def collect_trials(folder):
@@ -53,7 +54,8 @@ def read(path):
     errors_ns, errors = leg_errors(result)
     return Trial(path=path, group=path.parts[-3], configuration=path.parts[-2], seed=result.seed,
                  row=tuple(trial_row(result.metrics)), events_sha256=about['events_sha256'], wall_s=result.wall_s,
-                 speed_up=result.speed_up, leg_errors=errors, leg_errors_ns=errors_ns)
+                 speed_up=result.speed_up, leg_errors=errors, leg_errors_ns=errors_ns,
+                 about=about)
 
 
 def leg_errors(result):

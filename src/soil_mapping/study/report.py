@@ -12,6 +12,7 @@ from soil_mapping.trial_folder import read_trial
 from . import tables
 from .charts import box_plots, error_against_speed
 from .collection import LOCKSTEP, collect_trials
+from .provenance_tables import provenance
 
 TITLE = 'The soil compaction mapping study'
 MAPS = ('truth', 'prediction', 'variance', 'trajectories')
@@ -42,6 +43,7 @@ def _sections(groups):
         ('Error against speed-up', [tables.legs(groups), ('Left: error of the legs. Right: dissimilarity of the '
                                                           'study. Grey: published.', error_against_speed(groups))]),
         ('Metrics', [('All metrics, by configuration.', box_plots(groups)), *tables.metric_tables(groups)]),
+        ('Provenance and parameters', provenance(groups)),
         (f'Maps of one trial: {shown[0].group}, {shown[0].configuration}, seed {shown[0].seed}', _maps(shown[0])),
     ]
 

@@ -8,10 +8,12 @@ import numpy as np
 from soil_mapping.comparison import (
     METRICS,
     PUBLISHED_TABLE,
+    bootstrap_interval,
     cosine_similarity,
     differences,
     metric_cosines,
     noise_floor,
+    similarity_interval,
 )
 
 from .collection import (
@@ -25,9 +27,34 @@ from .collection import (
     mean,
     metric_column,
 )
+from .wording import (
+    NOT_MEASURED,
+    UNKNOWN,
+    change,
+    duration,
+    in_deviations,
+    mean_with_interval,
+    number,
+    percent,
+    range_of_similarity,
+    similarity,
+    span,
+)
 
 UNITS = {'rmse_kpa': 'RMSE [kPa]', 'mean_variance_kpa2': 'mean kriging variance [kPa²]', 'samples': 'samples',
          'distance_m': 'distance [m]', 'idle_s': 'idle time [s]', 'task_s': 'mean task time [s]'}
+ENOUGH_PAIRS = 5  # with fewer a bootstrap interval is too narrow to show a difference
+SCALE_NOTE = (
+    'Relative error of the means; 95 % interval of the difference within a pair of trials, in the unit of the column, '
+    'by bootstrap of the pairs, corrected for the number of cells in the table; standardised difference (sd: standard '
+    f'deviations of the trials). *: at least {ENOUGH_PAIRS} pairs, and 0 lies outside the interval: a difference is '
+    'shown. With fewer pairs the interval is too narrow.')
+COSINE_NOTE = (
+    'Mean over six metrics of the cosine between vectors of configuration means, of pairs of trials with the same '
+    'seeds. The pairs of the published table come first. Interval: by bootstrap of the pairs. Noise '
+    'floor: where two runs of the first study lie that differ by chance only, by bootstrap of its trials; a score '
+    'within it shows no difference, nor that there is none. A metric that is 0 in one study alone scores 0. '
+    'Standardised difference: of the means, in standard deviations of the trials (sd); it feels scale.')
 
 
 @dataclass(frozen=True)
@@ -49,13 +76,20 @@ def group_title(name):
     return f'{kind.upper()}, {rest.replace("-", " ")}' if rest else name
 
 
+def published_pairs(groups):
+    """Return the groups of Table 1's own pairs; both kinds of Mesa stand for its Mesa (eight directions)."""
+    mesa = [name for name in (MESA, 'mesa-eight') if name in groups] or [MESA]
+    return [*((name, 'ros-10x') for name in mesa), ('ros-1x', 'ros-10x'), ('ros-1x', 'ros-15x')]
+
+
 def pairs(groups):
-    """Return the pairs of groups that are compared, as names: what there is of the ones that the study asks about."""
+    """Return the pairs of groups that are compared, as names: Table 1's own first, then what else there is."""
     scaled = [name for name in groups if name.startswith('ros-') and name.endswith('x') and name.count('-') == 1]
-    wanted = [(MESA, LOCKSTEP), ('mesa-eight', LOCKSTEP), (MESA, 'mesa-eight')]
+    wanted = published_pairs(groups)
+    wanted += [(MESA, LOCKSTEP), ('mesa-eight', LOCKSTEP), (MESA, 'mesa-eight')]
     wanted += [(LOCKSTEP, name) for name in scaled]
     wanted += [('ros-1x', name) for name in scaled if name != 'ros-1x']
-    return [pair for pair in wanted if all(name in groups for name in pair)]
+    return [pair for pair in dict.fromkeys(wanted) if all(name in groups for name in pair)]
 
 
 def overview(groups):
@@ -65,37 +99,50 @@ def overview(groups):
         wall = [sum(trial.wall_s.get(part, 0.0) for part in ('start_up', 'mission', 'end')) for trial in trials]
         rows.append((group_title(name), str(len(trials)), number(mean([trial.speed_up['moving'] for trial in trials])),
                      number(mean([trial.speed_up['overall'] for trial in trials])), number(mean(wall)),
-                     *(number(mean([trial.wall_s.get(part, math.nan) for trial in trials]))
+                     *(number(mean([trial.wall_s.get(part, math.nan) for trial in trials]), NOT_MEASURED)
                        for part in ('start_up', 'mission', 'kriging', 'allocation', 'messages', 'end'))))
     return Table('What was run', ('trials of', 'number', 'speed-up moving', 'speed-up overall', 'wall s per trial',
                                   'start-up', 'mission', 'kriging', 'allocation', 'messages', 'end'), tuple(rows),
                  'Means. Speed-up: simulated seconds per wall second, while the mission runs and with start-up. '
-                 'Kriging, allocation and messages are parts of the mission. Output is not counted.')
+                 'Kriging, allocation and messages are parts of the mission. Output is not counted. '
+                 f'{NOT_MEASURED}: such trials have no such part.')
 
 
 def cosines(groups):
-    """Return the published table with ours below it, each of ours with its noise floor."""
-    rows = [(first, second, f'{value:.9f}', '', '', 'published') for first, second, value in PUBLISHED_TABLE]
-    for first, second in pairs(groups):
-        seeds = common_seeds(groups[first], groups[second])
-        if seeds:
-            rows.append((group_title(first), group_title(second), *_compared(groups[first], groups[second], seeds)))
-    return Table('Similarity of studies', ('first', 'second', 'mean_cosine_similarity', 'noise floor (95 %)',
-                                           'largest standardised difference', 'source'), tuple(rows),
-                 'Mean over six metrics of the cosine between vectors of configuration means. It is blunt: two halves '
-                 'of one study score 0.97 to 0.98, and a metric that is 0 in one study alone scores 0. Noise floor: '
-                 'the range in which two runs of the first study lie that differ by chance only (bootstrap of its '
-                 'trials). Standardised difference: of the means, in standard deviations of the trials; it feels scale '
-                 '(unknown with one trial per configuration). Pairs of trials with the same seeds only.')
+    """Return the published table; below it, in its form, its own pairs of studies and then all others."""
+    rows = [(first, second, f'{value:.9f}', '', '', '', 'published') for first, second, value in PUBLISHED_TABLE]
+    wanted = list(dict.fromkeys([*published_pairs(groups), *pairs(groups)]))
+    for first, second in wanted:
+        lacking = [group_title(name) for name in (first, second) if name not in groups]
+        seeds = common_seeds(groups.get(first, []), groups.get(second, []))
+        if lacking:
+            hint = '; real time runs with STUDY_1X=1' if 'ros-1x' in (first, second) and 'ros-1x' not in groups else ''
+            cells = ('', '', '', '', f'not run: {", ".join(lacking)}{hint}')
+        elif not seeds:
+            cells = ('', '', '', '', 'no seeds that both have')
+        else:
+            cells = _compared(groups[first], groups[second], seeds)
+        rows.append((group_title(first), group_title(second), *cells))
+    return Table('Similarity of studies', ('first', 'second', 'mean_cosine_similarity', '95 % interval',
+                                           'noise floor (95 %)', 'largest standardised difference', 'source'),
+                 tuple(rows), COSINE_NOTE)
 
 
 def _compared(first, second, seeds):
+    """Return similarity, interval, noise floor, largest difference and source of two studies' trials of these seeds."""
     a, b = as_study(first, seeds), as_study(second, seeds)
     trials = max(1, len(seeds) // len(a))
-    low, high = noise_floor(as_study(first), trials)
-    sizes = [abs(each.standardised) for each in differences(a, b)]
-    largest = 'unknown' if any(map(math.isnan, sizes)) else number(max(sizes))
-    return f'{cosine_similarity(a, b):.9f}', f'{low:.4f} to {high:.4f}', largest, f'{len(seeds)} pairs of trials'
+    interval = floor = f'{UNKNOWN} (one trial each)'
+    if trials > 1:
+        interval = range_of_similarity(*similarity_interval(a, b))
+        floor = range_of_similarity(*noise_floor(as_study(first), trials))
+    found = [each for each in differences(a, b) if not math.isnan(each.standardised)]
+    largest = UNKNOWN
+    if found:
+        most = max(found, key=lambda each: abs(each.standardised))
+        place = f'{CONFIGURATION_NAMES.get(most.configuration, most.configuration)}, {UNITS[most.metric]}'
+        largest = f'{in_deviations(most)} ({place})' if most.standardised else '0'
+    return similarity(cosine_similarity(a, b)), interval, floor, largest, f'{len(seeds)} pairs of trials'
 
 
 def cosines_per_metric(groups):
@@ -105,38 +152,53 @@ def cosines_per_metric(groups):
         seeds = common_seeds(groups[first], groups[second])
         if seeds:
             found = metric_cosines(as_study(groups[first], seeds), as_study(groups[second], seeds))
-            rows.append((group_title(first), group_title(second), *(f'{value:.6f}' for value in found)))
+            rows.append((group_title(first), group_title(second),
+                         *(UNKNOWN if math.isnan(value) else f'{value:.6f}' for value in found)))
     return Table('Cosine per metric', ('first', 'second', *(UNITS[name] for name in METRICS)), tuple(rows))
 
 
 def scale_errors(groups):
-    """Return one table per pair of studies: relative error of the means, and standardised difference."""
+    """Return one table per pair of studies: relative error of the means, its interval, and standardised difference."""
     tables = []
     for first, second in pairs(groups):
         seeds = common_seeds(groups[first], groups[second])
-        if not seeds:
-            continue
-        cells = {}
-        for each in differences(as_study(groups[first], seeds), as_study(groups[second], seeds)):
-            cells.setdefault(each.configuration, []).append(f'{percent(each.relative)} ({number(each.standardised)})')
-        tables.append(Table(f'{group_title(second)} against {group_title(first)}',
-                            ('configuration', *(UNITS[name] for name in METRICS)),
-                            tuple((CONFIGURATION_NAMES.get(name, name), *row) for name, row in cells.items()),
-                            'Relative error of the means; in brackets the standardised difference.'))
+        if seeds:
+            a, b = as_study(groups[first], seeds), as_study(groups[second], seeds)
+            found = differences(a, b)
+            cells = {}
+            for each in found:
+                cells.setdefault(each.configuration, []).append(_scale_cell(each, a, b, len(found)))
+            tables.append(Table(f'{group_title(second)} against {group_title(first)}',
+                                ('configuration', *(UNITS[name] for name in METRICS)),
+                                tuple((CONFIGURATION_NAMES.get(name, name), *row) for name, row in cells.items()),
+                                '' if tables else SCALE_NOTE))
     return tables
 
 
+def _scale_cell(each, first, second, comparisons):
+    """Return relative error, interval of the difference and standardised difference of one Difference."""
+    column = METRICS.index(each.metric)
+    paired = second[each.configuration][:, column] - first[each.configuration][:, column]
+    paired = paired[~np.isnan(paired)]
+    if len(paired) < 2:
+        return f'{change(each)}; pairs with a value: {len(paired)}'
+    low, high = bootstrap_interval([0.0], paired, comparisons)
+    shown = ' *' if len(paired) >= ENOUGH_PAIRS and (low > 0.0 or high < 0.0) else ''
+    return f'{change(each)}; {span(low, high)}; {in_deviations(each)}{shown}'
+
+
 def metric_tables(groups):
-    """Return one table per metric: mean and standard deviation of each group and configuration."""
+    """Return one table per metric: mean, standard deviation and interval of each group and configuration."""
     names = sorted({trial.configuration for trials in groups.values() for trial in trials}, key=configuration_order)
     tables = []
     for metric in METRICS:
         rows = []
         for group, trials in groups.items():
             own = [metric_column([trial for trial in trials if trial.configuration == name], metric) for name in names]
-            rows.append((group_title(group), *(mean_and_sd(values) for values in own)))
+            rows.append((group_title(group), *(mean_with_interval(values) for values in own)))
         tables.append(Table(UNITS[metric], ('trials of', *(CONFIGURATION_NAMES.get(name, name) for name in names)),
-                            tuple(rows), 'Mean ± standard deviation (number of trials).'))
+                            tuple(rows), 'Mean ± standard deviation of the trials; 95 % interval of the mean (number '
+                            'of trials).'))
     return tables
 
 
@@ -147,9 +209,12 @@ def legs(groups):
         errors = np.array([error for trial in trials for error in trial.leg_errors])
         errors_ns = np.array([error for trial in trials for error in trial.leg_errors_ns])
         if name != 'mesa-eight' and len(errors):
+            largest = int(np.abs(errors_ns).max())
             rows.append((group_title(name), str(len(errors)), percent(float(errors.mean())),
-                         percent(float(np.abs(errors).max())), f'{int(np.abs(errors_ns).max())} ns'))
-    return Table('Error of the legs', ('trials of', 'legs', 'mean', 'largest', 'largest, simulated'), tuple(rows),
+                         percent(float(np.abs(errors).max())), duration(float(errors_ns.mean())),
+                         duration(largest) if largest else '0: exact'))
+    return Table('Error of the legs', ('trials of', 'legs', 'mean, share of the leg', 'largest, share of the leg',
+                                       'mean, simulated', 'largest, simulated'), tuple(rows),
                  'How much longer a leg took, from the command to the arrival as the coordinator sees them, than '
                  'distance over speed. The published system: 12 to 19 % at nominal 10x, 17 to 28 % at 15x, 60 to 196 % '
                  'at 100x.')
@@ -171,24 +236,3 @@ def identities(groups):
     return Table('Identical runs', ('runs', 'pairs', 'identical', 'identical: yes/no'), tuple(rows),
                  'The same seed again, limited to a speed, and on loaded cores: event logs of the mission and of the '
                  'robots, to the byte. Mesa: the event log of the mission, to the byte.')
-
-
-def mean_and_sd(values):
-    """Return 'mean ± sd (n)' of those values that are not NaN."""
-    known = np.array([value for value in values if not math.isnan(value)])
-    if not len(known):
-        return 'none'
-    spread = number(float(known.std(ddof=1))) if len(known) > 1 else 'unknown'
-    return f'{number(float(known.mean()))} ± {spread} ({len(known)})'
-
-
-def number(value):
-    """Return a number with four digits that say something."""
-    if math.isnan(value):
-        return 'none'
-    return f'{value:.4g}' if abs(value) < 1e4 else f'{value:.0f}'
-
-
-def percent(share):
-    """Return a share as per cent."""
-    return 'none' if math.isnan(share) else f'{100.0 * share:.3g} %'

@@ -12,6 +12,7 @@ from soil_mapping.comparison import (
     differences,
     metric_cosines,
     noise_floor,
+    similarity_interval,
     trial_row,
 )
 from soil_mapping.result import Metrics
@@ -47,6 +48,23 @@ def test_the_noise_floor_widens_with_the_scatter_and_is_repeatable():
     quiet, loud = (noise_floor(study(1.0, 2.0, 3.0, 4.0, spread=spread), resamples=300) for spread in (0.01, 0.5))
     assert loud[0] < quiet[0] <= quiet[1] <= 1.0
     assert noise_floor(study(1.0, 2.0), resamples=50) == noise_floor(study(1.0, 2.0), resamples=50)
+
+
+def test_trials_without_a_value_are_left_out_of_the_bootstrap():
+    gappy = study(1.0, 2.0, trials=4)
+    for rows in gappy.values():
+        rows[1:, 5] = np.nan
+    for low, high in (noise_floor(gappy, 3), similarity_interval(gappy, gappy)):
+        assert 0.9 < low <= high <= 1.0 + 1e-12
+
+
+def test_the_interval_of_a_similarity_holds_it_and_widens_with_the_scatter():
+    narrow, wide = (study(1.0, 2.0, spread=spread) for spread in (0.01, 0.3))
+    other = study(2.0, 1.0, spread=0.01, seed=2)
+    low, high = similarity_interval(narrow, other)
+    assert low <= cosine_similarity(narrow, other) <= high
+    assert high - low < np.ptp(similarity_interval(wide, other))
+    assert similarity_interval(wide, wide) == pytest.approx((1.0, 1.0))  # pairs are drawn, not trials
 
 
 def test_differences_feel_scale():

@@ -4,16 +4,19 @@ import base64
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from move_base_abstract.errors import ConfigurationError
+from soil_mapping.comparison import differences
 from soil_mapping.config import TrialConfig
 from soil_mapping.mesa_model import run_mesa_trial
 from soil_mapping.result import Metrics
-from soil_mapping.study import collection, report, tables
+from soil_mapping.study import collection, report, tables, wording
 from soil_mapping.study.command import main
 from soil_mapping.study.plan import plan
 from soil_mapping.study.pool import path_of
+from soil_mapping.study.provenance_tables import provenance
 from soil_mapping.study.running import is_done
 from soil_mapping.study.spec import TrialSpec
 from soil_mapping.trial_folder import TrialFolder, read_about, read_trial
@@ -117,16 +120,59 @@ def test_the_cosine_table_begins_with_the_published_rows_and_goes_on_with_ours(s
     table = tables.cosines(collection.collect_trials(study))
     assert table.header[:3] == ('first', 'second', 'mean_cosine_similarity')
     assert [row[2] for row in table.rows[:3]] == ['0.969960079', '0.992865229', '0.869587149']
+    assert [row[:2] for row in table.rows[3:6]] == [
+        ('Mesa', 'ROS, 10x'), ('ROS, 1x', 'ROS, 10x'), ('ROS, 1x', 'ROS, 15x')]
+    assert re.fullmatch(r'[01]\.\d{9}', table.rows[3][2])
+    assert [row[-1] for row in table.rows[4:6]] == ['not run: ROS, 1x; real time runs with STUDY_1X=1',
+                                                    'not run: ROS, 1x, ROS, 15x; real time runs with STUDY_1X=1']
     ours = {row[:2]: row for row in table.rows[3:]}
     assert ours['Mesa', 'ROS, lockstep'][2] == '1.000000000'
-    assert re.fullmatch(r'0\.\d{4} to [01]\.\d{4}', ours['Mesa', 'ROS, lockstep'][3])
+    for column in (3, 4):  # interval, noise floor
+        assert re.fullmatch(r'[01]\.\d{4} to [01]\.\d{4}', ours['Mesa', 'ROS, lockstep'][column])
+    assert '0.97' not in table.note  # no fixed sentence: the floor stands in the table
 
 
 def test_errors_that_a_cosine_does_not_feel_are_told(study):
     titles = {table.title: table for table in tables.scale_errors(collection.collect_trials(study))}
     table = titles['ROS, 10x against ROS, lockstep']
     column = table.header.index('distance [m]')
-    assert [row[column].split(' (')[0] for row in table.rows] == ['10 %'] * 4
+    assert [row[column].split(';')[0] for row in table.rows] == ['+10 %'] * 4
+
+
+def test_a_difference_from_nothing_is_told_by_its_values_and_not_as_none():
+    study = {'ssi_random': np.array([[1.0] * 6] * 3)}
+    nothing = {'ssi_random': np.array([[0.0] + [1.0] * 5] * 3)}
+    first, second = differences(nothing, study)[:2]
+    assert wording.change(first) == '0 became 1'
+    assert wording.in_deviations(first) == 'no scatter'
+    assert wording.change(second) == '0 %'
+    assert wording.number(float('nan')) == 'unknown'
+
+
+def test_errors_of_legs_are_told_in_units_that_are_read(study):
+    assert [wording.duration(ns) for ns in (0, 12, 1_500, -2_500_000, 3_210_000_000)] == [
+        '0 ns', '12 ns', '1.5 µs', '-2.5 ms', '3.21 s']
+    rows = {row[0]: row for row in tables.legs(collection.collect_trials(study)).rows}
+    assert rows['ROS, lockstep'][-1] == '0: exact'
+    assert rows['ROS, 10x'][-2:] == ('100 ms', '100 ms')
+
+
+def test_means_have_their_confidence_interval():
+    values = [1.0, 2.0, 3.0, float('nan')]
+    assert wording.mean_with_interval(values) == '2 ± 1; -0.4841 to 4.484 (3)'  # t(0.975, 2) is 4.303
+    assert wording.mean_with_interval([2.0]) == '2 (1)'
+    assert wording.mean_with_interval([float('nan')]) == 'unknown (0)'
+
+
+def test_the_report_says_where_its_figures_come_from(study):
+    parameters, trials, programs = provenance(collection.collect_trials(study))
+    values = {row[0]: row[1:] for row in parameters.rows}
+    assert values['budget_s'] == ('90.0', 'all')
+    assert values['field'] == ('synthetic, 324 x 220 m', 'all')
+    assert trials.rows[0][:2] == ('Mesa', 'name mesa, motion euclidean')
+    assert 'SSI random: 0, 1' in trials.rows[0][2]
+    assert [row[0] for row in programs.rows] == ['versions', 'machine']
+    assert 'numpy' in programs.rows[0][1]
 
 
 def test_the_report_is_one_page_that_holds_all_that_it_shows(study):

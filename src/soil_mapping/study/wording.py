@@ -1,0 +1,86 @@
+"""How numbers are written in the report's cells."""
+
+import math
+
+import numpy as np
+from scipy import stats
+
+UNKNOWN = 'unknown'
+NOT_MEASURED = '–'
+LEVEL = 0.95  # of all intervals
+ROUNDING = 1e-9  # shares that are smaller are rounding errors
+
+
+def number(value, unknown=UNKNOWN):
+    """Return a number with four digits that say something."""
+    if math.isnan(value):
+        return unknown
+    if math.isinf(value):
+        return 'infinite'
+    return f'{value:.4g}' if abs(value) < 1e4 else f'{value:.0f}'
+
+
+def percent(share):
+    """Return a share as per cent, with its sign; what is left of rounding is 0."""
+    if math.isnan(share):
+        return UNKNOWN
+    if abs(share) < ROUNDING:
+        return '0 %'
+    return f'{100.0 * share:+.3g} %' if abs(share) < 10.0 else f'{100.0 * share:+.0f} %'
+
+
+def duration(ns):
+    """Return nanoseconds in the unit in which they are read best."""
+    for size, unit in ((10**9, 's'), (10**6, 'ms'), (10**3, 'µs')):
+        if abs(ns) >= size:
+            return f'{ns / size:.3g} {unit}'
+    return f'{ns:.0f} ns'
+
+
+def span(low, high):
+    """Return an interval."""
+    return f'{number(low)} to {number(high)}'
+
+
+def mean_with_interval(values):
+    """Return 'mean ± sd; 95 %: low to high (n)' of those values that are not NaN.
+
+    The interval of the mean is Student's: mean -+ t sd / sqrt(n).
+    """
+    known = np.array([value for value in values if not math.isnan(value)])
+    if not len(known):
+        return f'{UNKNOWN} (0)'
+    middle = float(known.mean())
+    if len(known) == 1:
+        return f'{number(middle)} (1)'
+    spread = float(known.std(ddof=1))
+    reach = float(stats.t.ppf(0.5 + LEVEL / 2.0, len(known) - 1)) * spread / math.sqrt(len(known))
+    return f'{number(middle)} ± {number(spread)}; {span(middle - reach, middle + reach)} ({len(known)})'
+
+
+def change(each):
+    """Return the relative error of a comparison.Difference; from or to 0 it is told by the values."""
+    if math.isnan(each.first_mean) or math.isnan(each.second_mean):
+        return f'{number(each.first_mean)} became {number(each.second_mean)}'
+    if each.first_mean == 0.0 and each.second_mean != 0.0:
+        return f'0 became {number(each.second_mean)}'
+    return percent(each.relative)
+
+
+def in_deviations(each):
+    """Return the standardised difference of a comparison.Difference."""
+    if math.isinf(each.standardised):
+        return 'no scatter'
+    if math.isnan(each.standardised):
+        return f'{UNKNOWN} sd'
+    return f'{each.standardised:+.2f} sd' if abs(each.standardised) > ROUNDING else '0 sd'
+
+
+def similarity(value):
+    """Return a cosine similarity with the digits of the published table."""
+    return UNKNOWN if math.isnan(value) else f'{value:.9f}'
+
+
+def range_of_similarity(low, high):
+    """Return the interval of a cosine similarity."""
+    return UNKNOWN if math.isnan(low) else f'{low:.4f} to {high:.4f}'
