@@ -93,7 +93,7 @@ def _wait(ros, until):
 
 def _end(ros, children):
     """End what does not end by itself when the time master is gone; return what they printed and the exit codes."""
-    deadline = time.monotonic() + 3.0
+    deadline = time.monotonic() + 10.0  # wall; a busy machine takes its time to end a process
     while time.monotonic() < deadline and any(child.process.poll() is None for child in children.values()):
         time.sleep(0.02)
     outputs, codes = {}, {}

@@ -19,7 +19,7 @@ FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'lockstep_node
 class Run:
     """What came out of a run."""
 
-    def __init__(self, path, exit_codes, outputs, took):
+    def __init__(self, path, exit_codes, outputs):
         with open(path, encoding='utf-8') as log:
             self.text = log.read()
         records = [json.loads(line) for line in self.text.splitlines()]
@@ -28,7 +28,6 @@ class Run:
                     for record in records[1:-1]]
         self.exit_codes = exit_codes
         self.outputs = outputs
-        self.took = took  # s, wall
 
     @property
     def events(self):
@@ -69,14 +68,12 @@ class Runs:
         for name, value in (parameters or {}).items():
             self.ros.set_param(name, value)
         master, path = self.start_master(roles, log_messages=log_messages)
-        began = time.monotonic()
         others = [self.start_node(module, role) for role in outsiders]
         nodes = {role: self.start_node(module, role, adverse) for role in roles}
         try:
             for node in nodes.values():
                 wait_for_end(node, nodes)
         finally:
-            took = time.monotonic() - began
             outputs, codes = {}, {}
             for role, node in nodes.items():
                 codes[role] = node.process.poll()
@@ -84,7 +81,7 @@ class Runs:
                 outputs[role] = read(node)
             for child in [*others, master]:
                 self.ros.end(child)
-        return Run(path, codes, outputs, took)
+        return Run(path, codes, outputs)
 
 
 def wait_for_end(node, nodes=()):

@@ -12,7 +12,6 @@ from lockstep_library_run import Run, Runs, read, wait_for_end
 RUNS = None
 WAITS = ('in_spin', 'in_sleep', 'in_loop', 'in_message', 'in_service', 'in_call', 'in_queue', 'in_event', 'in_join',
          'in_thread')
-SOON = 3.0  # s, wall
 
 
 def setUpModule():  # noqa: N802
@@ -85,7 +84,7 @@ class EndsTest(unittest.TestCase):
         wait_for_end(nodes[role], nodes)
         for child in (*nodes.values(), master):
             RUNS.ros.end(child)
-        return Run(path, {}, {name: read(node) for name, node in nodes.items()}, 0.0)
+        return Run(path, {}, {name: read(node) for name, node in nodes.items()})
 
     def test_exit_codes(self):
         run = RUNS.run('threads', 'exits', 'fails', 'shuts_down')
@@ -96,28 +95,24 @@ class EndsTest(unittest.TestCase):
 
     def test_an_interrupt_ends_a_node_in_every_wait(self):
         for role in WAITS:
-            took = self._end_of(role, lambda _master, node: os.kill(node.pid, signal.SIGINT))
-            self.assertLess(took, SOON, role)
+            self._end_of(role, lambda _master, node: os.kill(node.pid, signal.SIGINT))
 
     def test_the_end_of_the_time_master_ends_a_node_in_every_wait(self):
         for role in WAITS:
-            took = self._end_of(role, lambda master, _node: os.killpg(master.pid, signal.SIGKILL))
-            self.assertLess(took, 4 * SOON, role)
+            self._end_of(role, lambda master, _node: os.killpg(master.pid, signal.SIGKILL))
 
     def _end_of(self, role, act):
-        """Start a node, let it wait, do act(time master, node), and return how long the node takes to end [s, wall]."""
+        """Start a node, let it wait, do act(time master, node); the node must end."""
         RUNS.ros.set_param('/time_master/lockstep_address', '')
         master, _path = RUNS.start_master([role])
         node = RUNS.start_node('threads', role)
         try:
             self._wait_for_start(node)
-            began = time.monotonic()
             act(master, node)
             try:
                 wait_for_end(node, {role: node})
             except AssertionError as error:
                 raise AssertionError(f'{role}: {error}') from None
-            return time.monotonic() - began
         finally:
             RUNS.ros.end(node)
             RUNS.ros.end(master)

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 """Robots as markers: what they look like, and when how much of it is published."""
-import time
 import unittest
 
 import rosgraph
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
+from geometry_msgs.msg import PoseStamped
 from robot_harness import RawClient, Record, pose_stamped
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -87,10 +87,15 @@ class Markers(Looks, unittest.TestCase):
 
     def test_2_nothing_is_sent_while_nothing_happens(self):
         self.record.wait_for()
-        time.sleep(0.5)
-        before = len(self.record.messages)
-        time.sleep(1.0)
-        self.assertEqual(len(self.record.messages), before)
+        rospy.sleep(5.0)
+        placed = rospy.Publisher('/robot_1/set_pose', PoseStamped, queue_size=1, latch=True)
+        placed.publish(pose_stamped(3.0, 5.0))
+        self.wait_for(lambda markers: markers['robot_1', ARROW].pose.position.x == 2.0)
+        self.assertEqual([sorted({marker.ns for marker in message.markers}) for message in self.record.messages],
+                         [sorted(ROBOTS), ['robot_1']], 'the newcomer is told all, then only what has happened')
+        placed.publish(pose_stamped(0.0, 5.0))
+        self.wait_for(lambda markers: markers['robot_1', ARROW].pose.position.x == -1.0)
+        placed.unregister()
 
     def test_3_a_goal_and_its_leg_are_shown_until_the_goal_ends(self):
         goal_id = self.client.send(pose_stamped(1000.0, 2.0))
@@ -99,11 +104,12 @@ class Markers(Looks, unittest.TestCase):
         self.assertEqual((goal.pose.position.x, goal.pose.position.y), (1000.0, 2.0))
         self.assertEqual([(p.x, p.y) for p in leg.points], [(1.0, 2.0), (1000.0, 2.0)])
         self.record.clear()
-        time.sleep(1.1)
+        self.record.wait_for(lambda _message: len(self.record.messages) >= 4)
         messages = self.record.messages
-        self.assertIn(len(messages), range(2, 7), 'about five a second')
         for message in messages:
             self.assertEqual([(m.ns, m.id) for m in message.markers], [('robot_0', ARROW), ('robot_0', NAME)])
+        places = [message.markers[0].pose.position.x for message in messages]
+        self.assertEqual(places, sorted(places))
         self.client.cancel(goal_id)
         self.assertEqual(self.client.ending(goal_id).status.status, GoalStatus.PREEMPTED)
         self.record.wait_for(lambda message: {(m.id, m.action) for m in message.markers} >= {

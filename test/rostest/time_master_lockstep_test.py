@@ -36,13 +36,12 @@ class LockstepTest(LockstepCase):
         self.assertTrue(state.repeatable)
 
     def test_without_names_it_starts_when_nobody_new_has_come_for_a_while_and_is_labelled(self):
-        self.start(settle=0.5)
-        begin = time.monotonic()
+        self.start(settle=3.0)
         first = self.join('/a')
-        time.sleep(0.3)
+        begin = time.monotonic()
         second = self.join('/b')
         second.turn()
-        self.assertGreaterEqual(time.monotonic() - begin, 0.8)
+        self.assertGreaterEqual(time.monotonic() - begin, 3.0)  # a busy machine makes it longer only
         self.assertEqual(first.turn().time_ns, START)
         state = self.state.wait('the start', lambda state: state.phase == 'idle')
         self.assertFalse(state.repeatable)
