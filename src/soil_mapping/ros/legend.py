@@ -58,7 +58,7 @@ def _bar(west, length_m, y, height_m):
     """Return a bar of RViz's costmap colours, from that of 1 to that of 98."""
     marker = _marker(Marker.CUBE_LIST)
     step = length_m / BAR_STEPS
-    marker.scale.x, marker.scale.y, marker.scale.z = step, height_m, 0.1
+    marker.scale.x, marker.scale.y, marker.scale.z = step, height_m, 0.01
     for index in range(BAR_STEPS):
         share = 0.01 + 0.97 * index / (BAR_STEPS - 1)
         marker.points.append(Point(west + (index + 0.5) * step, y, 0.0))

@@ -29,6 +29,7 @@ from .collection import (
 )
 from .wording import (
     NOT_MEASURED,
+    ROUNDING,
     UNKNOWN,
     change,
     duration,
@@ -183,7 +184,7 @@ def _scale_cell(each, first, second, comparisons):
     if len(paired) < 2:
         return f'{change(each)}; pairs with a value: {len(paired)}'
     low, high = bootstrap_interval([0.0], paired, comparisons)
-    shown = ' *' if len(paired) >= ENOUGH_PAIRS and (low > 0.0 or high < 0.0) else ''
+    shown = ' *' if len(paired) >= ENOUGH_PAIRS and (low > ROUNDING or high < -ROUNDING) else ''
     return f'{change(each)}; {span(low, high)}; {in_deviations(each)}{shown}'
 
 

@@ -12,11 +12,13 @@ ROUNDING = 1e-9  # shares that are smaller are rounding errors
 
 
 def number(value, unknown=UNKNOWN):
-    """Return a number with four digits that say something."""
+    """Return a number with four digits that say something; what is left of rounding is 0."""
     if math.isnan(value):
         return unknown
     if math.isinf(value):
         return 'infinite'
+    if abs(value) < ROUNDING:
+        return '0'
     return f'{value:.4g}' if abs(value) < 1e4 else f'{value:.0f}'
 
 

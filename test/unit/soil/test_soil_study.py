@@ -147,6 +147,7 @@ def test_a_difference_from_nothing_is_told_by_its_values_and_not_as_none():
     assert wording.in_deviations(first) == 'no scatter'
     assert wording.change(second) == '0 %'
     assert wording.number(float('nan')) == 'unknown'
+    assert wording.number(5.3e-14) == '0'
 
 
 def test_errors_of_legs_are_told_in_units_that_are_read(study):
