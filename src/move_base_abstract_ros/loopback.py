@@ -75,7 +75,10 @@ class Loopback:
     def __init__(self, use_sim_time=True):
         self._use_sim_time = use_sim_time
         self._children = []
-        self.log_dir = tempfile.mkdtemp(prefix=PACKAGE + '_')
+        try:
+            self.log_dir = tempfile.mkdtemp(prefix=PACKAGE + '_')
+        except OSError as error:
+            raise LoopbackError(f'no folder for the logs can be made in TMPDIR or /tmp: {error.strerror}') from None
         self.uri = None
 
     def __enter__(self):
@@ -168,12 +171,19 @@ class Loopback:
         """Start a process in a group of its own that the kernel kills when this process ends."""
         log_path = os.path.join(self.log_dir, f'{len(self._children):02d}{name.replace("/", "-")}.out')
         guard = [_find_program('setpriv'), '--pdeathsig', 'KILL', '--']
-        with open(log_path, 'wb') as log:
+        with _open_log(log_path) as log:
             process = subprocess.Popen(guard + command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
                                        env=self.environment, start_new_session=True)
         child = Child(name, process, log_path)
         self._children.append(child)
         return child
+
+
+def _open_log(path):
+    try:
+        return open(path, 'wb')
+    except OSError as error:
+        raise LoopbackError(f'{path}: cannot be written: {error.strerror}') from None
 
 
 def find_executable(name):

@@ -14,6 +14,7 @@ from move_base_abstract.simulation import Simulation
 from move_base_abstract.units import NS_PER_S
 
 from . import lockstep
+from .clock_watch import watch_clock
 from .lockstep_clock import LockstepClock
 from .throttle import WallThrottle
 
@@ -62,6 +63,7 @@ class RosClock:
             self._subscriber = rospy.Subscriber('/clock', Clock, self._on_clock, queue_size=1, tcp_nodelay=True)
             if not self._wait_for_clock():
                 return False
+            watch_clock()
         else:
             self._latest_ns = rospy.Time.now().to_nsec()
             threading.Thread(target=self._follow_machine, name='machine_clock', daemon=True).start()

@@ -4,12 +4,21 @@ import sys
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.ros_names import NAMESPACE_RULE, is_namespace
+from move_base_abstract.shown import shown_text
 from move_base_abstract_ros.names import RobotNames
 
 from .move_base_node import run
 
-_ARGUMENTS = (('robot_name', str), ('backend', str), ('max_speed', float), ('start_x', float), ('start_y', float),
-              ('pose_update_freq', float), ('acceleration', float))
+
+def _namespace(text):
+    if not is_namespace(text):
+        raise ValueError
+    return text
+
+
+_ARGUMENTS = (('robot_name', _namespace), ('backend', str), ('max_speed', float), ('start_x', float),
+              ('start_y', float), ('pose_update_freq', float), ('acceleration', float))
 _USAGE = ('usage: move_base_abstract_actionserver '
           '[robot_name [simulator [max_speed [x [y [pose_update_freq [acceleration]]]]]]]')
 
@@ -17,17 +26,23 @@ _USAGE = ('usage: move_base_abstract_actionserver '
 def main():
     """Run the node until ROS shuts down; exits with 1 when an argument or a parameter cannot be used."""
     arguments = rospy.myargv(sys.argv)[1:]
-    rospy.init_node('move_base_abstract_actionserver')
+    if arguments and arguments[0] in ('-h', '--help'):
+        print('{}\n{}'.format(__doc__, _USAGE))
+        return
     try:
         values = read_arguments(arguments)
     except ConfigurationError as error:
-        rospy.logfatal('%s: %s', rospy.get_name(), error)
-        sys.exit(1)
+        sys.exit('move_base_abstract_actionserver: {}'.format(error))
+    run('move_base_abstract_actionserver', lambda: _describe(values))
+
+
+def _describe(values):
+    """Return names, overrides and tf prefix of the robot, once the node knows its own namespace."""
     robot_name = values.pop('robot_name', '').strip('/')
     namespace = rospy.get_namespace().rstrip('/')
     if robot_name and namespace.rsplit('/', 1)[-1] != robot_name:
         namespace = '{}/{}'.format(namespace, robot_name)
-    run(RobotNames(namespace), values, default_tf_prefix=robot_name or None)
+    return RobotNames(namespace), values, robot_name or None
 
 
 def read_arguments(arguments):
@@ -43,6 +58,6 @@ def read_arguments(arguments):
         try:
             values[name] = convert(argument)
         except ValueError:
-            raise ConfigurationError("argument {}: got '{}'; allowed: a number. {}".format(
-                name, argument, _USAGE)) from None
+            raise ConfigurationError("argument {}: got '{}'; allowed: {}. {}".format(
+                name, shown_text(argument), 'a number' if convert is float else NAMESPACE_RULE, _USAGE)) from None
     return values

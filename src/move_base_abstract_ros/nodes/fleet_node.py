@@ -1,7 +1,6 @@
 """The node ``fleet``: many robots in one process, each under move_base's interface in a namespace of its own."""
 import itertools
 import resource
-import sys
 import time
 
 import rospy
@@ -13,8 +12,9 @@ from move_base_abstract.settings import EVENTS_ONLY
 
 from ..fleet_server import FleetServer, robot_names
 from ..host import Host, read_action_options
+from ..node_process import parse_no_arguments, run_node
 from ..ros_clock import make_clock
-from .move_base_node import LOCKSTEP_PARAMETERS, away_from_signals, start
+from .move_base_node import LOCKSTEP_PARAMETERS, start
 
 _LAST_WORDS_SECONDS = 0.2
 _TABLE = (
@@ -31,19 +31,17 @@ _INLINE = ('seed', 'defaults', 'robots')
 
 def main():
     """Run the node until ROS shuts down; exits with 1 when a parameter or the scenario cannot be used."""
-    rospy.init_node('fleet')
+    parse_no_arguments('fleet', __doc__)
     begin = time.monotonic()
     _allow_many_connections()
-    try:
-        fleet = away_from_signals(_build)
-    except ConfigurationError as error:
-        rospy.logfatal('%s: %s', rospy.get_name(), error)
-        sys.exit(1)
-    if fleet is None:
-        return
-    rospy.loginfo('%s: %d robots are ready after %.2f s', rospy.get_name(), len(fleet.names), time.monotonic() - begin)
-    rospy.on_shutdown(lambda: _say_goodbye(fleet))
-    rospy.spin()
+
+    def set_up():
+        fleet = _build()
+        if fleet is not None:
+            rospy.loginfo('%s: %d robots are ready after %.2f s', rospy.get_name(), len(fleet.names),
+                          time.monotonic() - begin)
+        return fleet
+    run_node('fleet', set_up, _say_goodbye)
 
 
 def _build():

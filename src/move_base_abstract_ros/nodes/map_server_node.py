@@ -18,10 +18,11 @@ from rospy.numpy_msg import numpy_msg
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.occupancy import ImageRule
 from move_base_abstract.parameter_table import Parameter, integer, name, number, read_table
-from move_base_abstract_ros import conversions
+from move_base_abstract.shown import shown_text
+from move_base_abstract_ros import conversions, lockstep
+from move_base_abstract_ros.clock_watch import watch_clock
 from move_base_abstract_ros.map_files import MapDescription, load_map, read_description
-
-from .move_base_node import away_from_signals
+from move_base_abstract_ros.node_process import run_node
 
 _USAGE = ('USAGE: map_server MAP.yaml\n'
           '  MAP.yaml: the description of a map\n'
@@ -45,18 +46,14 @@ def main():
     if real:
         os.execv(real, [real] + sys.argv[1:])
     arguments = rospy.myargv(sys.argv)[1:]
-    if len(arguments) not in (1, 2):
-        print('map_server: got {} arguments; allowed: 1, or 2 in the old form\n{}'.format(len(arguments), _USAGE),
-              file=sys.stderr)
+    if arguments and arguments[0] in ('-h', '--help'):
+        print(_USAGE)
+        return
+    if len(arguments) not in (1, 2) or arguments[0].startswith('--'):
+        print('map_server: got {} arguments{}; allowed: 1, or 2 in the old form\n{}'.format(
+            len(arguments), ', {}'.format(shown_text(arguments[0])) if arguments else '', _USAGE), file=sys.stderr)
         sys.exit(_FAILED)
-    rospy.init_node('map_server', anonymous=True)
-    try:
-        server = away_from_signals(lambda: _build(arguments))
-    except ConfigurationError as error:
-        rospy.logfatal('%s: %s', rospy.get_name(), error)
-        sys.exit(_FAILED)
-    if server is not None:
-        rospy.spin()
+    run_node('map_server', lambda: _build(arguments), failed=_FAILED, anonymous=True)
 
 
 def find_real_map_server():
@@ -110,6 +107,8 @@ class MapServer:
         self._map = rospy.Publisher('map', numpy_msg(OccupancyGrid), queue_size=1, latch=True)
         self._grid = None
         _wait_for_time()
+        if not lockstep.is_lockstep():
+            watch_clock()
         self.show(occupancy)
         self._services = [rospy.Service('static_map', GetMap, self._get_map),
                           rospy.Service('change_map', LoadMap, self._change_map)]

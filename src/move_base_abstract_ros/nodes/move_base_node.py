@@ -1,69 +1,35 @@
 """The node ``move_base``: one robot, in the place and under the interface of move_base."""
-import sys
-import threading
 import time
 
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.settings import EVENTS_ONLY, read_settings
 from move_base_abstract_ros.host import Host, read_action_options
 from move_base_abstract_ros.move_base_server import MoveBaseServer
 from move_base_abstract_ros.names import RobotNames
+from move_base_abstract_ros.node_process import parse_no_arguments, run_node
 from move_base_abstract_ros.robot_map import wait_for_maps
 from move_base_abstract_ros.ros_clock import make_clock
 from move_base_abstract_ros.tf_lookup import listen_to_static_frames
 
 _LAST_WORDS_SECONDS = 0.1
-_POLL_SECONDS = 0.05
 #: private parameters that are read elsewhere
 LOCKSTEP_PARAMETERS = ('lockstep_rank', 'lockstep_charge')
 
 
 def main():
     """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
-    rospy.init_node('move_base_node')
-    run(RobotNames(rospy.get_namespace(), rospy.get_name()))
+    parse_no_arguments('move_base', __doc__, is_strict=False)
+    run('move_base_node', lambda: (RobotNames(rospy.get_namespace(), rospy.get_name()), {}, None))
 
 
-def run(names, overrides=None, default_tf_prefix=None):
-    """Host the robot ``names``; ``overrides`` are parameters that come before those of the parameter server."""
-    try:
-        server = away_from_signals(lambda: _build(names, overrides or {}, default_tf_prefix))
-    except ConfigurationError as error:
-        rospy.logfatal('%s: %s', rospy.get_name(), error)
-        sys.exit(1)
-    if server is not None:
-        rospy.on_shutdown(lambda: _say_goodbye(server))
-        rospy.spin()
-
-
-def away_from_signals(build):
-    """Return what ``build()`` returns or raise what it raises; None if ROS shuts down meanwhile.
-
-    rospy's signal handler talks to the ROS master under a lock that the interrupted call may hold: a node that is
-    interrupted while it registers its topics in the main thread never ends. So they are registered in another one.
-    """
-    results, errors = [], []
-
-    def work():
-        try:
-            results.append(build())
-        except BaseException as error:
-            errors.append(error)
-
-    worker = threading.Thread(target=work, name='set-up', daemon=True)
-    worker.start()
-    while worker.is_alive() and not rospy.is_shutdown():
-        worker.join(_POLL_SECONDS)
-    if rospy.is_shutdown():
-        return None
-    if errors:
-        raise errors[0]
-    return results[0]
+def run(node_name, describe):
+    """Host a robot. ``describe()``, called when the node is there, returns what :func:`_build` takes."""
+    run_node(node_name, lambda: _build(*describe()), _say_goodbye)
 
 
 def _build(names, overrides, default_tf_prefix):
+    """Return the server of ``names``; ``overrides`` are parameters that come before those of the parameter server."""
     clock = make_clock()
     settings = read_robot_settings(overrides, default_tf_prefix, EVENTS_ONLY if clock.is_lockstep else {})
     if not start(clock, [(names, settings)]):

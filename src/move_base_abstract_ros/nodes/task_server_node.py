@@ -1,36 +1,45 @@
 """The node ``task_server``: the action TimedTask for some robots, in one process."""
-import sys
 import time
 
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.parameter_table import Parameter, integer, name, number, read_table, unknown_names
+from move_base_abstract.ros_names import NAMESPACE_RULE, is_namespace
+from move_base_abstract.scenario import MAX_ROBOTS
 from move_base_abstract.timed_task import DrawnDurations
 
 from ..bulk_registration import bulk_registration
 from ..host import Host, read_action_options
+from ..node_process import parse_no_arguments, run_node
 from ..ros_clock import make_clock
 from ..task_server import TaskServer
-from .move_base_node import LOCKSTEP_PARAMETERS, away_from_signals
+from .move_base_node import LOCKSTEP_PARAMETERS
 
 _LAST_WORDS_SECONDS = 0.1
 
 
 def _names(value):
-    if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+    if not isinstance(value, list) or not all(is_namespace(item) for item in value):
         raise ValueError
-    if len(set(value)) < len(value):
+    if len({item.strip('/') for item in value}) < len(value) or len(value) > MAX_ROBOTS:
         raise ValueError
     return value
 
 
-_SECONDS = 'a finite number >= 0 [s, simulated]'
+def _task(value):
+    if not is_namespace(name(value)):
+        raise ValueError
+    return name(value)
+
+
+MAX_SECONDS = 2.0 ** 31 - 1.0  # of a duration in ROS
+_SECONDS = 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS)
 _TABLE = (
-    Parameter('robots', [''], _names, 'a list of different namespaces'),
-    Parameter('task', 'timed_task', name, 'the name of the action below each namespace'),
-    Parameter('duration', 1.0, number(low=0.0), _SECONDS),
-    Parameter('spread', 0.0, number(low=0.0), _SECONDS + ', not more than the duration'),
+    Parameter('robots', [''], _names, 'a list of different namespaces: ' + NAMESPACE_RULE),
+    Parameter('task', 'timed_task', _task, 'the name of the action below each namespace: ' + NAMESPACE_RULE),
+    Parameter('duration', 1.0, number(0.0, MAX_SECONDS), _SECONDS),
+    Parameter('spread', 0.0, number(0.0, MAX_SECONDS), _SECONDS + ', not more than the duration'),
     Parameter('seed', 0, integer(0), 'a whole number >= 0'),
     Parameter('feedback_freq', None, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
     Parameter('min_answer_delay', 0.02, number(0.0, 1.0), 'a number in 0..1 [s, wall]'),
@@ -39,15 +48,8 @@ _TABLE = (
 
 def main():
     """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
-    rospy.init_node('task_server')
-    try:
-        servers = away_from_signals(_build)
-    except ConfigurationError as error:
-        rospy.logfatal('%s: %s', rospy.get_name(), error)
-        sys.exit(1)
-    if servers is not None:
-        rospy.on_shutdown(lambda: _say_goodbye(servers))
-        rospy.spin()
+    parse_no_arguments('task_server', __doc__)
+    run_node('task_server', _build, _say_goodbye)
 
 
 def _build():

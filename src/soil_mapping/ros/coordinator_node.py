@@ -11,7 +11,14 @@ import time
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.ros_names import NAMESPACE_RULE, is_namespace
+from move_base_abstract.scenario import MAX_ROBOTS
+from move_base_abstract.shown import shown
 from move_base_abstract_ros import lockstep
+from move_base_abstract_ros.clock_watch import watch_clock
+from move_base_abstract_ros.log_files import survive_full_disk
+from move_base_abstract_ros.node_process import parse_no_arguments, tell_error
+from move_base_abstract_ros.process_end import ProcessEnd
 from soil_mapping.config import TrialConfig
 from soil_mapping.coordinator import Coordinator
 from soil_mapping.field import field_of
@@ -31,24 +38,48 @@ OWN_PARAMETERS = ('seed', 'names', 'task', 'pose_topic', 'hold', 'output', 'pict
 def main():
     """Run one mission; exit with 0 when it is over, 1 if it could not be carried out."""
     began = time.perf_counter()
-    rospy.init_node('soil_coordinator')
+    parse_no_arguments('soil_coordinator', __doc__)
+    end = ProcessEnd('soil_coordinator')
     try:
-        raw = rospy.get_param('~', {})
-        config = TrialConfig.from_dict({key: value for key, value in raw.items() if key not in OWN_PARAMETERS})
-        stopwatch = Stopwatch()
-        truth = field_of(config)
-        rospy.loginfo('%s: field %s', rospy.get_name(), truth.about)
-        coordinator = Coordinator(config, raw.get('seed', 0), truth, stopwatch)
-        names = raw.get('names') or [f'robot_{index}' for index in range(config.robots)]
-        if len(names) != config.robots:
-            raise ConfigurationError(f'parameter {rospy.resolve_name("~names")}: got {len(names)} names for '
-                                     f'{config.robots} robots')
-        _carry_out(coordinator, stopwatch, names, raw, began)
-        if raw.get('stay', False):
-            rospy.spin()  # for those who look at it yet
+        survive_full_disk()
+        rospy.init_node('soil_coordinator')
+        _run(began)
     except (ConfigurationError, MissionFailed) as error:
         rospy.logfatal('%s: %s', rospy.get_name(), error)
         sys.exit(1)
+    except Exception as error:
+        if end.asked.is_set():  # what it waited for has ended with ROS
+            return
+        sys.exit(tell_error('soil_coordinator', error))
+
+
+def _run(began):
+    """Run the mission that the parameters describe."""
+    raw = rospy.get_param('~', {})
+    config = TrialConfig.from_dict({key: value for key, value in raw.items() if key not in OWN_PARAMETERS})
+    names = _names(raw.get('names'), config.robots)
+    stopwatch = Stopwatch()
+    truth = field_of(config)
+    rospy.loginfo('%s: field %s', rospy.get_name(), truth.about)
+    coordinator = Coordinator(config, raw.get('seed', 0), truth, stopwatch)
+    _carry_out(coordinator, stopwatch, names, raw, began)
+    if raw.get('stay', False):
+        rospy.spin()  # for those who look at it yet
+
+
+def _names(raw, count):
+    """Return the robots' namespaces."""
+    if count > MAX_ROBOTS:
+        raise ConfigurationError(f'parameter {rospy.resolve_name("~robots")}: got {shown(count)}; allowed: a whole '
+                                 f'number in 1..{MAX_ROBOTS}')
+    names = raw or [f'robot_{index}' for index in range(count)]
+    if not isinstance(names, list) or not all(is_namespace(name) for name in names) or len(
+            {name.strip('/') for name in names}) < len(names):
+        raise ConfigurationError(f'parameter {rospy.resolve_name("~names")}: got {shown(names)}; allowed: a list of '
+                                 f'different namespaces: {NAMESPACE_RULE}')
+    if len(names) != count:
+        raise ConfigurationError(f'parameter {rospy.resolve_name("~names")}: got {len(names)} names for {count} robots')
+    return names
 
 
 def _carry_out(coordinator, stopwatch, names, raw, began):
@@ -72,6 +103,8 @@ def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: N
     check: called while robots are waited for; may raise. before: called before the mission; in lockstep time stands.
     """
     participant = lockstep.join()
+    if participant is None:
+        watch_clock()
     events = queue.Queue()  # made after joining: its locks are lockstep's then
     robots = [RobotLink(index, name, task, pose_topic, events) for index, name in enumerate(names)]
     views = Views(coordinator, rospy.get_param('~variance_frame', 'map'))

@@ -7,6 +7,7 @@ from ..find_python import find_python
 
 def main():
     """Run one mission and exit."""
-    find_python(sys.argv)
+    if not {'-h', '--help'} & set(sys.argv[1:]):
+        find_python(sys.argv)
     from ..coordinator_node import main as node
     node()

@@ -1,0 +1,26 @@
+"""A log file that cannot be written: said once, in a line, instead of by a traceback for each message."""
+import logging
+import sys
+
+from move_base_abstract.shown import shown_text
+
+_told = set()
+
+
+def survive_full_disk():
+    """Have each handler of the process tell its first error of the disk. To be called before rospy.init_node."""
+    logging.Handler.handleError = _handle_error
+
+
+def _handle_error(handler, _record):
+    """Stand in for logging's own, which prints a traceback; it is called from within an ``except``."""
+    error = sys.exc_info()[1]
+    if id(handler) in _told:
+        return
+    _told.add(id(handler))
+    name = getattr(handler, 'baseFilename', None) or type(handler).__name__
+    try:
+        print('the log {} cannot be written: {}; the node goes on without it'.format(
+            shown_text(name), getattr(error, 'strerror', None) or shown_text(str(error))), file=sys.stderr, flush=True)
+    except OSError:
+        pass  # nobody reads that either

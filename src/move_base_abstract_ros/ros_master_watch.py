@@ -1,0 +1,78 @@
+"""Notices that the ROS master has gone while a node starts: rospy itself would try for ever, or fail in any line."""
+import http.client
+import sys
+import threading
+import time
+import xmlrpc.client
+
+import rosgraph
+import rospy
+
+_PERIOD_S = 0.2  # wall
+_TIMEOUT_S = 5.0  # wall; one that is busy answers late
+_GONE_AFTER = 3  # refused connections in a row: nobody listens there any more
+
+
+class RosMasterWatch:
+    """Asks the ROS master now and then whether it is there, from its first answer on, until :meth:`stop`."""
+
+    def __init__(self, name):
+        self._name = name
+        self._uri = rosgraph.get_master_uri()
+        self._stopped = threading.Event()
+        self.has_lost = False
+
+    def start(self):
+        """Begin."""
+        threading.Thread(target=self._watch, name='ros_master_watch', daemon=True).start()
+
+    def stop(self):
+        """Ask no more."""
+        self._stopped.set()
+
+    def _watch(self):
+        is_known, refused, is_late = False, 0, False
+        while not self._stopped.wait(_PERIOD_S):
+            begin = time.monotonic()
+            answer = is_answering(self._uri, self._name, _TIMEOUT_S)
+            if answer:
+                is_known, refused, is_late = True, 0, False
+            elif is_known and time.monotonic() - begin < _TIMEOUT_S:
+                refused += 1
+            elif is_known and not is_late:
+                is_late = True
+                self._say('has not answered for {:g} s; the node waits for it'.format(_TIMEOUT_S), rospy.logwarn)
+            if refused >= _GONE_AFTER and not self._stopped.is_set():
+                self._say('has gone while the node started; the node ends', rospy.logfatal)
+                self.has_lost = True
+                return
+
+    def _say(self, text, log):
+        text = '{}: the ROS master at {} {}'.format(self._name, self._uri, text)
+        if rospy.core.is_initialized():
+            log('%s', text)
+        else:
+            print(text, file=sys.stderr, flush=True)
+
+
+class _Transport(xmlrpc.client.Transport):
+    """With a time-out, which the standard one lacks."""
+
+    def __init__(self, timeout):
+        super().__init__()
+        self._timeout = timeout
+
+    def make_connection(self, host):
+        """Return a connection of which nothing waits for ever."""
+        connection = super().make_connection(host)
+        connection.timeout = self._timeout
+        return connection
+
+
+def is_answering(uri, caller, timeout):
+    """Return whether a ROS master or node at ``uri`` answers within ``timeout`` [s, wall]."""
+    try:
+        code, _, _ = xmlrpc.client.ServerProxy(uri, transport=_Transport(timeout)).getPid('/' + caller.strip('/'))
+    except (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, TypeError):
+        return False
+    return code == 1
