@@ -12,6 +12,7 @@ import random
 from typing import NamedTuple, Tuple
 
 from move_base_abstract.bounded_yaml import load_yaml_file
+from move_base_abstract.csv_files import open_csv
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.geometry import Pose2D
 from move_base_abstract.ros_names import ROBOT_NAME_RULE, is_robot_name
@@ -176,20 +177,17 @@ def _metres_per_radian(latitude):
 
 def _read_csv(path, value_column):
     """Return the (lat, lon, value) rows of the file."""
-    try:
-        with open(path, newline='', encoding='utf-8-sig') as stream:
-            reader = csv.reader(stream, strict=True)
-            header = [name.strip() for name in next(reader, [])]
-            columns = _find_columns(header, value_column, path)
-            rows = []
-            for cells in reader:
-                if cells:  # csv gives an empty list for an empty line
-                    where = f'{path}:{reader.line_num}'
-                    rows.append(tuple(_read_cell(cells, i, header[i], where) for i in columns))
-                    _check_degrees(rows[-1], where)
-            return rows
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise MissionError(f'{path}: cannot be read as CSV: {error}') from None
+    with open_csv(path, MissionError) as stream:
+        reader = csv.reader(stream, strict=True)
+        header = [name.strip() for name in next(reader, [])]
+        columns = _find_columns(header, value_column, path)
+        rows = []
+        for cells in reader:
+            if cells:  # csv gives an empty list for an empty line
+                where = f'{path}:{reader.line_num}'
+                rows.append(tuple(_read_cell(cells, i, shown_text(header[i]), where) for i in columns))
+                _check_degrees(rows[-1], where)
+        return rows
 
 
 def _find_columns(header, value_column, path):
@@ -201,9 +199,11 @@ def _find_columns(header, value_column, path):
     names.append(value_column)
     for name in names:
         if name not in header:
-            raise MissionError(f"{path}:1: column '{name}' is missing; needs lat, lon and a value, got {header}")
+            raise MissionError(f"{path}:1: column '{shown_text(name)}' is missing; needs lat, lon and a value, "
+                               f'got {shown(header)}')
         if header.count(name) > 1:
-            raise MissionError(f"{path}:1: column '{name}' is there {header.count(name)} times; names must differ")
+            raise MissionError(f"{path}:1: column '{shown_text(name)}' is there {header.count(name)} times; "
+                               'names must differ')
     return [header.index(name) for name in names]
 
 
@@ -215,7 +215,7 @@ def _read_cell(cells, index, name, where):
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise MissionError(f"{where}: column '{name}' must be a finite number, got {cells[index]!r}")
+        raise MissionError(f"{where}: column '{name}' must be a finite number, got {shown(cells[index])}")
     return number
 
 

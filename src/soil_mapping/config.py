@@ -1,16 +1,19 @@
 """What a trial is made of: the mission's parameters, checked at birth."""
 
-import math
 import re
 from dataclasses import asdict, dataclass, fields
 from difflib import get_close_matches
 from enum import Enum
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.shown import shown
 
 PUBLISHED_CONFIGURATIONS = (('ssi', 'random'), ('ssi', 'dynamic'), ('rr', 'random'), ('rr', 'dynamic'))
 
 OWN_CLASS = re.compile(r'[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*')  # a user's class by its name
+MAX_ROBOTS = 1000
+RANGES = {'budget_s': (1e-3, 1e7, 's'), 'dwell_s': (0.0, 1e7, 's'), 'speed': (1e-3, 1e3, 'm/s'),
+          'coarse_m': (1.0, 1e6, 'm'), 'cell_m': (1e-3, 1e6, 'm')}
 
 
 class Allocation(str, Enum):
@@ -50,13 +53,13 @@ class TrialConfig:
     """
 
     field: str = 'synthetic'  # 'synthetic', 'meuse' or 'csv:PATH'
-    robots: int = 3  # >= 1
+    robots: int = 3  # 1..1000
     allocation: Allocation = Allocation.AUCTION  # or a text 'module:Class'; so sampling; own_code.py
     sampling: Sampling = Sampling.DYNAMIC
-    budget_s: float = 240.0  # simulated s from the start of the mission, > 0
-    dwell_s: float = 1.0  # simulated s that taking a sample lasts, >= 0
+    budget_s: float = 240.0  # simulated s from the start of the mission, > 0, at most 1e7 (116 days)
+    dwell_s: float = 1.0  # simulated s that taking a sample lasts, 0..1e7
     dwell_spread_s: float = 0.0  # a dwell is drawn uniformly from dwell_s -+ this; 0..dwell_s
-    speed: float = 2.0  # m/s, > 0: what engines drive at
+    speed: float = 2.0  # m/s, 0.001..1000: what engines drive at
     cell_m: float = 1  # edge of a cell of truth and map, > 0; synthetic and stretched fields: 1 or 2
     coarse_cells: CoarseCells = CoarseCells.SQUARES
     coarse_m: float = 33.0  # edge of a square coarse cell, > 0
@@ -69,18 +72,15 @@ class TrialConfig:
             object.__setattr__(self, name, _member(kind, name, getattr(self, name)))
         if not isinstance(self.field, str):
             raise ConfigurationError(f"field must be a text such as 'synthetic' or 'csv:PATH', got {self.field!r}")
-        if isinstance(self.robots, bool) or not isinstance(self.robots, int) or self.robots < 1:
-            raise ConfigurationError(f'robots must be a whole number >= 1, got {self.robots!r}')
-        for name, unit in (('budget_s', 's'), ('speed', 'm/s'), ('coarse_m', 'm')):
-            if not _finite(getattr(self, name)) or not getattr(self, name) > 0.0:
-                raise ConfigurationError(f'{name} must be > 0 {unit} and finite, got {getattr(self, name)!r}')
-        if not _finite(self.dwell_s) or self.dwell_s < 0.0:
-            raise ConfigurationError(f'dwell_s must be >= 0 s and finite, got {self.dwell_s!r}')
-        if not _finite(self.dwell_spread_s) or not 0.0 <= self.dwell_spread_s <= self.dwell_s:
+        if isinstance(self.robots, bool) or not isinstance(self.robots, int) or not 1 <= self.robots <= MAX_ROBOTS:
+            raise ConfigurationError(f'robots must be a whole number in 1..{MAX_ROBOTS}, got {shown(self.robots)}')
+        for name, (least, most, unit) in RANGES.items():
+            value = getattr(self, name)
+            if not _is_number(value) or not least <= value <= most:
+                raise ConfigurationError(f'{name} must lie in {least:g}..{most:g} {unit}, got {shown(value)}')
+        if not _is_number(self.dwell_spread_s) or not 0.0 <= self.dwell_spread_s <= self.dwell_s:
             raise ConfigurationError(f'dwell_spread_s must lie in 0..dwell_s, {self.dwell_s:g} s, '
                                      f'got {self.dwell_spread_s!r}')
-        if not _finite(self.cell_m) or not self.cell_m > 0.0:
-            raise ConfigurationError(f'cell_m must be > 0 m and finite, got {self.cell_m!r}')
         if self.cell_m == int(self.cell_m):
             object.__setattr__(self, 'cell_m', int(self.cell_m))
         parse_size(self.size)
@@ -134,5 +134,5 @@ def _member(kind, name, value):
         raise ConfigurationError(f'{name} must be one of {allowed}, got {value!r}{own}') from None
 
 
-def _finite(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+def _is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool)

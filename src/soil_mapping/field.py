@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.shown import shown
 
 from .config import Crs, parse_size
 from .grid import FIELD_HEIGHT_M, FIELD_WIDTH_M, MAX_CELLS, Grid
@@ -95,7 +96,8 @@ def load_field(source='synthetic', cell_m=1, crs=Crs.DEGREES, size=''):
     elif source == 'meuse':
         made = interpolate(read_meuse(), source, 'mg/kg', size or PUBLISHED_SIZE)
     else:
-        raise ConfigurationError(f"field must be 'synthetic', 'synthetic:SEED', 'meuse' or 'csv:PATH', got {source!r}")
+        raise ConfigurationError("field must be 'synthetic', 'synthetic:SEED', 'meuse' or 'csv:PATH', "
+                                 f'got {shown(source)}')
     if cell_m not in (1, 2):
         raise ConfigurationError(f'field {source!r}: cell_m must be 1 or 2 m, got {cell_m!r}')
     return made if cell_m == 1 else made.every_second_cell()
@@ -152,8 +154,8 @@ def _checked(grid, source):
 
 def _synthetic(source, seed_text):
     """Return a gaussian random field with the mean and the standard deviation of the published study's, exactly."""
-    if not seed_text.isdecimal():
-        raise ConfigurationError(f'field {source!r}: the seed must be a whole number >= 0')
+    if not seed_text.isdecimal() or len(seed_text) > 19:
+        raise ConfigurationError(f'field {shown(source)}: the seed must be a whole number of at most 19 digits')
     import gstools  # takes 0.7 s to import, and nothing else needs it
     from scipy.interpolate import RectBivariateSpline
     grid = Grid.of_field(1)

@@ -6,11 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from move_base_abstract.csv_files import open_csv
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.shown import shown, shown_text
 
 from .config import Crs
 
-MIN_READINGS = 3
+MIN_READINGS, MAX_READINGS = 3, 5000  # as many as kriging can do in half a minute and 1 GB
+MAX_VALUE = 1e12  # in any unit; squares and their sums stay finite
 MEUSE_FILE = Path(__file__).with_name('data') / 'meuse_zinc.csv'
 
 
@@ -34,23 +37,27 @@ def read_meuse():
 
 
 def _read(path, names):
-    try:
-        with open(path, newline='', encoding='utf-8-sig') as stream:
-            lines = csv.reader(stream, strict=True)
-            header = [name.strip() for name in next(lines, [])]
-            columns = _columns(header, names, path)
-            rows, seen = [], {}
-            for cells in lines:
-                if cells:
-                    where = f'{path}:{lines.line_num}'
-                    row = [_number(cells, index, header[index], where) for index in columns]
-                    _check_place(row, header, columns, seen, where, lines.line_num)
-                    rows.append(row)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ConfigurationError(f'{path}: cannot be read as CSV: {error}') from None
+    rows = _read_rows(path, names)
     if len(rows) < MIN_READINGS:
         raise ConfigurationError(f'{path}: needs at least {MIN_READINGS} readings, got {len(rows)}')
     return np.array(rows, dtype=np.float64)
+
+
+def _read_rows(path, names):
+    rows, seen = [], {}
+    with open_csv(path) as stream:
+        lines = csv.reader(stream, strict=True)
+        header = [name.strip() for name in next(lines, [])]
+        columns = _columns(header, names, path)
+        for cells in lines:
+            if cells:
+                where = f'{path}:{lines.line_num}'
+                row = [_number(cells, index, shown_text(header[index]), where) for index in columns]
+                _check_place(row, header, columns, seen, where, lines.line_num)
+                rows.append(row)
+                if len(rows) > MAX_READINGS:
+                    raise ConfigurationError(f'{where}: more than {MAX_READINGS} readings; allowed: at most that')
+    return rows
 
 
 def _columns(header, names, path):
@@ -61,7 +68,9 @@ def _columns(header, names, path):
     for name in wanted:
         if header.count(name) != 1:
             problem = 'is missing' if name not in header else f'is there {header.count(name)} times'
-            raise ConfigurationError(f"{path}:1: column '{name}' {problem}; needs {', '.join(wanted)}, got {header}")
+            raise ConfigurationError(f"{path}:1: column '{shown_text(name)}' {problem}; needs "
+                                     f"{shown_text(', '.join(wanted))}, "
+                                     f'got {shown(header)}')
     return [header.index(name) for name in wanted]
 
 
@@ -73,7 +82,9 @@ def _number(cells, index, name, where):
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise ConfigurationError(f"{where}: column '{name}' must be a finite number, got {cells[index]!r}")
+        raise ConfigurationError(f"{where}: column '{name}' must be a finite number, got {shown(cells[index])}")
+    if abs(number) > MAX_VALUE:
+        raise ConfigurationError(f"{where}: column '{name}' must lie in -{MAX_VALUE:g}..{MAX_VALUE:g}, got {number!r}")
     return number
 
 

@@ -107,12 +107,21 @@ def test_the_value_column_can_be_chosen(tmp_path):
     ('lat,lon,v\n1,2,nan\n', ":2: column 'v' must be a finite number, got 'nan'"),
     ('lat,lon,v\n1,2,3\n1,east,3\n', ":3: column 'lon' must be a finite number, got 'east'"),
     ('lat,lon,v\n91,2,3\n', ":2: column 'lat' must lie in -90..90 degrees, got 91.0"),
+    ('lat,lon,v\n1,2,' + '1' * 5001 + '\n', ":2: column 'v' must be a finite number, got '1111"),
+    ('lat,lon,' + 'v' * 5001 + '\n1,2,x\n', ":2: column 'vvvv"),
     ('lat,lon,v\n1,2,3\n1,3,3\n', ': needs at least 3 points, got 2'),
 ])
 def test_a_wrong_field_file_is_refused_with_file_and_line(tmp_path, text, words):
     with pytest.raises(MissionError) as error:
         mission.read_field_points(field_file(tmp_path, text))
     assert 'field.csv' + words in str(error.value)
+    assert len(str(error.value)) < len(str(tmp_path)) + 400
+
+
+def test_a_device_or_a_folder_is_no_field_file(tmp_path):
+    for path in ('/dev/zero', tmp_path):
+        with pytest.raises(MissionError, match=f'{path}: must be a file of at most'):
+            mission.read_field_points(path)
 
 
 # ---- chance

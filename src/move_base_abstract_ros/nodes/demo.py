@@ -16,6 +16,7 @@ import rospy
 
 from move_base_abstract import mission
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.shown import shown_text
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
 from move_base_abstract_ros.nodes import demo_nodes, demo_report
@@ -23,6 +24,7 @@ from move_base_abstract_ros.nodes.demo_mission import MissionFailed, MissionRun
 
 LAST_LOOK_SECONDS = 1.0  # wall
 FACTOR_MIN, FACTOR_MAX = 0.01, 1e6  # those of the time master
+MAX_COUNT = 10000  # of robots, and of each one's goals
 
 
 def main():
@@ -159,7 +161,7 @@ def _factor(text):
 
 
 def _count(text):
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f'must be a whole number >= 1, got {text}')
+    value = int(text) if text.isdecimal() and len(text) < 10 else 0
+    if not 1 <= value <= MAX_COUNT:
+        raise argparse.ArgumentTypeError(f'must be a whole number in 1..{MAX_COUNT}, got {shown_text(text)}')
     return value

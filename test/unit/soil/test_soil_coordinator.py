@@ -165,15 +165,20 @@ def test_a_mission_without_a_map_has_maps_of_nan(hill):
 
 
 @pytest.mark.parametrize('options, complaint', [
-    ({'robots': 0}, 'robots must be a whole number >= 1, got 0'),
+    ({'robots': 0}, 'robots must be a whole number in 1..1000, got 0'),
     ({'robots': True}, 'robots must be'),
+    ({'robots': 10 ** 9}, 'robots must be a whole number in 1..1000, got 1000000000'),
+    ({'robots': 10 ** 5000}, 'robots must be a whole number in 1..1000, got a whole number of about 5001 digits'),
     ({'allocation': 'SSI'}, "allocation must be one of rr, ssi, got 'SSI'"),
     ({'sampling': None}, 'sampling must be one of random, dynamic, grid, got None'),
-    ({'budget_s': math.nan}, 'budget_s must be > 0 s'),
-    ({'speed': 0.0}, 'speed must be > 0 m/s'),
-    ({'dwell_s': -1.0}, 'dwell_s must be >= 0 s'),
+    ({'budget_s': math.nan}, 'budget_s must lie in 0.001..1e+07 s, got nan'),
+    ({'speed': 0.0}, 'speed must lie in 0.001..1000 m/s, got 0.0'),
+    ({'speed': 1e-300}, 'speed must lie in 0.001..1000 m/s, got 1e-300'),
+    ({'budget_s': 1e300}, 'budget_s must lie in 0.001..1e+07 s, got 1e+300'),
+    ({'dwell_s': -1.0}, 'dwell_s must lie in 0..1e+07 s'),
+    ({'dwell_s': 10 ** 400}, 'dwell_s must lie in 0..1e+07 s, got a whole number of about 401 digits'),
     ({'dwell_spread_s': 1.5}, 'dwell_spread_s must lie in 0..dwell_s, 1 s, got 1.5'),
-    ({'cell_m': 0}, 'cell_m must be > 0 m and finite, got 0'),
+    ({'cell_m': 0}, 'cell_m must lie in 0.001..1e+06 m, got 0'),
     ({'field': 4}, 'field must be a text'),
 ])
 def test_a_configuration_that_cannot_be_used_is_refused(options, complaint):

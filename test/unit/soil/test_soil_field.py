@@ -83,6 +83,10 @@ def test_the_meuse_field_is_zinc_on_the_same_grid():
     ('lat,lon,v\n1,2,3\n1,3,3\n', '{}: needs at least 3 readings, got 2'),
     ('lat,lon,v\n1,2,3\n2,3,3\n1,2.0,4\n', '{}:4: the same place as in line 2'),
     ('', "{}:1: column 'lon' is missing"),
+    ('lat,lon,v\n1,2,1e308\n', "{}:2: column 'v' must lie in -1e+12..1e+12, got 1e+308"),
+    ('lat,lon,v\n1,2,' + '1' * 5001 + '\n', "{}:2: column 'v' must be a finite number, got '11111"),
+    ('lat,lon,v\n1,2,"' + '1' * 140000 + '"\n', '{}: cannot be read as CSV: field larger than field limit'),
+    ('lat,lon,v\n' + ''.join(f'{n / 100},2,3\n' for n in range(5001)), '{}:5002: more than 5000 readings'),
 ])
 def test_a_bad_csv_is_refused_with_file_and_line(tmp_path, text, complaint):
     path = tmp_path / 'readings.csv'
@@ -90,9 +94,24 @@ def test_a_bad_csv_is_refused_with_file_and_line(tmp_path, text, complaint):
     with pytest.raises(ConfigurationError) as caught:
         load_field(f'csv:{path}')
     assert str(caught.value).startswith(complaint.format(path))
+    assert len(str(caught.value)) < len(str(path)) + 300
 
 
-@pytest.mark.parametrize('source', ['', 'mouse', 'csv:', 'meuse:1', 'synthetic:x', 'synthetic:-1', 'csv:/none.csv'])
+def test_a_folder_or_a_device_is_no_file_of_readings(tmp_path):
+    for path in (tmp_path, '/dev/zero'):
+        with pytest.raises(ConfigurationError, match=f'{path}: must be a file of at most'):
+            load_field(f'csv:{path}')
+
+
+@pytest.mark.parametrize('values', [(1e12, -1e12, 0.0), (1e-320, 0.0, 2e-320), (9e11, 9e11 + 1.0, 9e11)])
+def test_values_at_the_ends_of_what_is_allowed_make_a_field(tmp_path, values):
+    path = tmp_path / 'readings.csv'
+    path.write_text('lat,lon,v\n' + ''.join(f'{n},{2 * n % 3},{value!r}\n' for n, value in enumerate(values)))
+    assert np.isfinite(load_field(f'csv:{path}').values).all()
+
+
+@pytest.mark.parametrize('source', ['', 'mouse', 'csv:', 'meuse:1', 'synthetic:x', 'synthetic:-1', 'csv:/none.csv',
+                                    'synthetic:' + '1' * 5001, 'x' * 5001])
 def test_an_unknown_field_is_refused(source):
     with pytest.raises(ConfigurationError):
         load_field(source)
