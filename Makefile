@@ -62,8 +62,7 @@ study: build  ## the whole study in .ws/study, resumable; STUDY_1X=1 adds real t
 
 picture: build  ## take the pictures of the README: RViz on a screen without a monitor
 	@tools/install_deps tools/apt-packages-picture.txt
-	@$(ENTER) $(PYTHON) tools/take_picture.py docs/images/rviz.png && \
-	  $(PYTHON) tools/take_soil_picture.py docs/images/soil_mapping.png
+	@$(ENTER) $(PYTHON) tools/take_picture.py && $(PYTHON) tools/take_soil_picture.py
 
 clean:  ## remove everything that was built
 	rm -rf $(WS)

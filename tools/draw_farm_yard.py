@@ -6,9 +6,7 @@ usage: tools/draw_farm_yard.py [OUTPUT.png]
 60 m x 40 m at 0.1 m, lower left corner at (0, 0). Four blocks of buildings between streets that are free:
 east-west at y = 4, 20 and 36 m, north-south at x = 4, 30 and 56 m; so every straight leg along a street is free.
 """
-import sys
-from pathlib import Path
-
+from output_file import output_file
 from PIL import Image, ImageDraw
 
 RESOLUTION = 0.1  # m
@@ -66,8 +64,7 @@ def draw():
 
 def main():
     """Write the image."""
-    default = Path(__file__).resolve().parent.parent / 'maps' / 'farm_yard.png'
-    draw().save(sys.argv[1] if len(sys.argv) > 1 else default, optimize=True)
+    draw().save(output_file('maps/farm_yard.png', __doc__), optimize=True)
 
 
 if __name__ == '__main__':

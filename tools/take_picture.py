@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Take the picture of the README: five robots on the map that ships with the package, as RViz shows them.
 
-usage: tools/take_picture.py OUTPUT.png
+usage: tools/take_picture.py [OUTPUT.png]     (without a name: docs/images/rviz.png)
 
 Everything runs on a ROS master of its own on 127.0.0.1 and on a screen without a monitor (Xvfb) with OpenGL in
 software. Simulated time stands still while the picture is taken. WAIT [s, wall] ends what does not come.
@@ -10,7 +10,6 @@ import io
 import math
 import os
 import subprocess
-import sys
 import time
 
 import rosgraph
@@ -19,6 +18,7 @@ import rospy
 from actionlib import SimpleActionClient
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from output_file import output_file
 from PIL import Image
 
 from move_base_abstract_ros.loopback import PACKAGE, Loopback
@@ -40,10 +40,8 @@ ROBOTS = {
 
 
 def main():
-    """Take the picture and write it to the file that the command line names."""
-    if len(sys.argv) != 2:
-        sys.exit(__doc__)
-    output = sys.argv[1]
+    """Take the picture and write it to its file."""
+    output = output_file('docs/images/rviz.png', __doc__)
     with Loopback() as ros:
         ros.adopt()
         screen = Screen()

@@ -1,17 +1,17 @@
 #!/usr/bin/python3
 """Take the README's picture of the soil study: prediction and variance, robots, samples and tasks, as RViz shows them.
 
-usage: tools/take_soil_picture.py OUTPUT.png
+usage: tools/take_soil_picture.py [OUTPUT.png]     (without a name: docs/images/soil_mapping.png)
 
 As take_picture.py: on a ROS master and a screen of its own. The mission runs in lockstep to UNTIL and stands still.
 """
 import os
-import sys
 
 import rospkg
 import rospy
 import take_picture
 from nav_msgs.msg import OccupancyGrid
+from output_file import output_file
 
 from move_base_abstract_ros.loopback import PACKAGE, Loopback
 from move_base_abstract_ros.time_master_client import TimeMasterClient
@@ -20,10 +20,8 @@ UNTIL = 230.0  # s, simulated: when the picture is taken
 
 
 def main():
-    """Take the picture and write it to the file that the command line names."""
-    if len(sys.argv) != 2:
-        sys.exit(__doc__)
-    output = sys.argv[1]
+    """Take the picture and write it to its file."""
+    output = output_file('docs/images/soil_mapping.png', __doc__)
     with Loopback() as ros:
         ros.adopt()
         screen = take_picture.Screen()
