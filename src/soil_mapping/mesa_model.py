@@ -13,6 +13,7 @@ from move_base_abstract.units import NS_PER_S
 from .commands import Drive, Place, TakeSample
 from .coordinator import Coordinator
 from .field import field_of
+from .inputs import inputs_of
 from .motion import motion_named
 from .result import collect
 from .stopwatch import Stopwatch
@@ -102,17 +103,19 @@ class SoilMappingModel(mesa.Model):
         self._carry_out(self.coordinator.sampled(robot.robot, now_ns, Place(*robot.pos), value))
 
 
-def run_mesa_trial(config, seed, motion='euclidean', truth=None, stopwatch=None):
+def run_mesa_trial(config, seed, motion='euclidean', truth=None, stopwatch=None, inputs=None):
     """Run a mission to its end and return its TrialResult; arguments as for SoilMappingModel.
 
+    inputs: as in TrialResult, where the field is given; otherwise they are looked at before it is loaded.
     Wall seconds are measured per phase: start_up (the field and the model), mission (all of the run), and within it
     kriging and allocation.
     """
     stopwatch = stopwatch or Stopwatch()
     with stopwatch.phase('start_up'):
+        inputs = inputs_of(config.field) if truth is None else inputs
         model = SoilMappingModel(config, seed, truth, motion, stopwatch)
     with stopwatch.phase('mission'):
         while model.running:
             model.step()
     mission_s = stopwatch.seconds['mission']
-    return collect(model.coordinator, {'name': 'mesa', 'motion': motion}, stopwatch.seconds, mission_s)
+    return collect(model.coordinator, {'name': 'mesa', 'motion': motion}, stopwatch.seconds, mission_s, inputs)

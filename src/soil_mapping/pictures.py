@@ -4,6 +4,8 @@ import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from move_base_abstract.own_files import whole_file
+
 DPI = 100
 ROBOT_COLOURS = matplotlib.colormaps['tab10']
 
@@ -28,7 +30,8 @@ def _write_map(path, result, values, title, label, style, draw=None):
     axes.set(title=title, xlabel='x, east [m]', ylabel='y, north [m]')
     if draw:
         draw(axes, result)
-    FigureCanvasAgg(figure).print_png(path, metadata={'Software': None})
+    with whole_file(path, 'wb') as stream:
+        FigureCanvasAgg(figure).print_png(stream, metadata={'Software': None})
 
 
 def _draw_robots(axes, result):

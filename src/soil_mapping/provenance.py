@@ -4,8 +4,21 @@ import functools
 import importlib.metadata
 import os
 import platform
+import re
+from pathlib import Path
 
 LIBRARIES = ('numpy', 'scipy', 'PyKrige', 'gstools', 'Mesa', 'matplotlib')
+
+
+@functools.lru_cache(maxsize=1)
+def package_version():
+    """Return the version of this package as its package.xml says, in the source tree or installed; or 'unknown'."""
+    for folder in Path(__file__).resolve().parents[2:6]:
+        for file in (folder / 'package.xml', folder / 'share' / 'move_base_abstract' / 'package.xml'):
+            if file.is_file():
+                found = re.search(r'<version>\s*([^<\s]+)\s*</version>', file.read_text(encoding='utf-8'))
+                return found.group(1) if found else 'unknown'
+    return 'unknown'
 
 
 @functools.lru_cache(maxsize=1)

@@ -69,6 +69,7 @@ class TrialResult:
     cell_m: float = 1.0  # edge of a cell
     about_field: dict = field(default_factory=dict)  # its source, unit, width_m, height_m, and how they came about
     own_code: dict = field(default_factory=dict)  # SHA-256 of the files of a user's own classes, by their names
+    inputs: dict = field(default_factory=dict)  # what the trial read: SHA-256 by purpose, see inputs.py
     wall_s: dict = field(default_factory=dict)  # wall seconds per phase: start_up, mission, kriging, allocation, ...
     moving_wall_s: float = math.nan  # wall s from the first command to the end of the mission
 
@@ -83,8 +84,8 @@ def _ratio(simulated_s, wall_s):
     return simulated_s / wall_s if wall_s > 0.0 else math.nan
 
 
-def collect(coordinator, engine, wall_s, moving_wall_s):
-    """Return the TrialResult of a mission that has ended; engine and the wall times as in TrialResult."""
+def collect(coordinator, engine, wall_s, moving_wall_s, inputs=None):
+    """Return the TrialResult of a mission that has ended; engine, inputs and the wall times as in TrialResult."""
     log, truth = coordinator.log, coordinator.truth
     unknown = np.full(truth.values.shape, np.nan)
     estimate = coordinator.estimate
@@ -94,5 +95,5 @@ def collect(coordinator, engine, wall_s, moving_wall_s):
         history=log.history, waypoints=log.waypoints, truth=truth.values,
         prediction=unknown if estimate is None else estimate.mean,
         variance=unknown if estimate is None else estimate.variance,
-        cell_m=truth.grid.cell_m, about_field=truth.about, own_code=own_code(coordinator.config), wall_s=dict(wall_s),
-        moving_wall_s=moving_wall_s)
+        cell_m=truth.grid.cell_m, about_field=truth.about, own_code=own_code(coordinator.config),
+        inputs=dict(inputs or {}), wall_s=dict(wall_s), moving_wall_s=moving_wall_s)

@@ -3,43 +3,51 @@
     NAME.unfinished/       while the trial runs, and for ever if it died: it says so itself and is begun again
     NAME/                  a complete trial; the name appears in one step, when all files are on the disk
         trial.json         format, config, seed, engine, metrics, simulated_s, speed_up, wall_s (per phase), versions,
-                           machine, events_sha256
+                           package (version), inputs (what was read, by its SHA-256), machine, events_sha256
         events.csv         time_ns, robot, event, task, x_m, y_m, value       (mission_log.Event)
         samples.csv        time_ns, robot, task, x_m, y_m, value_kpa          (mission_log.Sample)
         metrics.csv        the map after each sample                          (mission_log.Moment)
         trajectories.csv   time_ns, robot, x_m, y_m                           (mission_log.Waypoint)
         truth.npy prediction.npy variance.npy     float64, (rows from the south, columns), kPa and kPa^2
-        truth.png prediction.png variance.png trajectories.png     with pictures=True only
+        truth.png prediction.png variance.png trajectories.png     with pictures=True only, drawn last of all
+        .made_by_move_base_abstract     says that this program made the folder, and may replace it
 
-An engine may put further files (a rosbag, logs) into TrialFolder.path before it is finished. Numbers in CSV files are
+An engine may put further files (FROM_ENGINES) into TrialFolder.path before it is finished. Numbers in CSV files are
 written so that reading gives the same bits. Times are simulated ns since the start of the mission, so that the event
 logs of two runs can be compared as they are.
 """
 
-import contextlib
 import csv
 import hashlib
+import io
 import json
 import math
 import os
-import shutil
 from pathlib import Path
 
 import numpy as np
 
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.own_files import FolderKind, OutputError, whole_file
+
 from .mission_log import Event, Moment, Sample, Waypoint
-from .provenance import machine, versions
+from .provenance import machine, package_version, versions
 from .result import Metrics, TrialResult
 
 FORMAT = 1
 UNFINISHED = '.unfinished'
+OLD = '.old'  # while a complete trial takes the place of another one
 ARRAYS = ('truth', 'prediction', 'variance')
+PICTURES = (*ARRAYS, 'trajectories')
+FROM_ENGINES = ('lockstep_events.jsonl', 'charge.jsonl', 'trial.bag', 'trial.bag.active', 'error.txt')
 TABLES = (
     ('events', 'events.csv', Event, Event._fields),
     ('samples', 'samples.csv', Sample, ('time_ns', 'robot', 'task', 'x_m', 'y_m', 'value_kpa')),
     ('history', 'metrics.csv', Moment, Moment._fields),
     ('waypoints', 'trajectories.csv', Waypoint, ('time_ns', 'robot', 'x_m', 'y_m')),
 )
+KIND = FolderKind('trial', ('trial.json', *(file for _, file, _, _ in TABLES), *(f'{name}.npy' for name in ARRAYS),
+                            *(f'{name}.png' for name in PICTURES), *FROM_ENGINES))
 
 
 def is_complete(path):
@@ -52,36 +60,75 @@ class TrialFolder:
 
     Entering removes what an earlier try left and makes NAME.unfinished. finish() turns it into NAME. Leaving without
     finish() leaves NAME.unfinished, for whoever wants to see how far it came. A complete NAME is replaced only by a
-    complete one.
+    complete one, and whatever is not a trial's folder, or empty, is not replaced at all (own_files.py).
+
+    :raises ConfigurationError: on entering, if something else is in the way, or another process writes there.
+    :raises OutputError: if something cannot be written, because the disk is full, say.
     """
 
     def __init__(self, path):
-        self.final_path = Path(path)
+        self.final_path = Path(os.path.abspath(path))
+        if not self.final_path.name:
+            raise ConfigurationError(f'{path}: must be a folder that can be given its name, not the root of all')
         self.path = self.final_path.with_name(self.final_path.name + UNFINISHED)
+        self._old = self.final_path.with_name(self.final_path.name + OLD)
+        self._marker = None
+
+    def check(self):
+        """Complain if there is something in the way. :raises ConfigurationError: naming it."""
+        for path in (self.final_path, self.path, self._old):
+            KIND.check(path)
 
     def __enter__(self):
-        self.final_path.parent.mkdir(parents=True, exist_ok=True)
-        shutil.rmtree(self.path, ignore_errors=True)
-        self.path.mkdir()
+        self.check()
+        KIND.remove(self.path)
+        self._marker = KIND.make(self.path)
         return self
 
     def __exit__(self, *problem):
+        os.close(self._marker)
         return False
 
-    def finish(self, result, pictures=False):
-        """Write all files of a TrialResult, see that they are on the disk, and give the folder its final name."""
-        digest = _write_tables(self.path, result)
-        for name in ARRAYS:
-            with _whole_file(self.path / f'{name}.npy', 'wb') as stream:
-                np.save(stream, np.asarray(getattr(result, name), dtype=np.float64), allow_pickle=False)
+    def finish(self, result, pictures=False, recorded=lambda: None):
+        """Write all files of a TrialResult, see that they are on the disk, and give the folder its final name.
+
+        recorded: called when the trial is complete. Pictures are drawn after that.
+        """
+        self._write(result)
+        recorded()
         if pictures:
             from .pictures import write_pictures  # matplotlib takes a second to import
-            write_pictures(self.path, result)
-        with _whole_file(self.path / 'trial.json', 'w', encoding='utf-8') as stream:
-            json.dump(_plain(describe(result, digest)), stream, indent=1, allow_nan=False)
-        _sync_folder(self.path)
-        _swap(self.path, self.final_path)
+            write_pictures(self.final_path, result)
         return self.final_path
+
+    def _write(self, result):
+        """Write the record: what cannot be computed again comes first, what makes it complete last."""
+        digest = _write_tables(self.path, result)
+        for name in ARRAYS:
+            content = io.BytesIO()  # numpy does not say why it cannot write to a file
+            np.save(content, np.asarray(getattr(result, name), dtype=np.float64), allow_pickle=False)
+            with whole_file(self.path / f'{name}.npy', 'wb') as stream:
+                stream.write(content.getbuffer())
+        with whole_file(self.path / 'trial.json', 'w', encoding='utf-8') as stream:
+            json.dump(_plain(describe(result, digest)), stream, indent=1, allow_nan=False)
+        try:
+            _sync_folder(self.path)
+            self._swap()
+        except OSError as error:
+            raise OutputError(f'{self.final_path}: cannot be given its name: {error.strerror}; the trial is in '
+                              f'{self.path}') from error
+
+    def _swap(self):
+        """Give the folder its final name. An older complete one makes room first: a kill in between loses only that."""
+        KIND.remove(self._old)
+        KIND.check(self.final_path)
+        if is_complete(self.final_path):
+            os.rename(self.final_path, self._old)
+        else:
+            KIND.remove(self.final_path)
+        os.rename(self.path, self.final_path)
+        _sync_folder(self.final_path.parent)
+        KIND.remove(self._old)
 
 
 def describe(result, events_sha256):
@@ -90,8 +137,8 @@ def describe(result, events_sha256):
         'format': FORMAT, 'config': result.config, 'seed': result.seed, 'engine': result.engine,
         'metrics': result.metrics._asdict(), 'simulated_s': result.simulated_s, 'speed_up': result.speed_up,
         'wall_s': result.wall_s, 'moving_wall_s': result.moving_wall_s, 'cell_m': result.cell_m,
-        'field': result.about_field, 'own_code': result.own_code, 'events_sha256': events_sha256,
-        'versions': versions(), 'machine': machine(),
+        'field': result.about_field, 'own_code': result.own_code, 'inputs': result.inputs,
+        'events_sha256': events_sha256, 'package': package_version(), 'versions': versions(), 'machine': machine(),
     }
 
 
@@ -106,8 +153,8 @@ def read_trial(path):
     metrics = Metrics(**{name: math.nan if value is None else value for name, value in about['metrics'].items()})
     moving = about['moving_wall_s']
     return TrialResult(config=about['config'], seed=about['seed'], engine=about['engine'], metrics=metrics,
-                       simulated_s=about['simulated_s'], cell_m=about['cell_m'],
-                       about_field=about.get('field', {}), own_code=about.get('own_code', {}), wall_s=about['wall_s'],
+                       simulated_s=about['simulated_s'], cell_m=about['cell_m'], about_field=about.get('field', {}),
+                       own_code=about.get('own_code', {}), inputs=about.get('inputs', {}), wall_s=about['wall_s'],
                        moving_wall_s=math.nan if moving is None else moving, **tables, **arrays)
 
 
@@ -129,7 +176,7 @@ def events_text(events):
 def _write_tables(folder, result):
     """Write the tables; return the SHA-256 of events.csv."""
     for name, file, _, header in TABLES:
-        with _whole_file(folder / file, 'w', encoding='utf-8', newline='') as stream:
+        with whole_file(folder / file, 'w', encoding='utf-8', newline='') as stream:
             stream.write(_csv_text(header, getattr(result, name)))
     return hashlib.sha256(events_text(result.events).encode()).hexdigest()
 
@@ -159,31 +206,9 @@ def _plain(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-@contextlib.contextmanager
-def _whole_file(path, mode, **options):
-    """Open a file that appears under its name only once it is complete and on the disk."""
-    part = path.with_name(path.name + '.part')
-    with open(part, mode, **options) as stream:
-        yield stream
-        stream.flush()
-        os.fsync(stream.fileno())
-    os.replace(part, path)
-
-
 def _sync_folder(path):
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
-
-
-def _swap(unfinished, final):
-    """Give the folder its final name. An older complete one is moved away first: a kill in between loses only that."""
-    old = final.with_name(final.name + '.old')
-    shutil.rmtree(old, ignore_errors=True)
-    if final.exists():
-        os.rename(final, old)
-    os.rename(unfinished, final)
-    _sync_folder(final.parent)
-    shutil.rmtree(old, ignore_errors=True)

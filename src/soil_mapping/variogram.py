@@ -33,9 +33,9 @@ class Variogram(NamedTuple):
 def fit(points, values):
     """Return the Variogram that PyKrige fits to values at points, shape (n, 2), n >= 2.
 
-    Equal values give a variogram of zeros.
+    Equal values give a variogram of zeros, and so do those whose differences have no squares.
     """
-    if np.ptp(values) == 0.0:
+    if np.ptp(values) ** 2 < np.finfo(np.float64).tiny:
         return Variogram(0.0, float(np.ptp(points, axis=0).max()), 0.0)
     from pykrige.ok import OrdinaryKriging  # takes 0.9 s to import
     fitted = OrdinaryKriging(points[:, 0], points[:, 1], values, variogram_model='gaussian')

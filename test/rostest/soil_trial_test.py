@@ -22,8 +22,8 @@ from move_base_abstract_ros.loopback import find_executable
 GUARD = 120.0
 MISSION = ['--budget', '120', '--seed', '3', '--no-pictures']
 LIMIT = 40.0  # simulated s per wall s
-FILES = ['events.csv', 'metrics.csv', 'prediction.npy', 'samples.csv', 'trajectories.csv', 'trial.json', 'truth.npy',
-         'variance.npy']
+FILES = ['.made_by_move_base_abstract', 'events.csv', 'metrics.csv', 'prediction.npy', 'samples.csv',
+         'trajectories.csv', 'trial.json', 'truth.npy', 'variance.npy']
 
 
 class Trials(unittest.TestCase):
@@ -118,6 +118,37 @@ class Trials(unittest.TestCase):
 
     def test_a_trial_that_is_interrupted_ends_soon_with_its_code(self):
         self.assertEqual(self.end_by(signal.SIGINT, 'interrupted'), 130)
+
+    def test_a_trial_that_is_interrupted_after_its_mission_is_complete(self):
+        path = self.path('after')
+        process = subprocess.Popen([find_executable('study'), 'trial', *MISSION, '--pictures', '--output', path],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
+        # The first file of the record: then the mission is over.
+        wait_for(lambda: os.path.exists(path + '.unfinished/events.csv') or os.path.exists(path))
+        process.send_signal(signal.SIGINT)
+        process.wait(GUARD)
+        self.assertEqual(self.results('after')[:2], self.plain[:2])
+        wait_for(lambda: not processes_with(path))
+
+    def test_what_is_in_the_way_is_named_and_stays(self):
+        os.mkdir(self.path('mine'))
+        with open(self.path('mine', 'notes.txt'), 'w', encoding='utf-8') as stream:
+            stream.write('precious')
+        done = self.study('trial', *MISSION, '--output', self.path('mine'))
+        self.assertEqual(done.returncode, 2, done.stdout)
+        self.assertIn(self.path('mine') + ": is not empty (it holds 'notes.txt')", done.stdout)
+        self.assertEqual(os.listdir(self.path('mine')), ['notes.txt'])
+
+    def test_a_disk_that_is_full_is_named_and_the_missions_events_stay(self):
+        # Bytes that a file may have, in place of those that a disk has: the maps are larger than that.
+        done = subprocess.run(['prlimit', '--fsize=100000', find_executable('study'), 'trial', *MISSION, '--engine',
+                               'mesa', '--output', self.path('full')], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, timeout=GUARD, check=False)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn('full.unfinished/truth.npy: cannot be written: File too large', done.stdout)
+        self.assertNotIn('Traceback', done.stdout)
+        with open(self.path('full.unfinished', 'events.csv'), 'rb') as stream:
+            self.assertEqual(stream.read(), self.plain[0])
 
     def test_a_trial_that_is_killed_is_marked_and_run_again(self):
         path = self.path('killed')

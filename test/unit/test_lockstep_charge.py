@@ -120,6 +120,18 @@ def test_a_file_that_is_no_record_is_refused_with_the_line(tmp_path, text):
         charge('replay:{}'.format(path))
 
 
+@pytest.mark.parametrize('name', ['costs', 'costs.part'])
+def test_a_record_takes_the_place_of_a_record_and_of_nothing_else(tmp_path, name):
+    text = f'measured:{tmp_path}/costs'
+    for earlier in ('{"time_ns": 1, "cost_ns": 2}\n', ''):
+        (tmp_path / name).write_text(earlier)
+        charge(text, Clock(), Clock()).close()
+    (tmp_path / name).write_text('my thesis\n')
+    with pytest.raises(ConfigurationError, match=f'{tmp_path}/{name}: is there already'):
+        charge(text, Clock(), Clock())
+    assert (tmp_path / name).read_text() == 'my thesis\n'
+
+
 @pytest.mark.parametrize('text', ['measured:{}/no/such/folder', 'measured_cpu:{}/no/such/folder',
                                   'replay:{}/no/such/file'])
 def test_a_file_that_cannot_be_opened_is_named(tmp_path, text):

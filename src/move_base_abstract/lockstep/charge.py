@@ -7,6 +7,8 @@ import json
 import os
 
 from ..errors import ConfigurationError
+from ..own_files import PART, OutputError, check_file, create_file
+from ..shown import shown_text
 from ..units import seconds_to_ns
 
 _ALLOWED = ("'none', 'fixed:SECONDS', 'measured' or 'measured:FILE' (wall clock), 'measured_cpu' or "
@@ -49,7 +51,7 @@ class MeasuredCharge(NoCharge):
         self._clock_ns = clock_ns
         self._begin_ns = clock_ns()
         self._path = path
-        self._record = _create(path + '.part') if path else None
+        self._record = _create(path) if path else None
 
     def begin(self):
         """A round begins: note when."""
@@ -67,8 +69,9 @@ class MeasuredCharge(NoCharge):
         """Give the record its final name."""
         if self._record is not None:
             self._record.close()
-            os.replace(self._path + '.part', self._path)
             self._record = None
+            check_file(self._path, _is_record)
+            os.replace(self._path + PART, self._path)
 
 
 class ReplayCharge(NoCharge):
@@ -97,18 +100,27 @@ def make_charge(text, wall_ns, cpu_ns):
 
     :raises ConfigurationError: if it describes none, or its file cannot be read or written.
     """
-    kind, _, detail = str(text or 'none').partition(':')
-    if kind == 'none' and not detail:
+    kind, detail = check_charge(text)
+    if kind == 'none':
         return NoCharge()
-    if kind == 'fixed' and _is_time(detail):
+    if kind == 'fixed':
         return FixedCharge(seconds_to_ns(float(detail)))
-    if kind == 'measured':
-        return MeasuredCharge(detail, wall_ns)
-    if kind == 'measured_cpu':
-        return MeasuredCharge(detail, cpu_ns)
-    if kind == 'replay' and detail:
+    if kind == 'replay':
         return ReplayCharge(detail)
-    raise ConfigurationError("charge: got '{}'; allowed: {}".format(text, _ALLOWED))
+    return MeasuredCharge(detail, wall_ns if kind == 'measured' else cpu_ns)
+
+
+def check_charge(text):
+    """Return the kind of the charge that ``text`` describes, and what stands behind the colon; no file is opened.
+
+    :raises ConfigurationError: if it describes none.
+    """
+    kind, _, detail = str(text or 'none').partition(':')
+    allowed = {'none': not detail, 'fixed': _is_time(detail), 'measured': True, 'measured_cpu': True,
+               'replay': bool(detail)}
+    if not allowed.get(kind, False):
+        raise ConfigurationError("charge: got '{}'; allowed: {}".format(shown_text(str(text)), _ALLOWED))
+    return kind, detail
 
 
 def _is_time(text):
@@ -119,10 +131,21 @@ def _is_time(text):
 
 
 def _create(path):
+    """Open the file that the record is called while it grows; neither it nor the record may be somebody else's."""
     try:
-        return open(path, 'w')
-    except OSError as error:
-        raise ConfigurationError('charge measured: {} cannot be written: {}'.format(path, error.strerror)) from None
+        check_file(path, _is_record)
+        return create_file(path + PART, _is_record)
+    except OutputError as error:
+        raise ConfigurationError('charge measured: {}'.format(error)) from None
+
+
+def _is_record(line):
+    """Whether the first line of a file (bytes) is that of a record."""
+    try:
+        entry = json.loads(line)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(entry, dict) and sorted(entry) == ['cost_ns', 'time_ns']
 
 
 def _read(path):

@@ -4,13 +4,14 @@ It takes the robots as they are: any action server under <robot>/move_base, and 
 parameters of the mission are those of soil_mapping.config.TrialConfig, by the same names; docs/soil_study_ros.md.
 """
 
+import contextlib
 import queue
 import sys
 import time
 
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract.ros_names import NAMESPACE_RULE, is_namespace
 from move_base_abstract.scenario import MAX_ROBOTS
 from move_base_abstract.shown import shown
@@ -22,6 +23,7 @@ from move_base_abstract_ros.process_end import ProcessEnd
 from soil_mapping.config import TrialConfig
 from soil_mapping.coordinator import Coordinator
 from soil_mapping.field import field_of
+from soil_mapping.inputs import inputs_of
 from soil_mapping.result import collect
 from soil_mapping.stopwatch import Stopwatch
 from soil_mapping.trial_folder import TrialFolder
@@ -44,7 +46,7 @@ def main():
         survive_full_disk()
         rospy.init_node('soil_coordinator')
         _run(began)
-    except (ConfigurationError, MissionFailed) as error:
+    except (SimulatorError, MissionFailed) as error:
         rospy.logfatal('%s: %s', rospy.get_name(), error)
         sys.exit(1)
     except Exception as error:
@@ -59,10 +61,12 @@ def _run(began):
     config = TrialConfig.from_dict({key: value for key, value in raw.items() if key not in OWN_PARAMETERS})
     names = _names(raw.get('names'), config.robots)
     stopwatch = Stopwatch()
+    inputs = inputs_of(config.field)
     truth = field_of(config)
     rospy.loginfo('%s: field %s', rospy.get_name(), truth.about)
     coordinator = Coordinator(config, raw.get('seed', 0), truth, stopwatch)
-    _carry_out(coordinator, stopwatch, names, raw, began)
+    with TrialFolder(raw['output']) if raw.get('output') else contextlib.nullcontext() as folder:
+        _carry_out(coordinator, stopwatch, names, raw, began, inputs, folder)
     if raw.get('stay', False):
         rospy.spin()  # for those who look at it yet
 
@@ -82,18 +86,17 @@ def _names(raw, count):
     return names
 
 
-def _carry_out(coordinator, stopwatch, names, raw, began):
-    """Run the mission and write its folder, if one is wanted."""
+def _carry_out(coordinator, stopwatch, names, raw, began, inputs, folder):
+    """Run the mission and write its TrialFolder, if there is one."""
     ready = time.perf_counter()
     run = run_mission(coordinator, names, raw.get('task', 'take_sample'),
                       raw.get('pose_topic', 'base_pose_ground_truth'), stopwatch)
     stopwatch.seconds.update(mission=run.wall_s, start_up=ready - began)
     engine = {'name': 'ros', 'clock': rospy.get_param('/time_master/mode', 'machine')}
-    result = collect(coordinator, engine, stopwatch.seconds, run.wall_s)
+    result = collect(coordinator, engine, stopwatch.seconds, run.wall_s, inputs)
     rospy.loginfo('%s: %s', rospy.get_name(), result.metrics)
-    if raw.get('output'):
-        with TrialFolder(raw['output']) as folder:
-            folder.finish(result, raw.get('pictures', True))
+    if folder is not None:
+        folder.finish(result, raw.get('pictures', True))
 
 
 def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: None, before=lambda: None):

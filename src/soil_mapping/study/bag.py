@@ -1,6 +1,8 @@
 """A rosbag of one trial. The recorder takes no part in lockstep: so it is connected before the mission begins."""
 
 import signal
+import subprocess
+import sys
 import time
 import xmlrpc.client
 
@@ -29,6 +31,7 @@ class BagRecorder:
         for name in names:
             topics += [f'/{name}/{poses}', *(f'/{name}/{action}/{topic}' for action in actions for topic in ACTION)]
         self._topics = topics
+        self._path = path
         command = ['rosbag', 'record', '--lz4', '-O', str(path), *topics, f'__name:={NODE[1:]}']
         self._child = ros.spawn(NODE, command)
 
@@ -70,7 +73,13 @@ class BagRecorder:
         return {row[4] for row in rows if row[1] == NODE and row[2] == 'o'}
 
     def close(self):
-        """Let it write what it has and close its file."""
+        """Let it write what it has and close its file; say so on stderr where the bag is not complete."""
         time.sleep(LAST_WORDS_S)
         self._child.signal(signal.SIGINT)
-        self._child.process.wait(TIMEOUT_S)
+        try:
+            self._child.process.wait(TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            self._child.signal(signal.SIGKILL)  # the mission's own record is worth more than its bag
+        said = self._child.last_lines()
+        if not self._path.is_file() or 'Disabling recording' in said:  # which rosbag does with less than 1 GB left
+            print(f'study: {self._path.name} is not complete; the last lines of rosbag:\n{said}', file=sys.stderr)

@@ -9,7 +9,9 @@ import numpy as np
 
 from soil_mapping.comparison import METRICS, trial_row
 from soil_mapping.motion import StraightTrip
-from soil_mapping.trial_folder import is_complete, read_about, read_trial
+from soil_mapping.trial_folder import OLD, UNFINISHED, is_complete, read_about, read_trial
+
+from .study_folder import belongs
 
 CONFIGURATION_NAMES = {'ssi_random': 'SSI random', 'ssi_dynamic': 'SSI dynamic', 'rr_random': 'RR random',
                        'rr_dynamic': 'RR dynamic'}  # in the report's order
@@ -36,10 +38,15 @@ class Trial:
 def collect_trials(folder):
     """Return the complete trials below the folder of a study, by group, in a stated order.
 
+    Trials of other parameters than the study was last run with, of another content of its field's file or of another
+    version of this package are left out.
+
     :raises FileNotFoundError: if there is none.
     """
     paths = sorted(path.parent for path in Path(folder).glob('trials/*/*/seed_*/trial.json'))
-    trials = [read(path) for path in paths if is_complete(path) and not path.name.endswith('.unfinished')]
+    is_own = belongs(Path(folder))
+    trials = [read(path) for path in paths if is_complete(path) and not path.name.endswith((UNFINISHED, OLD))
+              and is_own(read_about(path))]
     if not trials:
         raise FileNotFoundError(f'{folder}: there is no complete trial; `study run` makes them')
     groups = {}

@@ -10,13 +10,19 @@ import sys
 import time
 from pathlib import Path
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.shown import shown, shown_text
 from soil_mapping.config import Crs, TrialConfig
 
 from .plan import plan
 from .spec import CLOCKS, ENGINES, TrialSpec
 
 DEFAULT_OUTPUT = 'study'
+MAX_COUNT = 10000  # of seeds, of trials at a time
+ENGINE_OPTIONS = {  # what only some engine or clock knows: the option, its default, and where it applies
+    'clock': ('lockstep', '--engine ros'), 'factor': (10.0, '--engine ros --clock scaled'),
+    'limit': (0.0, '--engine ros --clock lockstep'), 'charge': ('none', '--engine ros --clock lockstep'),
+    'motion': ('euclidean', '--engine mesa'), 'bag': (False, '--engine ros')}
 
 
 def main(words=None):
@@ -27,6 +33,9 @@ def main(words=None):
     except (ConfigurationError, FileNotFoundError) as error:
         print(f'study: {error}', file=sys.stderr)
         return 2
+    except (SimulatorError, OSError) as error:
+        print(f'study: {error}', file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         print('\nstudy: interrupted; what is complete stays', file=sys.stderr)
         return 130
@@ -34,18 +43,41 @@ def main(words=None):
 
 def _trial(arguments):
     """Run one trial and print its metrics."""
+    from soil_mapping.trial_folder import TrialFolder
+
     from . import running
-    spec = TrialSpec(config=_config(arguments), seed=arguments.seed, engine=arguments.engine, clock=arguments.clock,
-                     factor=arguments.factor, limit=arguments.limit, charge=arguments.charge, motion=arguments.motion)
-    path = Path(arguments.output).absolute()
+    options = _engine_options(arguments)
+    bag = options.pop('bag')
+    spec = TrialSpec(config=_config(arguments), seed=arguments.seed, engine=arguments.engine, **options)
+    path = _folder(arguments)
+    TrialFolder(path).check()
     began = time.monotonic()
     running.prepare([spec])
-    trial = running.RunningTrial(spec, path, arguments.pictures, arguments.bag)
+    trial = running.RunningTrial(spec, path, arguments.pictures, bag)
     if not trial.wait():
         print(f'study: the trial failed: {trial.error}', file=sys.stderr)
         return 1
     _print_trial(path, time.monotonic() - began)
     return 0
+
+
+def _engine_options(arguments):
+    """Return the values of ENGINE_OPTIONS. :raises ConfigurationError: if one is given where it does not apply."""
+    words = f'--engine {arguments.engine} --clock {arguments.clock or "lockstep"}'.split()
+    found = {}
+    for name, (default, applies) in ENGINE_OPTIONS.items():
+        value = getattr(arguments, name)
+        if value is not None and not set(applies.split()) <= set(words):
+            raise ConfigurationError(f'--{name} applies to {applies} only, got {" ".join(words)}')
+        found[name] = default if value is None else value
+    return found
+
+
+def _folder(arguments):
+    """Return the folder that the command writes to, with its whole path."""
+    if not arguments.output:
+        raise ConfigurationError("--output: must be the name of a folder, got ''")
+    return Path(os.path.abspath(arguments.output))
 
 
 def _print_trial(path, total_s):
@@ -64,24 +96,33 @@ def _print_trial(path, total_s):
 
 def _run(arguments):
     """Run what is missing of a study, then write the report."""
-    from . import pool
+    from . import pool, study_folder
     from .truth import truth_of
     config = _config(arguments)
     specs = plan(config, arguments.seeds, arguments.scaled_seeds, arguments.jobs,
                  os.environ.get('STUDY_1X') == '1', truth_of(config).grid.is_published)
-    if arguments.groups:
-        specs = [spec for spec in specs if spec.group in arguments.groups]
-    failed = pool.run_all(specs, Path(arguments.output).absolute(), arguments.jobs, arguments.pictures)
-    for spec, error in failed:
-        print(f'study: {spec.name} failed: {error}', file=sys.stderr)
-    code = _report(arguments)
+    specs = _of_groups(specs, arguments.groups)
+    with study_folder.opened(_folder(arguments), config) as folder:
+        failed = pool.run_all(specs, folder, arguments.jobs, arguments.pictures)
+        for spec, error in failed:
+            print(f'study: {spec.name} failed: {error}', file=sys.stderr)
+        code = _report(arguments)
     return 1 if failed else code
+
+
+def _of_groups(specs, names):
+    """Return those TrialSpecs whose group is among the names, all of them if there is none."""
+    groups = list(dict.fromkeys(spec.group for spec in specs))
+    for name in names or ():
+        if name not in groups:
+            raise ConfigurationError(f'--groups: there is no group {shown(name)}; there are {", ".join(groups)}')
+    return [spec for spec in specs if not names or spec.group in names]
 
 
 def _report(arguments):
     """Write the report of what is there."""
     from . import report
-    for path in report.write(Path(arguments.output).absolute()):
+    for path in report.write(_folder(arguments)):
         print(path)
     return 0
 
@@ -107,21 +148,22 @@ def _parser():
 def _add_trial(parser):
     parser.set_defaults(run=_trial)
     parser.add_argument('--engine', choices=ENGINES, default='ros', help='default: %(default)s')
-    parser.add_argument('--clock', choices=CLOCKS, default='lockstep', help='of ROS (default: %(default)s)')
-    parser.add_argument('--factor', type=float, default=10.0, metavar='F',
-                        help='simulated s per wall s of the scaled clock, 0.01..1e6 (default: %(default)g)')
-    parser.add_argument('--limit', type=float, default=0.0, metavar='F',
-                        help='in lockstep at most so many simulated s per wall s; 0 = no limit')
-    parser.add_argument('--charge', default='none', help='simulated time that computing takes in lockstep: none, '
-                        'fixed:SECONDS, measured[:FILE], measured_cpu[:FILE], replay:FILE (default: %(default)s)')
-    parser.add_argument('--motion', choices=('euclidean', 'eight'), default='euclidean',
-                        help='of Mesa: straight, or one 2 m cell a second in eight directions (default: %(default)s)')
-    parser.add_argument('--seed', type=int, default=0, metavar='S', help='whole number >= 0 (default: %(default)s)')
+    parser.add_argument('--clock', choices=CLOCKS, help='of ROS (default: lockstep)')
+    parser.add_argument('--factor', type=float, metavar='F',
+                        help='simulated s per wall s of the scaled clock, 0.01..1e6 (default: 10)')
+    parser.add_argument('--limit', type=float, metavar='F',
+                        help='in lockstep at most so many simulated s per wall s; 0 = no limit (default: 0)')
+    parser.add_argument('--charge', help='simulated time that computing takes in lockstep: none, '
+                        'fixed:SECONDS, measured[:FILE], measured_cpu[:FILE], replay:FILE (default: none)')
+    parser.add_argument('--motion', choices=('euclidean', 'eight'),
+                        help='of Mesa: straight, or one 2 m cell a second in eight directions, with --cell 2 '
+                        '(default: euclidean)')
+    parser.add_argument('--seed', type=_whole, default=0, metavar='S', help='whole number >= 0 (default: %(default)s)')
     parser.add_argument('--allocation', default='ssi', metavar='NAME', help='rr (round robin), ssi (auction), or a '
                         'class of your own, my_package.module:Class (default: %(default)s)')
     parser.add_argument('--sampling', default='dynamic', metavar='NAME', help='random, dynamic, grid, or a class of '
                         'your own, my_package.module:Class (default: %(default)s)')
-    parser.add_argument('--bag', action='store_true', help='record all topics to trial.bag')
+    parser.add_argument('--bag', action='store_true', default=None, help='record all topics to trial.bag')
     parser.add_argument('--output', default='trial', metavar='DIR', help='the folder to be (default: %(default)s)')
     _add_mission(parser, pictures=True)
 
@@ -166,12 +208,18 @@ def _add_mission(parser, pictures):
 def _positive(text):
     value = float(text)
     if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f'must be a finite number > 0, got {text}')
+        raise argparse.ArgumentTypeError(f'must be a finite number > 0, got {shown_text(text)}')
     return value
 
 
+def _whole(text):
+    if not text.lstrip('-').isdecimal() or len(text) > 100:
+        raise argparse.ArgumentTypeError(f'must be a whole number, got {shown_text(text)}')
+    return int(text)
+
+
 def _count(text):
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f'must be a whole number >= 1, got {text}')
+    value = _whole(text)
+    if not 1 <= value <= MAX_COUNT:
+        raise argparse.ArgumentTypeError(f'must be a whole number in 1..{MAX_COUNT}, got {shown_text(text)}')
     return value

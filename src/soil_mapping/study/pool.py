@@ -36,7 +36,7 @@ def run_all(specs, folder, jobs, pictures=False, stream=sys.stderr):
                     failed.append((trial.spec, trial.error))
     finally:
         for trial in running:
-            trial.kill()
+            trial.stop()
         progress.close()
     return failed
 

@@ -2,10 +2,10 @@
 
 import base64
 import html
-import os
 import tempfile
 from pathlib import Path
 
+from move_base_abstract.own_files import PART, check_file, whole_file
 from soil_mapping.pictures import write_pictures
 from soil_mapping.trial_folder import read_trial
 
@@ -22,14 +22,18 @@ STYLE = ('body{font:15px/1.45 sans-serif;max-width:1250px;margin:2em auto;paddin
 
 
 def write(folder):
-    """Write the report on a study's folder (a Path); return the paths of report.html and report.md."""
+    """Write the report on a study's folder (a Path); return the paths of report.html and report.md.
+
+    :raises ConfigurationError: if there is a file by one of the names that is no such report.
+    """
     groups = collect_trials(folder)
     sections = _sections(groups)
     pages = {'report.html': _to_html(sections), 'report.md': _to_markdown(sections)}
     for name, text in pages.items():
-        part = folder / (name + '.part')
-        part.write_text(text, encoding='utf-8')
-        os.replace(part, folder / name)
+        for path in (folder / name, folder / (name + PART)):
+            check_file(path, lambda line: TITLE.encode() in line)
+        with whole_file(folder / name, encoding='utf-8') as stream:
+            stream.write(text)
     return [folder / name for name in pages]
 
 
@@ -56,8 +60,8 @@ def _maps(trial):
 
 
 def _to_html(sections):
-    lines = ['<!doctype html>', '<html lang="en"><head><meta charset="utf-8">', f'<title>{TITLE}</title>',
-             f'<style>{STYLE}</style></head><body>', f'<h1>{TITLE}</h1>']
+    lines = [f'<!doctype html><!-- {TITLE} -->', '<html lang="en"><head><meta charset="utf-8">',
+             f'<title>{TITLE}</title>', f'<style>{STYLE}</style></head><body>', f'<h1>{TITLE}</h1>']
     for heading, parts in sections:
         lines.append(f'<h2>{html.escape(heading)}</h2>')
         for part in parts:

@@ -22,10 +22,11 @@ TASK = 'take_sample'
 POSE_TOPIC = 'base_pose_ground_truth'
 
 
-def run_ros_trial(spec, folder, bag=False):
+def run_ros_trial(spec, folder, bag=False, over=lambda: None):
     """Run the trial of a TrialSpec in this process, which can run no other, and return its TrialResult.
 
-    folder: where event log, bag and a measured charge go (a Path). bag: record all topics.
+    folder: where event log, bag and a measured charge go (a Path). bag: record all topics. over: called when the
+    mission is.
     :raises LoopbackError, MissionFailed: if a node ends, or the mission cannot be carried out.
     """
     stopwatch = Stopwatch()
@@ -43,11 +44,12 @@ def run_ros_trial(spec, folder, bag=False):
         except (rospy.ROSInterruptException, MissionFailed):
             ros.check()
             raise
+        over()
         _end(ros, nodes, recorder)
     seconds = dict(stopwatch.seconds, start_up=run.began - began, mission=run.wall_s,
                    end=time.perf_counter() - run.ended)
     inner = sum(seconds.get(name, 0.0) for name in ('kriging', 'allocation', 'maps'))
-    return collect(coordinator, spec.about_engine, dict(seconds, messages=run.wall_s - inner), run.wall_s)
+    return collect(coordinator, spec.about_engine, dict(seconds, messages=run.wall_s - inner), run.wall_s, spec.inputs)
 
 
 def _start_nodes(ros, spec, names, folder):

@@ -3,11 +3,18 @@
 from dataclasses import dataclass, field
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.lockstep.charge import check_charge
+from move_base_abstract.shown import shown
 from soil_mapping.config import TrialConfig
+from soil_mapping.motion import motion_named
 from soil_mapping.own_code import own_code
+from soil_mapping.provenance import package_version
+
+from .truth import digests
 
 ENGINES = ('ros', 'mesa')
 CLOCKS = ('lockstep', 'scaled')
+MAX_SEED = 2**63 - 1
 
 
 @dataclass(frozen=True)
@@ -29,12 +36,15 @@ class TrialSpec:
         for name, allowed in (('engine', ENGINES), ('clock', CLOCKS)):
             if getattr(self, name) not in allowed:
                 raise ConfigurationError(f'{name} must be one of {", ".join(allowed)}, got {getattr(self, name)!r}')
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            raise ConfigurationError(f'seed must be a whole number >= 0, got {self.seed!r}')
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or not 0 <= self.seed <= MAX_SEED:
+            raise ConfigurationError(f'seed must be a whole number in 0..2^63-1, got {shown(self.seed)}')
         if not 0.01 <= self.factor <= 1e6:
             raise ConfigurationError(f'factor must lie in 0.01..1e6, got {self.factor!r}')
         if self.limit != 0.0 and not 0.01 <= self.limit <= 1e6:
             raise ConfigurationError(f'limit must be 0 (none) or lie in 0.01..1e6, got {self.limit!r}')
+        check_charge(self.charge)
+        if self.engine == 'mesa':
+            motion_named(self.motion, self.config)
 
     @property
     def about_engine(self):
@@ -66,7 +76,13 @@ class TrialSpec:
         """Where the trial belongs below a study's folder of trials."""
         return f'{self.group}/{self.config.label}/seed_{self.seed:03d}'
 
+    @property
+    def inputs(self):
+        """What the trial reads, as in TrialResult; looked at once per process."""
+        return digests(self.config.field, self.about_engine.get('charge', 'none'))
+
     def is_of(self, about):
-        """Return whether trial.json's content (a mapping) is of this trial."""
-        own = self.config.to_dict(), self.seed, self.about_engine, own_code(self.config)
-        return (about['config'], about['seed'], about['engine'], about.get('own_code', {})) == own
+        """Return whether trial.json's content (a mapping) is of this trial: parameters, files read, package version."""
+        own = self.config.to_dict(), self.seed, self.about_engine, own_code(self.config), self.inputs, package_version()
+        return (about['config'], about['seed'], about['engine'], about.get('own_code', {}), about.get('inputs'),
+                about.get('package')) == own

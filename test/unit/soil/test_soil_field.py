@@ -106,7 +106,8 @@ def test_a_folder_or_a_device_is_no_file_of_readings(tmp_path):
 @pytest.mark.parametrize('values', [(1e12, -1e12, 0.0), (1e-320, 0.0, 2e-320), (9e11, 9e11 + 1.0, 9e11)])
 def test_values_at_the_ends_of_what_is_allowed_make_a_field(tmp_path, values):
     path = tmp_path / 'readings.csv'
-    path.write_text('lat,lon,v\n' + ''.join(f'{n},{2 * n % 3},{value!r}\n' for n, value in enumerate(values)))
+    rows = [f'{n / 1e3},{2 * n % 3 / 1e3},{value!r}\n' for n, value in enumerate(values)]
+    path.write_text('lat,lon,v\n' + ''.join(rows))
     assert np.isfinite(load_field(f'csv:{path}').values).all()
 
 

@@ -12,7 +12,8 @@ from soil_mapping.comparison import differences
 from soil_mapping.config import TrialConfig
 from soil_mapping.mesa_model import run_mesa_trial
 from soil_mapping.result import Metrics
-from soil_mapping.study import collection, report, tables, wording
+from soil_mapping.study import collection, report, study_folder, tables, truth, wording
+from soil_mapping.study import spec as spec_module
 from soil_mapping.study.command import main
 from soil_mapping.study.plan import plan
 from soil_mapping.study.pool import path_of
@@ -75,7 +76,10 @@ def test_each_trial_of_a_study_has_a_folder_of_its_own(tmp_path):
 @pytest.mark.parametrize(('wrong', 'text'), [
     ({'engine': 'gazebo'}, "engine must be one of ros, mesa, got 'gazebo'"),
     ({'clock': 'wall'}, 'clock must be one of lockstep, scaled'),
-    ({'seed': -1}, 'seed must be a whole number >= 0, got -1'),
+    ({'seed': -1}, r'seed must be a whole number in 0..2\^63-1, got -1'),
+    ({'seed': 10 ** 5000}, 'got a whole number of about 5001 digits'),
+    ({'charge': 'bogus'}, "charge: got 'bogus'; allowed: 'none'"),
+    ({'engine': 'mesa', 'motion': 'eight', 'config': TrialConfig(cell_m=1)}, "motion 'eight' needs cell_m 2, got 1"),
     ({'factor': 0.0}, r'factor must lie in 0.01..1e6, got 0.0'),
     ({'limit': -1.0}, r'limit must be 0 \(none\) or lie in 0.01..1e6, got -1.0')])
 def test_a_trial_that_cannot_be_is_refused(wrong, text):
@@ -89,6 +93,118 @@ def test_a_complete_trial_is_not_run_again_and_one_of_other_parameters_is(study)
     assert is_done(spec, path)
     assert not is_done(replace(spec, config=replace(ALL[0], budget_s=91.0)), path)
     assert not is_done(replace(spec, seed=2), path_of(study, replace(spec, seed=2)))
+
+
+@pytest.mark.parametrize('name', ['content', 'version'])
+def test_a_trial_of_another_content_of_its_field_or_of_another_version_is_run_again(tmp_path, monkeypatch, name):
+    readings = tmp_path / 'readings.csv'
+    readings.write_text('lat,lon,v\n1,2,800\n1.001,2.001,805\n1.002,2,790\n')
+    config = replace(ALL[0], field=f'csv:{readings}', budget_s=10.0)
+    spec = TrialSpec(config=config, engine='mesa')
+    truth.digests.cache_clear()
+    path = write(tmp_path, spec, run_mesa_trial(config, 0))
+    with study_folder.opened(tmp_path / 'study', config):
+        pass
+    assert is_done(spec, path)
+    assert study_folder.belongs(tmp_path / 'study')(read_about(path))
+    if name == 'content':
+        readings.write_text('lat,lon,v\n1,2,900\n1.001,2.001,905\n1.002,2,890\n')
+    else:
+        monkeypatch.setattr(spec_module, 'package_version', lambda: '9.9.9')
+        monkeypatch.setattr(study_folder, 'package_version', lambda: '9.9.9')
+    truth.digests.cache_clear()  # as in a process that is begun now
+    assert not is_done(spec, path)
+    with study_folder.opened(tmp_path / 'study', config):
+        pass
+    assert not study_folder.belongs(tmp_path / 'study')(read_about(path))
+
+
+def test_a_recorded_charge_is_an_input_by_its_content(tmp_path):
+    (tmp_path / 'charge').write_text('{"time_ns": 1, "cost_ns": 1}\n')
+    spec = TrialSpec(config=ALL[0], charge=f'replay:{tmp_path}/charge')
+    assert set(spec.inputs) == {'charge'}
+    assert replace(spec, engine='mesa').inputs == {}
+
+
+def test_trials_that_are_not_of_the_study_are_left_out_of_its_report(tmp_path, result):
+    for seed, field in ((0, 'hill'), (1, 'another')):
+        other = replace(result, seed=seed, config=dict(result.config, field=field))
+        with TrialFolder(tmp_path / 'trials' / 'mesa' / 'ssi_dynamic' / f'seed_{seed:03d}') as folder:
+            folder.finish(other)
+    assert len(collection.collect_trials(tmp_path)['mesa']) == 2
+    with study_folder.opened(tmp_path / 'new', TrialConfig.from_dict(result.config)) as new:
+        (tmp_path / study_folder.FILE).write_text((new / study_folder.FILE).read_text())
+    assert [trial.seed for trial in collection.collect_trials(tmp_path)['mesa']] == [0]
+
+
+@pytest.mark.parametrize(('words', 'complaint'), [
+    (['trial', '--engine', 'mesa', '--charge', 'bogus'], '--charge applies to --engine ros --clock lockstep only'),
+    (['trial', '--engine', 'mesa', '--clock', 'scaled'], '--clock applies to --engine ros only'),
+    (['trial', '--clock', 'scaled', '--limit', '2'], '--limit applies to --engine ros --clock lockstep only'),
+    (['trial', '--factor', '2'], '--factor applies to --engine ros --clock scaled only'),
+    (['trial', '--motion', 'eight'], '--motion applies to --engine mesa only'),
+    (['trial', '--engine', 'mesa', '--bag'], '--bag applies to --engine ros only'),
+    (['trial', '--engine', 'mesa', '--motion', 'eight'], "motion 'eight' needs cell_m 2, got 1"),
+    (['trial', '--charge', 'bogus'], "charge: got 'bogus'; allowed: 'none'"),
+    (['trial', '--charge', 'replay:/no/such'], '/no/such cannot be read'),
+    (['trial', '--field', 'x' * 5001], "field must be 'synthetic'"),
+    (['trial', '--output', ''], "--output: must be the name of a folder, got ''"),
+    (['trial', '--output', '/'], '/: must be a folder that can be given its name'),
+    (['run', '--groups', 'mesa', 'ros_lockstep'], "--groups: there is no group 'ros_lockstep'; there are mesa,"),
+    (['run', '--output', ''], '--output: must be')])
+def test_arguments_that_cannot_be_used_are_refused_at_once_and_leave_nothing(tmp_path, monkeypatch, capsys, words,
+                                                                             complaint):
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    assert complaint in said
+    assert len(said) < 500
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize('words', [['--seed', '1' * 5001], ['--robots', '9' * 5001], ['--seed', '1e3'],
+                                   ['--robots', '10001'], ['--budget', '-1'], ['--speed', 'nan']])
+def test_numbers_that_cannot_be_are_refused_in_a_line_or_two(capsys, words):
+    with pytest.raises(SystemExit) as caught:
+        main(['trial', *words])
+    assert caught.value.code == 2
+    assert len(capsys.readouterr().err) < 2000
+
+
+def test_no_command_touches_what_is_not_its_own(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / '.ssh').mkdir()
+    (tmp_path / '.ssh' / 'id').write_text('precious')
+    (tmp_path / 'trial').write_text('precious')
+    mesa = ['--engine', 'mesa', '--budget', '5', '--cell', '2']
+    for words, named in ((['trial', *mesa], 'trial'), (['trial', *mesa, '--output', '.'], ''),
+                         (['trial', *mesa, '--output', '.ssh'], '.ssh'), (['run', '--output', '.'], ''),
+                         (['run', '--output', 'trial'], 'trial')):
+        assert main(words) == 2, words
+        assert f'study: {tmp_path / named}: ' in capsys.readouterr().err
+    assert (tmp_path / '.ssh' / 'id').read_text() == (tmp_path / 'trial').read_text() == 'precious'
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_a_report_does_not_replace_a_page_of_somebody_elses(study, tmp_path):
+    page = study / 'report.md'
+    kept = page.read_bytes() if page.exists() else None
+    page.write_text('# Mine\n')
+    try:
+        with pytest.raises(ConfigurationError, match='report.md: is there already'):
+            report.write(study)
+        assert page.read_text() == '# Mine\n'
+    finally:
+        page.unlink()
+        if kept:
+            page.write_bytes(kept)
+
+
+def test_an_output_that_cannot_be_written_is_named(tmp_path, capsys):
+    (tmp_path / 'file').write_text('x')
+    words = ['trial', '--engine', 'mesa', '--budget', '5', '--cell', '2', '--output', str(tmp_path / 'file' / 'trial')]
+    assert main(words) == 1
+    assert f'{tmp_path}/file/trial' in capsys.readouterr().err
 
 
 def test_trial_json_tells_the_spec(study):

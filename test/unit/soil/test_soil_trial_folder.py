@@ -7,8 +7,10 @@ import signal
 import numpy as np
 import pytest
 
-from soil_mapping import trial_folder
-from soil_mapping.trial_folder import TrialFolder, is_complete, read_about, read_trial
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.own_files import MARKER, OutputError, whole_file
+from soil_mapping import pictures, provenance, trial_folder
+from soil_mapping.trial_folder import KIND, TrialFolder, is_complete, read_about, read_trial
 
 
 def finish(path, result, **options):
@@ -28,8 +30,8 @@ def test_a_written_trial_is_read_back_to_the_bit(tmp_path, result):
     assert is_complete(path)
     assert same(read_trial(path), result)
     assert sorted(file.name for file in path.iterdir()) == [
-        'events.csv', 'metrics.csv', 'prediction.npy', 'samples.csv', 'trajectories.csv', 'trial.json', 'truth.npy',
-        'variance.npy']
+        MARKER, 'events.csv', 'metrics.csv', 'prediction.npy', 'samples.csv', 'trajectories.csv', 'trial.json',
+        'truth.npy', 'variance.npy']
     assert list(tmp_path.glob('a/*')) == [path]
 
 
@@ -69,11 +71,11 @@ def test_pictures_are_there_if_wanted(tmp_path, result):
 
 def test_what_an_engine_left_in_the_folder_stays_and_an_earlier_try_does_not(tmp_path, result):
     with TrialFolder(tmp_path / 'trial') as folder:
-        (folder.path / 'half').write_text('x')
+        (folder.path / 'charge.jsonl.part').write_text('x')
     assert not is_complete(tmp_path / 'trial')
-    assert (tmp_path / 'trial.unfinished' / 'half').exists()
+    assert (tmp_path / 'trial.unfinished' / 'charge.jsonl.part').exists()
     with TrialFolder(tmp_path / 'trial') as folder:
-        assert not (folder.path / 'half').exists()
+        assert not (folder.path / 'charge.jsonl.part').exists()
         (folder.path / 'trial.bag').write_text('x')
         folder.finish(result)
     assert (tmp_path / 'trial' / 'trial.bag').exists()
@@ -86,6 +88,94 @@ def test_only_a_complete_folder_of_this_format_is_read(tmp_path, result):
     (path / 'trial.json').write_text('{"format": 99}')
     with pytest.raises(ValueError, match='format 99 is unknown'):
         read_trial(path)
+
+
+def put_folder(path):
+    path.mkdir()
+    (path / 'thesis.tex').write_text('precious')
+
+
+def put_file(path):
+    path.write_text('precious')
+
+
+def put_link(path):
+    elsewhere = path.with_name('elsewhere')
+    put_folder(elsewhere)
+    path.symlink_to(elsewhere)
+
+
+def put_mark_and_more(path):
+    KIND.make(path)
+    (path / 'notes.txt').write_text('precious')
+
+
+def all_that_is_there(folder):
+    return {path: path.read_text() if path.is_file() else None for path in sorted(folder.rglob('*'))}
+
+
+@pytest.mark.parametrize('name', ['trial', 'trial.unfinished', 'trial.old'])
+@pytest.mark.parametrize('put', [put_folder, put_file, put_link, put_mark_and_more])
+def test_what_this_program_did_not_make_is_named_and_stays(tmp_path, result, name, put):
+    put(tmp_path / name)
+    before = all_that_is_there(tmp_path)
+    with pytest.raises(ConfigurationError) as caught:
+        finish(tmp_path / 'trial', result)
+    assert str(caught.value).startswith(f'{tmp_path / name}: ')
+    assert all_that_is_there(tmp_path) == before
+
+
+def test_what_is_put_in_the_way_meanwhile_stays_too(tmp_path, result):
+    with pytest.raises(ConfigurationError, match=f'{tmp_path}/trial: '), TrialFolder(tmp_path / 'trial') as folder:
+        put_folder(tmp_path / 'trial')
+        folder.finish(result)
+    assert (tmp_path / 'trial' / 'thesis.tex').read_text() == 'precious'
+    assert (tmp_path / 'trial.unfinished' / 'events.csv').exists()
+
+
+def test_an_empty_folder_is_taken(tmp_path, result):
+    (tmp_path / 'trial').mkdir()
+    assert is_complete(finish(tmp_path / 'trial', result))
+
+
+def test_two_trials_do_not_write_the_same_folder(tmp_path, result):
+    with TrialFolder(tmp_path / 'trial') as folder:
+        with pytest.raises(ConfigurationError, match='another process of this program is writing there'):
+            finish(tmp_path / 'trial', result)
+        assert is_complete(folder.finish(result))
+
+
+def test_the_root_of_all_is_no_folder_for_a_trial():
+    with pytest.raises(ConfigurationError, match='^/: '):
+        TrialFolder('/')
+
+
+def test_a_trial_is_complete_before_its_pictures_are_drawn(tmp_path, result, monkeypatch):
+    recorded = []
+    monkeypatch.setattr(pictures, 'write_pictures', lambda folder, result: recorded.append(is_complete(folder)))
+    with TrialFolder(tmp_path / 'trial') as folder:
+        folder.finish(result, True, lambda: recorded.append('told'))
+    assert recorded == ['told', True]
+
+
+def test_on_a_full_disk_what_was_written_stays_and_so_does_the_older_trial(tmp_path, result, monkeypatch):
+    older = finish(tmp_path / 'trial', dataclasses.replace(result, seed=8))
+
+    def full_for_maps(path, *args, **options):
+        if path.name.endswith('.npy'):
+            raise OutputError(f'{path}: cannot be written: the disk is full')
+        return whole_file(path, *args, **options)
+    monkeypatch.setattr(trial_folder, 'whole_file', full_for_maps)
+    with pytest.raises(OutputError, match=r'trial.unfinished/truth.npy: cannot be written: the disk is full'):
+        finish(tmp_path / 'trial', result)
+    assert read_about(older)['seed'] == 8
+    assert (tmp_path / 'trial.unfinished' / 'events.csv').read_text() == (older / 'events.csv').read_text()
+
+
+def test_the_record_says_what_was_read_and_by_which_version(tmp_path, result):
+    about = read_about(finish(tmp_path / 'trial', dataclasses.replace(result, inputs={'field': 'ab12'})))
+    assert about['inputs'] == {'field': 'ab12'}
+    assert about['package'] == provenance.package_version() != 'unknown'
 
 
 @pytest.mark.parametrize('replacing', [False, True])

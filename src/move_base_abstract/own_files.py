@@ -1,0 +1,186 @@
+"""What this package writes: complete or not there, and never in the place of what it did not make.
+
+A folder that it makes holds the file MARKER. Only such a folder, or an empty one, is ever replaced, and only if nothing
+is in it but what this package puts there; anything else is an error that names it. Folders are emptied file by file,
+never as a tree. Symbolic links are not followed.
+"""
+
+import contextlib
+import errno
+import fcntl
+import fnmatch
+import os
+import stat
+
+from .errors import ConfigurationError, SimulatorError
+
+MARKER = '.made_by_move_base_abstract'
+PART = '.part'
+_TEXT = 'This folder was made by move_base_abstract, as a {}. The program replaces it when it is told to write here.\n'
+
+
+class OutputError(SimulatorError):
+    """A file or folder that cannot be written, because the disk is full, say; the text names it and says why."""
+
+
+class FolderKind:
+    """One kind of folder that this package makes.
+
+    :param name: for its marker and for error texts. :param files: patterns (fnmatch) of the names of the files that may
+        be in it; each may have PART behind it. None: the folder is never replaced, so that anything may be in it.
+    """
+
+    def __init__(self, name, files=None):
+        self._name = name
+        self._files = files
+        self._text = _TEXT.format(name)
+
+    def check(self, path):
+        """Complain unless there is nothing at the path, an empty folder, or one of this kind and nothing else in it.
+
+        :raises ConfigurationError: naming the path, and what is in the way.
+        """
+        kind = _kind_of(path)
+        if kind == 'nothing':
+            return
+        if kind != 'a folder':
+            raise ConfigurationError(f'{path}: is there already, and is {kind}; must be a new folder, an empty one, or '
+                                     f'a {self._name} that this program made')
+        names = _listed(path)
+        if not names:
+            return
+        if MARKER not in names or not self._is_marker(os.path.join(path, MARKER)):
+            raise ConfigurationError(f"{path}: is not empty (it holds '{names[0]}'), and this program did not make it "
+                                     f'as a {self._name}: no mark in it says so ({MARKER}); name another folder')
+        for name in names if self._files is not None else ():
+            if not self._is_own(path, name):
+                raise ConfigurationError(f"{path}: was made by this program, but '{name}' in it was not; move that "
+                                         f'away, or name another folder')
+
+    def make(self, path):
+        """Make a folder, or take an empty one or one of this kind; return a descriptor of its marker, which is locked.
+
+        Close the descriptor when nothing more is to be written. :raises ConfigurationError: as check(), or if another
+        process has it locked. :raises OutputError: if it cannot be made.
+        """
+        self.check(path)
+        with _clear_errors(path, 'cannot be made'):
+            os.makedirs(path, exist_ok=True)
+            marker = os.open(os.path.join(path, MARKER), os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        try:
+            self._lock(path, marker)
+            with _clear_errors(path, 'cannot be made'):
+                os.ftruncate(marker, 0)
+                os.pwrite(marker, self._text.encode(), 0)
+        except BaseException:
+            os.close(marker)
+            raise
+        return marker
+
+    def remove(self, path):
+        """Remove a folder of this kind, or an empty one, if it is there. :raises ConfigurationError: as make()."""
+        self.check(path)
+        if _kind_of(path) == 'nothing':
+            return
+        names = _listed(path)
+        with _clear_errors(path, 'cannot be removed'), contextlib.ExitStack() as stack:
+            if MARKER in names:
+                marker = os.open(os.path.join(path, MARKER), os.O_RDONLY | os.O_NOFOLLOW)
+                stack.callback(os.close, marker)
+                self._lock(path, marker)
+            for name in sorted(names, key=lambda name: name == MARKER):  # the mark goes last
+                os.unlink(os.path.join(path, name))
+            os.rmdir(path)
+
+    def _lock(self, path, marker):
+        try:
+            fcntl.flock(marker, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise ConfigurationError(f'{path}: another process of this program is writing there') from None
+
+    def _is_marker(self, path):
+        if _kind_of(path) != 'a file':
+            return False
+        with _clear_errors(path, 'cannot be read'), open(path, 'rb') as stream:
+            text = stream.read(len(self._text) + 1)
+        # An empty one was being written when its process was killed.
+        return text in (b'', self._text.encode())
+
+    def _is_own(self, path, name):
+        if _kind_of(os.path.join(path, name)) != 'a file':
+            return False
+        stem = name[:-len(PART)] if name.endswith(PART) else name
+        return name == MARKER or any(fnmatch.fnmatchcase(stem, pattern) for pattern in self._files)
+
+
+@contextlib.contextmanager
+def whole_file(path, mode='w', **options):
+    """Open a file of a folder that is ours; it appears under its name only once it is complete and on the disk.
+
+    Until then it is called NAME.part. What an earlier, unfinished run left by that name is replaced, if it is a file.
+    :param mode: 'w' or 'wb'. :param options: as of open(). :raises OutputError: if it cannot be written.
+    """
+    path = os.fspath(path)
+    with _clear_errors(path, 'cannot be written'):
+        if _kind_of(path + PART) == 'a file':
+            os.unlink(path + PART)
+        with open(path + PART, mode.replace('w', 'x'), **options) as stream:  # 'x' follows no link
+            yield stream
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(path + PART, path)
+
+
+def check_file(path, is_own):
+    """Complain unless there is nothing at the path, or a file that is empty or made by this program.
+
+    :param is_own: tells from the first line of a file (bytes) whether this program made it.
+    :raises ConfigurationError: naming the path.
+    """
+    kind = _kind_of(path)
+    if kind == 'nothing':
+        return
+    if kind == 'a file':
+        with _clear_errors(path, 'cannot be read'), open(path, 'rb') as stream:
+            line = stream.readline(1000)
+        if not line or is_own(line):
+            return
+    raise ConfigurationError(f'{path}: is there already, as {kind}, and this program did not make it; it stays')
+
+
+def create_file(path, is_own):
+    """Open a new text file in the place of nothing, or of a file of our own. As check_file; also OutputError."""
+    check_file(path, is_own)
+    with _clear_errors(path, 'cannot be written'):
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(path)
+        return open(path, 'x', encoding='utf-8')
+
+
+def _kind_of(path):
+    """Return what is at a path, no link followed."""
+    try:
+        mode = os.lstat(path).st_mode
+    except FileNotFoundError:
+        return 'nothing'
+    except OSError as error:
+        raise OutputError(f'{path}: cannot be used: {error.strerror}') from None
+    if stat.S_ISLNK(mode):
+        return 'a symbolic link'
+    if stat.S_ISDIR(mode):
+        return 'a folder'
+    return 'a file' if stat.S_ISREG(mode) else 'a special file'
+
+
+def _listed(path):
+    with _clear_errors(path, 'cannot be read'):
+        return sorted(os.listdir(path))
+
+
+@contextlib.contextmanager
+def _clear_errors(path, what):
+    try:
+        yield
+    except OSError as error:
+        reason = 'the disk is full' if error.errno in (errno.ENOSPC, errno.EDQUOT) else error.strerror or error
+        raise OutputError(f'{path}: {what}: {reason}') from error
