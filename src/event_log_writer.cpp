@@ -1,11 +1,16 @@
 #include "event_log_writer.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 namespace move_base_abstract {
 namespace {
@@ -202,6 +207,88 @@ std::string onOneLine(std::string_view text) {
   return line;
 }
 
+// ---- files -----------------------------------------------------------------------------------
+
+constexpr std::string_view kHead = "{\"event_log\":1,";  // of the first line; in CSV behind "# "
+constexpr std::string_view kCsvMark = "# ";
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) {
+      close(fd_);
+    }
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  int release() { return std::exchange(fd_, -1); }
+
+ private:
+  int fd_;
+};
+
+/** @param part whether it may have been cut off, even before its first byte, by a full disk. */
+bool isEventLog(int fd, bool part) {
+  char start[32];
+  const ssize_t size = pread(fd, start, sizeof(start), 0);
+  const std::string_view text(start, size > 0 ? static_cast<std::size_t>(size) : 0);
+  for (const std::string& head : {std::string(kHead), std::string(kCsvMark) + std::string(kHead)}) {
+    const std::size_t common = std::min(text.size(), head.size());
+    if (text.substr(0, common) == head.substr(0, common) && (part || common == head.size())) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/** @return why what is at @p path must not be replaced; '' if nothing is there, or an event log. */
+std::string objection(const std::string& path) {
+  const Descriptor fd(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (fd.get() < 0) {
+    return errno == ENOENT  ? ""
+           : errno == ELOOP ? path + " is a symbolic link, which is not followed"
+                            : path + ": " + std::strerror(errno);
+  }
+  struct stat status {};
+  const bool is_file = fstat(fd.get(), &status) == 0 && S_ISREG(status.st_mode);
+  if (!is_file || !isEventLog(fd.get(), endsWith(path, ".part"))) {
+    return path + " is there already and is no event log: it is not replaced";
+  }
+  // Whoever writes a log holds the lock on it. (Some file systems have no locks.)
+  return flock(fd.get(), LOCK_SH | LOCK_NB) == 0 || errno != EWOULDBLOCK
+             ? ""
+             : path + " is being written by another process";
+}
+
+[[noreturn]] void refuse(const std::string& path, const std::string& why) {
+  throw std::invalid_argument("must be a path that can be written, got '" + path + "': " + why);
+}
+
+/** @return a new file PATH.part, locked. @throws std::invalid_argument */
+std::FILE* create(const std::string& path) {
+  const std::string part = path + ".part";
+  for (const std::string& name : {path, part}) {
+    const std::string why = objection(name);
+    if (!why.empty()) {
+      refuse(path, why);
+    }
+  }
+  unlink(part.c_str());  // an event log of an earlier run, as objection() has seen
+  Descriptor fd(open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+  if (fd.get() < 0) {
+    refuse(path, part + ": " + std::strerror(errno));
+  }
+  flock(fd.get(), LOCK_EX | LOCK_NB);
+  std::FILE* const file = fdopen(fd.get(), "w");
+  if (file == nullptr) {
+    refuse(path, std::strerror(errno));
+  }
+  fd.release();
+  return file;
+}
+
 }  // namespace
 
 bool isJsonArray(std::string_view text) { return JsonCheck(text).wholeArray(); }
@@ -211,13 +298,9 @@ EventLogWriter::EventLogWriter(const std::string& path, std::int64_t start_ns)
   if (!csv_ && !endsWith(path, ".jsonl")) {
     throw std::invalid_argument("must end in .jsonl or .csv, got '" + path + "'");
   }
-  file_.reset(std::fopen((path + ".part").c_str(), "we"));
-  if (!file_) {
-    throw std::invalid_argument("must be a path that can be written, got '" + path +
-                                "': " + std::strerror(errno));
-  }
-  buffer_ = std::string(csv_ ? "# " : "") +
-            "{\"event_log\":1,\"start_ns\":" + std::to_string(start_ns) + "}\n" +
+  file_.reset(create(path));
+  buffer_ = std::string(csv_ ? kCsvMark : "") + std::string(kHead) +
+            "\"start_ns\":" + std::to_string(start_ns) + "}\n" +
             (csv_ ? "time_ns,robot,kind,values\n" : "");
   flush();
 }
@@ -269,15 +352,14 @@ void EventLogWriter::writeOut() {
   }
   if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() ||
       std::fflush(file_.get()) != 0) {
-    fail("cannot be written");
+    fail("cannot be written", std::strerror(errno) + std::string("; it ends there"));
   }
 }
 
-void EventLogWriter::fail(const std::string& what) {
-  const std::string reason = std::strerror(errno);
+void EventLogWriter::fail(const std::string& what, const std::string& reason) {
   file_.reset();  // what comes now would follow a gap
   const std::lock_guard<std::mutex> lock(buffer_mutex_);
-  error_ = "event log " + path_ + ".part " + what + ": " + reason + "; it ends there";
+  error_ = "event log " + path_ + ".part " + what + ": " + reason;
 }
 
 std::string EventLogWriter::finish(const End& end) {
@@ -296,12 +378,15 @@ std::string EventLogWriter::finish(const End& end) {
   }
   writeOut();
   if (file_ && (fsync(fileno(file_.get())) != 0 && errno != EINVAL)) {
-    fail("cannot be written to the disk");
+    fail("cannot be written to the disk", std::strerror(errno));
   }
   if (file_) {
+    const std::string why = objection(path_);  // it may have come during the run
     file_.reset();
-    if (std::rename((path_ + ".part").c_str(), path_.c_str()) != 0) {
-      fail("cannot be given its name");
+    if (!why.empty()) {
+      fail("cannot be given its name", why);
+    } else if (std::rename((path_ + ".part").c_str(), path_.c_str()) != 0) {
+      fail("cannot be given its name", std::strerror(errno));
     }
   }
   return error();

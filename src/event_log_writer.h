@@ -32,7 +32,12 @@ class EventLogWriter {
     std::vector<std::string> degraded_because;
   };
 
-  /** @throws std::invalid_argument if @p path has another ending or cannot be written. */
+  /**
+   * Of what is there under @p path or PATH.part already, only an event log is replaced, and no
+   * symbolic link is followed.
+   * @throws std::invalid_argument if @p path has another ending or cannot be written, if something
+   * else is there, or if another process writes this log.
+   */
   EventLogWriter(const std::string& path, std::int64_t start_ns);
 
   /** @param values a JSON array; what is none is written as an array of one text. */
@@ -57,7 +62,7 @@ class EventLogWriter {
   };
 
   void writeOut();
-  void fail(const std::string& what);
+  void fail(const std::string& what, const std::string& reason);
 
   mutable std::mutex buffer_mutex_;  // taken for moments only
   std::mutex file_mutex_;            // taken while the disk is waited for; before buffer_mutex_

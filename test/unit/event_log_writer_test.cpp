@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -19,7 +22,7 @@ class Folder {
  public:
   Folder() { path_ = mkdtemp(template_); }
   ~Folder() {
-    for (const char* name : {"/a.jsonl", "/a.csv", "/a.jsonl.part", "/a.csv.part"}) {
+    for (const char* name : {"/a.jsonl", "/a.csv", "/a.jsonl.part", "/a.csv.part", "/other"}) {
       unlink((path_ + name).c_str());
     }
     rmdir(path_.c_str());
@@ -39,6 +42,38 @@ std::string contents(const std::string& path) {
 }
 
 bool exists(const std::string& path) { return access(path.c_str(), F_OK) == 0; }
+
+void write(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
+
+/** @return why a log at @p path is refused. */
+std::string refused(const std::string& path) {
+  try {
+    EventLogWriter(path, 0);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/** @brief As on a full disk: no file grows beyond @p size bytes. */
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t size) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{size, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+const std::string kHead = "{\"event_log\":1,\"start_ns\":5}\n";
 
 }  // namespace
 
@@ -103,12 +138,100 @@ TEST(EventLogWriter, RefusesOtherEndingsAndPathsThatCannotBeWritten) {
 
 TEST(EventLogWriter, AFullDiskIsToldAndTheFileKeepsTheNameOfAnUnfinishedOne) {
   const Folder folder;
-  ASSERT_EQ(symlink("/dev/full", (folder / "a.csv.part").c_str()), 0);
-  EventLogWriter log(folder / "a.csv", 0);
-  EXPECT_NE(log.error().find("No space left"), std::string::npos) << log.error();
-  log.add(1, "r", "k", "[]");
-  EXPECT_NE(log.finish({"over", {}, {}}), "");
+  std::string error, at_end;
+  {
+    const FullDisk disk(100);
+    EventLogWriter log(folder / "a.csv", 0);
+    log.add(1, "r", "k", "[\"" + std::string(100, 'x') + "\"]");
+    log.flush();
+    error = log.error();
+    at_end = log.finish({"over", {}, {}});
+  }
+  EXPECT_EQ(error, "event log " + (folder / "a.csv.part") +
+                       " cannot be written: File too large; it ends there");
+  EXPECT_EQ(at_end, error);
   EXPECT_FALSE(exists(folder / "a.csv"));
+  EXPECT_EQ(contents(folder / "a.csv.part").size(), 100U);
+}
+
+// ---- what is there already -------------------------------------------------------------------
+
+TEST(EventLogWriter, ReplacesEventLogsOfEitherFormatAndUnfinishedOnes) {
+  const Folder folder;
+  write(folder / "a.jsonl", kHead);
+  write(folder / "a.jsonl.part", "# " + kHead);
+  EventLogWriter log(folder / "a.jsonl", 6);
+  EXPECT_EQ(contents(folder / "a.jsonl"), kHead);
+  EXPECT_EQ(log.finish({"over", {}, {}}), "");
+  EXPECT_EQ(contents(folder / "a.jsonl").find("{\"event_log\":1,\"start_ns\":6}"), 0U);
+}
+
+TEST(EventLogWriter, ReplacesWhatAFullDiskHasLeft) {
+  for (const std::string text : {"", "{\"event", "# {"}) {
+    const Folder folder;
+    write(folder / "a.jsonl.part", text);
+    EXPECT_EQ(refused(folder / "a.jsonl"), "");
+  }
+}
+
+TEST(EventLogWriter, ReplacesNothingElse) {
+  const Folder empty;
+  write(empty / "a.jsonl", "");
+  EXPECT_NE(refused(empty / "a.jsonl").find("is no event log"), std::string::npos);
+  for (const char* text : {"{\"event\":1}\n", "thesis", "# []"}) {
+    for (const char* name : {"a.jsonl", "a.jsonl.part"}) {
+      const Folder folder;
+      write(folder / name, text);
+      EXPECT_EQ(refused(folder / "a.jsonl"),
+                "must be a path that can be written, got '" + (folder / "a.jsonl") + "': " +
+                    (folder / name) + " is there already and is no event log: it is not replaced");
+      EXPECT_EQ(contents(folder / name), text);
+    }
+  }
+  const Folder folder;
+  ASSERT_EQ(mkfifo((folder / "a.csv.part").c_str(), 0600), 0);
+  EXPECT_NE(refused(folder / "a.csv").find("is no event log"), std::string::npos);
+}
+
+TEST(EventLogWriter, FollowsNoSymbolicLink) {
+  for (const char* name : {"a.jsonl", "a.jsonl.part"}) {
+    for (const bool dangling : {false, true}) {
+      const Folder folder;
+      if (!dangling) {
+        write(folder / "other", kHead);
+      }
+      ASSERT_EQ(symlink((folder / "other").c_str(), (folder / name).c_str()), 0);
+      EXPECT_NE(refused(folder / "a.jsonl").find("is a symbolic link, which is not followed"),
+                std::string::npos);
+      EXPECT_EQ(exists(folder / "other"), !dangling);
+    }
+  }
+}
+
+TEST(EventLogWriter, LeavesAloneWhatHasComeDuringTheRun) {
+  const Folder folder;
+  EventLogWriter log(folder / "a.jsonl", 5);
+  write(folder / "a.jsonl", "thesis");
+  EXPECT_NE(log.finish({"over", {}, {}}).find("cannot be given its name"), std::string::npos);
+  EXPECT_EQ(contents(folder / "a.jsonl"), "thesis");
+  EXPECT_EQ(contents(folder / "a.jsonl.part").find(kHead), 0U);
+}
+
+TEST(EventLogWriter, DoesNotTakeTheFileOfOneThatStillWrites) {
+  const Folder folder;
+  EventLogWriter log(folder / "a.jsonl", 5);
+  EXPECT_NE(refused(folder / "a.jsonl").find("is being written by another process"),
+            std::string::npos);
+  EXPECT_EQ(log.finish({"over", {}, {}}), "");
+  EXPECT_EQ(refused(folder / "a.jsonl"), "");
+}
+
+TEST(EventLogWriter, AnOtherNameOfAnUnfinishedLogKeepsItsContents) {
+  const Folder folder;
+  write(folder / "other", kHead);
+  ASSERT_EQ(link((folder / "other").c_str(), (folder / "a.jsonl.part").c_str()), 0);
+  EXPECT_EQ(refused(folder / "a.jsonl"), "");
+  EXPECT_EQ(contents(folder / "other"), kHead);
 }
 
 int main(int argc, char** argv) {
