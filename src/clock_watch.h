@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "node_probe.h"
+#include "shown_text.h"
 
 namespace move_base_abstract {
 
@@ -50,7 +51,7 @@ class ClockWatch {
     const auto now = WallClock::now();
     for (auto other = others_.begin(); other != others_.end();) {
       if (now - other->second.heard > kMemory) {
-        ROS_INFO("%s no longer publishes /clock", other->first.c_str());
+        ROS_INFO("%s no longer publishes /clock", shown(other->first).c_str());
         other = others_.erase(other);
         changed_ = true;
       } else {
@@ -113,7 +114,7 @@ class ClockWatch {
     if (now - other->second.logged > kLogGap) {
       other->second.logged = now;
       ROS_ERROR("%s publishes /clock too (%.9f s): time will jump; stop it, or this time master",
-                name.c_str(), event.getMessage()->clock.toSec());
+                shown(name).c_str(), event.getMessage()->clock.toSec());
     }
   }
 

@@ -14,6 +14,9 @@
 #include <mutex>
 #include <random>
 #include <regex>
+#include <stdexcept>
+
+#include "participant_secret.h"
 
 namespace ros {
 CallbackQueuePtr getInternalCallbackQueue();  // exported by roscpp, but in none of its headers
@@ -173,7 +176,14 @@ void Core::connectToTimeMaster() {
 }
 
 void Core::sayHello() {
+  std::string secret;
+  try {
+    secret = secretOfRun();
+  } catch (const std::invalid_argument& error) {
+    throw Error("lockstep: node " + name_ + ": parameter /time_master/" + error.what());
+  }
   wire::Hello hello;
+  hello.secret = secret;
   const std::string& uri = ros::XMLRPCManager::instance()->getServerURI();
   hello.name = name_;
   hello.node_uri = uri;

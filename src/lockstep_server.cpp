@@ -25,7 +25,10 @@ constexpr std::uint64_t kEvent = 1;
 constexpr std::uint64_t kTimer = 2;
 constexpr ConnectionId kFirstConnection = 3;
 
-constexpr std::size_t kBufferSize = 1 << 18;                 // bytes received at once
+constexpr std::size_t kBufferSize = 1 << 18;  // bytes received at once
+constexpr int kMostReceives = 64;             // of one connection in a row
+constexpr std::size_t kMostStrangers = 256;   // connections without a HELLO
+constexpr std::size_t kMostConnections = 4096;
 constexpr Nanoseconds kCloseLimit = kNanosecondsPerSecond;   // wall, for the last bytes
 constexpr Nanoseconds kFinishLimit = kNanosecondsPerSecond;  // wall, for everybody's last bytes
 
@@ -206,6 +209,7 @@ void LockstepServer::work() {
   }
   tellListeners();
   closeOverdue(wall);
+  listenOrNot();
 }
 
 void LockstepServer::tellListeners() {
@@ -229,7 +233,7 @@ void LockstepServer::tellListeners() {
 void LockstepServer::handle(std::uint64_t id, std::uint32_t events, Nanoseconds wall) {
   std::uint64_t ignored = 0;
   if (id == kListener) {
-    acceptAll();
+    acceptAll(wall);
   } else if (id == kEvent) {
     [[maybe_unused]] const auto got = read(event_.get(), &ignored, sizeof(ignored));
   } else if (id == kTimer) {
@@ -245,18 +249,31 @@ void LockstepServer::handle(std::uint64_t id, std::uint32_t events, Nanoseconds 
   }
 }
 
-void LockstepServer::acceptAll() {
-  while (accept()) {
+void LockstepServer::acceptAll(Nanoseconds wall) {
+  while (mayListen() && accept(wall)) {
   }
 }
 
-bool LockstepServer::accept() {
+/** @return whether more connections can be taken. Those that cannot wait in the kernel's queue. */
+bool LockstepServer::mayListen() const {
+  return !exhausted_ && session_.strangers() < kMostStrangers &&
+         connections_.size() < kMostConnections;
+}
+
+/** @brief Looking at a connection that cannot be taken, again and again, would take a whole core.
+ */
+void LockstepServer::listenOrNot() {
+  if (mayListen() != listening_) {
+    listening_ = !listening_;
+    watch(listener_.get(), kListener, listening_ ? EPOLLIN : 0U, EPOLL_CTL_MOD);
+  }
+}
+
+bool LockstepServer::accept(Nanoseconds wall) {
   Descriptor fd(accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (fd.get() < 0) {
     if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
-      // The connection stays in the queue: looking at it again and again would take a whole core.
-      listening_ = false;
-      watch(listener_.get(), kListener, 0, EPOLL_CTL_MOD);
+      exhausted_ = true;
       messages_.push_back({LockstepMessage::Level::kError,
                            std::string("a participant cannot be taken: ") + std::strerror(errno)});
       return false;
@@ -267,12 +284,12 @@ bool LockstepServer::accept() {
   const ConnectionId id = ++last_id_;
   watch(fd.get(), id, EPOLLIN, EPOLL_CTL_ADD);
   connections_[id].socket = std::move(fd);
-  session_.connect(id);
+  session_.connect(id, wall);
   return true;
 }
 
 void LockstepServer::receive(ConnectionId id, Connection& connection, Nanoseconds wall) {
-  while (true) {
+  for (int k = 0; k < kMostReceives; ++k) {
     const ssize_t size = recv(connection.socket.get(), buffer_.data(), buffer_.size(), 0);
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) {
       return;
@@ -298,10 +315,7 @@ void LockstepServer::lose(ConnectionId id, Nanoseconds wall) {
 void LockstepServer::forget(ConnectionId id) {
   connections_.erase(id);  // epoll forgets a closed descriptor by itself
   closing_.erase(std::remove(closing_.begin(), closing_.end(), id), closing_.end());
-  if (!listening_) {
-    listening_ = true;
-    watch(listener_.get(), kListener, EPOLLIN, EPOLL_CTL_MOD);
-  }
+  exhausted_ = false;
 }
 
 void LockstepServer::send(LockstepSession::Output& output) {

@@ -109,8 +109,10 @@ class LockstepServer {
   void arm(Nanoseconds due);
   void work();
   void handle(std::uint64_t id, std::uint32_t events, Nanoseconds wall);
-  void acceptAll();
-  bool accept();
+  void acceptAll(Nanoseconds wall);
+  bool accept(Nanoseconds wall);
+  bool mayListen() const;
+  void listenOrNot();
   void receive(ConnectionId id, Connection& connection, Nanoseconds wall);
   void lose(ConnectionId id, Nanoseconds wall);
   void forget(ConnectionId id);
@@ -127,7 +129,8 @@ class LockstepServer {
   Descriptor epoll_;
   Descriptor event_;
   Descriptor timer_;
-  bool listening_ = true;       // false: no free file descriptors; the next that is closed ends it
+  bool listening_ = true;
+  bool exhausted_ = false;      // no free file descriptors; the next that is closed ends it
   Nanoseconds armed_ = kNever;  // wall
   std::unordered_map<ConnectionId, Connection> connections_;
   std::vector<ConnectionId> closing_;

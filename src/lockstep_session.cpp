@@ -5,11 +5,15 @@
 #include <utility>
 
 #include "lockstep_text.h"
+#include "shown_text.h"
 
 namespace move_base_abstract {
 namespace {
 
-constexpr Nanoseconds kMissingGap = 5 * kNanosecondsPerSecond;  // wall
+constexpr Nanoseconds kMissingGap = 5 * kNanosecondsPerSecond;   // wall
+constexpr Nanoseconds kHelloLimit = 10 * kNanosecondsPerSecond;  // wall
+constexpr std::uint64_t kRefusalsTold = 10;  // one by one; then each that doubles their number
+constexpr std::size_t kMostLabels = 100;     // of a kind
 
 std::string quote(std::string_view name) { return "'" + std::string(name) + "'"; }
 
@@ -25,6 +29,27 @@ std::string joined(const std::vector<std::string>& parts) {
 bool isAnonymous(std::string_view name) {
   const std::size_t digits = name.find_last_not_of("0123456789");
   return digits != std::string_view::npos && name[digits] == '_' && name.size() - digits - 1 >= 13;
+}
+
+/** @return whether both are the same; takes the same time wherever they differ. */
+bool isSameSecret(std::string_view one, std::string_view other) {
+  unsigned difference = one.size() == other.size() ? 0U : 1U;
+  for (std::size_t k = 0; k < one.size() && !other.empty(); ++k) {
+    difference |= static_cast<unsigned char>(one[k]) ^
+                  static_cast<unsigned>(static_cast<unsigned char>(other[k % other.size()]));
+  }
+  return difference == 0;
+}
+
+/** @brief Add a label that is not there yet. @return what is to be said of it; '' if nothing. */
+std::string addLabel(std::vector<std::string>& labels, const std::string& text) {
+  const std::string label =
+      labels.size() < kMostLabels ? shown(text) : "and more; only the first are listed";
+  if (std::find(labels.begin(), labels.end(), label) != labels.end()) {
+    return "";
+  }
+  labels.push_back(label);
+  return label;
 }
 
 std::string jsonText(std::string_view text) {
@@ -77,10 +102,13 @@ LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds w
 
 // ---- connections -----------------------------------------------------------------------------
 
-void LockstepSession::connect(ConnectionId connection) {
+void LockstepSession::connect(ConnectionId connection, Nanoseconds wall) {
+  wall_ = std::max(wall_, wall);
   connections_[connection];
   if (rounds_.ended()) {
     close(connection, reason_);
+  } else {
+    hello_due_[connection] = wall_ + kHelloLimit;
   }
 }
 
@@ -94,7 +122,8 @@ void LockstepSession::received(ConnectionId id, std::string_view bytes, Nanoseco
   poll_due_ = true;
   try {
     connection.buffer.append(bytes);
-    while (const auto frame = connection.buffer.next()) {
+    while (const auto frame = connection.buffer.next(
+               connection.member == 0 ? wire::kLargestHello : wire::kLargestFrame)) {
       take(id, connection, *frame);
       if (connection.close) {
         return;
@@ -137,6 +166,7 @@ void LockstepSession::disconnected(ConnectionId id, Nanoseconds wall) {
   }
   const MemberId member = found->second.member;
   connections_.erase(found);
+  hello_due_.erase(id);
   poll_due_ = true;
   if (member != 0) {
     die(member, "its connection was lost");
@@ -146,17 +176,38 @@ void LockstepSession::disconnected(ConnectionId id, Nanoseconds wall) {
 /** @brief What came over the connection cannot be trusted any more. */
 void LockstepSession::drop(ConnectionId id, const std::string& reason) {
   const MemberId member = connections_.at(id).member;
-  close(id, reason);
   if (member == 0) {
-    say(Level::kWarn, "a connection was refused: " + reason);
-  } else {
-    die(member, "it was dropped: " + reason);
+    refuseConnection(id, reason);
+    return;
+  }
+  close(id, reason);
+  die(member, "it was dropped: " + reason);
+}
+
+/** @brief A stranger is sent away. Thousands of them do not fill the log. */
+void LockstepSession::refuseConnection(ConnectionId id, const std::string& reason) {
+  close(id, reason);
+  ++refused_;
+  const bool doubled = (refused_ & (refused_ - 1)) == 0;
+  if (refused_ <= kRefusalsTold || doubled) {
+    const std::string count =
+        refused_ <= kRefusalsTold ? "" : " (" + std::to_string(refused_) + " so far)";
+    say(Level::kWarn, "a connection was refused" + count + ": " + reason);
+  }
+}
+
+void LockstepSession::dropSilentStrangers() {
+  while (!hello_due_.empty() && hello_due_.begin()->second <= wall_) {
+    const ConnectionId id = hello_due_.begin()->first;
+    refuseConnection(id, "it has said no HELLO within " + secondsText(kHelloLimit));
+    hello_due_.erase(id);
   }
 }
 
 // ---- joining ---------------------------------------------------------------------------------
 
-void LockstepSession::hello(ConnectionId id, Connection& connection, const wire::Hello& hello) {
+/** @throws wire::MalformedFrame unless it may take part. */
+void LockstepSession::checkHello(const wire::Hello& hello) const {
   if (hello.protocol != wire::kProtocol) {
     throw wire::MalformedFrame("protocol must be " + std::to_string(wire::kProtocol) + ", got " +
                                std::to_string(hello.protocol) + " from " + quote(hello.name) +
@@ -165,6 +216,23 @@ void LockstepSession::hello(ConnectionId id, Connection& connection, const wire:
   if (hello.name.empty()) {
     throw wire::MalformedFrame("HELLO must have a name, got an empty one");
   }
+  if (hello.name.size() > kLongestName || hasControlCharacters(hello.name)) {
+    throw wire::MalformedFrame("HELLO must have a name of at most " + std::to_string(kLongestName) +
+                               " bytes without control characters, got '" +
+                               shown(hello.name, kLongestName) + "'");
+  }
+  if (!settings_.secret.empty() && !isSameSecret(hello.secret, settings_.secret)) {
+    throw wire::MalformedFrame(
+        "HELLO must have the secret of the run, got " +
+        std::string(hello.secret.empty() ? "none" : "another") + " from " + quote(hello.name) +
+        ": set lockstep_secret_file, or lockstep_secret, for all (parameters of "
+        "/time_master)");
+  }
+}
+
+void LockstepSession::hello(ConnectionId id, Connection& connection, const wire::Hello& hello) {
+  checkHello(hello);
+  hello_due_.erase(id);
   if (rules_.replace) {
     replaceOlder(hello.name);
   }
@@ -320,16 +388,16 @@ void LockstepSession::listChanged(MemberId id) {
 }
 
 void LockstepSession::labelNotRepeatable(const std::string& why) {
-  if (std::find(not_repeatable_.begin(), not_repeatable_.end(), why) == not_repeatable_.end()) {
-    not_repeatable_.push_back(why);
-    say(Level::kInfo, "the run is not repeatable: " + why);
+  const std::string added = addLabel(not_repeatable_, why);
+  if (!added.empty()) {
+    say(Level::kInfo, "the run is not repeatable: " + added);
   }
 }
 
 void LockstepSession::labelDegraded(const std::string& why) {
-  if (std::find(degraded_.begin(), degraded_.end(), why) == degraded_.end()) {
-    degraded_.push_back(why);
-    say(Level::kWarn, "the run is degraded: " + why);
+  const std::string added = addLabel(degraded_, why);
+  if (!added.empty()) {
+    say(Level::kWarn, "the run is degraded: " + added);
   }
 }
 
@@ -351,6 +419,7 @@ std::vector<LockstepSession::Output> LockstepSession::poll(Nanoseconds wall) {
       handleEvents();
     }
     nameMissing();
+    dropSilentStrangers();
   }
   return flush();
 }
@@ -378,8 +447,8 @@ void LockstepSession::applyRound() {
   router_.finishRound();
   changed_.clear();  // who is dropped for its report has departed in its turn
   closeRoundLog();
-  for (std::string& warning : router_.takeWarnings()) {
-    say(Level::kWarn, std::move(warning));
+  for (const std::string& warning : router_.takeWarnings()) {
+    say(Level::kWarn, warning);
   }
 }
 
@@ -411,7 +480,7 @@ void LockstepSession::applyItem(MemberId id, Member& member, const wire::ReportI
 void LockstepSession::applyNote(Member& member, const wire::Note& note) {
   switch (note.what) {
     case wire::NoteKind::kWaitsFor:
-      member.waits_for = note.text;
+      member.waits_for = shown(note.text);
       break;
     case wire::NoteKind::kNotRepeatable:
       labelNotRepeatable(quote(member.name) + ": " + std::string(note.text));
@@ -605,7 +674,8 @@ Nanoseconds LockstepSession::nextWake() const {
   if (poll_due_ || !outgoing_.empty()) {
     return wall_;
   }
-  return rounds_.ended() ? kNever : std::min(rounds_.nextWake(), missing_due_);
+  const Nanoseconds hello_due = hello_due_.empty() ? kNever : hello_due_.begin()->second;
+  return rounds_.ended() ? kNever : std::min({rounds_.nextWake(), missing_due_, hello_due});
 }
 
 // ---- the gate --------------------------------------------------------------------------------
@@ -665,8 +735,10 @@ void LockstepSession::close(ConnectionId id, const std::string& reason) {
   if (found == connections_.end() || found->second.close) {
     return;
   }
-  send(id, wire::encode(wire::MasterFrame(wire::End{reason})));
+  const std::string text = shown(reason);
+  send(id, wire::encode(wire::MasterFrame(wire::End{text})));
   found->second.close = true;
+  hello_due_.erase(id);
 }
 
 void LockstepSession::list(ConnectionId id, Connection& connection) {
@@ -709,8 +781,8 @@ std::vector<LockstepMessage> LockstepSession::takeMessages() {
 
 // ---- what is so ------------------------------------------------------------------------------
 
-void LockstepSession::say(Level level, std::string text) {
-  messages_.push_back({level, std::move(text)});
+void LockstepSession::say(Level level, const std::string& text) {
+  messages_.push_back({level, shown(text)});
 }
 
 std::string LockstepSession::at() const { return " at " + secondsText(rounds_.now()); }

@@ -34,6 +34,7 @@ void fields(Hello& hello, Visit&& visit) {
   visit("rank", hello.rank);
   visit("rank_declared", hello.rank_declared);
   visit("incarnation", hello.incarnation);
+  visit("secret", hello.secret);
 }
 
 template <typename Visit>
@@ -480,6 +481,18 @@ std::vector<Item> readItems(Reader& reader, const std::string& frame, const char
   return items;
 }
 
+/** @brief The rest of another version's HELLO is not looked at: the protocol alone is told. */
+std::optional<Hello> readForeignHello(std::string_view body) {
+  Hello hello;
+  Reader reader(body, "HELLO");
+  reader("protocol", hello.protocol);
+  if (hello.protocol == kProtocol) {
+    return std::nullopt;
+  }
+  reader("name", Text{hello.name});
+  return hello;
+}
+
 Report readReport(Reader& reader) {
   Report report;
   std::uint8_t flags = 0;
@@ -559,6 +572,9 @@ ParticipantFrame decodeFromParticipant(std::string_view frame) {
   auto [reader, type] = open(frame, kHello, 4, kFrameNames);
   switch (type) {
     case kHello:
+      if (const auto foreign = readForeignHello(frame.substr(1))) {
+        return *foreign;
+      }
       return whole(reader, readSimple<Hello, ParticipantFrame>(reader));
     case kReport:
       return whole(reader, ParticipantFrame(readReport(reader)));
@@ -585,14 +601,14 @@ MasterFrame decodeFromMaster(std::string_view frame) {
   }
 }
 
-std::optional<std::string_view> FrameBuffer::next() {
+std::optional<std::string_view> FrameBuffer::next(std::uint32_t largest) {
   const std::size_t have = bytes_.size() - begin_;
   std::uint32_t length = 0;
   if (have >= kLengthSize) {
     Reader reader(std::string_view(bytes_).substr(begin_, kLengthSize), "frame");
     reader("length", length);
-    if (length == 0 || length > kLargestFrame) {
-      reader.fail("length", "must be from 1 to " + std::to_string(kLargestFrame) + ", got " +
+    if (length == 0 || length > largest) {
+      reader.fail("length", "must be from 1 to " + std::to_string(largest) + ", got " +
                                 std::to_string(length));
     }
   }

@@ -5,6 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "shown_text.h"
+
 namespace move_base_abstract {
 namespace {
 
@@ -166,6 +168,10 @@ void TimeMaster::runUntil(Nanoseconds target, Nanoseconds wall) {
 void TimeMaster::hold(const std::string& holder, double timeout, Nanoseconds wall) {
   if (holder.empty()) {
     refuse("hold: holder must be a name, got an empty one");
+  }
+  if (holder.size() > kLongestName || hasControlCharacters(holder)) {
+    refuse("hold: holder must be a name of at most " + std::to_string(kLongestName) +
+           " bytes without control characters, got '" + shown(holder, kLongestName) + "'");
   }
   if (!(timeout > 0.0 && timeout <= kLongestHold)) {
     refuse("hold by '" + holder + "': timeout must be more than 0 and at most " +

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -16,8 +17,37 @@
 
 #include "move_base_abstract/lockstep_rounds.h"
 #include "move_base_abstract/time_master.h"
+#include "run_secret.h"
+#include "shown_text.h"
 
 namespace move_base_abstract {
+
+/** @return the texts of "[a, 'b', "c"]"; nothing if @p text is no such list. */
+inline std::optional<std::vector<std::string>> listOfTexts(const std::string& text) {
+  const auto trimmed = [](const std::string& part) {
+    const std::size_t begin = part.find_first_not_of(" \t\n");
+    return begin == std::string::npos
+               ? std::string()
+               : part.substr(begin, part.find_last_not_of(" \t\n") - begin + 1);
+  };
+  const std::string whole = trimmed(text);
+  if (whole.size() < 2 || whole.front() != '[' || whole.back() != ']') {
+    return std::nullopt;
+  }
+  std::vector<std::string> texts;
+  std::istringstream parts(whole.substr(1, whole.size() - 2));
+  for (std::string part; std::getline(parts, part, ',');) {
+    std::string one = trimmed(part);
+    if (one.size() >= 2 && one.front() == one.back() && (one[0] == '\'' || one[0] == '"')) {
+      one = one.substr(1, one.size() - 2);
+    }
+    if (one.empty() || one.find_first_of("[]{}'\"") != std::string::npos) {
+      return std::nullopt;
+    }
+    texts.push_back(one);
+  }
+  return texts;
+}
 
 /** @brief Typed look-ups below one namespace; remembers which keys it knows. */
 class ParameterReader {
@@ -75,19 +105,32 @@ class ParameterReader {
     value = static_cast<std::string>(raw);
   }
 
-  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  /**
+   * @brief Replace @p value by the parameter, if set. @throws std::invalid_argument
+   *
+   * A text "[a, b]" is a list too: roscpp takes what a command line gives (_key:="[a, b]") for one.
+   */
   void read(const std::string& key, std::vector<std::string>& value) {
+    const char* const wanted = "a list of texts, such as [a, b]";
     XmlRpc::XmlRpcValue raw;
     if (!find(key, raw)) {
       return;
     }
+    if (raw.getType() == XmlRpc::XmlRpcValue::TypeString) {
+      const auto parsed = listOfTexts(static_cast<std::string>(raw));
+      if (!parsed) {
+        refuse(key, wanted, raw);
+      }
+      value = *parsed;
+      return;
+    }
     if (raw.getType() != XmlRpc::XmlRpcValue::TypeArray) {
-      refuse(key, "a list of texts", raw);
+      refuse(key, wanted, raw);
     }
     value.clear();
     for (int index = 0; index < raw.size(); ++index) {
       if (raw[index].getType() != XmlRpc::XmlRpcValue::TypeString) {
-        refuse(key, "a list of texts", raw);
+        refuse(key, wanted, raw);
       }
       value.push_back(static_cast<std::string>(raw[index]));
     }
@@ -110,6 +153,19 @@ class ParameterReader {
       throw std::invalid_argument(key + " must be " + allowed + ", got '" + chosen + "'");
     }
     value = found->second;
+  }
+
+  /** @brief Where the list came as a text, have others find a list. */
+  void replaceText(const std::string& key, const std::vector<std::string>& list) {
+    XmlRpc::XmlRpcValue raw;
+    if (find(key, raw) && raw.getType() == XmlRpc::XmlRpcValue::TypeString) {
+      XmlRpc::XmlRpcValue value;
+      value.setSize(static_cast<int>(list.size()));
+      for (std::size_t index = 0; index < list.size(); ++index) {
+        value[static_cast<int>(index)] = list[index];
+      }
+      node_.setParam(key, value);
+    }
   }
 
   /** @brief A parameter of this name is not unknown. */
@@ -141,13 +197,28 @@ class ParameterReader {
     std::ostringstream got;
     raw.write(got);
     throw std::invalid_argument(
-        key + " must be " + wanted + ", got '" + got.str() + "'" +
+        key + " must be " + wanted + ", got '" + shown(got.str()) + "'" +
         (raw.getType() == XmlRpc::XmlRpcValue::TypeString ? " (text)" : ""));
   }
 
   ros::NodeHandle node_;
   std::set<std::string> known_;
 };
+
+/** @brief Topics that participants leave to ROS's own connections; checked, and made a list. */
+inline void settleExcludedTopics(ParameterReader& reader) {
+  const char* const key = "excluded_topics";
+  std::vector<std::string> topics;
+  reader.read(key, topics);
+  for (const std::string& topic : topics) {
+    std::string error;
+    if (topic.empty() || !ros::names::validate(topic, error)) {
+      throw std::invalid_argument(std::string(key) + " must be a list of names of topics, got '" +
+                                  shown(topic) + "'");
+    }
+  }
+  reader.replaceText(key, topics);
+}
 
 struct NodeParameters {
   TimeMaster::Settings master;
@@ -183,8 +254,8 @@ inline std::vector<std::string> absoluteNames(const std::vector<std::string>& na
   for (const std::string& name : names) {
     std::string error;
     if (name.empty() || name == "/" || !ros::names::validate(name, error) || name[0] == '~') {
-      throw std::invalid_argument("participants must be a list of node names, got '" + name + "'" +
-                                  (error.empty() ? "" : " (" + error + ")"));
+      throw std::invalid_argument("participants must be a list of node names, got '" + shown(name) +
+                                  "'" + (error.empty() ? "" : " (" + shown(error) + ")"));
     }
     const std::string full = ros::names::clean(name[0] == '/' ? name : "/" + name);
     if (std::find(absolute.begin(), absolute.end(), full) != absolute.end()) {
@@ -211,6 +282,11 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("log_messages", lockstep.log_messages);
   reader.read("lockstep_port", parameters.lockstep_port);
   reader.read("event_log", parameters.event_log);
+  std::string secret, secret_file;
+  reader.read("lockstep_secret", secret);
+  reader.read("lockstep_secret_file", secret_file);
+  lockstep.secret = runSecret(secret, secret_file);
+  settleExcludedTopics(reader);
   lockstep.participants = absoluteNames(lockstep.participants);
   checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
   if (lockstep.limit != 0.0) {

@@ -67,6 +67,7 @@ struct LockstepSettings {
   OnSilence on_silence = OnSilence::kWait;
   bool end_when_idle = false;
   bool log_messages = false;  // messages and calls between participants go into the log too
+  std::string secret;         // that a HELLO must have; empty: none
 };
 
 /** @brief Where a thing comes among those of its round: rank, robot, name, the sender's count. */

@@ -93,7 +93,8 @@ class LockstepSession {
   LockstepSession(const LockstepSession&) = delete;
   LockstepSession& operator=(const LockstepSession&) = delete;
 
-  void connect(ConnectionId connection);
+  /** @brief A new connection, which has 10 wall seconds to say HELLO. */
+  void connect(ConnectionId connection, Nanoseconds wall);
   /** @brief Any piece of the connection's bytes; those of unknown connections are dropped. */
   void received(ConnectionId connection, std::string_view bytes, Nanoseconds wall);
   /** @brief The connection is lost, also if this was the session's wish. */
@@ -102,6 +103,9 @@ class LockstepSession {
   std::vector<Output> poll(Nanoseconds wall);
   /** @return the wall instant [ns] at which to poll next even if nothing comes in, or kNever. */
   Nanoseconds nextWake() const;
+
+  /** @return how many connections have said no HELLO yet. */
+  std::size_t strangers() const { return hello_due_.size(); }
 
   Nanoseconds now() const { return rounds_.now(); }  // simulated
   std::uint32_t microstep() const { return rounds_.microstep(); }
@@ -156,6 +160,7 @@ class LockstepSession {
 
   void take(ConnectionId id, Connection& connection, std::string_view frame);
   void hello(ConnectionId id, Connection& connection, const wire::Hello& hello);
+  void checkHello(const wire::Hello& hello) const;
   void introduce(MemberId id);
   void replaceOlder(std::string_view name);
   MemberId freshId(std::string_view name);
@@ -163,6 +168,8 @@ class LockstepSession {
   void takeKnock(MemberId id);
   void takeLeave(MemberId id, const wire::Leave& leave);
   void drop(ConnectionId id, const std::string& reason);
+  void refuseConnection(ConnectionId id, const std::string& reason);
+  void dropSilentStrangers();
   void depart(MemberId id, const std::string& how);
   void die(MemberId id, const std::string& how);
   void listChanged(MemberId id);
@@ -191,7 +198,7 @@ class LockstepSession {
   void send(ConnectionId id, std::string_view bytes);
   void close(ConnectionId id, const std::string& reason);
   void list(ConnectionId id, Connection& connection);
-  void say(Level level, std::string text);
+  void say(Level level, const std::string& text);
   std::string at() const;
   std::string nameOf(MemberId id) const;
   std::string quoted(MemberId id) const;
@@ -212,6 +219,8 @@ class LockstepSession {
   MemberId last_id_;
   std::set<MemberId> used_ids_;  // of those that belong to named participants
   std::map<ConnectionId, Connection> connections_;
+  std::map<ConnectionId, Nanoseconds> hello_due_;  // wall; in the order of connecting
+  std::uint64_t refused_ = 0;                      // connections
   std::map<MemberId, Member> members_;
   std::vector<ConnectionId> outgoing_;
   std::vector<MemberId> changed_;       // have a report or depart, in the order of arrival

@@ -20,9 +20,11 @@
  */
 namespace move_base_abstract::wire {
 
-constexpr std::uint32_t kProtocol = 1;
+constexpr std::uint32_t kProtocol = 2;
 /** Bytes after the length field. What is longer is refused before it is stored. */
 constexpr std::uint32_t kLargestFrame = 256U * 1024 * 1024;
+/** The same before HELLO, when anybody may be at the other end. */
+constexpr std::uint32_t kLargestHello = 4096;
 
 /** @brief What was wrong with a frame: what was got, what is allowed, and where. */
 class MalformedFrame : public std::runtime_error {
@@ -184,6 +186,7 @@ struct Hello {
   std::int32_t rank = 0;
   bool rank_declared = false;
   std::uint64_t incarnation = 0;
+  std::string_view secret;  // of the run; empty: none
 };
 
 struct Report {
@@ -254,9 +257,9 @@ class FrameBuffer {
 
   /**
    * @return type and body of the next complete frame, if there is one; good until the next call.
-   * @throws MalformedFrame where the length is 0 or over kLargestFrame; no frame comes after that.
+   * @throws MalformedFrame where the length is 0 or over @p largest; no frame comes after that.
    */
-  std::optional<std::string_view> next();
+  std::optional<std::string_view> next(std::uint32_t largest = kLargestFrame);
 
   /** @return how many bytes of an incomplete frame wait here (after next() had nothing to give). */
   std::size_t waiting() const { return bytes_.size() - begin_; }

@@ -11,7 +11,9 @@
 #include <cstdlib>
 #include <random>
 #include <regex>
+#include <stdexcept>
 
+#include "../participant_secret.h"
 #include "exchange.h"
 #include "real.h"
 
@@ -34,6 +36,15 @@ std::int64_t steadyNow() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
+}
+
+std::string secretOrExit() {
+  try {
+    return secretOfRun();
+  } catch (const std::invalid_argument& error) {
+    ROS_FATAL("lockstep: parameter /time_master/%s", error.what());
+    std::exit(1);
+  }
 }
 
 void setRosTime(Nanoseconds now) {
@@ -121,9 +132,11 @@ bool Node::connect() {
 
 void Node::sayHello() {
   std::random_device random;
+  const std::string secret = secretOrExit();
   const std::string& uri = ros::XMLRPCManager::instance()->getServerURI();
   wire::Hello hello;
   hello.name = name_;
+  hello.secret = secret;
   hello.node_uri = uri;
   hello.rank = rank_;
   hello.rank_declared = rank_declared_;

@@ -21,7 +21,7 @@ Function* real(const char* symbol, const char* version = nullptr) {
   if (found == nullptr) {
     std::fprintf(stderr,
                  "lockstep: this program's libraries have no %s: they must be those of roscpp "
-                 "1.15 for which this package was built\n",
+                 "1.15 to 1.17 for which this package was built\n",
                  symbol);
     std::abort();
   }

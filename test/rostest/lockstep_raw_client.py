@@ -14,7 +14,7 @@ import time
 from typing import NamedTuple
 
 GUARD = 30.0
-PROTOCOL = 1
+PROTOCOL = 2
 NEVER = 2 ** 63 - 1
 
 HELLO, REPORT, KNOCK, LEAVE = 1, 2, 3, 4
@@ -127,10 +127,11 @@ class RawClient:
     def close(self):
         self.socket.close()
 
-    def hello(self, name, rank=0, rank_declared=False, uri='http://127.0.0.1:1/', protocol=PROTOCOL, incarnation=1):
+    def hello(self, name, rank=0, rank_declared=False, uri='http://127.0.0.1:1/', protocol=PROTOCOL, incarnation=1,
+              secret=b''):
         """Introduce ourselves and wait for the answer."""
         self.socket.sendall(frame(HELLO, struct.pack('<I', protocol) + text(name) + text(uri)
-                                  + struct.pack('<iBQ', rank, rank_declared, incarnation)))
+                                  + struct.pack('<iBQ', rank, rank_declared, incarnation) + text(secret)))
         kind, reader = self.receive()
         assert kind == WELCOME, (kind, reader.text() if kind == END else None)
         self.own_id = reader.number('I')

@@ -6,10 +6,10 @@ Everything waits for events; GUARD [s, wall] only ends a test that would never e
 
 import os
 import random
+import resource
 import signal
 import socket
 import struct
-import time
 from pathlib import Path
 
 import lockstep_raw_client as raw
@@ -125,7 +125,7 @@ class LockstepFaultsTest(LockstepCase):
         self.start(participants=['/a'])
         client, = self.joined('/a')
         generator = random.Random(7)
-        good = (raw.frame(raw.HELLO, struct.pack('<I', 1) + raw.text('/bad') + raw.text('') + bytes(13)),
+        good = (raw.frame(raw.HELLO, struct.pack('<I', raw.PROTOCOL) + raw.text('/bad') + raw.text('') + bytes(17)),
                 raw.frame(raw.KNOCK), raw.frame(raw.REPORT, bytes(21)), raw.frame(raw.LEAVE, raw.text('x')))
         for number in range(200):
             data = bytearray(b''.join(generator.choices(good, k=3)))
@@ -144,7 +144,7 @@ class LockstepFaultsTest(LockstepCase):
         for data, words in ((struct.pack('<I', 2 ** 31), 'length'), (struct.pack('<I', 0), 'length'),
                             (raw.frame(raw.KNOCK), 'the first frame must be HELLO'), (raw.frame(99), '99'),
                             (raw.frame(raw.HELLO, struct.pack('<I', 9) + raw.text('/x') + raw.text('') + bytes(13)),
-                             'protocol must be 1, got 9')):
+                             'protocol must be 2, got 9')):
             bad = RawClient(self.address)
             self.addCleanup(bad.close)
             bad.socket.sendall(data)
@@ -174,6 +174,57 @@ class LockstepFaultsTest(LockstepCase):
         self.assertIn(('no_publisher', 1, second.own_id), items)
         self.assertNotIn('deliver', [item[0] for item in items])
 
+    # ---- the event log ----
+
+    def test_a_full_disk_shows_in_why_the_state_and_the_log(self):
+        path = self.path('run.jsonl')
+        self.start(participants=['/a'], event_log=path)
+        client = self.join('/a')
+        self.assertEqual(self.state.all()[-1].event_log_error, '')
+        size = os.path.getsize(path + '.part') + 100000
+        resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE, (size, size))  # no file grows beyond: like a full disk
+        client.turn(items=b''.join(raw.log('robot', 'x' * 1000, '[]') for _ in range(200)), next_ns=START + SECOND)
+        words = f'event log {path}.part cannot be written: File too large; it ends there'
+        state = self.state.wait('the error', lambda state: bool(state.event_log_error))
+        self.assertEqual(state.event_log_error, words)
+        self.wait_for_output(words)
+        self.assertIn(words + '\n', self.run_script('why').stdout)
+        self.assertEqual(client.turn().time_ns, START + SECOND)  # the run goes on
+        self.assertEqual(self.end(), 1)
+        self.assertEqual((os.path.exists(path), os.path.getsize(path + '.part')), (False, size))
+
+    def test_what_is_no_event_log_is_not_replaced(self):
+        path = Path(self.path('run.jsonl'))
+        path.write_text('my thesis')
+        self.launch(mode='lockstep', event_log=str(path))
+        self.assertEqual(self.process.wait(GUARD), 1)
+        self.assertIn(f'event_log must be a path that can be written, got \'{path}\': {path} is there already and is no '
+                      'event log', self.output())
+        self.assertEqual(path.read_text(), 'my thesis')
+
+    # ---- strangers ----
+
+    def test_strangers_are_few_and_small_and_make_room_when_they_go(self):
+        self.start(participants=['/a'])
+        host, port = self.address.rsplit(':', 1)
+        strangers = [socket.create_connection((host, int(port)), GUARD) for _ in range(300)]
+        for stranger in strangers:
+            self.addCleanup(stranger.close)
+        wait_for('the first ones taken', lambda: self.descriptors() >= 256)
+        client = RawClient(self.address)  # in the kernel's queue
+        self.addCleanup(client.close)
+        self.assertLess(self.descriptors(), 300)
+        strangers[0].sendall(struct.pack('<I', 4097))
+        self.assertIn(b'length must be from 1 to 4096, got 4097', strangers[0].recv(1000))
+        for stranger in strangers:
+            stranger.close()
+        client.hello('/a').turn()
+        self.assertEqual([one.name for one in self.state.wait('it', lambda state: state.participants).participants],
+                         ['/a'])
+
+    def descriptors(self):
+        return len(os.listdir(f'/proc/{self.process.pid}/fd'))
+
     # ---- the ROS master ----
 
     def test_when_the_ros_master_dies_the_run_ends_and_its_log_is_closed(self):
@@ -186,8 +237,6 @@ class LockstepFaultsTest(LockstepCase):
                                     and rosmaster.getParam('/time_master/lockstep_address'))
             client = self.join('/a')
             client.turn(items=raw.log('robot', 'goal', '[1]'))
-            # A roscpp node whose ROS master dies in the middle of a call to it hangs in that call: let it come to rest.
-            time.sleep(2.0)
             os.kill(rosmaster.getPid(), signal.SIGKILL)
             self.assertIn('the ROS master at', client.end())
             self.assertEqual(child.process.wait(GUARD), 1)

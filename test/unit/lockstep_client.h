@@ -35,8 +35,8 @@ class Stage {
 
   /** @brief A participant says HELLO over connection @p id. */
   void join(ConnectionId id, const std::string& name, std::int32_t rank = 0, bool declared = true) {
-    session.connect(id);
-    frame(id, wire::Hello{wire::kProtocol, name, "http://host:1/", rank, declared, id});
+    session.connect(id, wall);
+    frame(id, wire::Hello{wire::kProtocol, name, "http://host:1/", rank, declared, id, secret});
   }
 
   void frame(ConnectionId id, const wire::ParticipantFrame& frame) {
@@ -111,6 +111,7 @@ class Stage {
 
   LockstepSession session;
   Nanoseconds wall = 0;
+  std::string secret;  // that join() gives
   std::map<ConnectionId, bool> closed;
   std::map<ConnectionId, std::string> end;                   // the reason that END gave
   std::map<ConnectionId, std::vector<std::string>> members;  // of MEMBER, "-id" of GONE

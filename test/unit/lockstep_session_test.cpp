@@ -208,9 +208,9 @@ TEST(Malformed, RubbishNeverDoesHarmToOthers) {
   pair.report(1, 2 * kOne);
   pair.report(2, kNever);
   for (ConnectionId id = 10; id < 2'000; ++id) {
-    pair.session.connect(id);
+    pair.session.connect(id, pair.wall);
     std::string bytes = wire::encode(wire::ParticipantFrame(
-        wire::Hello{wire::kProtocol, id % 3 == 0 ? "/rubbish" : "", "", 0, false, 0}));
+        wire::Hello{wire::kProtocol, id % 3 == 0 ? "/rubbish" : "", "", 0, false, 0, ""}));
     for (auto k = random() % 4; k > 0; --k) {
       bytes[random() % bytes.size()] = static_cast<char>(random());
     }
@@ -230,17 +230,17 @@ TEST(Malformed, RubbishNeverDoesHarmToOthers) {
 
 TEST(Malformed, GreetingsAreChecked) {
   Stage stage(named({"/a"}));
-  stage.session.connect(1);
+  stage.session.connect(1, stage.wall);
   stage.frame(1, wire::Knock{});
   EXPECT_EQ(stage.end[1], "the first frame must be HELLO, got another type");
-  stage.session.connect(2);
-  stage.frame(2, wire::Hello{9, "/a", "", 0, false, 0});
-  EXPECT_NE(stage.end[2].find("protocol must be 1, got 9 from '/a'"), std::string::npos);
-  stage.session.connect(3);
-  stage.frame(3, wire::Hello{wire::kProtocol, "", "", 0, false, 0});
+  stage.session.connect(2, stage.wall);
+  stage.frame(2, wire::Hello{9, "/a", "", 0, false, 0, ""});
+  EXPECT_NE(stage.end[2].find("protocol must be 2, got 9 from '/a'"), std::string::npos);
+  stage.session.connect(3, stage.wall);
+  stage.frame(3, wire::Hello{wire::kProtocol, "", "", 0, false, 0, ""});
   EXPECT_EQ(stage.end[3], "HELLO must have a name, got an empty one");
   stage.join(4, "/a");
-  stage.frame(4, wire::Hello{wire::kProtocol, "/a", "", 0, false, 0});
+  stage.frame(4, wire::Hello{wire::kProtocol, "/a", "", 0, false, 0, ""});
   EXPECT_EQ(stage.end[4], "HELLO must come once, got another");
   stage.bytes(99, "bytes of an unknown connection");
 }

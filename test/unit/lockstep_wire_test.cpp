@@ -106,8 +106,8 @@ TEST(Wire, EveryItemOfAGrantComesBack) {
 }
 
 TEST(Wire, TheOtherFramesComeBack) {
-  const std::vector<ParticipantFrame> up{Hello{1, "/a", "http://host:1/", -3, true, kProtocol},
-                                         Knock{}, Leave{"done"}};
+  const std::vector<ParticipantFrame> up{
+      Hello{kProtocol, "/a", "http://host:1/", -3, true, 7, "secret"}, Knock{}, Leave{"done"}};
   for (const ParticipantFrame& frame : up) {
     const std::string bytes = encode(frame);
     EXPECT_EQ(encode(decodeFromParticipant(body(bytes))), bytes);
@@ -119,6 +119,14 @@ TEST(Wire, TheOtherFramesComeBack) {
   }
   const std::string hello = encode(up[0]);
   EXPECT_EQ(std::get<Hello>(decodeFromParticipant(body(hello))).rank, -3);
+}
+
+TEST(Wire, OfAnotherVersionsHelloOnlyProtocolAndNameAreRead) {
+  std::string hello = encode(ParticipantFrame(Hello{1, "/a", "", 0, true, 7, ""}));
+  hello.resize(hello.size() - 12);  // version 1 ended before the secret
+  const auto read = std::get<Hello>(decodeFromParticipant(body(hello)));
+  EXPECT_EQ(read.protocol, 1U);
+  EXPECT_EQ(read.name, "/a");
 }
 
 TEST(Wire, AFrameBuiltItemByItemIsTheSame) {

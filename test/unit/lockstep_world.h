@@ -41,8 +41,8 @@ class World {
       scripts_.back().may_leave = options.leaving;
       wires_[k].out = wire::encode(wire::ParticipantFrame(
           wire::Hello{wire::kProtocol, nodes_[k].name, "http://" + nodes_[k].name, nodes_[k].rank,
-                      true, k + 1}));
-      session_.connect(k + 1);
+                      true, k + 1, ""}));
+      session_.connect(k + 1, 0);
     }
   }
 

@@ -26,9 +26,9 @@ def test_texts_are_utf_8_and_counted_in_bytes():
 
 
 def test_hello():
-    body = (u32(1) + wire.text('/a') + wire.text('http://h:1/') + struct.pack('<i', -2) + b'\x01'
-            + struct.pack('<Q', 2 ** 64 - 1))
-    assert wire.hello('/a', 'http://h:1/', -2, True, 2 ** 64 - 1) == u32(len(body) + 1) + b'\x01' + body
+    body = (u32(2) + wire.text('/a') + wire.text('http://h:1/') + struct.pack('<i', -2) + b'\x01'
+            + struct.pack('<Q', 2 ** 64 - 1) + wire.payload(b'\xff'))
+    assert wire.hello('/a', 'http://h:1/', -2, True, 2 ** 64 - 1, b'\xff') == u32(len(body) + 1) + b'\x01' + body
 
 
 def test_a_report_has_round_flags_next_and_open_waits_before_its_items():

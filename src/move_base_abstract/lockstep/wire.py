@@ -5,7 +5,7 @@ its body; a text or a payload is its length (u32) and its bytes.
 """
 import struct
 
-PROTOCOL = 1
+PROTOCOL = 2
 NEVER = 2 ** 63 - 1
 MAX_RANK = 2 ** 31 - 1  # a rank has 32 bits with its sign
 
@@ -54,10 +54,10 @@ def frame(kind, body=b''):
     return _FRAME.pack(len(body) + 1, kind) + body
 
 
-def hello(name, uri, rank, rank_declared, incarnation):
-    """Return the frame by which a participant presents itself."""
-    return frame(HELLO, _U32.pack(PROTOCOL) + text(name) + text(uri) + struct.pack('<iBQ', rank, rank_declared,
-                                                                                  incarnation))
+def hello(name, uri, rank, rank_declared, incarnation, secret=b''):
+    """Return the frame by which a participant presents itself; ``secret`` (bytes) is the run's, if it has one."""
+    return frame(HELLO, _U32.pack(PROTOCOL) + text(name) + text(uri)
+                 + struct.pack('<iBQ', rank, rank_declared, incarnation) + payload(secret))
 
 
 def report(round_number, flags, next_ns, open_waits, items):

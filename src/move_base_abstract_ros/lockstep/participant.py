@@ -10,6 +10,7 @@ from rospy.rostime import _set_rostime
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_lock
+from move_base_abstract.lockstep.secret import run_secret
 from move_base_abstract.units import seconds_to_ns
 
 from .connection import Closed, Connection
@@ -153,7 +154,9 @@ class Participant:
     def present(self, name, uri, rank_declared):
         """Say hello and wait for the first grant, in which the calling thread gets the turn."""
         incarnation = (os.getpid() << 32) ^ (time.time_ns() & 0xffffffff)
-        self.connection.send(wire.hello(name, uri, self.rank, rank_declared, incarnation))
+        secret = run_secret(rospy.get_param('/time_master/lockstep_secret', ''),
+                            rospy.get_param('/time_master/lockstep_secret_file', ''))
+        self.connection.send(wire.hello(name, uri, self.rank, rank_declared, incarnation, secret))
         self.names[0] = name
         self._await_grant()
         self.scheduler.adopt_caller(threading.current_thread().name)

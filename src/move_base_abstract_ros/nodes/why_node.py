@@ -43,7 +43,7 @@ def main(words=None):
     except (rospy.ROSException, OSError) as error:
         print(f'why: {error}', file=sys.stderr)
         sys.exit(1)
-    print(json.dumps(as_data(state), indent=2) if arguments.json else '\n'.join(lines(state)))
+    print(json.dumps(as_data(state), indent=2) if arguments.json else '\n'.join(map(shown, lines(state))))
 
 
 def _parse(words):
@@ -77,6 +77,11 @@ def _ask(topic, timeout):
         rospy.signal_shutdown('asked')
 
 
+def shown(text):
+    """Return a text with what would command a terminal, or end the line, as its codes."""
+    return ''.join(c if c.isprintable() else c.encode('unicode_escape').decode() for c in text)
+
+
 def as_data(message):
     """Return a message as dicts, lists, numbers and texts; times in ns, under names that end in _ns."""
     data = {}
@@ -98,7 +103,8 @@ def lines(state):
     return [f'time {PHASES.get(state.phase, state.phase)}',
             f'at {_time(state.sim_time)}, microstep {state.microstep}; {state.rounds} rounds, {state.leaps} leaps, '
             f'{state.messages} messages so far; {state.achieved_factor:.4g} times real time lately',
-            *([state.reason] if state.reason else []), *_gate_lines(state), *_waiting_lines(state),
+            *([state.reason] if state.reason else []), *([state.event_log_error] if state.event_log_error else []),
+            *_gate_lines(state), *_waiting_lines(state),
             *_participant_lines(state), *_label_lines(state)]
 
 
