@@ -2,11 +2,12 @@
 
 #include <ros/console.h>
 #include <ros/network.h>
-#include <ros/param.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "shown_text.h"
 
 namespace move_base_abstract {
 namespace {
@@ -84,7 +85,13 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
   server_ = std::make_unique<LockstepServer>(settings, ros::network::getHost(),
                                              parameters.lockstep_port, std::move(listeners));
   ros_master_ = std::make_unique<RosMasterWatch>();
-  ros::param::set(kAddressParameter, server_->address());
+  try {
+    setParameter(kAddressParameter, server_->address());
+  } catch (const std::runtime_error& error) {
+    // The ROS master may have died after it had told somebody: the run has begun, and ends in
+    // order.
+    ended_ = End{false, error.what()};
+  }
   ROS_INFO("lockstep: participants are expected at %s", server_->address().c_str());
 }
 
@@ -168,7 +175,7 @@ std::string LockstepMode::notable(const LockstepStatus& status) const {
   for (const LockstepStatus::Participant& participant : status.participants) {
     all += " " + std::to_string(participant.id);
   }
-  return all + " " + joined(bystanders_);
+  return all + " " + joined(bystanders_) + (event_log_failed_ ? " without a log" : "");
 }
 
 void LockstepMode::sample(Nanoseconds wall, Nanoseconds time) {
@@ -213,7 +220,7 @@ void LockstepMode::updateBystanders(const LockstepStatus& status) {
   sightings_ = sightings;
   if (!fresh.empty()) {
     ROS_WARN("lockstep: time does not wait for %s: %s simulated time (/clock) and %s not take part",
-             joined(fresh).c_str(), fresh.size() == 1 ? "it uses" : "they use",
+             shown(joined(fresh)).c_str(), fresh.size() == 1 ? "it uses" : "they use",
              fresh.size() == 1 ? "does" : "do");
   }
 }
@@ -248,6 +255,7 @@ void LockstepMode::describe(TimeState& state) {
   state.leaps = status.leaps;
   state.messages = status.messages;
   state.event_log = parameters_.event_log;
+  state.event_log_error = event_log_ ? event_log_->error() : "";
 }
 
 std::string LockstepMode::inUse() const {

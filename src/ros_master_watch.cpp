@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <stdexcept>
 #include <utility>
 
 #include "node_probe.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kGap{1000};        // wall, between two looks
 constexpr std::chrono::milliseconds kLimit{2000};      // wall, for an answer
+constexpr std::chrono::milliseconds kSetLimit{10000};  // wall, for an answer
 constexpr std::chrono::milliseconds kProbeLimit{200};  // wall, for a node's port
 constexpr int kLooksBetweenProbes = 5;
 constexpr int kRefusals = 3;  // one refused connection may be an overflowing backlog
@@ -138,6 +140,17 @@ void RosMasterWatch::setKnown(std::set<std::string> names) {
 void RosMasterWatch::setGone(const std::string& why) {
   const std::lock_guard<std::mutex> lock(mutex_);
   gone_ = why;
+}
+
+void setParameter(const std::string& key, const std::string& value) {
+  XmlRpc::XmlRpcValue request, result;
+  request[0] = ros::this_node::getName();
+  request[1] = key;
+  request[2] = value;
+  if (!masterProbe().call("setParam", request, kSetLimit, result)) {
+    throw std::runtime_error("the ROS master at " + ros::master::getURI() +
+                             " has not taken the parameter " + key);
+  }
 }
 
 void deleteParameter(const std::string& key) {

@@ -60,6 +60,12 @@ class RosMasterWatch {
   std::thread thread_;  // last: it uses the others
 };
 
+/**
+ * @brief Set a parameter. Waits 10 s at most for the master: roscpp's own call may wait for ever.
+ * @throws std::runtime_error if it has not answered by then.
+ */
+void setParameter(const std::string& key, const std::string& value);
+
 /** @brief Delete a parameter, also while ROS shuts down. Waits a second at most for the master. */
 void deleteParameter(const std::string& key);
 

@@ -15,12 +15,17 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "clock_watch.h"
 #include "lockstep_mode.h"
+#include "master_call_guard.h"
 #include "ros_master_watch.h"
 #include "scaled_mode.h"
+#include "shown_text.h"
 #include "time_master_parameters.h"
 
 namespace move_base_abstract {
@@ -66,11 +71,14 @@ class TimeMasterNode {
                  own.advertiseService("run_until", &TimeMasterNode::onRunUntil, this),
                  own.advertiseService("hold", &TimeMasterNode::onHold, this),
                  own.advertiseService("release", &TimeMasterNode::onRelease, this)};
-    begin(parameters.in_lockstep, 0);  // last: whoever sees the mode finds the services
   }
 
-  /** @brief Publish and answer until ROS shuts down or the run ends. @return the exit code. */
+  /**
+   * @brief Publish and answer until ROS shuts down or the run ends. @return the exit code.
+   * @throws std::invalid_argument that begins with a parameter's key, std::runtime_error
+   */
   int run() {
+    begin(parameters_.in_lockstep, 0);
     while (ros::ok() && signal_number == 0 && !mode_->ended()) {
       changed_ = mode_->work() || changed_;
       publishState();
@@ -100,6 +108,7 @@ class TimeMasterNode {
 
   /** @brief Start a mode at @p time, or at the parameter's start_time where that is 0. */
   void begin(bool in_lockstep, Nanoseconds time) {
+    setParameter("/time_master/mode", in_lockstep ? "lockstep" : "scaled");
     if (in_lockstep) {
       NodeParameters parameters = parameters_;
       parameters.event_log = numbered(parameters_.event_log, ++runs_);
@@ -111,7 +120,6 @@ class TimeMasterNode {
       }
       mode_ = std::make_unique<ScaledMode>(settings, clock_publisher_);
     }
-    ros::param::set("/time_master/mode", mode_->name());
   }
 
   void publishState() {
@@ -138,7 +146,7 @@ class TimeMasterNode {
       mode_->setFactor(event.getMessage()->data);
       changed_ = true;
     } catch (const std::invalid_argument& error) {
-      ROS_WARN("/sim_time_factor from %s refused: %s", event.getPublisherName().c_str(),
+      ROS_WARN("/sim_time_factor from %s refused: %s", shown(event.getPublisherName()).c_str(),
                error.what());
     }
   }
@@ -154,7 +162,7 @@ class TimeMasterNode {
     } catch (const std::invalid_argument& error) {
       response.message = error.what();
       response.success = false;
-      ROS_WARN("service %s refused: %s", service, error.what());
+      ROS_WARN("service %s refused: %s", service, shown(error.what()).c_str());
     }
     return true;
   }
@@ -244,11 +252,12 @@ bool clockIsFree(ClockWatch& watch) {
     return true;
   }
   for (const std::string& name : watch.listen(std::chrono::seconds(1))) {
-    ROS_FATAL("%s publishes /clock already: two would make time jump; stop it first", name.c_str());
+    ROS_FATAL("%s publishes /clock already: two would make time jump; stop it first",
+              shown(name).c_str());
     return false;
   }
   for (const std::string& name : listed) {
-    ROS_WARN("%s is listed as a publisher of /clock but is silent; going on", name.c_str());
+    ROS_WARN("%s is listed as a publisher of /clock but is silent; going on", shown(name).c_str());
   }
   return true;
 }
@@ -277,7 +286,21 @@ void announce(const NodeParameters& parameters) {
   }
 }
 
-int runNode() {
+/** @return the node; none where another one has the clock. */
+std::unique_ptr<TimeMasterNode> makeNode(ros::NodeHandle& node, const ros::NodeHandle& own,
+                                         ClockWatch& watch) {
+  const NodeParameters parameters = readParameters(own);
+  warnUnlessSimTime();
+  if (!clockIsFree(watch)) {
+    return nullptr;
+  }
+  auto master = std::make_unique<TimeMasterNode>(node, own, parameters, watch);
+  announce(parameters);
+  return master;
+}
+
+int runNode(MasterCallGuard& guard) {
+  std::optional<MasterCallGuard::Section> calls(std::in_place, guard);
   if (ownNameIsTaken()) {
     ROS_FATAL("a time master runs already as %s: a second one would set time back; stop it first",
               ros::this_node::getName().c_str());
@@ -285,23 +308,20 @@ int runNode() {
   }
   ros::NodeHandle node;
   ros::NodeHandle own("~");
-  NodeParameters parameters;
   ClockWatch watch(node);
+  std::unique_ptr<TimeMasterNode> master;
+  int code = 1;
   try {
-    parameters = readParameters(own);
-    warnUnlessSimTime();
-    if (!clockIsFree(watch)) {
-      return 1;
-    }
-    TimeMasterNode master(node, own, parameters, watch);
-    announce(parameters);
-    return master.run();
+    master = makeNode(node, own, watch);
+    calls.reset();  // from here on there may be an event log to lose, and no call is without an end
+    code = master ? master->run() : 1;
   } catch (const std::invalid_argument& error) {
-    ROS_FATAL("parameter %s/%s", own.getNamespace().c_str(), error.what());
+    ROS_FATAL("parameter %s/%s", own.getNamespace().c_str(), shown(error.what()).c_str());
   } catch (const std::runtime_error& error) {
-    ROS_FATAL("%s", error.what());
+    ROS_FATAL("%s", shown(error.what()).c_str());
   }
-  return 1;
+  calls.emplace(guard);  // for what the destructors say to the ROS master
+  return code;
 }
 
 }  // namespace
@@ -313,7 +333,13 @@ int main(int argc, char** argv) {
   for (const int number : {SIGINT, SIGTERM}) {
     std::signal(number, [](int got) { move_base_abstract::signal_number = got; });
   }
-  const int code = move_base_abstract::runNode();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is an error to be told, like a full disk
+  move_base_abstract::MasterCallGuard guard(move_base_abstract::signal_number);
+  if (!guard.awaitMaster()) {
+    return 0;
+  }
+  const int code = move_base_abstract::runNode(guard);
+  const move_base_abstract::MasterCallGuard::Section section(guard);
   ros::shutdown();
   return code;
 }

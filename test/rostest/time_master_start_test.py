@@ -4,19 +4,24 @@
 Everything waits for events; GUARD [s, wall] only ends a test that would never end.
 """
 
+import contextlib
 import os
 import shutil
 import signal
+import socket
 import subprocess
+import threading
 import time
 import unittest
 
 import rosgraph
 import rostest
 
-from move_base_abstract_ros.loopback import Loopback
+from move_base_abstract_ros.loopback import Loopback, free_port
 
 GUARD = 30.0
+#: what the time master prints is read while it runs
+os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
 
 
 def output(child):
@@ -30,6 +35,55 @@ def wait_for(what, condition):
         if time.monotonic() > deadline:
             raise AssertionError(f'not within {GUARD} s: {what}')
         time.sleep(0.01)
+
+
+class DyingMaster:
+    """Stands in front of a ROS master, and for its clients dies when it gets its Nth request."""
+
+    def __init__(self, uri, requests):
+        self._target = rosgraph.network.parse_http_host_and_port(uri)
+        self._left = requests
+        self._lock = threading.Lock()
+        self._sockets = [socket.create_server(('127.0.0.1', 0))]
+        self.uri = f'http://127.0.0.1:{self._sockets[0].getsockname()[1]}/'
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def _accept(self):
+        try:
+            while True:
+                client = self._sockets[0].accept()[0]
+                server = socket.create_connection(self._target)
+                with self._lock:
+                    self._sockets += [client, server]
+                threading.Thread(target=self._forward, args=(client, server, True), daemon=True).start()
+                threading.Thread(target=self._forward, args=(server, client, False), daemon=True).start()
+        except OSError:
+            pass
+
+    def _forward(self, source, target, counts):
+        try:
+            while True:
+                data = source.recv(1 << 16)
+                if counts and b'POST ' in data:
+                    with self._lock:
+                        self._left -= 1
+                        if self._left <= 0:
+                            self.die()
+                if not data:
+                    target.shutdown(socket.SHUT_WR)
+                    return
+                target.sendall(data)
+        except OSError:
+            pass
+
+    def die(self):
+        """Refuse connections and reset those that there are, as the kernel does for a process that is killed."""
+        for one in self._sockets:
+            try:
+                one.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                pass
+            one.close()
 
 
 class StartTest(unittest.TestCase):
@@ -96,6 +150,46 @@ class StartTest(unittest.TestCase):
                 code, log = self.ended(child)
                 self.assertEqual(code, 0, log)
                 self.assertNotIn('FATAL', log)
+
+    def test_a_list_may_come_from_the_command_line_where_it_is_a_text(self):
+        for text, words in (('[/a, b]', 'when there are: /a, /b'), ("['a', \"b\"]", 'when there are: /a, /b'),
+                            ('[]', 'when there are: the first participants')):
+            with Loopback() as ros:
+                child = ros.run('time_master', 'time_master', arguments=[
+                    '_mode:=lockstep', f'_participants:={text}', '_excluded_topics:=[/rosbag, diagnostics]'])
+                wait_for(words, lambda child=child, words=words: words in output(child))
+                self.assertNotIn('unknown', output(child))
+                master = rosgraph.Master('/test', master_uri=ros.uri)
+                self.assertEqual(master.getParam('/time_master/excluded_topics'), ['/rosbag', 'diagnostics'])
+        for text in ('/a', '[/a', '[a, [b]]', '[a,,b]', 'a, b'):
+            with Loopback() as ros:
+                code, log = self.ended(self.start(ros, mode='lockstep', participants=text))
+                self.assertEqual(code, 1, log)
+                self.assertIn(f"participants must be a list of texts, such as [a, b], got '{text}' (text)", log)
+
+    def test_a_ros_master_that_dies_in_one_of_the_first_calls_ends_it(self):
+        with contextlib.ExitStack() as stack:
+            children = []
+            for requests in (1, 2, 3, 5, 8, 13, 21, 34, 45, 50):
+                ros = stack.enter_context(Loopback())
+                ros.set_param('/time_master/mode', 'lockstep')
+                uri, ros.uri = ros.uri, DyingMaster(ros.uri, requests).uri
+                children.append((requests, self.start(ros)))
+                ros.uri = uri
+            for requests, child in children:
+                with self.subTest(requests=requests):
+                    code, log = self.ended(child)
+                    self.assertEqual(code, 1, log)
+                    self.assertIn('the ROS master at', log)
+
+    def test_without_a_ros_master_it_waits_for_one_until_it_is_told_to_end(self):
+        with Loopback() as ros:
+            uri, ros.uri = ros.uri, f'http://127.0.0.1:{free_port()}/'
+            child = ros.run('time_master', 'time_master')
+            wait_for('the warning', lambda: f'waiting for the ROS master at {ros.uri}' in output(child))
+            os.kill(child.pid, signal.SIGTERM)
+            self.assertEqual(child.process.wait(GUARD), 0, output(child))
+            ros.uri = uri
 
     def test_another_living_publisher_of_clock_is_named_and_ends_it(self):
         with Loopback(use_sim_time=False) as ros:
