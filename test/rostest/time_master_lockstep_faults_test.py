@@ -182,7 +182,8 @@ class LockstepFaultsTest(LockstepCase):
         client = self.join('/a')
         self.assertEqual(self.state.all()[-1].event_log_error, '')
         size = os.path.getsize(path + '.part') + 100000
-        resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE, (size, size))  # no file grows beyond: like a full disk
+        # Like a full disk: no file grows beyond.
+        resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE, (size, size))
         client.turn(items=b''.join(raw.log('robot', 'x' * 1000, '[]') for _ in range(200)), next_ns=START + SECOND)
         words = f'event log {path}.part cannot be written: File too large; it ends there'
         state = self.state.wait('the error', lambda state: bool(state.event_log_error))
@@ -198,7 +199,7 @@ class LockstepFaultsTest(LockstepCase):
         path.write_text('my thesis')
         self.launch(mode='lockstep', event_log=str(path))
         self.assertEqual(self.process.wait(GUARD), 1)
-        self.assertIn(f'event_log must be a path that can be written, got \'{path}\': {path} is there already and is no '
+        self.assertIn(f"event_log must be a path that can be written, got '{path}': {path} is there already and is no "
                       'event log', self.output())
         self.assertEqual(path.read_text(), 'my thesis')
 
