@@ -5,7 +5,6 @@ No node and no topic here: a file in, an :class:`OccupancyMap` out, or a Configu
 import difflib
 import math
 import os
-import re
 from dataclasses import dataclass
 from typing import Tuple
 
@@ -17,6 +16,8 @@ from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.geometry import Pose2D
 from move_base_abstract.occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
 from move_base_abstract.shown import shown, shown_text
+
+from .pnm_files import is_pnm, read_pnm
 
 _REQUIRED = ('image', 'resolution', 'origin', 'negate', 'occupied_thresh', 'free_thresh')
 _KEYS = _REQUIRED + ('mode',)
@@ -130,10 +131,10 @@ def read_pixels(path):
     :raises ConfigurationError: if there is no such file, it is damaged, or its pixels are of another kind.
     """
     try:
+        if is_pnm(path):
+            return read_pnm(path)
         with Image.open(path) as image:
             image.load()
-            if image.format == 'PPM':
-                _check_plain_text(path, image)
             return _to_channels(path, image)
     except Image.UnidentifiedImageError:
         raise ConfigurationError('{}: is not an image of a known kind, or its header is damaged; allowed: PGM, PNG and '
@@ -146,25 +147,12 @@ def read_pixels(path):
         raise ConfigurationError('{}: the image is damaged or truncated: {}'.format(path, error)) from None
 
 
-def _check_plain_text(path, image):
-    """Count the values of a plain-text PGM or PPM: the library fills in for missing ones without a word."""
-    with open(path, 'rb') as stream:
-        if stream.read(2) not in (b'P2', b'P3'):
-            return
-        values = len(re.sub(rb'#[^\n]*', b'', stream.read()).split()) - 3
-    wanted = image.width * image.height * len(image.getbands())
-    if values < wanted:
-        raise ConfigurationError('{}: the image is truncated: got {} values; its header announces {}'.format(
-            path, max(values, 0), wanted))
-
-
 def _to_channels(path, image):
-    if image.mode in _GREY_16 and image.format != 'PPM':
+    if image.mode in _GREY_16:
         return (np.asarray(image).astype(np.uint16) >> 8).astype(np.uint8)[:, :, np.newaxis]
     if image.mode not in _CONVERSIONS:
-        kind = 'more than 8 bits a value' if image.mode in _GREY_16 else "the mode '{}'".format(image.mode)
-        raise ConfigurationError('{}: got an image with {}; allowed: grey, colour or palette images with 8 bits a '
-                                 'value, with or without alpha'.format(path, kind))
+        raise ConfigurationError("{}: got an image with the mode '{}'; allowed: grey, colour or palette images with 8 "
+                                 'bits a value, with or without alpha'.format(path, image.mode))
     mode = 'RGBA' if 'transparency' in image.info else _CONVERSIONS[image.mode]
     pixels = np.asarray(image.convert(mode))
     return pixels[:, :, np.newaxis] if pixels.ndim == 2 else pixels

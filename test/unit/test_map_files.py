@@ -121,6 +121,17 @@ def test_pgm_in_bytes_and_in_text(pixels):
     assert pixels(b'P5\n3 1\n255\n\x00\x64\xff') == wanted
     assert pixels(b'P2\n# made by hand: 1 2 3\n3 1 # width, height\n255\n0 100\n255') == wanted
     assert pixels(b'P2 3 1 15 0 10 15') == [[[0], [170], [255]]]
+    assert pixels(b'P5\n# by a tool\n3 1 15\n\x00\x0a\x0f') == [[[0], [170], [255]]]
+    assert pixels(b'P3\n1 2\n255\n1 2 3 # red\n4 5 6') == [[[1, 2, 3]], [[4, 5, 6]]]
+    assert pixels(b'P6 1 1 255\n\x01\x02\x03') == [[[1, 2, 3]]]
+
+
+def test_pgm_needs_nothing_of_pillow(pixels, monkeypatch):
+    def refuse(*args, **kwargs):  # as Pillow before 9.2 does, where the file is text
+        raise Image.UnidentifiedImageError
+
+    monkeypatch.setattr(Image, 'open', refuse)
+    assert pixels(b'P2 3 1 15 0 10 15') == pixels(b'P5 3 1 15\n\x00\x0a\x0f') == [[[0], [170], [255]]]
 
 
 def test_png_of_all_kinds(pixels):
@@ -147,6 +158,8 @@ def test_16_bits_lose_the_lower_8_in_png_and_are_refused_in_pgm(pixels):
 @pytest.mark.parametrize('content, words', [
     (b'P5\n2 2\n255\n\x00\x01\x02', 'is damaged or truncated: '), (b'P5\n2 2\n255\n', 'is damaged or truncated: '),
     (b'P2\n2 2\n255\n0 1 2', 'is truncated: got 3 values; its header announces 4'),
+    (b'P2\n2 2\n255\n0 1 2 -3', 'damaged'), (b'P2\n2 2\n255\n0 1 2 ' + b'9' * 5001, 'damaged'),
+    (b'P5 999999999 999999999 255\n', 'is too large: got 999999999 x 999999999 pixels'),
     (b'P2\n2 2\n255\n', 'truncated: '), (b'P2\n2 2\n255\n0 1 2 256', 'damaged'), (b'P5\n2', 'damaged'),
     (b'P5\n0 2\n255\n', 'not an image of a known kind'), (b'hello', 'not an image of a known kind'),
     (b'', 'not an image of a known kind')])
