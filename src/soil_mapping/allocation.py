@@ -1,7 +1,6 @@
 """Who gets a task: round robin or an auction; and where in the queue it goes."""
 
 import math
-from itertools import pairwise
 
 from .config import Allocation
 
@@ -52,7 +51,7 @@ class Allocator:
         """Return (length of the queue's way with the task [m], the position at which that is least)."""
         stops = [self._free_at[robot], *((queued.x, queued.y) for queued in self.queues[robot])]
         place = (task.x, task.y)
-        length = sum(math.dist(a, b) for a, b in pairwise(stops))
+        length = sum(math.dist(a, b) for a, b in zip(stops, stops[1:]))
         best = (math.inf, 0)
         for position in range(len(stops)):
             before = stops[position]

@@ -23,7 +23,6 @@ The figures (see figures()) are those that the program wrote, with what it count
 
 import math
 import random
-from itertools import pairwise
 
 import mesa
 import numpy as np
@@ -114,7 +113,7 @@ class PublishedRobot(mesa.Agent):
             return self.way_cost(self.pos, task), 0
         first = self.way_cost(self.pos, task)
         queues = [[*self.queue[:i], task, *self.queue[i:]] for i in range(len(self.queue) + 1)]
-        costs = [first + sum(self.way_cost(a, b) for a, b in pairwise(queue)) for queue in queues]
+        costs = [first + sum(self.way_cost(a, b) for a, b in zip(queue, queue[1:])) for queue in queues]
         return min(costs), costs.index(min(costs))
 
 

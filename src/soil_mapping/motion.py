@@ -56,7 +56,7 @@ class EightWayTrip:
 
     def _steps(self):
         """Return the signed whole steps (along x, along y)."""
-        return tuple(round((b - a) / self.STEP_M) for a, b in zip(self.start, self.goal, strict=True))
+        return tuple(round((b - a) / self.STEP_M) for a, b in zip(self.start, self.goal))
 
     @property
     def arrive_ns(self):
@@ -67,7 +67,7 @@ class EightWayTrip:
         """Return (x, y) of the cell at an instant: a step is made when its time is over."""
         done = max(0, (now_ns - self.depart_ns) // self.step_ns)
         return tuple(begin + self.STEP_M * math.copysign(min(done, abs(steps)), steps)
-                     for begin, steps in zip(self.start, self._steps(), strict=True))
+                     for begin, steps in zip(self.start, self._steps()))
 
     def bends(self):
         """Return the (time_ns, x, y) at which diagonal steps become straight ones, if both occur."""

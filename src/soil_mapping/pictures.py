@@ -1,13 +1,13 @@
 """Pictures of a trial as PNG files: truth, prediction, variance, and where the robots went and sampled."""
 
-import matplotlib
+from matplotlib import cm
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from move_base_abstract.own_files import whole_file
 
 DPI = 100
-ROBOT_COLOURS = matplotlib.colormaps['tab10']
+ROBOT_COLOURS = cm.tab10
 
 
 def write_pictures(folder, result):
@@ -21,7 +21,7 @@ def write_pictures(folder, result):
 
 
 def _write_map(path, result, values, title, label, style, draw=None):
-    figure = Figure(figsize=(8.0, 5.2), layout='constrained')
+    figure = Figure(figsize=(8.0, 5.2), constrained_layout=True)
     axes = figure.add_subplot()
     rows, columns = values.shape
     extent = (0.0, columns * result.cell_m, 0.0, rows * result.cell_m)

@@ -89,7 +89,7 @@ def _number(cells, index, name, where):
 
 
 def _check_place(row, header, columns, seen, where, line):
-    for number, index in zip(row, columns, strict=True):
+    for number, index in zip(row, columns):
         limit = {'lat': 90.0, 'lon': 180.0}.get(header[index], math.inf)
         if abs(number) > limit:
             raise ConfigurationError(f"{where}: column '{header[index]}' must lie in -{limit:g}..{limit:g} degrees, "

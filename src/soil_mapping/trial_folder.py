@@ -191,8 +191,10 @@ def _read_table(path, record):
     kinds = [record.__annotations__[name] for name in record._fields]
     with open(path, newline='', encoding='utf-8') as stream:
         rows = list(csv.reader(stream))[1:]
-    return [record(*(math.nan if cell == '' else kind(cell) for kind, cell in zip(kinds, row, strict=True)))
-            for row in rows]
+    for row in rows:
+        if len(row) != len(kinds):
+            raise ValueError(f'{path}: got a line of {len(row)} columns; it has {len(kinds)}')
+    return [record(*(math.nan if cell == '' else kind(cell) for kind, cell in zip(kinds, row))) for row in rows]
 
 
 def _plain(value):

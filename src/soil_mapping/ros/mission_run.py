@@ -73,7 +73,7 @@ class MissionRun:
         A robot that gives up is sent again after a pause. :raises MissionFailed: if it has given up 5 times.
         """
         places = self._coordinator.start_places
-        tries = {robot.index: 0 for robot, (x, y) in zip(self._robots, places, strict=True) if not robot.is_at(x, y)}
+        tries = {robot.index: 0 for robot, (x, y) in zip(self._robots, places) if not robot.is_at(x, y)}
         for index in sorted(tries):
             rospy.loginfo('%s goes to its start at (%.2f, %.2f) m', self._robots[index].namespace, *places[index])
             self._robots[index].drive(*places[index])

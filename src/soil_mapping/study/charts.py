@@ -22,8 +22,8 @@ def box_plots(groups):
     """Return a chart of all metrics: a box per group and configuration, whiskers to the extremes within 1.5 boxes."""
     shown = {name: trials for name, trials in groups.items() if not name.startswith(LOCKSTEP + '-')}
     names = sorted({trial.configuration for trials in shown.values() for trial in trials}, key=configuration_order)
-    figure = Figure(figsize=(13.0, 8.0), layout='constrained')
-    for axes, metric in zip(figure.subplots(2, 3).flat, METRICS, strict=True):
+    figure = Figure(figsize=(13.0, 8.0))
+    for axes, metric in zip(figure.subplots(2, 3).flat, METRICS):
         for at, (group, trials) in enumerate(shown.items()):
             columns = [metric_column([trial for trial in trials if trial.configuration == name], metric)
                        for name in names]
@@ -34,16 +34,19 @@ def box_plots(groups):
             for box in boxes['boxes']:
                 box.set_facecolor(COLOURS[at % len(COLOURS)])
             axes.plot([], [], 's', color=COLOURS[at % len(COLOURS)], label=group_title(group))
-        axes.set_xticks(range(len(names)), [CONFIGURATION_NAMES.get(name, name) for name in names])
+        axes.set_xticks(range(len(names)))
+        axes.set_xticklabels([CONFIGURATION_NAMES.get(name, name) for name in names])
         axes.set_title(UNITS[metric])
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc='outside lower center', ncols=min(6, len(shown)))
+    figure.legend(handles, labels, loc='lower center', ncol=min(6, len(shown)))
+    # Room for the legend; its place 'outside' would come with matplotlib 3.7 only.
+    figure.tight_layout(rect=(0.0, 0.02 + 0.03 * math.ceil(len(shown) / 6), 1.0, 1.0))
     return _png(figure)
 
 
 def error_against_speed(groups):
     """Return a chart: error of the legs, and dissimilarity, against the speed-up that was achieved."""
-    figure = Figure(figsize=(13.0, 5.0), layout='constrained')
+    figure = Figure(figsize=(13.0, 5.0), constrained_layout=True)
     left, right = figure.subplots(1, 2)
     _draw_legs(left, groups)
     _draw_cosines(right, groups)
@@ -69,7 +72,7 @@ def _draw_legs(axes, groups):
 
 def _draw_cosines(axes, groups):
     published = {f'{factor:g}x': (speed, value) for (factor, speed), (_, _, value)
-                 in zip(PUBLISHED_OVERALL_SPEED_UPS, PUBLISHED_TABLE[1:], strict=True)}
+                 in zip(PUBLISHED_OVERALL_SPEED_UPS, PUBLISHED_TABLE[1:])}
     for number, (label, (speed, value)) in enumerate(published.items()):
         axes.plot(speed, 1.0 - value, 's', color='0.5', label='published (against 1x)' if number == 0 else None)
         axes.annotate(label, (speed, 1.0 - value), color='0.4', xytext=(4, 4), textcoords='offset points')

@@ -59,7 +59,7 @@ def _start_nodes(ros, spec, names, folder):
     places = start_places(config.robots, spec.seed, truth_of(config).grid)
     nodes.append(ros.run('fleet', 'fleet', parameters={
         'defaults': {'max_speed': config.speed},
-        'robots': [{'name': name, 'start_x': x, 'start_y': y} for name, (x, y) in zip(names, places, strict=True)]}))
+        'robots': [{'name': name, 'start_x': x, 'start_y': y} for name, (x, y) in zip(names, places)]}))
     nodes.append(ros.run('task_server', 'task_server', parameters={'robots': names, 'task': TASK}))
     if spec.charge != 'none':
         kind, _, path = spec.charge.partition(':')

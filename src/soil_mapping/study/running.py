@@ -16,7 +16,7 @@ import time
 import traceback
 from multiprocessing import connection
 
-from move_base_abstract.errors import SimulatorError
+from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract.own_files import whole_file
 from soil_mapping.coordinator import Coordinator
 from soil_mapping.trial_folder import TrialFolder, is_complete, read_about
@@ -42,9 +42,18 @@ def prepare(specs):
         truth_of(spec.config)
     for engine in sorted({spec.engine for spec in specs}):
         for module in HEAVY[engine]:
-            importlib.import_module(module)
+            _import(engine, module)
     for spec in specs:
         Coordinator(spec.config, spec.seed, truth_of(spec.config))  # what cannot be is refused before a node is started
+
+
+def _import(engine, module):
+    try:
+        importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        why = 'it needs Python 3.11; trials on ROS need none' if error.name == 'mesa' else 'see docs/soil_study_ros.md'
+        raise ConfigurationError(f"engine '{engine}': {error.name} is not installed for {sys.executable} "
+                                 f'({why})') from None
 
 
 def is_done(spec, path):

@@ -9,7 +9,6 @@ import pytest
 from soil_mapping.config import TrialConfig
 from soil_mapping.field import Field
 from soil_mapping.grid import Grid
-from soil_mapping.mesa_model import run_mesa_trial
 
 SHARED_DATA = Path(__file__).resolve().parents[4] / 'shared' / 'data'  # beside the repository
 NAME = 'SOIL_MAPPING_DATA'
@@ -28,6 +27,13 @@ def compaction_source(data_folder):
     return f'csv:{data_folder / "riseholme_compaction_0cm_kpa.csv"}'
 
 
+def mesa_model():
+    """Return the module, or skip where there is no Mesa: on Python below 3.11 (Debian 11)."""
+    pytest.importorskip('mesa', reason='Mesa is not installed; it needs Python 3.11')
+    from soil_mapping import mesa_model as module
+    return module
+
+
 def hill(cell_m=2):
     """Return a smooth Field without randomness."""
     grid = Grid.of_field(cell_m)
@@ -43,5 +49,6 @@ def hill_fixture():
 @pytest.fixture(scope='session')
 def result(hill):
     """One short trial, with maps."""
+    run_mesa_trial = mesa_model().run_mesa_trial
     config = TrialConfig(field='hill', cell_m=2, budget_s=60.0, allocation='ssi', sampling='dynamic')
     return run_mesa_trial(config, 7, truth=hill)
