@@ -2,16 +2,19 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eo pipefail -c
 .DEFAULT_GOAL := help
+# One goal after the other: two that install at the same time would be in each other's way.
+.NOTPARALLEL:
 .PHONY: help deps build demo test lint bench study study-trial picture clean
+.PHONY: deps-test deps-lint deps-bench deps-study deps-picture
 
 WS := $(CURDIR)/.ws
 # Debian's own Python, the one that ROS was built for; another python3 may come first on PATH.
 PYTHON := /usr/bin/python3
 BUILD_TYPE ?= RelWithDebInfo
-# ROS Noetic lies outside the system's paths (Ubuntu 20.04; not tested); Debian's own packages need nothing.
-NOETIC := $(wildcard /opt/ros/noetic/setup.bash)
-ENTER_ROS := $(if $(NOETIC),source $(NOETIC) &&)
-ENTER := source $(WS)/setup.sh &&
+# ROS Noetic and ROS One lie outside the system's paths (Ubuntu; not tested); Debian's own packages need nothing.
+ROS_SETUP := $(firstword $(wildcard /opt/ros/noetic/setup.bash /opt/ros/one/setup.bash))
+ENTER_ROS := $(if $(ROS_SETUP),source $(ROS_SETUP) &&)
+ENTER := source '$(WS)/setup.sh' &&
 
 # Neither another workspace nor a running ROS master of the calling shell takes part.
 unexport CMAKE_PREFIX_PATH PYTHONPATH ROS_PACKAGE_PATH ROS_HOSTNAME ROS_NAMESPACE ROS_MASTER_URI
@@ -30,39 +33,44 @@ help:  ## this list
 	@echo 'Options: make demo CLOCK=scaled FACTOR=10 ROBOTS=5 CSV=readings.csv MISSION=mission.yaml; make test ONLY=part_of_a_name'
 	@echo 'A shell in the built environment: source .ws/setup.sh'
 
-deps:  ## install what is missing (Debian packages by apt, the rest in .ws/venv)
+deps:  ## install what is missing to build and to run: Debian packages, by apt
 	@tools/install_deps
 
-build: deps  ## build the catkin package in .ws/
-	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE)
+# What other targets need besides; it comes before `build`, so that all is installed at once.
+deps-test deps-lint deps-bench deps-study deps-picture:
+	@tools/install_deps $(patsubst deps-%,%,$@)
 
-demo: build  ## five robots, a mission, a progress bar and a table; RVIZ=1 shows it
-	@$(if $(RVIZ),tools/install_deps tools/apt-packages-picture.txt)
+build: deps  ## build the catkin package in .ws/
+	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) $(TESTS)
+
+demo: $(if $(RVIZ),deps-picture) build  ## five robots, a mission, a progress bar and a table; RVIZ=1 shows it
 	@$(ENTER) rosrun move_base_abstract demo \
 	  $(if $(CLOCK),--clock '$(CLOCK)') $(if $(FACTOR),--factor '$(FACTOR)') $(if $(ROBOTS),--robots '$(ROBOTS)') $(if $(RVIZ),--rviz) \
 	  $(if $(CSV),--csv '$(abspath $(CSV))') $(if $(MISSION),--mission '$(abspath $(MISSION))')
 
-test: build  ## all tests; ONLY=part_of_a_name for some
-	@cmake --build $(WS)/build --target tests -j$$(nproc) >$(WS)/build_tests.log || { cat $(WS)/build_tests.log; exit 1; }
+test: TESTS := tests
+test: deps-test build  ## all tests; ONLY=part_of_a_name for some
+	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) tests
+	@cmake --build '$(WS)/build' --target tests -j$$(nproc) >'$(WS)/build_tests.log' || { cat '$(WS)/build_tests.log'; exit 1; }
 	@$(ENTER) $(PYTHON) tools/run_tests.py $(if $(ONLY),--only '$(ONLY)')
 
-lint: build  ## ruff with the import borders, Python 3.8, catkin_lint, clang-format, shell scripts
+lint: deps-lint build  ## ruff with the import borders, Python 3.8, catkin_lint, clang-format, shell scripts
 	@$(ENTER) tools/lint
 
-bench: build  ## the measurements, as JSON lines
-	@cmake --build $(WS)/build --target bench_ping_pong bench_rate >$(WS)/build_bench.log || { cat $(WS)/build_bench.log; exit 1; }
+bench: deps-bench build  ## the measurements, as JSON lines
+	@cmake --build '$(WS)/build' --target bench_ping_pong bench_rate >'$(WS)/build_bench.log' || \
+	  { cat '$(WS)/build_bench.log'; exit 1; }
 	@$(ENTER) $(PYTHON) bench/lockstep $(BENCH_ARGS) && $(PYTHON) bench/launcher $(BENCH_ARGS) && \
 	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS)
 
-study-trial: build  ## one trial of the soil mapping study; TRIAL_ARGS='--seed 3 --clock scaled --factor 10'
+study-trial: deps-study build  ## one trial of the soil mapping study; TRIAL_ARGS='--seed 3 --clock scaled --factor 10'
 	@$(ENTER) rosrun move_base_abstract study trial --field '$(STUDY_FIELD)' --output '$(WS)/trial' $(TRIAL_ARGS)
 
-study: build  ## the whole study in .ws/study, resumable; STUDY_1X=1 adds real time, STUDY_ARGS='--seeds 3' options
+study: deps-study build  ## the whole study in .ws/study, resumable; STUDY_1X=1 adds real time, STUDY_ARGS='--seeds 3' options
 	@$(ENTER) rosrun move_base_abstract study run --field '$(STUDY_FIELD)' --output '$(WS)/study' $(STUDY_ARGS)
 
-picture: build  ## take the pictures of the README: RViz on a screen without a monitor
-	@tools/install_deps tools/apt-packages-picture.txt
+picture: deps-picture deps-study build  ## take the pictures of the README: RViz on a screen without a monitor
 	@$(ENTER) $(PYTHON) tools/take_picture.py && $(PYTHON) tools/take_soil_picture.py
 
 clean:  ## remove everything that was built
-	rm -rf $(WS)
+	rm -rf '$(WS)'

@@ -1,14 +1,17 @@
 """A Python that has what the study needs.
 
 catkin installs scripts with the Python that ROS was built for, and what is not Debian's lies in a virtual environment:
-that of SOIL_MAPPING_PYTHON (the path of its python), or .ws/venv in this package's folder, which `make deps` makes. A
-program whose Python lacks an import starts itself again with that one. Imports nothing but the standard library.
+that of SOIL_MAPPING_PYTHON (the path of its python), .ws/venv in the source tree, which `make study` makes, or the one
+that `study setup` makes for a user. A program whose Python lacks an import starts itself again with the first of these
+that is there. Imports nothing but the standard library.
 """
 
 import importlib.util
 import os
 import sys
 from pathlib import Path
+
+from soil_mapping import environment
 
 NEEDED = {'scipy': 'scipy', 'pykrige': 'PyKrige', 'gstools': 'gstools'}  # modules and the packages that have them
 VARIABLE = 'SOIL_MAPPING_PYTHON'
@@ -28,10 +31,21 @@ def find_python(words):
     started_again = os.environ.pop(STARTED_AGAIN, None)
     if not missing:
         return
-    python = os.environ.get(VARIABLE) or str(Path(__file__).resolve().parents[3] / '.ws' / 'venv' / 'bin' / 'python')
-    if started_again or not os.access(python, os.X_OK):
-        sys.exit(f'{Path(words[0]).name}: {", ".join(missing)} not installed for {sys.executable}, and {python} '
-                 f"{'is that Python' if started_again else 'is not there'}; run `make deps` in the package's folder, "
-                 f'or have {VARIABLE} name a Python that has all of tools/requirements.txt')
+    candidates = _candidates()
+    python = next((path for path in candidates if os.access(path, os.X_OK)), None)
+    if started_again or python is None:
+        sys.exit(f'{Path(words[0]).name}: {", ".join(missing)} not installed for {sys.executable}'
+                 f"{'' if started_again else ', and there is no ' + ' and no '.join(candidates)}; run `rosrun "
+                 f'move_base_abstract study setup`, or have {VARIABLE} name a Python that has all of '
+                 f'{environment.STUDY_LISTS[0]}')
     os.environ[STARTED_AGAIN] = '1'
     os.execv(python, [python, *words])
+
+
+def _candidates():
+    """Return the paths where a Python may be that has what is needed, the first to be taken first."""
+    if os.environ.get(VARIABLE):
+        return [os.environ[VARIABLE]]
+    source_tree = Path(__file__).resolve().parents[3]
+    folders = [source_tree / '.ws' / 'venv'] if (source_tree / 'package.xml').is_file() else []
+    return [str(environment.python_in(folder)) for folder in (*folders, environment.of_the_user())]

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract.shown import shown, shown_text
+from soil_mapping import environment
 from soil_mapping.config import Crs, TrialConfig
 
 from .plan import plan
@@ -136,12 +137,15 @@ def _config(arguments):
 def _parser():
     parser = argparse.ArgumentParser(prog='study', description='The soil compaction mapping study: trials on ROS and '
                                      'on Mesa, and the comparison of them. Each ROS trial has a master of its own.')
-    commands = parser.add_subparsers(required=True, metavar='trial|run|report')
+    commands = parser.add_subparsers(required=True, metavar='trial|run|report|setup')
     _add_trial(commands.add_parser('trial', help='run one trial'))
     _add_run(commands.add_parser('run', help='run what is missing of the whole study, then report'))
     report = commands.add_parser('report', help='write the report of the trials that are there')
     report.add_argument('--output', default=DEFAULT_OUTPUT, metavar='DIR', help='the study (default: %(default)s)')
     report.set_defaults(run=_report)
+    setup = commands.add_parser('setup', help='make the Python environment that all this needs, for this user; takes '
+                                'what Debian lacks from PyPI')
+    setup.set_defaults(run=lambda arguments: environment.main([str(environment.of_the_user())]))
     return parser
 
 

@@ -26,6 +26,12 @@ ALL = [replace(CONFIG, allocation=allocation, sampling=sampling)
        for allocation in ('ssi', 'rr') for sampling in ('random', 'dynamic')]
 
 
+def run_mesa_trial(*arguments):
+    pytest.importorskip('mesa', reason='Mesa is not installed; it needs Python 3.11')
+    from soil_mapping import mesa_model
+    return mesa_model.run_mesa_trial(*arguments)
+
+
 def write(folder, spec, result):
     with TrialFolder(path_of(folder, spec)) as trial:
         return trial.finish(replace(result, engine=spec.about_engine))
@@ -34,8 +40,6 @@ def write(folder, spec, result):
 @pytest.fixture(scope='module')
 def study(tmp_path_factory):
     """A study of two seeds: Mesa, the same as if ROS had done it in lockstep, and late by 10 % as if at 10x."""
-    pytest.importorskip('mesa', reason='Mesa is not installed; it needs Python 3.11')
-    from soil_mapping.mesa_model import run_mesa_trial
     folder = tmp_path_factory.mktemp('study')
     for config in ALL:
         for seed in range(2):

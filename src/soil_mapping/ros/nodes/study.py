@@ -2,11 +2,15 @@
 
 import sys
 
+from soil_mapping import environment
+
 from ..find_python import find_python
 
 
 def main():
     """Run the command line and exit with its code."""
+    if sys.argv[1:] == ['setup']:  # before anything that needs what it installs
+        sys.exit(environment.main([str(environment.of_the_user())]))
     find_python(sys.argv)
     from soil_mapping.study.command import main as command
     sys.exit(command())

@@ -1,0 +1,131 @@
+"""Make a Python environment that has what the study needs: Debian's packages, and beside them what only PyPI has.
+
+usage: environment.py FOLDER [REQUIREMENTS CONSTRAINTS]    (without lists: those of the study, beside this file)
+
+What Debian has of the compiled libraries is kept: a newer numpy in the environment would break Debian's scipy. A folder
+that this program did not make is never changed. Imports nothing but the standard library, so that any Python runs it.
+"""
+
+import importlib.metadata
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+STUDY_LISTS = (HERE / 'requirements.txt', HERE / 'constraints.txt')
+KEPT = ('numpy', 'scipy', 'matplotlib', 'pandas', 'pillow')  # compiled against one another
+MARKER = 'made-from'  # the file in the folder that says what it was made from
+UNFINISHED = 'unfinished\n'
+
+
+class EnvironmentFailure(Exception):
+    """The environment cannot be made; the text says why and what to do."""
+
+
+def of_the_user():
+    """Return the folder of the environment that ``study setup`` makes, in the user's data folder."""
+    data = os.environ.get('XDG_DATA_HOME', '')
+    base = Path(data) if os.path.isabs(data) else Path('~/.local/share').expanduser()
+    return base / 'move_base_abstract' / 'study_python'
+
+
+def python_in(folder):
+    """Return the path of the Python of an environment."""
+    return Path(folder) / 'bin' / 'python'
+
+
+def make(folder, lists=STUDY_LISTS):
+    """Make the environment of two lists (requirements and constraints, as pip takes them) unless it is there already.
+
+    Returns the path of its Python.
+
+    :raises EnvironmentFailure: if the folder holds something else, or a step fails.
+    """
+    folder = Path(folder)
+    pins = _pins_of_the_system()
+    wanted = '\n'.join([f'Python {sys.version_info[0]}.{sys.version_info[1]}', *pins, *map(Path.read_text, lists)])
+    found = _made_from(folder)
+    if found == wanted and os.access(python_in(folder), os.X_OK):
+        return python_in(folder)
+    if folder.is_symlink():
+        print(f'{folder}: a link to an environment made from other lists; it is used as it is', file=sys.stderr)
+        return python_in(folder)
+    try:
+        _empty(folder, found)
+        _fill(folder, lists, pins)
+        _write(folder / MARKER, wanted)
+    except OSError as error:
+        raise EnvironmentFailure(f'{error.filename or folder}: {error.strerror or error}') from None
+    return python_in(folder)
+
+
+def _pins_of_the_system():
+    """Return a line NAME==VERSION for each library to be kept that this Python has."""
+    pins = []
+    for name in KEPT:
+        try:
+            pins.append(f'{name}=={importlib.metadata.version(name)}')
+        except importlib.metadata.PackageNotFoundError:
+            continue
+    return pins
+
+
+def _made_from(folder):
+    try:
+        return (folder / MARKER).read_text()
+    except OSError:
+        return None
+
+
+def _empty(folder, found):
+    """Remove an environment that this program made, and nothing else; leave an empty folder with the marker."""
+    if found is not None:
+        shutil.rmtree(folder)
+    elif folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise EnvironmentFailure(f'{folder}: is there, and not made by this program (it holds no file {MARKER}), so it '
+                                 'is not replaced; move it away')
+    folder.mkdir(parents=True, exist_ok=True)
+    _write(folder / MARKER, UNFINISHED)
+
+
+def _write(path, text):
+    part = path.with_name(path.name + '.part')
+    part.write_text(text)
+    part.replace(path)
+
+
+def _fill(folder, lists, pins):
+    _run([sys.executable, '-m', 'venv', '--system-site-packages', folder],
+         'the Python environment could not be made; Debian has what it takes in the package python3-venv')
+    requirements, constraints = lists
+    with tempfile.TemporaryDirectory() as scratch:
+        kept = Path(scratch) / 'kept.txt'
+        kept.write_text('\n'.join(pins) + '\n')
+        _run([python_in(folder), '-m', 'pip', 'install', '-q', '--disable-pip-version-check', '-r', requirements,
+              '-c', constraints, '-c', kept], f'pip could not install {requirements}')
+
+
+def _run(words, failure):
+    done = subprocess.run([str(word) for word in words], stdin=subprocess.DEVNULL, check=False)
+    if done.returncode != 0:
+        raise EnvironmentFailure(f'{failure} (exit code {done.returncode}); its message stands above')
+
+
+def main(words):
+    """Make the environment that the words name; return the exit code."""
+    if len(words) not in (1, 3):
+        print(__doc__, file=sys.stderr)
+        return 2
+    try:
+        print(make(Path(words[0]), tuple(Path(word).resolve() for word in words[1:]) or STUDY_LISTS))
+    except EnvironmentFailure as error:
+        print(f'{Path(sys.argv[0]).name}: {error}', file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))
