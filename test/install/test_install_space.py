@@ -13,6 +13,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 DEVEL = ROOT / '.ws' / 'devel'
 GUARD_S = 60.0  # wall seconds; only a guard
+BUILD_GUARD_S = 1500.0  # the same, for all that a busy machine compiles
 # What another workspace, or the devel space that the tests run in, would bring along.
 FOREIGN = ('CMAKE_PREFIX_PATH', 'LD_LIBRARY_PATH', 'PKG_CONFIG_PATH', 'PYTHONPATH', 'ROSLISP_PACKAGE_DIRECTORIES',
            'ROS_HOSTNAME', 'ROS_MASTER_URI', 'ROS_NAMESPACE', 'ROS_PACKAGE_PATH')
@@ -20,7 +21,7 @@ FOREIGN = ('CMAKE_PREFIX_PATH', 'LD_LIBRARY_PATH', 'PKG_CONFIG_PATH', 'PYTHONPAT
 
 def run(*command, env=None):
     """Run a command to its end and return what it printed; its error output shows in a failure."""
-    done = subprocess.run([str(word) for word in command], env=env, stdin=subprocess.DEVNULL, timeout=240.0,
+    done = subprocess.run([str(word) for word in command], env=env, stdin=subprocess.DEVNULL, timeout=BUILD_GUARD_S,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == 0, f'{command}: exit code {done.returncode}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}'
     return done.stdout
@@ -37,8 +38,8 @@ def free_port():
 def clean_env():
     """The environment of a shell in which no workspace was sourced but the system's."""
     env = {key: value for key, value in os.environ.items() if key not in FOREIGN}
-    noetic = Path('/opt/ros/noetic/setup.sh')
-    return sourced(noetic, env) if noetic.exists() else env
+    found = [path for path in map(Path, ('/opt/ros/noetic/setup.sh', '/opt/ros/one/setup.sh')) if path.exists()]
+    return sourced(found[0], env) if found else env
 
 
 def sourced(setup, env):
