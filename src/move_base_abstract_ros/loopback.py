@@ -14,6 +14,7 @@ running: the port is free when it is chosen, and every process, the caller inclu
 Threading: not thread-safe; start the children from the main thread (the kernel ends them when that thread ends).
 """
 
+import http.client
 import os
 import shutil
 import signal
@@ -22,6 +23,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import xmlrpc.client
 
 import rosgraph
 import rospkg
@@ -160,12 +162,25 @@ class Loopback:
 
     def _wait_for_master(self):
         deadline = time.monotonic() + MASTER_TIMEOUT
-        while not rosgraph.is_master_online(self.uri):
+        while True:
+            pid = self._master_pid()
+            if pid == self._children[0].pid:
+                return
+            if pid is not None:  # another program was given the same free port, and was quicker
+                _end(self._children)
+                raise ChildEnded(f'another master answers at {self.uri}')
             self.check()
             if time.monotonic() > deadline:
                 raise LoopbackError(f'rosmaster does not answer at {self.uri} after {MASTER_TIMEOUT:g} s; its last '
                                     f'lines:\n{self._children[0].last_lines()}')
             time.sleep(0.02)
+
+    def _master_pid(self):
+        """Return the process id of the master that answers, None if there is none."""
+        try:
+            return rosgraph.Master('/loopback', master_uri=self.uri).getPid()
+        except (OSError, rosgraph.MasterException, http.client.HTTPException, xmlrpc.client.Error):
+            return None
 
     def spawn(self, name, command):
         """Start a process in a group of its own that the kernel kills when this process ends."""

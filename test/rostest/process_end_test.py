@@ -177,7 +177,7 @@ class EndTest(unittest.TestCase):
                 ('fleet', {'robots': [{'name': 'a', 'count': 1000000000}]}, 'got 1000000000; allowed: a whole number'),
                 ('fleet', {'robots': [{'name': 'a', 'count': 2, 'tf_prefix': 'x'}]}, "tf frame 'x/base_link'"),
                 ('soil_coordinator', {'names': ['a b', 'c', 'd']}, "got ['a b', 'c', 'd']; allowed: a list"),
-                ('soil_coordinator', {'robots': 1000000000}, 'allowed: a whole number in 1..100000')):
+                ('soil_coordinator', {'robots': 1000000000}, 'robots must be a whole number in 1..1000')):
             names.append((ros.run(executable, 'node_{}'.format(len(names)), parameters=parameters), words))
         for child, words in names:
             with self.subTest(words):

@@ -17,6 +17,7 @@ import unittest
 import rostest
 from busy_cores import busy
 
+from move_base_abstract_ros import loopback
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 120.0
@@ -173,6 +174,16 @@ class Trials(unittest.TestCase):
         self.assertEqual({path: os.stat(path).st_mtime_ns for path in stamps}, stamps)
         with open(self.path('study', 'report.md'), encoding='utf-8') as stream:
             self.assertIn('| Mesa and ROS, lockstep | 4 | 4 | yes |', stream.read())
+
+    def test_a_master_of_another_program_on_the_same_port_is_not_taken_for_ones_own(self):
+        with loopback.Loopback() as other:
+            port, real = int(other.uri.rsplit(':', 1)[1].strip('/')), loopback.free_port
+            ports = [port]
+            loopback.free_port = lambda: ports.pop() if ports else real()
+            self.addCleanup(setattr, loopback, 'free_port', real)
+            with loopback.Loopback() as own:
+                self.assertEqual(ports, [])
+                self.assertNotEqual(own.uri, other.uri)
 
     def test_a_field_that_cannot_be_read_is_named(self):
         done = self.study('trial', '--field', 'csv:/no/such.csv', '--output', self.path('no_field'))

@@ -13,7 +13,6 @@ import rospy
 
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract.ros_names import NAMESPACE_RULE, is_namespace
-from move_base_abstract.scenario import MAX_ROBOTS
 from move_base_abstract.shown import shown
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.clock_watch import watch_clock
@@ -73,9 +72,6 @@ def _run(began):
 
 def _names(raw, count):
     """Return the robots' namespaces."""
-    if count > MAX_ROBOTS:
-        raise ConfigurationError(f'parameter {rospy.resolve_name("~robots")}: got {shown(count)}; allowed: a whole '
-                                 f'number in 1..{MAX_ROBOTS}')
     names = raw or [f'robot_{index}' for index in range(count)]
     if not isinstance(names, list) or not all(is_namespace(name) for name in names) or len(
             {name.strip('/') for name in names}) < len(names):
