@@ -133,6 +133,19 @@ class LaunchFiles(unittest.TestCase):
         for name in real.params:
             self.assertEqual(parameter(real, name), parameter(abstract, name), name)
 
+    def test_the_example_names_what_the_real_move_base_would_not_find_by_a_tf_prefix(self):
+        for package in ('move_base', 'move_base_abstract'):
+            config = load('examples/two_robots_move_base.launch', 'navigation_pkg:=' + package, 'map:=/a/map.yaml')
+            self.assertIn('/map_server', nodes(config))
+            for node in (node for node in config.nodes if node.type == 'move_base'):
+                robot = node.namespace.strip('/')
+                self.assertIn(('map', '/map'), [tuple(remap) for remap in node.remap_args])
+                frames = {key: parameter(config, f'/{robot}/move_base/{key}') for key in (
+                    'global_costmap/global_frame', 'global_costmap/robot_base_frame', 'local_costmap/global_frame',
+                    'local_costmap/robot_base_frame')}
+                self.assertEqual(list(frames.values()), ['map', robot + '/base_link', robot + '/odom',
+                                                         robot + '/base_link'])
+
     def test_both_robots_reach_a_goal_at_the_speed_of_the_existing_parameters(self):
         clients = {name: SimpleActionClient(f'/{name}/move_base', MoveBaseAction) for name in ('robot_1', 'robot_2')}
         for name, client in clients.items():
