@@ -30,8 +30,10 @@ def number(low=-math.inf, high=math.inf, above=None):
 
 
 def integer(low, high=math.inf):
-    """Return a converter of whole numbers in [low, high]."""
+    """Return a converter of whole numbers in [low, high]; 2.0 is one, as it is to roscpp."""
     def convert(value):
+        if isinstance(value, float) and value.is_integer():
+            value = int(value)
         if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
             raise ValueError
         return value

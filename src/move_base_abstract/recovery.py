@@ -21,6 +21,8 @@ ROTATION_SECONDS = 2.0 * math.pi / _ROTATION_RATE
 
 DEFAULT_BEHAVIORS = (RecoveryBehavior('conservative_reset'), RecoveryBehavior('rotate_recovery', ROTATION_SECONDS),
                      RecoveryBehavior('aggressive_reset'), RecoveryBehavior('rotate_recovery', ROTATION_SECONDS))
+#: move_base's own with ``clearing_rotation_allowed: false``
+BEHAVIORS_WITHOUT_ROTATION = tuple(behavior for behavior in DEFAULT_BEHAVIORS if behavior.name != 'rotate_recovery')
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,17 @@
 """The settings of one robot, read from the parameters of a new or of an existing move_base set-up."""
 import math
 from dataclasses import dataclass, field
-from typing import List, Optional
+from functools import partial
+from typing import Dict, List, Optional, Tuple
 
 from . import upstream
 from .costmaps import Costmaps, read_costmaps
 from .errors import ConfigurationError
 from .geometry import Pose2D
+from .local_planner import ACCELERATION as ACCELERATION_LIMIT
+from .local_planner import XY_TOLERANCE as XY_LIMIT
+from .local_planner import YAW_TOLERANCE as YAW_LIMIT
+from .local_planner import Found, PlannerGroup, leaves
 from .motion import MotionLimits, Tolerances
 from .navigator import BadFramePolicy
 from .parameter_table import (
@@ -24,7 +29,13 @@ from .parameter_table import (
     unknown_names,
 )
 from .planning import WorldBounds
-from .recovery import DEFAULT_BEHAVIORS, ROTATION_SECONDS, RecoveryBehavior, RecoveryPolicy
+from .recovery import (
+    BEHAVIORS_WITHOUT_ROTATION,
+    DEFAULT_BEHAVIORS,
+    ROTATION_SECONDS,
+    RecoveryBehavior,
+    RecoveryPolicy,
+)
 from .shown import shown
 
 DEFAULT_SPEED = 0.5
@@ -70,21 +81,23 @@ TABLE = (
     Parameter('min_answer_delay', 0.02, number(0.0, 1.0), 'a number in 0..1 [s, wall]'),
     Parameter('world_bounds', None, numbers(4), 'a list [x_min, y_min, x_max, y_max] [m, global frame]'),
     Parameter('use_map', False, boolean, 'true or false'),
-    Parameter('map_topic', '/map', topic, 'a topic name'),
+    Parameter('map_topic', None, topic, 'a topic name'),
     Parameter('allow_unknown', True, boolean, 'true or false'),
     Parameter('allow_occupied_goals', False, boolean, 'true or false'),
     Parameter('controller_frequency', 20.0, number(above=0.0), _POSITIVE + ' [Hz, simulated]'),
     Parameter('planner_patience', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]'),
     Parameter('max_planning_retries', -1, integer(-1), 'a whole number >= -1'),
     Parameter('recovery_behavior_enabled', True, boolean, 'true or false'),
+    Parameter('clearing_rotation_allowed', True, boolean, 'true or false'),
     Parameter('make_plan_add_unreachable_goal', True, boolean, 'true or false'),
     Parameter('base_local_planner', upstream.DEFAULT_LOCAL_PLANNER, text, 'the name of a plugin'),
     Parameter('base_global_planner', upstream.DEFAULT_GLOBAL_PLANNER, text, 'the name of a plugin'),
 )
+_ODOM = 'odom'
 #: (our parameter, the costmap that tells it in an existing set-up, its key there, the default)
 _COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
                    ('robot_base_frame', 'global_costmap', 'robot_base_frame', 'base_link'),
-                   ('odom_frame', 'local_costmap', 'global_frame', 'odom'))
+                   ('odom_frame', 'local_costmap', 'global_frame', None))
 _LIMITS = (SPEED, ACCELERATION, XY_TOLERANCE, YAW_TOLERANCE)
 OWN_NAMES = tuple(parameter.name for parameter in TABLE + _LIMITS) + ('recovery_behaviors',)
 #: what a robot's settings are made of, before all that is given, where time leaps from event to event: each of these
@@ -107,6 +120,10 @@ class RobotSettings:
     costmaps: Costmaps
     values: dict
     tf_prefix: Optional[str] = None
+    #: all recovery behaviours that there are, whether they are enabled or not
+    behaviors: Tuple[RecoveryBehavior, ...] = DEFAULT_BEHAVIORS
+    #: {name: m/s} of the planner's parameters that the speed comes from
+    speeds: Dict[str, float] = field(default_factory=dict)
     ignored: List[str] = field(default_factory=list)
     warnings: List[str] = field(default_factory=list)
 
@@ -119,6 +136,11 @@ class RobotSettings:
     def global_planner(self):
         """The namespace of the global planner, below the node's own."""
         return upstream.plugin_namespace(self.values['base_global_planner'])
+
+    @property
+    def odom_frame(self):
+        """The full name of the odometry's frame; in a set-up without a map it may be the global frame itself."""
+        return self.frame(self.values['odom_frame'])
 
     def frame(self, frame_id):
         """Return the robot's own frame ``frame_id`` with its tf prefix, which is not put twice."""
@@ -135,59 +157,58 @@ def read_settings(raw, where):
     if not isinstance(raw, dict):
         raise ConfigurationError('{}: got {}; allowed: a namespace of parameters'.format(where, shown(raw)))
     values = read_table(raw, TABLE, where)
-    planners = _planner_order(values)
-    speed, speed_source = _limit(raw, SPEED, ('max_vel_x', 'max_vel_trans'), planners, where)
-    acceleration, acceleration_source = _limit(raw, ACCELERATION, ('acc_lim_x',), planners, where)
-    xy_tolerance, xy_source = _limit(raw, XY_TOLERANCE, ('xy_goal_tolerance',), planners, where)
-    yaw_tolerance, yaw_source = _limit(raw, YAW_TOLERANCE, ('yaw_goal_tolerance',), planners, where)
+    planner = PlannerGroup(raw, where)
+    speed = _limit(raw, SPEED, where, planner.speed)
+    acceleration = _limit(raw, ACCELERATION, where, partial(planner.limit, ACCELERATION_LIMIT))
+    xy_tolerance = _limit(raw, XY_TOLERANCE, where, partial(planner.limit, XY_LIMIT))
+    yaw_tolerance = _limit(raw, YAW_TOLERANCE, where, partial(planner.limit, YAW_LIMIT))
     costmaps, costmap_sources = read_costmaps(raw, where)
-    used = [speed_source, acceleration_source, xy_source, yaw_source, *costmap_sources]
-    for own, costmap, key, default in _COSTMAP_FRAMES:
-        if values[own] is None:
-            values[own], source = _costmap_frame(raw, costmap, key, default, where)
-            used.append(source)
-    if values['odom_frame'] == values['global_frame']:  # a local costmap in the map frame says nothing of odometry
-        values['odom_frame'] = 'odom'
+    used = [path for found in (speed, acceleration, xy_tolerance, yaw_tolerance) for path in found.paths]
+    used += [source[1:] for source in costmap_sources] + _read_frames(raw, values, where)
     if values['feedback_freq'] is None:
         values['feedback_freq'] = values['controller_frequency']
+    behaviors = _behaviors(raw, values, where)
     return RobotSettings(
-        limits=MotionLimits(speed, acceleration or math.inf, values['turn_rate'] or math.inf),
-        tolerances=Tolerances(xy_tolerance, yaw_tolerance),
-        speed_source=speed_source, acceleration_source=acceleration_source,
+        limits=MotionLimits(speed.value, acceleration.value or math.inf, values['turn_rate'] or math.inf),
+        tolerances=Tolerances(xy_tolerance.value, yaw_tolerance.value),
+        speed_source=speed.source, acceleration_source=acceleration.source, speeds=planner.speeds,
         start=Pose2D(values['start_x'], values['start_y'], values['start_yaw']),
         bounds=_bounds(values['world_bounds'], where),
-        recovery=_recovery(raw, values, where),
+        recovery=_recovery(values, behaviors), behaviors=behaviors,
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
         costmaps=costmaps,
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
-        **_other_names(raw, values, used, where))
+        **_other_names(raw, values, used, where, planner.warnings))
 
 
-def _planner_order(values):
-    named = upstream.plugin_namespace(values['base_local_planner'])
-    return (named,) + tuple(planner for planner in upstream.LOCAL_PLANNERS if planner != named)
-
-
-def _limit(raw, parameter, upstream_keys, planners, where):
-    """Return (value, where it came from): the robot's own, else the local planner's, else the default."""
+def _limit(raw, parameter, where, of_planner):
+    """Return the :class:`Found` limit: the robot's own, else what ``of_planner`` finds."""
     if parameter.name in raw:
-        return checked(raw[parameter.name], parameter.name, parameter, where), '~' + parameter.name
-    for planner in planners:
-        group = raw.get(planner)
-        for key in upstream_keys if isinstance(group, dict) else ():
-            if key in group:
-                path = '{}/{}'.format(planner, key)
-                return checked(group[key], path, parameter, where), '~' + path
-    return parameter.default, 'default'
+        return Found(checked(raw[parameter.name], parameter.name, parameter, where), '~' + parameter.name)
+    return of_planner(parameter)
 
 
-def _costmap_frame(raw, costmap, key, default, where):
-    """Return (frame name, where it came from): the costmap's, else the default."""
-    group = raw.get(costmap)
-    if not isinstance(group, dict) or key not in group:
-        return default, 'default'
-    path = '{}/{}'.format(costmap, key)
-    return checked(group[key], path, Parameter(key, None, name, 'a frame name'), where), '~' + path
+def _read_frames(raw, values, where):
+    """Put the frames that are not given into ``values``; return the costmaps' parameters that were used."""
+    used = []
+    is_own = values['odom_frame'] is not None
+    for own, costmap, key, default in _COSTMAP_FRAMES:
+        group = raw.get(costmap)
+        if values[own] is None and isinstance(group, dict) and key in group:
+            path = '{}/{}'.format(costmap, key)
+            values[own] = checked(group[key], path, Parameter(key, None, name, 'a frame name'), where)
+            used.append(path)
+        elif values[own] is None:
+            values[own] = default
+    if not is_own and values['odom_frame'] in (None, values['global_frame']):
+        # A local costmap in the map's frame says nothing of odometry. Without a map odometry is the global frame.
+        is_mapless = _ODOM in values['global_frame'].rsplit('/', 1)[-1]
+        values['odom_frame'] = values['global_frame'] if is_mapless else _ODOM
+    if values['robot_base_frame'] in (values['global_frame'], values['odom_frame']):
+        raise ConfigurationError('parameter {}/robot_base_frame: got {}, which is the global or the odom frame too; '
+                                 'allowed: a name of its own'.format(
+                                     where.rstrip('/'), shown(values['robot_base_frame'])))
+    return used
 
 
 def _bounds(values, where):
@@ -199,37 +220,30 @@ def _bounds(values, where):
         raise ConfigurationError('parameter {}/world_bounds: {}'.format(where.rstrip('/'), error)) from None
 
 
-def _recovery(raw, values, where):
+def _recovery(values, behaviors):
     patience = 0.0 if values['max_planning_retries'] >= 0 else values['planner_patience']
-    behaviors = _behaviors(raw['recovery_behaviors'], where) if 'recovery_behaviors' in raw else DEFAULT_BEHAVIORS
     return RecoveryPolicy(fast=values['abort_policy'] == 'fast', patience=patience,
                           behaviors=behaviors if values['recovery_behavior_enabled'] else ())
 
 
-def _behaviors(raw, where):
+def _behaviors(raw, values, where):
     """Read move_base's list of {name, type}; a type that rotates takes one turn's time, others none."""
+    if 'recovery_behaviors' not in raw:
+        return DEFAULT_BEHAVIORS if values['clearing_rotation_allowed'] else BEHAVIORS_WITHOUT_ROTATION
     try:
         return tuple(RecoveryBehavior(str(entry['name']),
                                       ROTATION_SECONDS if 'rotate' in str(entry['type']).lower() else 0.0)
-                     for entry in raw)
+                     for entry in raw['recovery_behaviors'])
     except (TypeError, KeyError):
         raise ConfigurationError('parameter {}/recovery_behaviors: got {}; allowed: a list of {{name, type}}'.format(
-            where.rstrip('/'), shown(raw))) from None
+            where.rstrip('/'), shown(raw['recovery_behaviors']))) from None
 
 
-def _other_names(raw, values, used, where):
+def _other_names(raw, values, used, where, warnings):
     """Sort what is not ours into what upstream would use and what nobody knows."""
     plugins = {upstream.plugin_namespace(values[key]) for key in ('base_local_planner', 'base_global_planner')}
     behaviors = raw.get('recovery_behaviors', [])
     groups = sorted(plugins) + [str(entry['name']) for entry in behaviors]
     upstream_names = tuple(upstream.IGNORED_NAMES) + tuple(groups)
-    ignored = [path for key in sorted(raw) if key in upstream_names for path in _leaves(key, raw[key])
-               if '~' + path not in used]
-    return {'ignored': ignored, 'warnings': unknown_names(raw, OWN_NAMES + upstream_names, where)}
-
-
-def _leaves(key, value):
-    """Return the paths of the parameters below ``key``."""
-    if not isinstance(value, dict):
-        return [key]
-    return [leaf for child in sorted(value) for leaf in _leaves('{}/{}'.format(key, child), value[child])]
+    ignored = [path for path in leaves({key: raw[key] for key in raw if key in upstream_names}) if path not in used]
+    return {'ignored': ignored, 'warnings': warnings + unknown_names(raw, OWN_NAMES + upstream_names, where)}

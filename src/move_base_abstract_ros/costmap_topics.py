@@ -24,7 +24,7 @@ class CostmapTopics:
 
     def __init__(self, names, settings, host, robot_map):
         self._global_frame = settings.values['global_frame']
-        self._local_frame = settings.frame(settings.values['odom_frame'])
+        self._local_frame = settings.odom_frame
         self._costmaps = settings.costmaps
         self._map = robot_map
         self._throttle = host.throttle(_WINDOW_RATE)

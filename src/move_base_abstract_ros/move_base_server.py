@@ -5,7 +5,7 @@ from move_base_abstract.frames import RobotFrames
 from move_base_abstract.navigator import Navigator, NavigatorListener
 from move_base_abstract.outcome import NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
 from move_base_abstract.planning import StraightLinePlanner
-from move_base_abstract.recovery import DEFAULT_BEHAVIORS, RecoveryPolicy
+from move_base_abstract.recovery import RecoveryPolicy
 from move_base_abstract.robot import Robot
 from move_base_abstract.robot_trace import RobotTrace
 
@@ -63,7 +63,7 @@ class MoveBaseServer(NavigatorListener):
         robot = Robot(robot_index, self._names.robot, settings.start, settings.limits, settings.tolerances, now_ns)
         self._lookup = TfLookup(values['global_frame'], values['frame_timeout'], self._clock)
         self._map = RobotMap(self._names, settings, self._clock)
-        self._frames = RobotFrames(robot, values['global_frame'], settings.frame(values['odom_frame']),
+        self._frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
                                    settings.frame(values['robot_base_frame']), self._lookup.lookup)
         self._goal_server = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._host,
                                        self._trace, values['min_answer_delay'], values['status_list_timeout'])
@@ -120,8 +120,7 @@ class MoveBaseServer(NavigatorListener):
 
     def reconfigure_goals(self, config):
         """Take over what dynamic_reconfigure says of move_base itself."""
-        policy = self._settings.recovery
-        behaviors = policy.behaviors or DEFAULT_BEHAVIORS
+        policy, behaviors = self._settings.recovery, self._settings.behaviors
         with self._clock.lock:
             self.navigator.recovery_policy = RecoveryPolicy(
                 policy.fast, 0.0 if config['max_planning_retries'] >= 0 else config['planner_patience'],

@@ -1,11 +1,17 @@
-"""dynamic_reconfigure of move_base and of its local planner; what is set takes effect on the next leg."""
+"""dynamic_reconfigure of move_base and of its local planner; what is set takes effect on the next leg.
+
+Nothing is written to the parameter server but what somebody sets: upstream's servers write all their fields at the
+start, which would leave a set-up's groups full of values that the user never gave, for the next start to find.
+"""
 import math
+import threading
 
 import rospy
 from dynamic_reconfigure.encoding import extract_params
 from dynamic_reconfigure.server import Server
 
 from move_base_abstract.cfg import DWAPlannerConfig, MoveBaseConfig, TrajectoryPlannerConfig
+from move_base_abstract.local_planner import SpeedNames
 from move_base_abstract.motion import MotionLimits, Tolerances
 
 from .bulk_registration import delete_params, get_namespace, set_params
@@ -19,8 +25,9 @@ class _SafeServer(Server):
 
     def __init__(self, config_type, callback, namespace, known):
         self._known = known
-        self._registered = {}
-        self._made = None  # names of parameters that were not there before
+        self._written = {}
+        self._made = {}  # names of parameters that were not there before
+        self._lock = threading.Lock()
         super().__init__(config_type, callback, namespace)
 
     def _copy_from_parameter_server(self):
@@ -35,13 +42,22 @@ class _SafeServer(Server):
             self.config[name] = cast(value)
 
     def _copy_to_parameter_server(self):
-        names = [parameter['name'] for parameter in extract_params(self.type.config_description)]
-        if self._made is None:
-            there = get_namespace(self.ns.rstrip('/'))
-            self._made = [name for name in names if name not in there]
-        changed = {name: self.config[name] for name in names if self._registered.get(name) != self.config[name]}
-        self._registered.update(changed)
-        set_params(self.ns.rstrip('/'), changed)
+        """Write nothing here: this is called at the start too, and with all fields."""
+
+    def update_configuration(self, changes):
+        """Take ``changes`` over and write those that were accepted to the parameter server; return all fields."""
+        namespace = self.ns.rstrip('/')
+        with self._lock:
+            before = dict(self.config)
+            config = super().update_configuration(changes)
+            self._written.update(dict.fromkeys(changes))
+            # Those written before too: restore_defaults changes them back.
+            values = {name: config[name] for name in self._written
+                      if name in self.type.defaults and config[name] != before[name]}
+            there = get_namespace(namespace)
+            self._made.update((name, None) for name in values if name not in there)
+            set_params(namespace, values)
+        return config
 
     def close(self):
         """Leave the graph, and no parameter that was not there before."""
@@ -67,11 +83,13 @@ class Reconfigure:
             'base_global_planner': values['base_global_planner'],
             'base_local_planner': values['base_local_planner']}
         limits = settings.limits
+        self._speeds_start = SpeedNames.of(limits.max_speed, settings.speeds)
         self._planner_start = {
-            'max_vel_x': limits.max_speed, 'max_vel_trans': limits.max_speed,
+            **self._speeds_start.shown(),
             'acc_lim_x': 0.0 if math.isinf(limits.acceleration) else limits.acceleration,
             'xy_goal_tolerance': settings.tolerances.xy, 'yaw_goal_tolerance': settings.tolerances.yaw}
         self._planner_now = dict(self._planner_start)
+        self._speeds = self._speeds_start
         planner = settings.local_planner
         self._servers = [
             _SafeServer(MoveBaseConfig, self._on_move_base, names.private, self._move_base_start),
@@ -92,25 +110,30 @@ class Reconfigure:
         return config
 
     def _on_planner(self, config, level):
-        if config['restore_defaults']:
-            config.update({key: value for key, value in self._planner_start.items() if key in config},
-                          restore_defaults=False)
         if level == ~0:
             return config
+        speeds = self._speeds.changed(config)
+        if config['restore_defaults']:
+            speeds = self._speeds_start
+            config.update(self._known_of(self._planner_start, config), restore_defaults=False)
         try:
-            self._take_over(config)
+            self._take_over(config, speeds)
         except ValueError as error:
             rospy.logwarn('%s: dynamic_reconfigure: %s; nothing is changed', self._where, error)
-            config.update({key: value for key, value in self._planner_now.items() if key in config})
+            config.update(self._known_of(self._planner_now, config))
         return config
 
-    def _take_over(self, config):
-        """Use the planner's limits. Of the two names of the top speed the one that was changed counts."""
-        changed = [config[key] for key in ('max_vel_x', 'max_vel_trans')
-                   if key in config and config[key] != self._planner_now[key]]
+    @staticmethod
+    def _known_of(values, config):
+        return {key: value for key, value in values.items() if key in config}
+
+    def _take_over(self, config, speeds):
+        """Use the planner's limits. Of the two names of the top speed the smaller one counts, if both were set."""
         limits = self._server.navigator.robot.limits
-        limits = MotionLimits(min(changed) if changed else limits.max_speed, config['acc_lim_x'] or math.inf,
-                              limits.turn_rate)
+        speed = limits.max_speed if speeds is self._speeds else speeds.speed
+        limits = MotionLimits(speed, config['acc_lim_x'] or math.inf, limits.turn_rate)
         tolerances = Tolerances(config['xy_goal_tolerance'], config['yaw_goal_tolerance'])
         self._server.set_motion(limits, tolerances)
+        self._speeds = speeds
+        config.update(self._known_of(speeds.shown(), config))
         self._planner_now.update({key: config[key] for key in self._planner_now if key in config})

@@ -1,4 +1,5 @@
 """The map as one robot uses it, between the process's map listener and the core."""
+import rosgraph.names
 import rospy
 
 from move_base_abstract.map_check import MapCheck
@@ -20,7 +21,15 @@ def wait_for_maps(robots, participant):
 
 
 def _topic(names, settings):
-    return rospy.resolve_name(settings.values['map_topic'], names.private)
+    """Return the absolute name of the map's topic: map_topic, else what ``map`` is remapped to, else /map."""
+    given = settings.values['map_topic']
+    if given is not None:
+        return rospy.resolve_name(given, names.private)
+    for caller in (names.private, rospy.get_name()):
+        resolved = rospy.resolve_name('map', caller)
+        if resolved != rosgraph.names.namespace(caller) + 'map':
+            return resolved
+    return rospy.resolve_name('/map')
 
 
 class RobotMap:

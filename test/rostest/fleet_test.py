@@ -12,6 +12,7 @@ import rospy
 import rostest
 import tf2_ros
 from actionlib_msgs.msg import GoalStatus
+from dynamic_reconfigure.client import Client
 from nav_msgs.msg import Odometry
 from robot_harness import ANOTHER_GOAL, GUARD, RawClient, Record, active_since_ns, pose_stamped
 from std_srvs.srv import Trigger
@@ -134,15 +135,18 @@ class FleetTrial(unittest.TestCase):
         self.assertTrue(service(SECOND + '/remove_robot', RemoveRobot)('newcomer').success)
 
     def test_parameters_that_were_there_before_a_robot_stay_when_it_is_removed(self):
-        rospy.set_param('/guest/move_base', {'max_planning_retries': 3, 'of_the_user': 1,
-                                             'TrajectoryPlannerROS': {'max_vel_x': 0.75}})
+        of_the_user = {'max_planning_retries': 3, 'of_the_user': 1, 'TrajectoryPlannerROS': {'max_vel_x': 0.75}}
+        rospy.set_param('/guest/move_base', of_the_user)
         self.addCleanup(rospy.delete_param, '/guest')
         self.assertTrue(service(FIRST + '/add_robot', AddRobot)('guest', 0.0, 0.0, 0.0, '').success)
-        self.assertGreater(len(rospy.get_param('/guest/move_base')), 10)
+        self.assertEqual(rospy.get_param('/guest/move_base'), of_the_user)
+        client = Client('/guest/move_base/TrajectoryPlannerROS', timeout=GUARD)
+        client.update_configuration({'xy_goal_tolerance': 0.5})
+        self.assertEqual(rospy.get_param('/guest/move_base/TrajectoryPlannerROS'),
+                         {'max_vel_x': 0.75, 'xy_goal_tolerance': 0.5})
+        client.close()
         self.assertTrue(service(FIRST + '/remove_robot', RemoveRobot)('guest').success)
-        self.assertEqual(set(rospy.get_param('/guest/move_base')),
-                         {'max_planning_retries', 'of_the_user', 'TrajectoryPlannerROS'})
-        self.assertEqual(set(rospy.get_param('/guest/move_base/TrajectoryPlannerROS')), {'max_vel_x'})
+        self.assertEqual(rospy.get_param('/guest/move_base'), of_the_user)
 
     def test_robots_that_are_added_and_removed_at_the_same_time_do_not_disturb_each_other(self):
         add, remove = service(FIRST + '/add_robot', AddRobot), service(FIRST + '/remove_robot', RemoveRobot)

@@ -78,7 +78,7 @@ def test_all_of_a_robots_own_parameters_are_used():
     ({DWA: {'max_vel_x': 0.7}, TRAJECTORY: {'max_vel_x': 0.6}, 'base_local_planner': 'dwa_local_planner/DWAPlannerROS'},
      0.7, '~DWAPlannerROS/max_vel_x'),
     ({DWA: {'max_vel_y': 0.1}, TRAJECTORY: {'max_vel_x': 0.6}, 'base_local_planner': 'dwa_local_planner/DWAPlannerROS'},
-     0.6, '~TrajectoryPlannerROS/max_vel_x'),
+     0.55, 'default of DWAPlannerROS'),
     ({'TebLocalPlannerROS': {'max_vel_x': 0.4}, DWA: {'max_vel_x': 0.7},
       'base_local_planner': 'teb_local_planner/TebLocalPlannerROS'}, 0.4, '~TebLocalPlannerROS/max_vel_x'),
     ({'TebLocalPlannerROS': {'max_vel_x': 0.4}}, 0.5, 'default'),
@@ -125,6 +125,30 @@ def test_frames_are_the_robots_own_else_the_costmaps_without_a_leading_slash():
     assert (values['global_frame'], values['robot_base_frame']) == ('field', 'chassis')
 
 
+ODOM, MAP = {'global_frame': 'odom'}, {'global_frame': 'map'}
+
+
+@pytest.mark.parametrize('raw, global_frame, odom_frame', [
+    ({}, 'map', 'odom'), ({'global_costmap': ODOM}, 'odom', 'odom'),
+    ({'global_costmap': ODOM, 'local_costmap': ODOM}, 'odom', 'odom'), ({'global_frame': '/odom'}, 'odom', 'odom'),
+    ({'global_costmap': MAP, 'local_costmap': MAP}, 'map', 'odom'),
+    ({'global_costmap': MAP, 'local_costmap': {'global_frame': 'odom_wheels'}}, 'map', 'odom_wheels'),
+    ({'global_costmap': {'global_frame': 'odom_combined'}}, 'odom_combined', 'odom_combined'),
+    ({'global_costmap': {'global_frame': 'r/odom'}, 'local_costmap': {'global_frame': 'r/odom'}}, 'r/odom', 'r/odom'),
+    ({'global_costmap': {'global_frame': 'r/odom'}, 'tf_prefix': 'r'}, 'r/odom', 'r/odom'),
+    ({'global_costmap': ODOM, 'tf_prefix': 'r'}, 'odom', 'r/odom'),
+    ({'global_costmap': ODOM, 'odom_frame': 'wheels'}, 'odom', 'wheels')])
+def test_without_a_map_the_odometrys_frame_is_the_global_one(raw, global_frame, odom_frame):
+    settings = read_settings(raw, WHERE)
+    assert (settings.values['global_frame'], settings.odom_frame) == (global_frame, odom_frame)
+
+
+@pytest.mark.parametrize('raw', [{'robot_base_frame': 'odom'}, {'robot_base_frame': 'map'},
+                                 {'global_costmap': {'global_frame': 'base_link'}}])
+def test_a_robot_has_a_frame_of_its_own(raw):
+    assert refusal_of(raw).startswith('parameter /robot_0/move_base/robot_base_frame: got ')
+
+
 @pytest.mark.parametrize('prefix, frame_id, prefixed', [
     (None, 'odom', 'odom'), ('', 'odom', 'odom'), ('robot_0', 'odom', 'robot_0/odom'),
     ('/robot_0/', 'odom', 'robot_0/odom'), ('robot_0', 'robot_0/odom', 'robot_0/odom'),
@@ -148,7 +172,12 @@ def test_feedback_comes_at_its_own_frequency_else_at_the_controllers(raw, freque
     ({'recovery_behaviors': []}, 5.0, ()),
     ({'recovery_behaviors': [{'name': 'spin', 'type': 'rotate_recovery/RotateRecovery'},
                              {'name': 'clear', 'type': 'clear_costmap_recovery/ClearCostmapRecovery'}]},
-     5.0, (RecoveryBehavior('spin', ROTATION_SECONDS), RecoveryBehavior('clear')))])
+     5.0, (RecoveryBehavior('spin', ROTATION_SECONDS), RecoveryBehavior('clear'))),
+    ({'max_planning_retries': -1.0}, 5.0, DEFAULT_BEHAVIORS), ({'max_planning_retries': 2.0}, 0.0, DEFAULT_BEHAVIORS),
+    ({'clearing_rotation_allowed': False}, 5.0,
+     (RecoveryBehavior('conservative_reset'), RecoveryBehavior('aggressive_reset'))),
+    ({'clearing_rotation_allowed': False, 'recovery_behaviors': [{'name': 'spin', 'type': 'x/RotateRecovery'}]},
+     5.0, (RecoveryBehavior('spin', ROTATION_SECONDS),))])
 def test_recovery_follows_move_bases_own_parameters(raw, patience, behaviors):
     recovery = read_settings(raw, WHERE).recovery
     assert (recovery.patience, recovery.behaviors) == (patience, behaviors)
@@ -180,7 +209,7 @@ FIELDS = [
     ('world_bounds', '0 0 1 1', 'a list [x_min, y_min, x_max, y_max] [m, global frame]'),
     ('controller_frequency', 0.0, POSITIVE + ' [Hz, simulated]'),
     ('planner_patience', -1.0, NOT_NEGATIVE + ' [s, simulated]'),
-    ('max_planning_retries', -2, 'a whole number >= -1'), ('max_planning_retries', 1.0, 'a whole number >= -1'),
+    ('max_planning_retries', -2, 'a whole number >= -1'), ('max_planning_retries', 1.5, 'a whole number >= -1'),
     ('recovery_behavior_enabled', 1, 'true or false'), ('make_plan_add_unreachable_goal', 'yes', 'true or false'),
     ('base_local_planner', 1, 'the name of a plugin'), ('base_global_planner', None, 'the name of a plugin'),
     ('status_list_timeout', -1.0, NOT_NEGATIVE + ' [s, simulated]'), ('marker_topic', '', 'a topic name'),

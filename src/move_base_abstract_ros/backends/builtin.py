@@ -11,13 +11,13 @@ from ..lazy_latch import LazyLatch
 class BuiltinBackend:
     """tf ``map -> odom -> base_link``, ``amcl_pose``, ``odom``, ``base_pose_ground_truth`` and ``robot_pose``.
 
-    Odometry is perfect and starts at the map's origin: ``odom`` coincides with ``map``. The topics are latched, so
-    that who comes late learns where the robot stands.
+    Odometry is perfect and starts at the map's origin: ``odom`` coincides with ``map``, or is the global frame itself.
+    The topics are latched, so that who comes late learns where the robot stands.
     """
 
     def __init__(self, names, settings):
         self._global_frame = settings.values['global_frame']
-        self._odom_frame = settings.frame(settings.values['odom_frame'])
+        self._odom_frame = settings.odom_frame
         self._base_frame = settings.frame(settings.values['robot_base_frame'])
         self._tf_stamp_ns = -1
         self._tf_pose = None
@@ -41,9 +41,7 @@ class BuiltinBackend:
                 return
             stamp_ns = self._tf_stamp_ns + 1
         self._tf_stamp_ns, self._tf_pose = stamp_ns, pose
-        tf_hub.send(self._base_frame, lambda: [
-            conversions.to_transform(Pose2D(), self._global_frame, self._odom_frame, stamp_ns),
-            conversions.to_transform(pose, self._odom_frame, self._base_frame, stamp_ns)])
+        tf_hub.send(self._base_frame, lambda: self._transforms(pose, stamp_ns))
 
     def restart(self):
         """Time has started anew."""
@@ -56,6 +54,12 @@ class BuiltinBackend:
             publisher.unregister()
 
     def _with_covariance(self, pose, stamp_ns):
+    def _transforms(self, pose, stamp_ns):
+        base = conversions.to_transform(pose, self._odom_frame, self._base_frame, stamp_ns)
+        if self._odom_frame == self._global_frame:  # without a map; tf allows no frame to be its own parent
+            return [base]
+        return [conversions.to_transform(Pose2D(), self._global_frame, self._odom_frame, stamp_ns), base]
+
         message = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
         message.pose.pose = conversions.to_pose(pose)
         return message

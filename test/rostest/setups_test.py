@@ -1,0 +1,126 @@
+#!/usr/bin/python3
+"""Set-ups as they are found: without a map, with remaps, with planners' groups."""
+import itertools
+import unittest
+
+import rospy
+import rostest
+import tf2_ros
+from actionlib_msgs.msg import GoalStatus
+from dynamic_reconfigure.client import Client
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from move_base_msgs.msg import RecoveryStatus
+from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
+from robot_process import RobotProcess
+from tf2_msgs.msg import TFMessage
+
+REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
+REFUSED = (GoalStatus.ABORTED, NO_PLAN)
+DWA = 'dwa_local_planner/DWAPlannerROS'
+_names = ('/r{}'.format(number) for number in itertools.count())
+
+
+class WithoutAMap(unittest.TestCase):
+    """The robot husky, whose global frame is odom."""
+
+    def test_tf_has_one_chain_and_no_frame_is_its_own_parent(self):
+        transforms = Record('/tf', TFMessage)
+        buffer = tf2_ros.Buffer(debug=False)
+        tf2_ros.TransformListener(buffer)
+        self.assertEqual(go(simple_client('/husky'), pose_stamped(2.0, frame='odom')), REACHED)
+        found = buffer.lookup_transform('odom', 'base_link', rospy.Time.now(), rospy.Duration(100.0))
+        self.assertAlmostEqual(found.transform.translation.x, 2.0)
+        pairs = {(transform.header.frame_id, transform.child_frame_id)
+                 for message in transforms.messages for transform in message.transforms}
+        self.assertIn(('odom', 'base_link'), pairs)
+        self.assertEqual([pair for pair in pairs if pair[0] == pair[1] or pair[1] == 'odom'], [])
+        transforms.close()
+
+    def test_goals_in_odom_and_in_the_base_frame_are_reached(self):
+        client = simple_client('/husky')
+        self.assertEqual(go(client, pose_stamped(3.0, 1.0, frame='odom')), REACHED)
+        self.assertEqual(go(client, pose_stamped(2.0, 0.0, frame='base_link')), REACHED)
+        poses = Record('/husky/amcl_pose', PoseWithCovarianceStamped)
+        message = poses.wait_for(lambda message: message.pose.pose.position.x == 5.0)
+        self.assertEqual((message.header.frame_id, message.pose.pose.position.y), ('odom', 1.0))
+
+
+class Remaps(unittest.TestCase):
+    """The robot remapped, whose map is elsewhere."""
+
+    def test_the_map_is_taken_from_where_it_is_remapped_to(self):
+        client = simple_client('/remapped')
+        self.assertEqual([go(client, pose_stamped(*place)) for place in ((1.25, 0.25), (2.25, 0.25))],
+                         [REACHED, REFUSED])
+
+
+class Recoveries(unittest.TestCase):
+    """The robot quick, which may not rotate to clear its costmaps."""
+
+    def test_giving_up_takes_no_rotations(self):
+        client = RawClient('/quick')
+        announced = Record.fresh('/quick/move_base/recovery_status', RecoveryStatus)
+        for _ in range(2):
+            goal_id = client.send(pose_stamped(50.0))
+            start_ns = active_since_ns(client, goal_id)
+            self.assertEqual(client.ending(goal_id).header.stamp.to_nsec() - start_ns, 15_000_000_000)
+            announced.wait_for(lambda message: message.recovery_behavior_name == 'aggressive_reset')
+            self.assertEqual([message.recovery_behavior_name for message in announced.messages],
+                             ['conservative_reset', 'aggressive_reset'])
+            announced.clear()
+            # What else is set brings no rotations back.
+            Client('/quick/move_base', timeout=GUARD).update_configuration({'conservative_reset_dist': 2.0})
+
+
+class ParameterServer(unittest.TestCase):
+    """A robot that is started, reconfigured and started again."""
+
+    def start(self, parameters=None):
+        """Start a robot that is ended with the test, return it."""
+        self.namespace = getattr(self, 'namespace', None) or next(_names)
+        robot = RobotProcess('move_base', parameters, (), self.namespace)
+        self.addCleanup(robot.end)
+        return robot
+
+    def test_a_start_writes_nothing_and_a_restart_finds_what_the_user_wrote(self):
+        group = {'max_vel_x': 1.0, 'max_vel_trans': 0.5, 'acc_lim_x': 2, 'min_vel_x': 'slow'}
+        parameters = {'base_local_planner': DWA, 'DWAPlannerROS': group, 'controller_frequency': 200.0,
+                      'max_planning_retries': -1.0, 'xy_goal_tolerance': 0.3}
+        for given in (parameters, None):
+            robot = self.start(given)
+            self.assertIn('speed 0.5 m/s (~DWAPlannerROS/max_vel_trans), acceleration 2 m/s^2',
+                          robot.wait_for_line('abstract robot'))
+            Client(robot.private + '/DWAPlannerROS', timeout=GUARD)
+            self.assertEqual(rospy.get_param(robot.private), parameters)
+            robot.end()
+
+    def test_of_dwas_two_speeds_the_smaller_counts_by_reconfigure_too(self):
+        robot = self.start({'base_local_planner': DWA, 'DWAPlannerROS': {'max_vel_x': 1.0, 'max_vel_trans': 0.5}})
+        client = RawClient(robot.namespace)
+        planner = Client(robot.private + '/DWAPlannerROS', timeout=GUARD)
+        self.assertEqual(planner.get_configuration(GUARD)['max_vel_x'], 1.0)
+        place = 0.0
+        for change, speed in (({}, 0.5), ({'max_vel_x': 4.0}, 0.5), ({'max_vel_trans': 8.0}, 4.0),
+                              ({'max_vel_trans': 2.0}, 2.0), ({'restore_defaults': True}, 0.5)):
+            if change:
+                planner.update_configuration(change)
+            place += 8.0
+            goal_id = client.send(pose_stamped(place))
+            start_ns = active_since_ns(client, goal_id)
+            self.assertEqual(client.ending(goal_id).header.stamp.to_nsec() - start_ns, int(8e9 / speed), change)
+        self.assertEqual(rospy.get_param(robot.private + '/DWAPlannerROS'), {'max_vel_x': 1.0, 'max_vel_trans': 0.5})
+
+    def test_what_is_set_by_reconfigure_is_there_after_a_restart_and_nothing_else_is(self):
+        robot = self.start({'base_local_planner': DWA, 'DWAPlannerROS': {'max_vel_x': 1.0}})
+        planner = Client(robot.private + '/DWAPlannerROS', timeout=GUARD)
+        answer = planner.update_configuration({'max_vel_x': 3.0, 'xy_goal_tolerance': 0.25})
+        self.assertEqual(answer['max_vel_trans'], 3.0)
+        self.assertEqual(rospy.get_param(robot.private + '/DWAPlannerROS'),
+                         {'max_vel_x': 3.0, 'xy_goal_tolerance': 0.25})
+        robot.end()
+        self.start().wait_for_line('speed 3 m/s (~DWAPlannerROS/max_vel_x)')
+
+
+if __name__ == '__main__':
+    rospy.init_node('setups_test')
+    rostest.rosrun('move_base_abstract', 'setups', __name__)
