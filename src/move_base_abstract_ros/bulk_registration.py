@@ -5,6 +5,7 @@ registrations are collected while the objects are made and sent together, as ros
 and parameters are read from one copy of the tree. The topics made here open a file descriptor when the first
 connection comes instead of one each from the start: a thousand robots would need more than a process may have.
 """
+import threading
 import xmlrpc.client
 from contextlib import contextmanager, suppress
 
@@ -16,6 +17,9 @@ from rospy.impl.statistics import SubscriberStatisticsLogger
 
 _CALLS_AT_ONCE = 500
 
+#: held while registrations are collected: who holds it registers at once, whatever other threads do
+at_once = threading.RLock()
+
 
 class _State:
     """The bulk registration that is under way, if any."""
@@ -26,6 +30,12 @@ class _State:
 @contextmanager
 def bulk_registration():
     """Within this context, publishers, subscribers, services and :func:`set_params` reach the master at its end."""
+    with at_once, _collecting():
+        yield
+
+
+@contextmanager
+def _collecting():
     listeners = get_registration_listeners()
     with listeners.lock:
         managers, listeners.listeners = listeners.listeners, []

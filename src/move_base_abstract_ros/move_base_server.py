@@ -9,7 +9,7 @@ from move_base_abstract.recovery import RecoveryPolicy
 from move_base_abstract.robot import Robot
 from move_base_abstract.robot_trace import RobotTrace
 
-from . import backends, conversions, lockstep, robot_markers
+from . import backends, conversions, lockstep, robot_markers, tf_watch
 from .costmap_topics import CostmapTopics
 from .goal_server import GoalServer
 from .planner_interface import PlannerInterface
@@ -75,6 +75,9 @@ class MoveBaseServer(NavigatorListener):
         self._feedback_throttle = self._host.throttle(values['max_feedback_rate'])
         costmaps = CostmapTopics(self._names, settings, self._host, self._map)
         self._publisher = RobotPublisher(self._names, settings, self._host, robot, backend, costmaps)
+        self._frames_told = backend.frames
+        if not self._clock.is_lockstep:  # to listen would be a part of the run there
+            tf_watch.claim(self._names.robot, self._frames_told)
         self._markers = robot_markers.add(self._clock, settings, self.navigator)
 
     def shut_down(self):
@@ -92,6 +95,7 @@ class MoveBaseServer(NavigatorListener):
             self._goal_server.flush()
             self._goal_server.close()
             self._publisher.close()
+            tf_watch.release(self._frames_told)
             self._markers.close()
             self._clock.on_restart.remove(self._restart)
         self._host.robot_count -= 1

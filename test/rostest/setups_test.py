@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Set-ups as they are found: without a map, with remaps, with planners' groups."""
+"""Set-ups as they are found: without a map, with remaps, with planners' groups, with rivals in tf."""
 import itertools
 import unittest
 
@@ -8,7 +8,7 @@ import rostest
 import tf2_ros
 from actionlib_msgs.msg import GoalStatus
 from dynamic_reconfigure.client import Client
-from geometry_msgs.msg import PoseWithCovarianceStamped
+from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
 from move_base_msgs.msg import RecoveryStatus
 from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
 from robot_process import RobotProcess
@@ -119,6 +119,22 @@ class ParameterServer(unittest.TestCase):
                          {'max_vel_x': 3.0, 'xy_goal_tolerance': 0.25})
         robot.end()
         self.start().wait_for_line('speed 3 m/s (~DWAPlannerROS/max_vel_x)')
+
+
+class TfRivals(unittest.TestCase):
+    """Another node that publishes a robot's frame."""
+
+    def test_another_publisher_of_a_robots_frame_is_named(self):
+        rival = tf2_ros.StaticTransformBroadcaster()
+        transform = TransformStamped(child_frame_id='rivalled/odom')
+        transform.header.frame_id, transform.header.stamp = 'map', rospy.Time.now()
+        transform.transform.rotation.w = 1.0
+        rival.sendTransform(transform)
+        robot = RobotProcess('move_base', {'tf_prefix': 'rivalled'}, (), next(_names))
+        self.addCleanup(robot.end)
+        line = robot.wait_for_line('look-ups jump')
+        for word in (rospy.get_name() + ' too', "'rivalled/odom'", "below 'map'"):
+            self.assertIn(word, line)
 
 
 if __name__ == '__main__':

@@ -19,6 +19,7 @@ class BuiltinBackend:
         self._global_frame = settings.values['global_frame']
         self._odom_frame = settings.odom_frame
         self._base_frame = settings.frame(settings.values['robot_base_frame'])
+        self.frames = [frame for frame in (self._odom_frame, self._base_frame) if frame != self._global_frame]
         self._tf_stamp_ns = -1
         self._tf_pose = None
         self._amcl_pose = LazyLatch(names.topic('amcl_pose'), PoseWithCovarianceStamped)

@@ -27,6 +27,7 @@ class GazeboBackend:
         self._reference_frame = settings.values['gazebo_reference_frame']
         self._z = settings.values['gazebo_z']
         self._display = display(names, settings)
+        self.frames = self._display.frames
         clock_check.warn_of_machine_clock('Gazebo')
 
     def place(self, pose, velocity, stamp_ns):

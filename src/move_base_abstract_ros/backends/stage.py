@@ -32,6 +32,10 @@ class StageBackend:
         self._global_frame = values['global_frame']
         self._odom_frame = settings.frame(values['odom_frame'])
         self._lock = threading.Lock()
+        self.frames = [self._odom_frame] if self._odom_frame != self._global_frame else []
+        if not self.frames:
+            rospy.logwarn("%s: the global frame is '%s', in which Stage itself says where the robot is: tf shows "
+                          "Stage's odometry", names.robot, self._odom_frame)
         self._world = _StageWorld(names.robot, values)
         self._check = FollowCheck()
         self._stamps = StampCheck()
@@ -128,7 +132,9 @@ class StageBackend:
         """Send map -> odom, dated 1 ns after what was said before if that is not earlier."""
         with self._lock:
             last_ns, last = self._sent
-            if self._tf is None or (stamp_ns <= last_ns and self._tf == last):
+            if self._tf is None or not self.frames:
+                return
+            if stamp_ns <= last_ns and self._tf == last:
                 return
             stamp_ns = max(stamp_ns, last_ns + 1)
             self._sent = (stamp_ns, self._tf)
