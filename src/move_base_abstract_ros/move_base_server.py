@@ -48,7 +48,7 @@ class MoveBaseServer(NavigatorListener):
         with clock.lock:
             now_ns = clock.now_ns()
             self._build(robot_index, now_ns)
-        self._teleport = Teleport(names, clock, self.navigator, self._frames, self._prefetch_frame)
+        self._teleport = Teleport(names, settings, clock, self.navigator, self._frames, self._prefetch_frame)
         self._planner_interface = PlannerInterface(names, settings, clock, self.navigator, self._map)
         self._reconfigure = Reconfigure(names, settings, self)
         through_the_topic = clock.is_lockstep or not host.is_crowded

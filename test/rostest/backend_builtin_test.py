@@ -46,8 +46,9 @@ class BuiltinBackend(unittest.TestCase):
         odom = Record('/robot_0/odom', Odometry).wait_for(lambda message: message.pose.pose.position.x == 3.0)
         truth = Record('/robot_0/base_pose_ground_truth', Odometry).wait_for(
             lambda message: message.pose.pose.position.x == 3.0)
-        plain = Record('/robot_0/robot_pose', Pose).wait_for(lambda message: message.position.x == 3.0)
-        self.assertEqual([odom.pose.pose, truth.pose.pose, plain], [amcl, amcl, amcl])
+        plain = Record('/robot_0/robot_pose', PoseStamped).wait_for(lambda message: message.pose.position.x == 3.0)
+        self.assertEqual([odom.pose.pose, truth.pose.pose, plain.pose], [amcl, amcl, amcl])
+        self.assertEqual(plain.header, truth.header)
         self.assertEqual((odom.header.frame_id, odom.child_frame_id, truth.header.frame_id),
                          ('robot_0/odom', 'robot_0/base_link', 'map'))
 
@@ -105,11 +106,28 @@ class BuiltinBackend(unittest.TestCase):
         first = rospy.Publisher('/robot_0/initialpose', PoseWithCovarianceStamped, queue_size=1, latch=True)
         first.publish(initial)
         odom.wait_for(lambda message: message.pose.pose.position.x == 8.0)
-        second = rospy.Publisher('/robot_0/set_pose', PoseStamped, queue_size=1, latch=True)
-        second.publish(pose_stamped(-8.0, 9.0))
+        second = rospy.Publisher('/robot_0/set_pose', Pose, queue_size=1, latch=True)
+        second.publish(pose_stamped(-8.0, 9.0).pose)
         odom.wait_for(lambda message: message.pose.pose.position.x == -8.0)
         first.unregister()
         second.unregister()
+
+    def test_cmd_pose_teleports_as_in_stages_world(self):
+        for robot, place in (('robot_0', (-6.0, 3.5)), ('robot_1', (-6.0 + 162.0, 3.5 + 110.0))):
+            odom = Record('/{}/odom'.format(robot), Odometry)
+            odom.wait_for()
+            command = rospy.Publisher('/{}/cmd_pose'.format(robot), Pose, queue_size=1, latch=True)
+            command.publish(pose_stamped(-6.0, 3.5).pose)
+            odom.wait_for(lambda message, place=place: (
+                message.pose.pose.position.x, message.pose.pose.position.y) == place)
+            command.unregister()
+        self.put_back('robot_1')
+
+    @staticmethod
+    def put_back(robot):
+        """Put ``robot`` to the origin."""
+        service = rospy.ServiceProxy('/{}/set_robot_pose'.format(robot), SetPose)
+        assert service(pose_stamped()).success
 
     def test_a_teleport_in_base_link_is_relative_to_the_robot(self):
         self.put(1.0, 1.0, math.pi / 2.0)
@@ -123,11 +141,11 @@ class BuiltinBackend(unittest.TestCase):
             answer = self.set_pose(pose)
             self.assertFalse(answer.success)
             self.assertIn(reason, answer.message)
-        records = Record('/robot_0/robot_pose', Pose)
-        records.wait_for(lambda pose: (pose.position.x, pose.position.y) == (7.0, 7.0))
+        records = Record('/robot_0/robot_pose', PoseStamped)
+        records.wait_for(lambda message: (message.pose.position.x, message.pose.position.y) == (7.0, 7.0))
         self.put(7.0, 8.0)
-        records.wait_for(lambda pose: pose.position.y == 8.0)
-        self.assertEqual([(pose.position.x, pose.position.y) for pose in records.messages[-2:]],
+        records.wait_for(lambda message: message.pose.position.y == 8.0)
+        self.assertEqual([(message.pose.position.x, message.pose.position.y) for message in records.messages[-2:]],
                          [(7.0, 7.0), (7.0, 8.0)])
 
     def test_a_robot_that_is_teleported_on_its_way_goes_on_to_its_goal(self):
@@ -156,7 +174,8 @@ class BuiltinBackend(unittest.TestCase):
     def test_go_and_teleport_end_where_they_should(self):
         self.put()
         self.assertEqual(go(self.simple, pose_stamped(2.0, 2.0, -1.0)), REACHED)
-        Record('/robot_0/robot_pose', Pose).wait_for(lambda pose: (pose.position.x, pose.position.y) == (2.0, 2.0))
+        Record('/robot_0/robot_pose', PoseStamped).wait_for(
+            lambda message: (message.pose.position.x, message.pose.position.y) == (2.0, 2.0))
 
 
 if __name__ == '__main__':

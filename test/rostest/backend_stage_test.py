@@ -9,7 +9,7 @@ import rospy
 import rostest
 import tf2_ros
 from actionlib_msgs.msg import GoalStatus
-from geometry_msgs.msg import Pose, PoseWithCovarianceStamped
+from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from robot_harness import GUARD, Record, go, pose_stamped, simple_client
 from rosgraph_msgs.msg import Clock, Log
@@ -103,7 +103,7 @@ class StageBackend(unittest.TestCase):
         amcl = Record('/robot_0/amcl_pose', PoseWithCovarianceStamped).wait_for()
         self.assertEqual(amcl.header.frame_id, 'map')
         self.assert_at(amcl.pose.pose, 1.0, 2.0, 0.0)
-        self.assert_at(Record('/robot_0/robot_pose', Pose).wait_for(), 1.0, 2.0, 0.0)
+        self.assert_at(Record('/robot_0/robot_pose', PoseStamped).wait_for().pose, 1.0, 2.0, 0.0)
 
     def test_3_a_goal_moves_the_robot_in_stage_and_tf_follows_stages_truth(self):
         self.assertEqual(go(self.simple, pose_stamped(4.0, 6.0)), (GoalStatus.SUCCEEDED, 'Goal reached.'))

@@ -34,7 +34,7 @@ PUBLISHED = {
     'move_base/parameter_updates': 'dynamic_reconfigure/Config',
     'move_base/{local_planner}/parameter_updates': 'dynamic_reconfigure/Config',
     'amcl_pose': 'geometry_msgs/PoseWithCovarianceStamped', 'odom': 'nav_msgs/Odometry',
-    'base_pose_ground_truth': 'nav_msgs/Odometry', 'robot_pose': 'geometry_msgs/Pose'}
+    'base_pose_ground_truth': 'nav_msgs/Odometry', 'robot_pose': 'geometry_msgs/PoseStamped'}
 SUBSCRIBED = ('move_base/goal', 'move_base/cancel', 'move_base_simple/goal', 'initialpose', 'set_pose')
 SERVICES = {
     'move_base/make_plan': 'nav_msgs/GetPlan', 'move_base/{global_planner}/make_plan': 'nav_msgs/GetPlan',

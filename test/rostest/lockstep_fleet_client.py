@@ -6,7 +6,7 @@ import sys
 
 import rospy
 from actionlib_msgs.msg import GoalID
-from geometry_msgs.msg import Pose, PoseStamped
+from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionGoal, MoveBaseActionResult
 from tf2_msgs.msg import TFMessage
 
@@ -100,7 +100,8 @@ class Client:
         """Feedback and poses that were asked for, of one leg."""
         rospy.Subscriber('/robot_0/move_base/feedback', MoveBaseActionFeedback, lambda message: self.log(
             'feedback', message.feedback.base_position.pose.position.x))
-        rospy.Subscriber('/robot_0/robot_pose', Pose, lambda message: self.log('pose', message.position.x))
+        rospy.Subscriber('/robot_0/robot_pose', PoseStamped, lambda message: self.log(
+            'pose', message.pose.position.x))
         self.sleep_until(2.0)
         self.robots['robot_0'].send(2.0)
         self.wait_for_ends(1)

@@ -1,11 +1,6 @@
 #!/usr/bin/python3
 """What a robot makes of its parameters and arguments: start-up lines, warnings, errors, exit codes, last words."""
 import itertools
-import os
-import signal
-import subprocess
-import threading
-import time
 import unittest
 
 import rospy
@@ -14,68 +9,17 @@ from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseActionFeedback
 from robot_harness import GUARD, RawClient, Record, active_since_ns, pose_stamped
+from robot_process import RobotProcess
 
-from move_base_abstract_ros.loopback import find_executable
-
-_names = ('r{}'.format(number) for number in itertools.count())
-
-
-class Node:
-    """One of our executables in a process of its own, with its output."""
-
-    def __init__(self, executable, parameters=None, arguments=(), namespace=None):
-        self.namespace = namespace if namespace is not None else '/' + next(_names)
-        self.private = '{}/move_base'.format(self.namespace)
-        if parameters is not None:
-            rospy.set_param(self.private, parameters)
-        command = [find_executable(executable), *arguments, '__ns:=' + (self.namespace or '/'), '__name:=move_base']
-        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                         env=dict(os.environ, PYTHONUNBUFFERED='1'))
-        self._lines = []
-        self._more = threading.Condition()
-        threading.Thread(target=self._read, daemon=True).start()
-
-    def _read(self):
-        for line in self._process.stdout:
-            with self._more:
-                self._lines.append(line)
-                self._more.notify_all()
-
-    @property
-    def output(self):
-        """All lines so far."""
-        with self._more:
-            return ''.join(self._lines)
-
-    def wait_for_line(self, text):
-        """Return the first line that holds ``text``."""
-        deadline = time.monotonic() + GUARD
-        with self._more:
-            while True:
-                for line in self._lines:
-                    if text in line:
-                        return line
-                left = deadline - time.monotonic()
-                assert left > 0.0, 'no line with {!r} in:\n{}'.format(text, ''.join(self._lines))
-                self._more.wait(left)
-
-    def exit_code(self):
-        """Wait for the end."""
-        return self._process.wait(GUARD)
-
-    def end(self, with_signal=signal.SIGINT):
-        """Ask the process to end and wait for that."""
-        if self._process.poll() is None:
-            self._process.send_signal(with_signal)
-        return self.exit_code()
+_names = ('/r{}'.format(number) for number in itertools.count())
 
 
 class Parameters(unittest.TestCase):
     """Each test starts robots under names of their own."""
 
-    def start(self, *arguments, **keywords):
+    def start(self, executable, parameters=None, arguments=(), namespace=None):
         """Start a node that is ended with the test."""
-        node = Node(*arguments, **keywords)
+        node = RobotProcess(executable, parameters, arguments, next(_names) if namespace is None else namespace)
         self.addCleanup(node.end)
         return node
 
@@ -133,15 +77,13 @@ class Parameters(unittest.TestCase):
     def test_the_original_packages_seven_arguments_and_any_prefix_of_them(self):
         arguments = ('bot', 'virtual_robots', '4.0', '1.0', '2.0', '0', '0.0')
         for count in (0, 1, 3, 5, 7):
-            namespace = '/' + next(_names)
-            name = 'bot' if count else ''
+            namespace = next(_names)
             node = self.start('move_base_abstract_actionserver', None, arguments[:count], namespace)
-            robot = '/'.join(filter(None, (namespace, name)))
-            pose = rospy.wait_for_message(robot + '/amcl_pose', PoseWithCovarianceStamped, GUARD).pose.pose
+            pose = rospy.wait_for_message(namespace + '/amcl_pose', PoseWithCovarianceStamped, GUARD).pose.pose
             self.assertEqual((pose.position.x, pose.position.y), (1.0 if count > 3 else 0.0,
                                                                   2.0 if count > 4 else 0.0))
             speed = 4.0 if count > 2 else 0.5
-            client = RawClient(robot)
+            client = RawClient(namespace)
             goal_id = client.send(pose_stamped(pose.position.x + 8.0, pose.position.y))
             start_ns = active_since_ns(client, goal_id)
             self.assertEqual(client.ending(goal_id).header.stamp.to_nsec() - start_ns, int(8e9 / speed))
@@ -150,7 +92,7 @@ class Parameters(unittest.TestCase):
     def test_bad_arguments_are_fatal(self):
         for arguments, word in ((('bot', 'virtual_robots', 'quick'), "'quick'"), (('bot',) * 8, 'at most 7'),
                                 (('bot', 'morse'), "'morse'")):
-            node = self.start('move_base_abstract_actionserver', None, arguments, '/' + next(_names))
+            node = self.start('move_base_abstract_actionserver', None, arguments, next(_names))
             self.assertEqual(node.exit_code(), 1, node.output)
             self.assertIn(word, node.wait_for_line('FATAL'))
 

@@ -137,6 +137,32 @@ class TfRivals(unittest.TestCase):
             self.assertIn(word, line)
 
 
+class SevenArguments(unittest.TestCase):
+    """The original's server in the original's launch file, which gives all robots one name."""
+
+    def test_names_and_frames_come_from_the_namespace(self):
+        buffer = tf2_ros.Buffer(debug=False)
+        tf2_ros.TransformListener(buffer)
+        for namespace, x in (('/thorvald_001', '1.0'), ('/thorvald_002', '2.0')):
+            robot = RobotProcess('move_base_abstract_actionserver', None,
+                                 ('thorvald_001', 'virtual_robots', '2.0', x), namespace)
+            self.addCleanup(robot.end)
+            self.assertEqual(go(simple_client(namespace), pose_stamped(5.0 + float(x))), REACHED)
+            place = buffer.lookup_transform('map', namespace.strip('/') + '/base_link', rospy.Time(),
+                                            rospy.Duration(100.0)).transform.translation.x
+            self.assertGreater(place, float(x))
+
+    def test_stage_without_offsets_is_told_of(self):
+        for arguments, parameters in ((('bot', 'stage_ros'), {}), (('bot', 'stage'), {})):
+            robot = RobotProcess('move_base_abstract_actionserver', parameters, arguments, next(_names))
+            self.addCleanup(robot.end)
+            self.assertIn('-162, -110', robot.wait_for_line('the original adds'))
+        robot = RobotProcess('move_base_abstract_actionserver', {'stage_offset_x': 0.0}, ('bot', 'stage'), next(_names))
+        self.addCleanup(robot.end)
+        robot.wait_for_line('abstract robot')
+        self.assertNotIn('the original adds', robot.output)
+
+
 if __name__ == '__main__':
     rospy.init_node('setups_test')
     rostest.rosrun('move_base_abstract', 'setups', __name__)

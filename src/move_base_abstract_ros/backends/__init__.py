@@ -18,11 +18,11 @@ def _gazebo(names, settings):
 
 #: those that go by the time master's clock alone
 EVENT_DRIVEN = ('builtin', 'virtual_robots')
+STAGE = ('stage_ros', 'stage')
 BACKENDS = {
     'builtin': BuiltinBackend,
     'virtual_robots': BuiltinBackend,
-    'stage_ros': StageBackend,
-    'stage': StageBackend,
+    **dict.fromkeys(STAGE, StageBackend),
     'gazebo': _gazebo,
 }
 

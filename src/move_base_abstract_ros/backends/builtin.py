@@ -1,5 +1,5 @@
 """The built-in simulator: the robot is where the core says, and tf and a few topics tell so."""
-from geometry_msgs.msg import Pose, PoseWithCovarianceStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
 from move_base_abstract.geometry import Pose2D
@@ -25,12 +25,12 @@ class BuiltinBackend:
         self._amcl_pose = LazyLatch(names.topic('amcl_pose'), PoseWithCovarianceStamped)
         self._odom = LazyLatch(names.topic('odom'), Odometry)
         self._ground_truth = LazyLatch(names.topic('base_pose_ground_truth'), Odometry)
-        self._robot_pose = LazyLatch(names.topic('robot_pose'), Pose)
+        self._robot_pose = LazyLatch(names.topic('robot_pose'), PoseStamped)
 
     def place(self, pose, velocity, stamp_ns):
         """Publish that the robot is at ``pose`` with ``velocity``."""
         self.heartbeat(pose, stamp_ns)
-        self._robot_pose.offer(lambda: conversions.to_pose(pose))
+        self._robot_pose.offer(lambda: conversions.to_pose_stamped(pose, self._global_frame, stamp_ns))
         self._amcl_pose.offer(lambda: self._with_covariance(pose, stamp_ns))
         self._odom.offer(lambda: self._odometry(pose, velocity, self._odom_frame, stamp_ns))
         self._ground_truth.offer(lambda: self._odometry(pose, velocity, self._global_frame, stamp_ns))
@@ -54,13 +54,13 @@ class BuiltinBackend:
         for publisher in (self._amcl_pose, self._odom, self._ground_truth, self._robot_pose):
             publisher.unregister()
 
-    def _with_covariance(self, pose, stamp_ns):
     def _transforms(self, pose, stamp_ns):
         base = conversions.to_transform(pose, self._odom_frame, self._base_frame, stamp_ns)
         if self._odom_frame == self._global_frame:  # without a map; tf allows no frame to be its own parent
             return [base]
         return [conversions.to_transform(Pose2D(), self._global_frame, self._odom_frame, stamp_ns), base]
 
+    def _with_covariance(self, pose, stamp_ns):
         message = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
         message.pose.pose = conversions.to_pose(pose)
         return message

@@ -3,7 +3,7 @@ import threading
 import time
 
 import rospy
-from geometry_msgs.msg import Pose, PoseWithCovarianceStamped
+from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
 from move_base_abstract.errors import FrameError
@@ -30,7 +30,7 @@ class StageBackend:
         values = settings.values
         self._robot = names.robot
         self._global_frame = values['global_frame']
-        self._odom_frame = settings.frame(values['odom_frame'])
+        self._odom_frame = settings.odom_frame
         self._lock = threading.Lock()
         self.frames = [self._odom_frame] if self._odom_frame != self._global_frame else []
         if not self.frames:
@@ -45,7 +45,7 @@ class StageBackend:
         self._sent = (-1, None)
         self._cmd_pose = _latched(names.topic('cmd_pose'), Pose)
         self._amcl_pose = _latched(names.topic('amcl_pose'), PoseWithCovarianceStamped)
-        self._robot_pose = _latched(names.topic('robot_pose'), Pose)
+        self._robot_pose = _latched(names.topic('robot_pose'), PoseStamped)
         self._truth_topic = names.topic('base_pose_ground_truth')
         self._subscribers = (rospy.Subscriber(self._truth_topic, Odometry, self._on_truth, queue_size=10),
                              rospy.Subscriber(names.topic('odom'), Odometry, self._on_odom, queue_size=10))
@@ -54,10 +54,9 @@ class StageBackend:
 
     def place(self, pose, _velocity, stamp_ns):
         """Tell Stage and everybody that the robot is at ``pose``."""
-        message = conversions.to_pose(pose)
-        self._robot_pose.publish(message)
+        self._robot_pose.publish(conversions.to_pose_stamped(pose, self._global_frame, stamp_ns))
         amcl_pose = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
-        amcl_pose.pose.pose = message
+        amcl_pose.pose.pose = conversions.to_pose(pose)
         self._amcl_pose.publish(amcl_pose)
         self._held = pose
         self.heartbeat(pose, stamp_ns)

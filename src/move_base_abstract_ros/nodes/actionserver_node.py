@@ -6,6 +6,7 @@ import rospy
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.ros_names import NAMESPACE_RULE, is_namespace
 from move_base_abstract.shown import shown_text
+from move_base_abstract_ros.backends import STAGE
 from move_base_abstract_ros.names import RobotNames
 
 from .move_base_node import run
@@ -19,6 +20,9 @@ def _namespace(text):
 
 _ARGUMENTS = (('robot_name', _namespace), ('backend', str), ('max_speed', float), ('start_x', float),
               ('start_y', float), ('pose_update_freq', float), ('acceleration', float))
+#: parameters, any of which says where the global frame lies in Stage's world
+STAGE_PLACE = ('stage_offset_x', 'stage_offset_y', 'stage_offset_yaw', 'stage_world_frame')
+ORIGINAL_OFFSET = (-162.0, -110.0)  # m, written into its source
 _USAGE = ('usage: move_base_abstract_actionserver '
           '[robot_name [simulator [max_speed [x [y [pose_update_freq [acceleration]]]]]]]')
 
@@ -37,12 +41,23 @@ def main():
 
 
 def _describe(values):
-    """Return names, overrides and tf prefix of the robot, once the node knows its own namespace."""
-    robot_name = values.pop('robot_name', '').strip('/')
-    namespace = rospy.get_namespace().rstrip('/')
-    if robot_name and namespace.rsplit('/', 1)[-1] != robot_name:
-        namespace = '{}/{}'.format(namespace, robot_name)
-    return RobotNames(namespace), values, robot_name or None
+    """Return names, overrides and tf prefix of the robot, once the node knows its own namespace.
+
+    As in the original, the namespace alone says where the robot's topics and frames are.
+    """
+    _tell(values.pop('robot_name', ''), values.get('backend'))
+    names = RobotNames(rospy.get_namespace())
+    return names, values, names.namespace.strip('/') or None
+
+
+def _tell(robot_name, backend):
+    namespace = rospy.get_namespace().strip('/')
+    if robot_name.strip('/') != namespace:
+        rospy.loginfo("%s: robot_name is '%s'; topics and frames are named after the namespace, '/%s', as in the "
+                      'original', rospy.get_name(), robot_name, namespace)
+    if backend in STAGE and not any(rospy.has_param('~' + name) for name in STAGE_PLACE):
+        rospy.logwarn('%s: the original adds %g, %g to the positions that it sends to Stage; here nothing is added: '
+                      'set ~stage_offset_x and ~stage_offset_y, to these or to 0', rospy.get_name(), *ORIGINAL_OFFSET)
 
 
 def read_arguments(arguments):
