@@ -20,10 +20,12 @@ class RosMasterWatch:
         self._name = name
         self._uri = rosgraph.get_master_uri()
         self._stopped = threading.Event()
+        self._is_known = False
         self.has_lost = False
 
     def start(self):
-        """Begin."""
+        """Begin. One that is there now is missed from now on, however soon it goes."""
+        self._is_known = is_answering(self._uri, self._name, _TIMEOUT_S)
         threading.Thread(target=self._watch, name='ros_master_watch', daemon=True).start()
 
     def stop(self):
@@ -31,15 +33,15 @@ class RosMasterWatch:
         self._stopped.set()
 
     def _watch(self):
-        is_known, refused, is_late = False, 0, False
+        refused, is_late = 0, False
         while not self._stopped.wait(_PERIOD_S):
             begin = time.monotonic()
             answer = is_answering(self._uri, self._name, _TIMEOUT_S)
             if answer:
-                is_known, refused, is_late = True, 0, False
-            elif is_known and time.monotonic() - begin < _TIMEOUT_S:
+                self._is_known, refused, is_late = True, 0, False
+            elif self._is_known and time.monotonic() - begin < _TIMEOUT_S:
                 refused += 1
-            elif is_known and not is_late:
+            elif self._is_known and not is_late:
                 is_late = True
                 self._say('has not answered for {:g} s; the node waits for it'.format(_TIMEOUT_S), rospy.logwarn)
             if refused >= _GONE_AFTER and not self._stopped.is_set():

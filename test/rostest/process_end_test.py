@@ -56,7 +56,8 @@ class EndTest(unittest.TestCase):
 
     def ended(self, child):
         """Return the exit code and the output of a child that ends by itself."""
-        return child.process.wait(GUARD), output(child)
+        wait_for(child.name + ' ends', lambda: child.process.poll() is not None)
+        return child.process.returncode, child.name + ' said: ' + output(child)
 
     def wait_for_clock(self, ros, names):
         """Wait until the nodes have begun to set up: they listen to /clock and get none."""
@@ -82,11 +83,10 @@ class EndTest(unittest.TestCase):
         """Signal all, SIGINT and SIGTERM in turn, and see them end in good order."""
         for index, child in enumerate(children.values()):
             child.process.send_signal((signal.SIGINT, signal.SIGTERM)[index % 2])
-        for name, child in children.items():
-            with self.subTest(name):
-                code, log = self.ended(child)
-                self.assertEqual(code, 0, log)
-                self.assert_no_traceback(log)
+        for child in children.values():
+            code, log = self.ended(child)
+            self.assertEqual(code, 0, log)
+            self.assert_no_traceback(log)
 
     def test_signals_end_each_node_while_it_waits_for_the_clock(self):
         with Loopback() as ros:
@@ -118,12 +118,11 @@ class EndTest(unittest.TestCase):
             children = self.start(ros)
             self.wait_for_clock(ros, children)
             ros._children[0].process.kill()
-            for name, child in children.items():
-                with self.subTest(name):
-                    code, log = self.ended(child)
-                    self.assertEqual(code, 1, log)
-                    self.assertRegex(log, 'the ROS master at {} (has gone while|does not answer)'.format(ros.uri))
-                    self.assert_no_traceback(log)
+            for child in children.values():
+                code, log = self.ended(child)
+                self.assertEqual(code, 1, log)
+                self.assertRegex(log, 'the ROS master at {} (has gone while|does not answer)'.format(ros.uri))
+                self.assert_no_traceback(log)
 
     def test_a_signal_ends_a_node_whose_ros_master_hangs(self):
         with Loopback() as ros:
@@ -148,15 +147,13 @@ class EndTest(unittest.TestCase):
     def test_help_is_printed_without_a_ros_master_and_unknown_arguments_are_refused(self):
         for executable in ('move_base', 'move_base_abstract_actionserver', 'fleet', 'task_server', 'map_server', 'demo',
                            'why', 'compare', 'lockstep', 'soil_coordinator'):
-            with self.subTest(executable=executable):
-                code, text = run(executable, '--help')
-                self.assertEqual(code, 0, text)
-                self.assertIn('usage', text.lower())
+            code, text = run(executable, '--help')
+            self.assertEqual(code, 0, text)
+            self.assertIn('usage', text.lower())
         for executable in WITHOUT_ARGUMENTS:
-            with self.subTest(executable=executable):
-                code, text = run(executable, '--bogus')
-                self.assertEqual(code, 2, text)
-                self.assertIn('unknown argument --bogus', text)
+            code, text = run(executable, '--bogus')
+            self.assertEqual(code, 2, text)
+            self.assertIn('unknown argument --bogus', text)
 
     def test_ranks_and_seeds_of_the_launcher_are_bounded(self):
         for words in (('--rank', '99999999999999'), ('--rank', '9' * 5001), ('--seed', '9' * 5001), ('--rank', '1e3')):
@@ -180,11 +177,10 @@ class EndTest(unittest.TestCase):
                 ('soil_coordinator', {'robots': 1000000000}, 'robots must be a whole number in 1..1000')):
             names.append((ros.run(executable, 'node_{}'.format(len(names)), parameters=parameters), words))
         for child, words in names:
-            with self.subTest(words):
-                code, log = self.ended(child)
-                self.assertEqual(code, 1, log)
-                self.assertIn(words, log)
-                self.assert_no_traceback(log)
+            code, log = self.ended(child)
+            self.assertEqual(code, 1, log)
+            self.assertIn(words, log)
+            self.assert_no_traceback(log)
 
     def test_an_output_that_cannot_be_written_is_said_in_one_line(self):
         with open('/dev/full', 'w') as full:
