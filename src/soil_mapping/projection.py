@@ -1,6 +1,8 @@
 """Places given as latitude and longitude, in metres of a plane."""
 
+import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 
@@ -8,6 +10,16 @@ from move_base_abstract.errors import ConfigurationError
 
 MAX_SPAN_DEG = 1.0  # about 111 km: no field is larger, and lengths are true to 0.01 %
 DECIMALS = 6  # of the degrees of the projection's origin: 0.1 m
+
+
+def _find_database(pyproj):
+    """Tell Debian's pyproj, which looks below sys.prefix only, where its database is when it runs in an environment."""
+    folder = Path(sys.base_prefix) / 'share' / 'proj'
+    try:
+        pyproj.datadir.get_data_dir()
+    except pyproj.exceptions.DataDirError:
+        if (folder / 'proj.db').is_file():
+            pyproj.datadir.set_data_dir(str(folder))
 
 
 def to_plane(lon, lat, where):
@@ -22,8 +34,9 @@ def to_plane(lon, lat, where):
                                  f'; a field has at most {MAX_SPAN_DEG:g}, between 89 degrees south and north')
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter('ignore')  # in a virtual environment it misses its database, which this needs not
+            warnings.simplefilter('ignore')  # in a virtual environment it misses its database
             import pyproj
+        _find_database(pyproj)
     except ImportError:
         raise ConfigurationError(f'{where}: lat and lon need pyproj (python3-pyproj), which is not installed; or give '
                                  'x and y with crs metres') from None
