@@ -54,7 +54,7 @@ test: deps-test build  ## all tests; ONLY=part_of_a_name for some
 	@cmake --build '$(WS)/build' --target tests -j$$(nproc) >'$(WS)/build_tests.log' || { cat '$(WS)/build_tests.log'; exit 1; }
 	@$(ENTER) $(PYTHON) tools/run_tests.py $(if $(ONLY),--only '$(ONLY)')
 
-lint: deps-lint build  ## ruff with the import borders, Python 3.8, catkin_lint, clang-format, shell scripts
+lint: deps-lint build  ## ruff and C++ includes with the borders, Python 3.8, catkin_lint, clang-format, shell scripts
 	@$(ENTER) tools/lint
 
 bench: deps-bench build  ## the measurements, as JSON lines

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "move_base_abstract/lockstep_wire.h"
+#include "lockstep/wire.h"
 
 namespace move_base_abstract::shim {
 

@@ -13,8 +13,8 @@
 #include <regex>
 #include <stdexcept>
 
-#include "../participant_secret.h"
 #include "exchange.h"
+#include "participant/secret_parameter.h"
 #include "real.h"
 
 namespace move_base_abstract::shim {

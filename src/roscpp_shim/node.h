@@ -13,8 +13,8 @@
 #include <set>
 #include <string>
 
-#include "../lockstep_link.h"
-#include "move_base_abstract/lockstep_wire.h"
+#include "lockstep/wire.h"
+#include "participant/link.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {

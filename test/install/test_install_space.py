@@ -73,6 +73,12 @@ def script_names():
     return sorted(path.name for path in (ROOT / 'scripts').iterdir() if path.is_file())
 
 
+def test_of_our_own_headers_only_what_users_may_include_is_installed(prefix):
+    """Generated ones begin with a capital letter."""
+    names = [path.name for path in (prefix / 'include' / 'move_base_abstract').glob('*.h')]
+    assert [name for name in names if name[0].islower()] == ['lockstep_participant.h']
+
+
 @pytest.mark.parametrize('name', script_names())
 def test_an_installed_script_names_catkins_python(prefix, name):
     first_line = (prefix / 'lib' / 'move_base_abstract' / name).read_text().splitlines()[0]

@@ -1,5 +1,5 @@
 // The event log's writer: what counts as a JSON array, lines, names of files, the end.
-#include "event_log_writer.h"
+#include "time_master/event_log_writer.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>

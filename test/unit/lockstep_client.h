@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "move_base_abstract/lockstep_session.h"
+#include "lockstep/session.h"
 
 namespace move_base_abstract {
 

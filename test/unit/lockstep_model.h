@@ -11,8 +11,8 @@
 #include <tuple>
 #include <vector>
 
+#include "lockstep/wire.h"
 #include "lockstep_script.h"
-#include "move_base_abstract/lockstep_wire.h"
 
 namespace move_base_abstract {
 

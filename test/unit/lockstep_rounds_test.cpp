@@ -1,6 +1,4 @@
 // When the event-driven clock moves: start, leaps, pause, step, run until, limit, silence.
-#include "move_base_abstract/lockstep_rounds.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,8 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "clock/time_master.h"
+#include "lockstep/rounds.h"
 #include "lockstep_client.h"
-#include "move_base_abstract/time_master.h"
 
 namespace move_base_abstract {
 namespace {

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "move_base_abstract/lockstep_wire.h"
+#include "lockstep/wire.h"
 
 namespace move_base_abstract {
 

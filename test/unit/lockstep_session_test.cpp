@@ -1,6 +1,4 @@
 // Connections, departures, labels and the event log of the event-driven clock.
-#include "move_base_abstract/lockstep_session.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "lockstep/session.h"
 #include "lockstep_client.h"
 
 namespace move_base_abstract {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "clock/shown_text.h"
 #include "lockstep_client.h"
-#include "shown_text.h"
 
 namespace move_base_abstract {
 namespace {

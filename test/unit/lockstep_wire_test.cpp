@@ -1,11 +1,11 @@
 // Frames: what is written is read again, and nothing that is malformed gets through or does harm.
-#include "move_base_abstract/lockstep_wire.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 #include <string>
 #include <vector>
+
+#include "lockstep/wire.h"
 
 namespace move_base_abstract::wire {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "lockstep/session.h"
 #include "lockstep_model.h"
 #include "lockstep_script.h"
-#include "move_base_abstract/lockstep_session.h"
 
 namespace move_base_abstract {
 

@@ -1,12 +1,11 @@
 // Who gets what: topics, latched links, services and departures, without time and rounds.
-#include "move_base_abstract/message_router.h"
-
 #include <gtest/gtest.h>
 
 #include <map>
 #include <string>
 #include <vector>
 
+#include "lockstep/router.h"
 #include "lockstep_client.h"
 #include "lockstep_model.h"
 

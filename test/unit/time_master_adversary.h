@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "move_base_abstract/time_master.h"
+#include "clock/time_master.h"
 #include "time_master_model.h"
 
 namespace move_base_abstract {

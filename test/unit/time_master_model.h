@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "move_base_abstract/time_master.h"
+#include "clock/time_master.h"
 
 namespace move_base_abstract {
 

@@ -1,5 +1,5 @@
 // The time master's rules; wall time is an argument, so nothing here waits.
-#include "move_base_abstract/time_master.h"
+#include "clock/time_master.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,38 @@
+// Numbers and times as texts of the event-driven clock's errors and messages.
+#ifndef MOVE_BASE_ABSTRACT_CLOCK_NUMBER_TEXT_H
+#define MOVE_BASE_ABSTRACT_CLOCK_NUMBER_TEXT_H
+
+#include <sstream>
+#include <string>
+
+#include "scaled_clock.h"
+
+namespace move_base_abstract {
+
+inline std::string numberText(double value) {
+  std::ostringstream text;
+  text.precision(12);
+  text << value;
+  return text.str();
+}
+
+/** @return @p time [ns], exactly, without needless zeros: "12.5 s". */
+inline std::string secondsText(Nanoseconds time) {
+  const bool negative = time < 0;
+  const auto size =
+      negative ? 0 - static_cast<std::uint64_t>(time) : static_cast<std::uint64_t>(time);
+  std::string text = (negative ? "-" : "") + std::to_string(size / kNanosecondsPerSecond);
+  std::string digits = std::to_string(size % kNanosecondsPerSecond);
+  digits.insert(0, 9 - digits.size(), '0');
+  digits.erase(digits.find_last_not_of('0') + 1);
+  return text + (digits.empty() ? "" : "." + digits) + " s";
+}
+
+/** @return "1 message", "3 messages". */
+inline std::string countText(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_CLOCK_NUMBER_TEXT_H

@@ -1,0 +1,282 @@
+#include "time_master.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "shown_text.h"
+
+namespace move_base_abstract {
+namespace {
+
+constexpr Nanoseconds kAchievedWindow = kNanosecondsPerSecond;
+constexpr Nanoseconds kSampleGap = kAchievedWindow / 50;
+
+std::string number(double value) {
+  std::ostringstream text;
+  text.precision(12);
+  text << value;
+  return text.str();
+}
+
+std::string seconds(Nanoseconds time) {
+  const bool negative = time < 0;
+  const auto size =
+      negative ? 0 - static_cast<std::uint64_t>(time) : static_cast<std::uint64_t>(time);
+  const std::string digits = std::to_string(size % kNanosecondsPerSecond);
+  return (negative ? "-" : "") + std::to_string(size / kNanosecondsPerSecond) + "." +
+         std::string(9 - digits.size(), '0') + digits + " s";
+}
+
+[[noreturn]] void refuse(const std::string& text) { throw std::invalid_argument(text); }
+
+/** @brief Refuse a value outside [low, high]; written so that NaN is refused too. */
+double checked(const char* name, double value, double low, double high, const char* unit) {
+  if (!(value >= low && value <= high)) {
+    refuse(std::string(name) + " must be from " + number(low) + " to " + number(high) + unit +
+           ", got " + number(value));
+  }
+  return value;
+}
+
+FactorUnits toUnits(double factor) {
+  return std::llround(factor * static_cast<double>(kFactorUnit));
+}
+
+double fromUnits(FactorUnits units) {
+  return static_cast<double>(units) / static_cast<double>(kFactorUnit);
+}
+
+FactorUnits checkedFactor(double factor) {
+  return toUnits(checked("factor", factor, TimeMaster::kSmallestFactor, TimeMaster::kLargestFactor,
+                         " simulated seconds per wall second"));
+}
+
+FactorUnits checkedBusyFactor(double factor) {
+  if (factor == 0.0) {
+    return 0;
+  }
+  return toUnits(checked("busy_factor", factor, TimeMaster::kSmallestFactor,
+                         TimeMaster::kLargestFactor, " (or 0 to freeze the clock)"));
+}
+
+Nanoseconds toNanoseconds(double seconds) {
+  return std::max<Nanoseconds>(1,
+                               std::llround(seconds * static_cast<double>(kNanosecondsPerSecond)));
+}
+
+/** @return the time between two messages, rounded up so that the rate is never exceeded. */
+Nanoseconds gap(double rate) {
+  return static_cast<Nanoseconds>(std::ceil(static_cast<double>(kNanosecondsPerSecond) / rate));
+}
+
+Nanoseconds checkedStart(const TimeMaster::Settings& settings) {
+  return toNanoseconds(checked("start_time", settings.start_time, 1e-6, 2e9, " s"));
+}
+
+PublicationPlan checkedPlan(const TimeMaster::Settings& settings) {
+  return {toNanoseconds(checked("finest_step", settings.finest_step, 1e-6, 3600.0, " s")),
+          gap(checked("max_clock_rate", settings.max_clock_rate, 1.0, 10000.0, " Hz")),
+          gap(checked("repeat_rate", settings.repeat_rate, 1.0, 1000.0, " Hz"))};
+}
+
+}  // namespace
+
+TimeMaster::TimeMaster(const Settings& settings, Nanoseconds wall)
+    : factor_(checkedFactor(settings.factor)),
+      busy_factor_(checkedBusyFactor(settings.busy_factor)),
+      paused_(settings.start_paused),
+      clock_(checkedStart(settings), wall),
+      plan_(checkedPlan(settings)) {
+  applyRate();
+  sample();
+}
+
+void TimeMaster::advance(Nanoseconds wall) {
+  do {
+    clock_.advanceTo(std::min({wall, nextStop(), nextExpiry()}));
+    endRun();
+    endHolds();
+    applyRate();
+  } while (clock_.wall() < wall);
+  sample();
+}
+
+std::optional<Nanoseconds> TimeMaster::poll(Nanoseconds wall) {
+  advance(wall);
+  if (plan_.due(clock_) > clock_.wall()) {
+    return std::nullopt;
+  }
+  return plan_.take(clock_);
+}
+
+Nanoseconds TimeMaster::nextWake() const {
+  return std::min({plan_.due(clock_), nextStop(), nextExpiry()});
+}
+
+std::vector<TimeMaster::Event> TimeMaster::takeEvents() {
+  std::vector<Event> events;
+  events.swap(events_);
+  return events;
+}
+
+void TimeMaster::setFactor(double factor, Nanoseconds wall) {
+  const FactorUnits units = checkedFactor(factor);
+  advance(wall);
+  factor_ = units;
+  applyRate();
+}
+
+void TimeMaster::pause(Nanoseconds wall) {
+  advance(wall);
+  paused_ = true;
+  target_.reset();
+  applyRate();
+}
+
+void TimeMaster::resume(Nanoseconds wall) {
+  advance(wall);
+  if (now() >= kLastInstant) {
+    refuse("resume: simulated time is at its end, " + seconds(kLastInstant));
+  }
+  paused_ = false;
+  target_.reset();
+  applyRate();
+}
+
+Nanoseconds TimeMaster::step(Nanoseconds duration, Nanoseconds wall) {
+  advance(wall);
+  const Nanoseconds from = target_.value_or(now());
+  if (duration <= 0 || duration > kLastInstant - from) {
+    refuse("step: duration must be more than 0 and at most " + seconds(kLastInstant - from) +
+           " from " + seconds(from) + " on, got " + seconds(duration));
+  }
+  aimAt(from + duration);
+  return from + duration;
+}
+
+void TimeMaster::runUntil(Nanoseconds target, Nanoseconds wall) {
+  advance(wall);
+  if (target < now() || target > kLastInstant) {
+    refuse("run_until: target must be from the present, " + seconds(now()) + ", to " +
+           seconds(kLastInstant) + ", got " + seconds(target));
+  }
+  aimAt(target);
+}
+
+void TimeMaster::hold(const std::string& holder, double timeout, Nanoseconds wall) {
+  if (holder.empty()) {
+    refuse("hold: holder must be a name, got an empty one");
+  }
+  if (holder.size() > kLongestName || hasControlCharacters(holder)) {
+    refuse("hold: holder must be a name of at most " + std::to_string(kLongestName) +
+           " bytes without control characters, got '" + shown(holder, kLongestName) + "'");
+  }
+  if (!(timeout > 0.0 && timeout <= kLongestHold)) {
+    refuse("hold by '" + holder + "': timeout must be more than 0 and at most " +
+           number(kLongestHold) + " s of wall time, got " + number(timeout));
+  }
+  advance(wall);
+  Nanoseconds& end = holds_.try_emplace(holder, clock_.wall()).first->second;
+  end = std::max(end, addSaturated(clock_.wall(), toNanoseconds(timeout)));
+  applyRate();
+}
+
+bool TimeMaster::release(const std::string& holder, Nanoseconds wall) {
+  advance(wall);
+  const bool held = holds_.erase(holder) > 0;
+  applyRate();
+  return held;
+}
+
+std::vector<TimeMaster::Hold> TimeMaster::holds() const {
+  std::vector<Hold> result;
+  for (const auto& [holder, end] : holds_) {
+    result.push_back({holder, end - clock_.wall()});
+  }
+  return result;
+}
+
+double TimeMaster::wantedFactor() const { return fromUnits(factor_); }
+
+double TimeMaster::busyFactor() const { return fromUnits(busy_factor_); }
+
+double TimeMaster::effectiveFactor() const { return fromUnits(clock_.rate()); }
+
+double TimeMaster::achievedFactor() const {
+  const Sample& first = samples_.front();
+  if (clock_.wall() == first.wall) {
+    return 0.0;
+  }
+  return static_cast<double>(clock_.now() - first.time) /
+         static_cast<double>(clock_.wall() - first.wall);
+}
+
+void TimeMaster::aimAt(Nanoseconds target) {
+  paused_ = false;
+  target_ = target;
+  endRun();
+  applyRate();
+}
+
+void TimeMaster::applyRate() {
+  if (paused_) {
+    clock_.setRate(0);
+  } else {
+    clock_.setRate(holds_.empty() ? factor_ : std::min(factor_, busy_factor_));
+  }
+}
+
+void TimeMaster::endHolds() {
+  // Expired in the order of their ends; those of one instant in alphabetical order.
+  for (auto hold = holds_.begin(); hold != holds_.end();) {
+    if (hold->second <= clock_.wall()) {
+      events_.push_back({Event::Kind::kHoldExpired, clock_.wall(), now(), hold->first});
+      hold = holds_.erase(hold);
+    } else {
+      ++hold;
+    }
+  }
+}
+
+void TimeMaster::endRun() {
+  const Nanoseconds stop = target_.value_or(kLastInstant);
+  if (paused_ || now() < stop) {
+    return;
+  }
+  // A nanosecond of wall time is many of simulated time: what lies past the stop is dropped.
+  clock_.setTo(stop);
+  paused_ = true;
+  if (target_) {
+    events_.push_back({Event::Kind::kTargetReached, clock_.wall(), stop, ""});
+    target_.reset();
+  }
+  if (stop == kLastInstant) {
+    events_.push_back({Event::Kind::kEndOfTime, clock_.wall(), stop, ""});
+  }
+}
+
+void TimeMaster::sample() {
+  const Nanoseconds wall = clock_.wall();
+  if (samples_.empty() || wall - samples_.back().wall >= kSampleGap) {
+    samples_.push_back({wall, now()});
+  }
+  while (samples_.size() > 1 && wall - samples_[1].wall >= kAchievedWindow) {
+    samples_.pop_front();
+  }
+}
+
+Nanoseconds TimeMaster::nextStop() const {
+  return paused_ ? kNever : clock_.wallWhen(target_.value_or(kLastInstant));
+}
+
+Nanoseconds TimeMaster::nextExpiry() const {
+  Nanoseconds earliest = kNever;
+  for (const auto& hold : holds_) {
+    earliest = std::min(earliest, hold.second);
+  }
+  return earliest;
+}
+
+}  // namespace move_base_abstract

@@ -1,0 +1,135 @@
+// The time master's rules. No ROS, no thread, no sleeping: wall time is an argument.
+#ifndef MOVE_BASE_ABSTRACT_CLOCK_TIME_MASTER_H
+#define MOVE_BASE_ABSTRACT_CLOCK_TIME_MASTER_H
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "publication_plan.h"
+#include "scaled_clock.h"
+
+namespace move_base_abstract {
+
+/**
+ * @brief Simulated time = factor x wall time, with pause, step, run until and holds.
+ *
+ * Every `wall` argument is a monotonic wall instant in ns; one before the latest given counts as
+ * the latest. Whatever has an end (a hold, a step, a run) ends at exactly its own instant, however
+ * late the next call comes. Of pause, resume, step and run until, the last one called wins. A
+ * refused call throws std::invalid_argument, says what it got and what is allowed, and changes
+ * nothing.
+ */
+class TimeMaster {
+ public:
+  static constexpr double kSmallestFactor = 0.01;
+  static constexpr double kLargestFactor = 1e6;
+  static constexpr double kLongestHold = 86400.0;  // wall seconds
+  /** The end of simulated time [ns]: a ros::Duration, and so a difference of times, ends there. */
+  static constexpr Nanoseconds kLastInstant = 2'147'483'647 * kNanosecondsPerSecond;
+
+  struct Settings {
+    double factor = 1.0;            // simulated s per wall s, 0.01 to 1e6
+    double busy_factor = 1.0;       // limit while anybody holds; 0 (frozen) or 0.01 to 1e6
+    double finest_step = 0.01;      // s simulated between two messages, 1e-6 to 3600
+    double max_clock_rate = 500.0;  // messages per wall s, 1 to 10000
+    double start_time = 1.0;        // s simulated, 1e-6 to 2e9
+    bool start_paused = false;
+    double repeat_rate = 20.0;  // messages per wall s while time stands still, 1 to 1000
+  };
+
+  /** @brief Something that came to its end by itself. */
+  struct Event {
+    enum class Kind { kHoldExpired, kTargetReached, kEndOfTime };
+    Kind kind;
+    Nanoseconds wall;    // ns, when exactly it happened
+    Nanoseconds time;    // ns, simulated
+    std::string holder;  // of an expired hold
+  };
+
+  struct Hold {
+    std::string holder;
+    Nanoseconds remaining;  // ns, wall
+  };
+
+  /** @throws std::invalid_argument if a setting is out of its range. */
+  TimeMaster(const Settings& settings, Nanoseconds wall);
+
+  /** @brief Integrate up to @p wall, through every end that lies on the way. */
+  void advance(Nanoseconds wall);
+
+  /** @brief Advance to @p wall. @return the time [ns] to publish, if a message is due. */
+  std::optional<Nanoseconds> poll(Nanoseconds wall);
+
+  /** @return the wall instant [ns] at which to poll next; it may lie in the past. */
+  Nanoseconds nextWake() const;
+
+  /** @return what came to its end since the last call, in the order in which it happened. */
+  std::vector<Event> takeEvents();
+
+  /** @brief Run at @p factor (0.01 to 1e6) from @p wall on. */
+  void setFactor(double factor, Nanoseconds wall);
+
+  /** @brief Stand still; a step or run under way is given up. */
+  void pause(Nanoseconds wall);
+
+  /** @brief Run on without a target. Refused at the end of time. */
+  void resume(Nanoseconds wall);
+
+  /**
+   * @brief Run for @p duration [ns, simulated, > 0], from the target of a step or run still under
+   * way or else from the present, and pause there. @return the target [ns].
+   */
+  Nanoseconds step(Nanoseconds duration, Nanoseconds wall);
+
+  /** @brief Run until @p target [ns, simulated, not before the present], and pause there. */
+  void runUntil(Nanoseconds target, Nanoseconds wall);
+
+  /**
+   * @brief Limit the factor to busy_factor for @p timeout wall seconds (more than 0, to 86400).
+   * Holding again under the same name moves the end later, never earlier.
+   */
+  void hold(const std::string& holder, double timeout, Nanoseconds wall);
+
+  /** @return whether @p holder held. */
+  bool release(const std::string& holder, Nanoseconds wall);
+
+  Nanoseconds now() const { return clock_.now(); }
+  bool paused() const { return paused_; }
+  std::optional<Nanoseconds> target() const { return target_; }
+  std::vector<Hold> holds() const;  // in alphabetical order
+  double wantedFactor() const;
+  double busyFactor() const;
+  double effectiveFactor() const;  // 0 while time stands still
+  double achievedFactor() const;   // over about the last second of wall time
+
+ private:
+  struct Sample {
+    Nanoseconds wall;
+    Nanoseconds time;
+  };
+
+  void aimAt(Nanoseconds target);
+  void applyRate();
+  void endHolds();
+  void endRun();
+  void sample();
+  Nanoseconds nextStop() const;
+  Nanoseconds nextExpiry() const;
+
+  FactorUnits factor_;
+  FactorUnits busy_factor_;
+  bool paused_;
+  std::optional<Nanoseconds> target_;
+  std::map<std::string, Nanoseconds> holds_;  // holder -> wall instant of its end
+  ScaledClock clock_;
+  PublicationPlan plan_;
+  std::vector<Event> events_;
+  std::deque<Sample> samples_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_CLOCK_TIME_MASTER_H

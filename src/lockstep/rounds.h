@@ -1,0 +1,275 @@
+// Rounds of the event-driven clock: who is granted, when, with which mail. No ROS, no sockets.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_H
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "clock/scaled_clock.h"
+#include "wire.h"
+
+namespace move_base_abstract {
+
+/** @brief A participant's number: from 1 on, never reused. */
+using MemberId = std::uint32_t;
+
+/** @brief Whether @p a comes before @p b where runs of digits count as numbers (2 before 10). */
+bool naturalLess(std::string_view a, std::string_view b);
+
+/**
+ * @brief The rules of lockstep, one by one (docs/lockstep_protocol.md, "Rounds" and the sections
+ * after it, says them in full).
+ *
+ * All of them hold. A build of the tests can switch each off, to see that a test misses it; in any
+ * other build they are constants.
+ */
+#ifdef MOVE_BASE_ABSTRACT_MUTANTS
+#define LOCKSTEP_RULE bool
+#else
+#define LOCKSTEP_RULE static constexpr bool
+#endif
+struct LockstepRules {
+  LOCKSTEP_RULE barrier = true;  // nothing is decided while a granted participant works
+  LOCKSTEP_RULE grant_only_concerned = true;  // neither mail nor a due time: no grant
+  LOCKSTEP_RULE deliver_before_leap = true;   // mail first, then time
+  LOCKSTEP_RULE later_than_sent = true;       // delivered in a later microstep
+  LOCKSTEP_RULE leap_to_smallest = true;      // no wake-up is skipped
+  LOCKSTEP_RULE time_never_back = true;       // a wake-up in the past is due now
+  LOCKSTEP_RULE microstep_bound = true;       // a zero-delay loop is stopped and named
+  LOCKSTEP_RULE sort_by_rank = true;
+  LOCKSTEP_RULE sort_by_sub = true;
+  LOCKSTEP_RULE natural_order = true;  // robot_2 before robot_10
+  LOCKSTEP_RULE fifo_within_sender = true;
+  LOCKSTEP_RULE apply_in_order = true;       // by (rank, name), not by arrival
+  LOCKSTEP_RULE links_are_mail = true;       // a new link is confirmed before time moves
+  LOCKSTEP_RULE replace = true;              // the newer of two of one name counts
+  LOCKSTEP_RULE calls_in_next_round = true;  // a call waits for no wake-up of its server
+  LOCKSTEP_RULE knock_counts = true;         // input from outside gets a grant
+  LOCKSTEP_RULE dead_not_awaited = true;
+  LOCKSTEP_RULE dead_delivers = true;  // what a dead one had reported is delivered
+  LOCKSTEP_RULE dead_cancels_calls = true;
+  LOCKSTEP_RULE silence_named = true;
+  LOCKSTEP_RULE deadlock_named = true;
+  LOCKSTEP_RULE gate_pause = true;
+  LOCKSTEP_RULE gate_target = true;
+  LOCKSTEP_RULE gate_limit = true;
+  LOCKSTEP_RULE start_waits_for_named = true;
+};
+#undef LOCKSTEP_RULE
+
+enum class OnDeath { kGoOn, kEnd };
+enum class OnSilence { kWait, kDrop };
+
+struct LockstepSettings {
+  double start_time = 1.0;                // s simulated, 1e-6 to 2e9
+  std::vector<std::string> participants;  // the clock starts when all of these are there
+  double settle =
+      2.0;  // wall s without a new participant until it starts where none is named, 0-3600
+  double limit = 0.0;  // simulated s per wall s at most, 0.01 to 1e6; 0: none
+  bool start_paused = false;
+  std::uint32_t max_microsteps = 100'000;  // at one instant, at least 1
+  double silence_limit = 10.0;             // wall s that a report may take, 0.001 to 86400; 0: any
+  OnDeath on_death = OnDeath::kGoOn;
+  OnSilence on_silence = OnSilence::kWait;
+  bool end_when_idle = false;
+  bool log_messages = false;  // messages and calls between participants go into the log too
+  std::string secret;         // that a HELLO must have; empty: none
+};
+
+/** @brief Where a thing comes among those of its round: rank, robot, name, the sender's count. */
+struct MailOrder {
+  std::int32_t rank = 0;
+  std::uint32_t sub = 0;
+  std::uint32_t place = 0;   // of the sender's name among all members' names in natural order
+  std::uint64_t number = 0;  // of the action among all those of its sender
+};
+
+/** @brief Something to hand over with a receiver's next grant. */
+struct Mail {
+  MailOrder order;
+  wire::GrantItem item;  // its texts and bytes are kept alive by whoever posted it
+  bool waits = false;    // no reason for a grant by itself; only where a test switches a rule off
+};
+
+enum class LockstepPhase {
+  kWaitingForParticipants,
+  kRunning,        // granted participants work
+  kWaiting,        // the same, but one has not reported for more than 1 s of wall time
+  kLimited,        // the speed limit holds the next leap back
+  kPaused,         // the present instant is finished, and no leap is allowed
+  kIdle,           // nobody wants to wake up ever
+  kDeadlock,       // idle, with application threads that wait without end
+  kZeroDelayLoop,  // too many microsteps at one instant; no more grants
+  kEnded
+};
+
+/** @return as in the state message: "waiting_for_participants", "running", ... */
+const char* phaseName(LockstepPhase phase);
+
+/**
+ * @brief Who is granted when, and with what: knows members, times and mail, not what it means.
+ *
+ * `wall` arguments are monotonic wall instants in ns. A refused call throws std::invalid_argument,
+ * says what it got and what is allowed, and changes nothing.
+ */
+class LockstepRounds {
+ public:
+  struct Grant {
+    MemberId member;
+    std::uint64_t round;
+    Nanoseconds time;
+    std::uint32_t microstep;
+    std::vector<Mail> mail;  // in the order in which it is to be handled
+  };
+
+  struct Event {
+    enum class Kind {
+      kStarted,
+      kSilent,    // of `member`; once per silence
+      kAnswered,  // of `member`, after a silence
+      kTargetReached,
+      kIdle,
+      kDeadlock,
+      kZeroDelayLoop
+    };
+    Kind kind;
+    MemberId member = 0;
+    Nanoseconds duration = 0;  // wall ns since the grant, of kSilent and kAnswered
+  };
+
+  struct MemberState {
+    std::string name;
+    std::int32_t rank = 0;
+    Nanoseconds next = kNever;  // simulated
+    std::uint32_t open = 0;     // application threads that wait without end
+    bool knocked = false;
+    bool present = true;  // false: it has gone, which counts when the round is over
+    bool owes = false;    // the report of round `round`
+    bool silence_told = false;
+    std::uint64_t round = 0;       // of its latest grant
+    Nanoseconds granted_wall = 0;  // of its latest grant
+    std::uint32_t granted_mail = 0;
+    bool granted_due = false;  // its wake-up was due with its latest grant
+    std::vector<Mail> mail;
+    bool ready = false;  // is in ready_
+  };
+
+  /** @throws std::invalid_argument if a setting is out of its range. */
+  explicit LockstepRounds(const LockstepSettings& settings, const LockstepRules& rules = {});
+
+  // ---- members ----
+  void add(MemberId id, const std::string& name, std::int32_t rank, Nanoseconds wall);
+  /** @brief It will not report any more; until remove() it still counts as a receiver. */
+  void gone(MemberId id);
+  void remove(MemberId id);
+  void knock(MemberId id);
+
+  /** @brief The report of its latest grant is in. @pre owes */
+  void report(MemberId id, Nanoseconds next, std::uint32_t open, Nanoseconds wall);
+  /** @brief Hand @p mail over with the next grant of @p id; nothing if it is not there. */
+  void post(MemberId id, Mail mail);
+
+  // ---- decisions ----
+  /** @return whether nobody owes a report, so that actions may be applied and decide() called. */
+  bool settled() const;
+  /** @return those to grant now; nothing if time may not move, or nobody has anything to do. */
+  std::vector<Grant> decide(Nanoseconds wall);
+  /** @brief Look for silent ones. decide() does not. */
+  void watch(Nanoseconds wall);
+  std::vector<Event> takeEvents();
+  /** @return the wall instant [ns] at which to call again even if nothing comes in, or kNever. */
+  Nanoseconds nextWake() const;
+
+  // ---- gate; of pause, resume, step and runUntil the last one called wins ----
+  void pause();
+  void resume();
+  /** @brief Run for @p duration [ns, simulated, > 0] from the present, or from the target of a step
+   * still under way, and pause there. @return the target [ns]. */
+  Nanoseconds step(Nanoseconds duration);
+  void runUntil(Nanoseconds target);
+  /** @brief At most @p factor simulated s per wall s (0.01 to 1e6); 0: no limit. */
+  void setLimit(double factor);
+  void end();
+
+  // ---- what is so ----
+  Nanoseconds now() const { return time_; }
+  std::uint32_t microstep() const { return microstep_; }
+  bool started() const { return started_; }
+  bool ended() const { return ended_; }
+  bool paused() const { return paused_; }
+  std::optional<Nanoseconds> target() const { return target_; }
+  double limit() const;
+  LockstepPhase phase(Nanoseconds wall) const;
+  std::uint64_t rounds() const { return rounds_; }
+  std::uint64_t leaps() const { return leaps_; }
+  bool mailWaiting() const { return mail_waiting_ > 0; }
+  /** @brief The members of the latest round, in the stated order. */
+  std::vector<MemberId> latestRound() const;
+  const std::map<MemberId, MemberState>& members() const { return members_; }
+  const MemberState* find(MemberId id) const;
+  /** @return the named participants that are not there, in the order of the setting. */
+  std::vector<std::string> missing() const;
+  /** @brief Where an action of @p id comes. A member that joins or leaves moves the others' places:
+   * keep none from one decision to the next. */
+  MailOrder order(MemberId id, std::uint32_t sub, std::uint64_t number) const;
+  /** @brief Whether @p a comes before @p b: by rank, then name. */
+  bool before(MemberId a, MemberId b) const;
+  /** @brief The stated order of mail and log entries. */
+  bool before(const MailOrder& a, const MailOrder& b) const;
+
+ private:
+  enum class Gate { kOpen, kPaused, kLimited };
+
+  MemberState& at(MemberId id);
+  void makeReady(MemberId id, MemberState& member);
+  bool mayStart(Nanoseconds wall) const;
+  void orderNames() const;
+  void setNext(MemberId id, MemberState& member, Nanoseconds next);
+  std::vector<Grant> start(Nanoseconds wall);
+  std::vector<Grant> nextMicrostep(Nanoseconds wall);
+  std::vector<Grant> leap(Nanoseconds wall);
+  std::vector<Grant> grant(std::vector<MemberId> ids, Nanoseconds wall);
+  Nanoseconds leapWall(Nanoseconds to) const;
+  void moveTo(Nanoseconds to, Nanoseconds wall);
+  Nanoseconds nextTime() const;
+  void becomeIdle();
+  bool anyOpen() const;
+  void refuseIfEnded(const char* call) const;
+
+  LockstepSettings settings_;
+  LockstepRules rules_;
+  std::map<MemberId, MemberState> members_;
+  mutable std::map<MemberId, std::uint32_t> places_;  // of names; put in order when asked for
+  mutable bool names_changed_ = false;
+  std::set<std::pair<Nanoseconds, MemberId>> due_;  // of those that have a finite wake-up
+  std::vector<MemberId> ready_;                     // with mail, knocked, joined, or due now
+  std::vector<MemberId> granted_;                   // of the latest round
+  std::size_t owing_ = 0;
+  std::size_t mail_waiting_ = 0;
+  Nanoseconds time_;
+  std::uint32_t microstep_ = 0;
+  bool started_ = false;
+  bool ended_ = false;
+  bool paused_;
+  bool idle_ = false;
+  bool zero_delay_loop_ = false;
+  std::optional<Nanoseconds> target_;
+  FactorUnits limit_;
+  Nanoseconds last_join_ = 0;           // wall
+  Nanoseconds last_leap_ = 0;           // wall
+  Nanoseconds silence_check_ = kNever;  // wall
+  bool held_by_limit_ = false;
+  std::uint64_t rounds_ = 0;
+  std::uint64_t leaps_ = 0;
+  std::vector<Event> events_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_H

@@ -1,0 +1,189 @@
+// What participants send each other: topics and services by name. No ROS, no sockets, no time.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_H
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "rounds.h"
+#include "wire.h"
+
+namespace move_base_abstract {
+
+/**
+ * @brief Turns the actions of a report into mail for others.
+ *
+ * Actions are applied one after the other, in an order that the caller decides; what they change
+ * holds for the next action. Names are looked up when they are declared, numbers serve after that.
+ * Links open before and close after whatever the same participant sent in a round; a link that
+ * closes and opens again in one round is announced as open once more (a repeated PUBLISHER or
+ * SUBSCRIBER), never as closed.
+ */
+class MessageRouter {
+ public:
+  /** @brief What was wrong with an action: its participant is to be dropped. */
+  class BadAction : public std::runtime_error {
+   public:
+    using std::runtime_error::runtime_error;
+  };
+
+  /** @brief A message, call or response that found its receivers, for those who keep a log. */
+  struct Delivery {
+    enum class Kind { kMessage, kCall, kResponse };
+    Kind kind;
+    MailOrder order;
+    std::string_view name;  // of the topic or service
+    MemberId sender;        // 0: the time master itself (a call that nobody serves or answers)
+    std::vector<MemberId> receivers;  // of a call that nobody serves: none
+    wire::CallStatus status;          // of a response
+    std::string_view bytes;
+  };
+
+  using Post = std::function<void(MemberId receiver, Mail mail)>;
+  using Place = std::function<MailOrder(MemberId sender, std::uint32_t sub, std::uint64_t number)>;
+  using Trace = std::function<void(const Delivery&)>;
+
+  /**
+   * @param post takes mail for a member. @param place says where an action comes in its round.
+   * @param trace if given, is told of everything that was delivered.
+   */
+  MessageRouter(Post post, Place place, Trace trace = {}, const LockstepRules& rules = {});
+
+  void add(MemberId id, const std::string& name);
+
+  /**
+   * @brief Do one action of @p sender, its @p number th. LOG and NOTE are not for the router.
+   * @throws BadAction where it refers to something that was not declared.
+   */
+  void apply(MemberId sender, std::uint64_t number, const wire::ReportItem& item);
+
+  /** @brief It left or died: end its links and calls. */
+  void remove(MemberId id, std::uint64_t number);
+
+  /** @brief Tell those concerned of the links that closed in this round and stayed closed. */
+  void finishRound();
+
+  /** @return things for the user to know since the last call (types that do not match). */
+  std::vector<std::string> takeWarnings();
+
+  std::uint64_t messages() const { return messages_; }  // delivered, one for each receiver
+  std::size_t topics() const { return topics_.size(); }
+
+ private:
+  using Index = std::uint32_t;
+  struct Advertised {
+    MemberId member;
+    std::uint32_t topic;  // the member's own number
+    std::string_view type;
+    std::string_view md5;
+    bool latched;
+    std::string_view definition;
+  };
+  struct Subscribed {
+    MemberId member;
+    std::uint32_t topic;  // the member's own number
+    std::string_view md5;
+  };
+  struct Topic {
+    std::string_view name;
+    std::vector<Advertised> publishers;
+    std::vector<Subscribed> subscribers;
+  };
+  struct LocalTopic {
+    Index topic;
+    bool advertised = false;
+    std::string_view md5;  // as advertised
+  };
+  struct Server {
+    MemberId member;
+    std::uint32_t service;  // the member's own number
+    std::uint32_t sub;
+  };
+  struct Service {
+    std::string_view name;
+    std::vector<Server> servers;  // the last one serves, as with the ROS master
+    std::vector<MemberId> watchers;
+  };
+  struct OpenCall {
+    Index service;
+    Server server;
+  };
+  struct Participant {
+    std::string name;
+    std::unordered_map<std::uint32_t, LocalTopic> topics;  // by own number
+    std::unordered_map<std::uint32_t, Index> services;     // by own number; those it serves
+    std::set<Index> watched;
+    std::uint64_t last_call = 0;  // number of its latest call + 1
+  };
+  struct Action {
+    MemberId sender;
+    std::uint64_t number;
+  };
+  struct Closing {
+    bool publisher;  // tell `receiver` that publisher `other` has gone; else that a subscriber has
+    MemberId receiver;
+    std::uint32_t number;  // the receiver's own number of the topic
+    Index topic;
+    MemberId other;
+    MailOrder order;
+  };
+
+  void act(const Action& by, const wire::Advertise& item);
+  void act(const Action& by, const wire::Unadvertise& item);
+  void act(const Action& by, const wire::Subscribe& item);
+  void act(const Action& by, const wire::Unsubscribe& item);
+  void act(const Action& by, const wire::Send& item);
+  void act(const Action& by, const wire::Serve& item);
+  void act(const Action& by, const wire::Unserve& item);
+  void act(const Action& by, const wire::Call& item);
+  void act(const Action& by, const wire::Response& item);
+  void act(const Action& by, const wire::Watch& item);
+  void act(const Action&, const wire::Log&) {}
+  void act(const Action&, const wire::Note&) {}
+
+  std::string_view keep(std::string_view text);
+  LocalTopic& declare(MemberId id, std::uint32_t number, std::string_view name);
+  LocalTopic& declared(MemberId id, std::uint32_t number, const char* what);
+  void checkNumber(MemberId id, const Topic& topic, std::uint32_t known, std::uint32_t got) const;
+  Index serviceOf(std::string_view name);
+  Participant& participant(MemberId id) { return participants_.at(id); }
+  void link(const Action& by, const Topic& topic, const Advertised& publisher,
+            const Subscribed& subscriber);
+  bool linked(const Topic& topic, MemberId publisher, MemberId subscriber) const;
+  std::string_view definitionOf(const wire::Advertise& item);
+  void stopAdvertising(const Action& by, LocalTopic& local);
+  void stopSubscribing(const Action& by, LocalTopic& local);
+  void stopServing(const Action& by, Index service);
+  void answer(MemberId caller, std::uint32_t number, wire::CallStatus status,
+              std::string_view bytes, MemberId server, std::string_view service,
+              const MailOrder& order);
+  [[noreturn]] void bad(MemberId id, const std::string& text) const;
+
+  Post post_;
+  Place place_;
+  Trace trace_;
+  LockstepRules rules_;
+  std::set<std::string, std::less<>> texts_;  // names, types and definitions, kept for good
+  std::unordered_map<std::string_view, std::string_view> definitions_;  // by md5
+  std::map<MemberId, Participant> participants_;
+  std::unordered_map<std::string_view, Index> topic_numbers_;
+  std::vector<Topic> topics_;
+  std::unordered_map<std::string_view, Index> service_numbers_;
+  std::vector<Service> services_;
+  std::map<std::pair<MemberId, std::uint32_t>, OpenCall> calls_;  // by caller and its number
+  std::vector<Closing> closings_;
+  std::vector<std::string> warnings_;
+  std::uint64_t messages_ = 0;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_H

@@ -1,0 +1,122 @@
+#include "link.h"
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+
+#include "move_base_abstract/lockstep_participant.h"
+
+namespace move_base_abstract::lockstep::internal {
+namespace {
+
+constexpr int kGoodbyeTimeout = 2000;  // ms, wall; a stopped time master must not hold us up
+
+}  // namespace
+
+Bell::Bell() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (descriptor_ < 0) {
+    throw Error(std::string("lockstep: no eventfd: ") + std::strerror(errno));
+  }
+}
+
+Bell::~Bell() { ::close(descriptor_); }
+
+void Bell::ring() {
+  const std::uint64_t one = 1;
+  // It fails only where the counter is full, and then the bell rings already.
+  [[maybe_unused]] const ssize_t written = ::write(descriptor_, &one, sizeof(one));
+}
+
+void Bell::silence() {
+  std::uint64_t count = 0;
+  [[maybe_unused]] const ssize_t got = ::read(descriptor_, &count, sizeof(count));
+}
+
+bool Link::connect(const std::string& address) {
+  const auto colon = address.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == address.size()) {
+    throw Error("lockstep: parameter /time_master/lockstep_address must be 'host:port', got '" +
+                address + "'");
+  }
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(address.substr(0, colon).c_str(), address.substr(colon + 1).c_str(), &hints,
+                    &found) != 0) {
+    return false;
+  }
+  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owner(found, &::freeaddrinfo);
+  for (const addrinfo* at = found; at != nullptr; at = at->ai_next) {
+    socket_ = ::socket(at->ai_family, at->ai_socktype | SOCK_CLOEXEC, at->ai_protocol);
+    if (socket_ >= 0 && ::connect(socket_, at->ai_addr, at->ai_addrlen) == 0) {
+      const int on = 1;
+      ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
+      return true;
+    }
+    close();
+  }
+  return false;
+}
+
+bool Link::send(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (sent >= 0) {
+      bytes.remove_prefix(static_cast<std::size_t>(sent));
+    } else if (errno != EINTR) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Link::Event Link::wait(const Bell& bell, int timeout_ms, std::string* buffer) {
+  std::array<pollfd, 2> polled{{{socket_, POLLIN, 0}, {bell.descriptor(), POLLIN, 0}}};
+  if (::poll(polled.data(), polled.size(), timeout_ms) <= 0) {
+    return Event::kNothing;
+  }
+  // The socket first: it tells who is a member, and that decides what the bell is about.
+  if (polled[0].revents == 0) {
+    return Event::kBell;
+  }
+  std::array<char, 1 << 16> chunk;
+  const ssize_t got = ::recv(socket_, chunk.data(), chunk.size(), 0);
+  if (got > 0) {
+    buffer->append(chunk.data(), static_cast<std::size_t>(got));
+    return Event::kBytes;
+  }
+  return got < 0 && errno == EINTR ? Event::kNothing : Event::kClosed;
+}
+
+void Link::finish() {
+  if (!isOpen()) {
+    return;
+  }
+  // Closing a socket with unread bytes in it resets the connection, and the last report is lost.
+  ::shutdown(socket_, SHUT_WR);
+  std::array<char, 4096> rest;
+  pollfd polled{socket_, POLLIN, 0};
+  while (::poll(&polled, 1, kGoodbyeTimeout) > 0 &&
+         ::recv(socket_, rest.data(), rest.size(), 0) > 0) {
+  }
+  close();
+}
+
+void Link::close() {
+  if (socket_ >= 0) {
+    ::close(socket_);
+    socket_ = -1;
+  }
+}
+
+}  // namespace move_base_abstract::lockstep::internal

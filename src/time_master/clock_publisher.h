@@ -1,0 +1,54 @@
+// Puts the simulated time of the event-driven clock onto /clock, no faster than is asked for.
+#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_PUBLISHER_H
+#define MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_PUBLISHER_H
+
+#include <ros/publisher.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "clock/scaled_clock.h"
+
+namespace move_base_abstract {
+
+/**
+ * @brief Publishes the newest time: at once, or as soon as the largest rate allows; and again while
+ * it stands still, so that nodes that come late or have missed a message recover.
+ */
+class ClockPublisher {
+ public:
+  /** @param first 0: nothing is published before the first set(). Rates [Hz, wall]. */
+  ClockPublisher(const ros::Publisher& publisher, Nanoseconds first, double largest_rate,
+                 double repeat_rate);
+  ~ClockPublisher();
+
+  ClockPublisher(const ClockPublisher&) = delete;
+  ClockPublisher& operator=(const ClockPublisher&) = delete;
+
+  /** @brief Simulated time [ns] is now this, later than before. Any thread; does not wait. */
+  void set(Nanoseconds time);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void run();
+  bool awaitTime(std::unique_lock<std::mutex>& lock, Nanoseconds last);
+  void publish(Nanoseconds time);
+
+  ros::Publisher publisher_;
+  const Clock::duration gap_;
+  const Clock::duration repeat_gap_;
+  std::atomic<Nanoseconds> time_;
+  std::atomic<bool> waiting_{false};
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool ending_ = false;
+  std::thread thread_;  // last: it uses the others
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_PUBLISHER_H

@@ -1,0 +1,308 @@
+#include "lockstep_mode.h"
+
+#include <ros/console.h>
+#include <ros/network.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "clock/shown_text.h"
+
+namespace move_base_abstract {
+namespace {
+
+constexpr const char* kAddressParameter = "/time_master/lockstep_address";
+constexpr Nanoseconds kLookGap = kNanosecondsPerSecond / 50;    // wall, between two work()s
+constexpr Nanoseconds kFlushGap = kNanosecondsPerSecond / 2;    // wall
+constexpr Nanoseconds kAchievedWindow = kNanosecondsPerSecond;  // wall
+constexpr int kSightings = 2;  // who subscribes to /clock in order to take part has time to join
+
+LockstepSettings sessionSettings(const NodeParameters& parameters, Nanoseconds begin) {
+  LockstepSettings settings = parameters.lockstep;
+  if (begin > 0) {
+    settings.start_time = secondsNotBefore(begin);
+  }
+  return settings;
+}
+
+void log(const LockstepMessage& message) {
+  switch (message.level) {
+    case LockstepMessage::Level::kDebug:
+      ROS_DEBUG("%s", message.text.c_str());
+      break;
+    case LockstepMessage::Level::kInfo:
+      ROS_INFO("%s", message.text.c_str());
+      break;
+    case LockstepMessage::Level::kWarn:
+      ROS_WARN("%s", message.text.c_str());
+      break;
+    case LockstepMessage::Level::kError:
+      ROS_ERROR("%s", message.text.c_str());
+      break;
+  }
+}
+
+Participant toRosMessage(const LockstepStatus::Participant& participant) {
+  Participant message;
+  message.name = participant.name;
+  message.node_uri = participant.node_uri;
+  message.id = participant.id;
+  message.rank = participant.rank;
+  message.working = participant.owes;
+  message.never = !participant.next.has_value();
+  message.next = toRos(std::max<Nanoseconds>(participant.next.value_or(0), 0));
+  message.knocked = participant.knocked;
+  message.mail = static_cast<std::uint32_t>(participant.mail);
+  message.open = participant.open;
+  message.waits_for = participant.waits_for;
+  return message;
+}
+
+}  // namespace
+
+LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publisher& clock,
+                           Nanoseconds begin)
+    : parameters_(parameters) {
+  const LockstepSettings settings = sessionSettings(parameters, begin);
+  if (!parameters.event_log.empty()) {
+    const auto start = static_cast<Nanoseconds>(std::llround(settings.start_time * 1e9));
+    try {
+      event_log_ = std::make_unique<EventLogWriter>(parameters.event_log, start);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("event_log " + std::string(error.what()));
+    }
+  }
+  clock_ = std::make_unique<ClockPublisher>(clock, begin, parameters.master.max_clock_rate,
+                                            parameters.master.repeat_rate);
+  LockstepServer::Listeners listeners;
+  listeners.time = [this](Nanoseconds time) { clock_->set(time); };
+  listeners.event = [this](const LockstepLogEntry& entry) {
+    if (event_log_) {
+      event_log_->add(entry.time, entry.robot, entry.kind, entry.values);
+    }
+  };
+  server_ = std::make_unique<LockstepServer>(settings, ros::network::getHost(),
+                                             parameters.lockstep_port, std::move(listeners));
+  ros_master_ = std::make_unique<RosMasterWatch>();
+  try {
+    setParameter(kAddressParameter, server_->address());
+  } catch (const std::runtime_error& error) {
+    // The ROS master may have died after it had told somebody: the run has begun, and ends in
+    // order.
+    ended_ = End{false, error.what()};
+  }
+  ROS_INFO("lockstep: participants are expected at %s", server_->address().c_str());
+}
+
+LockstepMode::~LockstepMode() { finish("the time master ends"); }
+
+bool LockstepMode::finish(const std::string& reason) {
+  if (finished_) {
+    return !event_log_failed_;
+  }
+  finished_ = true;
+  server_->finish(reason);
+  logMessages();
+  if (ros_master_->gone().empty()) {
+    deleteParameter(kAddressParameter);
+  }
+  if (event_log_) {
+    const LockstepStatus status = server_->status();
+    const std::string why = status.reason.empty() ? reason : status.reason;
+    const std::string error = event_log_->finish({why, status.not_repeatable, status.degraded});
+    if (!error.empty()) {
+      ROS_ERROR("%s", error.c_str());
+      event_log_failed_ = true;
+    }
+  }
+  return !event_log_failed_;
+}
+
+bool LockstepMode::work() {
+  const Nanoseconds wall = wallNow();
+  logMessages();
+  if (event_log_ && wall >= flush_due_) {
+    event_log_->flush();
+    flush_due_ = wall + kFlushGap;
+    if (!event_log_failed_ && !event_log_->error().empty()) {
+      event_log_failed_ = true;
+      ROS_ERROR("%s", event_log_->error().c_str());
+    }
+  }
+  const LockstepStatus status = server_->status();
+  sample(wall, status.time);
+  updateBystanders(status);
+  lookForEnd(status);
+  const std::string seen = notable(status);
+  const bool changed = seen != notable_;
+  notable_ = seen;
+  phase_ = status.phase;
+  return changed;
+}
+
+Nanoseconds LockstepMode::nextWork() const { return wallNow() + kLookGap; }
+
+void LockstepMode::logMessages() {
+  for (const LockstepMessage& message : server_->takeMessages()) {
+    log(message);
+  }
+}
+
+void LockstepMode::lookForEnd(const LockstepStatus& status) {
+  if (ended_) {
+    return;
+  }
+  const std::string gone = ros_master_->gone();
+  if (!gone.empty()) {
+    ended_ = End{false, gone};
+  } else if (status.phase == LockstepPhase::kEnded) {
+    // Nobody but the session itself ends it before finish(): idle as wished, else by a death or a
+    // deadlock.
+    ended_ = End{status.reason.rfind("idle", 0) == 0, status.reason};
+  }
+}
+
+/** @brief What makes a state message worth sending at once: not each round and not each leap. */
+std::string LockstepMode::notable(const LockstepStatus& status) const {
+  const bool moving = status.phase == LockstepPhase::kRunning ||
+                      status.phase == LockstepPhase::kWaiting ||
+                      status.phase == LockstepPhase::kLimited;
+  std::string all = moving ? "moving" : phaseName(status.phase);
+  all += status.phase == LockstepPhase::kWaiting ? " waiting " : " ";
+  all += std::to_string(status.paused) + " " + std::to_string(status.not_repeatable.size()) + " " +
+         std::to_string(status.degraded.size()) + " " + status.reason;
+  for (const LockstepStatus::Participant& participant : status.participants) {
+    all += " " + std::to_string(participant.id);
+  }
+  return all + " " + joined(bystanders_) + (event_log_failed_ ? " without a log" : "");
+}
+
+void LockstepMode::sample(Nanoseconds wall, Nanoseconds time) {
+  samples_.push_back({wall, time});
+  while (samples_.size() > 2 && samples_[1].wall <= wall - kAchievedWindow) {
+    samples_.pop_front();
+  }
+}
+
+double LockstepMode::achievedFactor() const {
+  if (samples_.size() < 2) {
+    return 0.0;
+  }
+  const Sample& first = samples_.front();
+  const Sample& last = samples_.back();
+  return static_cast<double>(last.time - first.time) / static_cast<double>(last.wall - first.wall);
+}
+
+void LockstepMode::updateBystanders(const LockstepStatus& status) {
+  const bool asked = ros_master_->answers() != answers_;
+  answers_ = ros_master_->answers();
+  std::set<std::string> others = ros_master_->clockSubscribers();
+  others.erase("/rosout");  // stamps lines of the log and does nothing else by the clock
+  std::set<std::string> participants;
+  for (const LockstepStatus::Participant& participant : status.participants) {
+    others.erase(participant.name);
+    participants.insert(participant.name);
+  }
+  ros_master_->setKnown(std::move(participants));
+  bystanders_.assign(others.begin(), others.end());
+  if (status.phase == LockstepPhase::kWaitingForParticipants || !asked) {
+    return;
+  }
+  std::map<std::string, int> sightings;
+  std::vector<std::string> fresh;
+  for (const std::string& name : others) {
+    sightings[name] = sightings_[name] + 1;
+    if (sightings[name] == kSightings && warned_.insert(name).second) {
+      fresh.push_back(name);
+    }
+  }
+  sightings_ = sightings;
+  if (!fresh.empty()) {
+    ROS_WARN("lockstep: time does not wait for %s: %s simulated time (/clock) and %s not take part",
+             shown(joined(fresh)).c_str(), fresh.size() == 1 ? "it uses" : "they use",
+             fresh.size() == 1 ? "does" : "do");
+  }
+}
+
+void LockstepMode::describe(TimeState& state) {
+  const LockstepStatus status = server_->status();
+  const Nanoseconds wall = wallNow();
+  state.paused = status.paused;
+  state.sim_time = toRos(status.time);
+  state.wanted_factor = status.limit;
+  state.effective_factor = status.paused ? 0.0 : status.limit;
+  state.achieved_factor = achievedFactor();
+  state.run_until = toRos(status.run_until.value_or(0));
+  state.phase = phaseName(status.phase);
+  state.reason = status.reason;
+  state.microstep = status.microstep;
+  for (const LockstepStatus::Waiting& waiting : status.waiting_for) {
+    Waiting message;
+    message.name = waiting.name;
+    message.owes = waiting.owes;
+    message.since = static_cast<double>(std::max<Nanoseconds>(wall - waiting.since, 0)) / 1e9;
+    state.waiting_for.push_back(message);
+  }
+  for (const LockstepStatus::Participant& participant : status.participants) {
+    state.participants.push_back(toRosMessage(participant));
+  }
+  state.bystanders = bystanders_;
+  state.repeatable = status.not_repeatable.empty();
+  state.not_repeatable_because = status.not_repeatable;
+  state.degraded_because = status.degraded;
+  state.rounds = status.rounds;
+  state.leaps = status.leaps;
+  state.messages = status.messages;
+  state.event_log = parameters_.event_log;
+  state.event_log_error = event_log_ ? event_log_->error() : "";
+}
+
+std::string LockstepMode::inUse() const {
+  std::vector<std::string> names;
+  for (const LockstepStatus::Participant& participant : server_->status().participants) {
+    names.push_back(participant.name);
+  }
+  return names.empty() ? "" : "takes part: " + joined(names);
+}
+
+std::string LockstepMode::setFactor(double factor) {
+  server_->with([&](LockstepSession& session) { session.setLimit(factor); });
+  const std::string done = factor == 0.0
+                               ? "no speed limit"
+                               : "at most " + text(factor) + " simulated seconds per wall second";
+  ROS_INFO("%s, from %s on", done.c_str(), text(now()).c_str());
+  return done;
+}
+
+std::string LockstepMode::pause() {
+  server_->with([](LockstepSession& session) { session.pause(); });
+  return "paused: " + text(now()) + " is finished, and no time comes after it";
+}
+
+std::string LockstepMode::resume() {
+  server_->with([](LockstepSession& session) { session.resume(); });
+  return "running from " + text(now()) + " on";
+}
+
+Nanoseconds LockstepMode::step(Nanoseconds duration) {
+  return server_->with([&](LockstepSession& session) { return session.step(duration); });
+}
+
+void LockstepMode::runUntil(Nanoseconds target) {
+  server_->with([&](LockstepSession& session) { session.runUntil(target); });
+}
+
+std::string LockstepMode::hold(const std::string& holder, double) {
+  throw std::invalid_argument(
+      "hold by '" + holder +
+      "': not in lockstep, where time stands still anyway until whoever takes part has done its "
+      "work; work that shall take simulated time is charged by the participant (see charge)");
+}
+
+std::string LockstepMode::release(const std::string& holder) {
+  throw std::invalid_argument("release: '" + holder +
+                              "' does not hold: there are no holds in lockstep");
+}
+
+}  // namespace move_base_abstract

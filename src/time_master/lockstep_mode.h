@@ -1,0 +1,83 @@
+// The event-driven clock as a mode of the time master: /clock, state, event log, bystanders.
+#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_MODE_H
+#define MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_MODE_H
+
+#include <ros/publisher.h>
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "clock_publisher.h"
+#include "event_log_writer.h"
+#include "lockstep_server.h"
+#include "parameters.h"
+#include "ros_master_watch.h"
+#include "time_mode.h"
+
+namespace move_base_abstract {
+
+/** @brief Time moves when all who take part have done with the present; see LockstepSession. */
+class LockstepMode : public TimeMode {
+ public:
+  /**
+   * @param begin 0: the run starts at the setting's start_time; else it goes on from here.
+   * @throws std::invalid_argument beginning with a parameter's key, std::runtime_error if it cannot
+   * listen.
+   */
+  LockstepMode(const NodeParameters& parameters, const ros::Publisher& clock, Nanoseconds begin);
+  ~LockstepMode() override;
+
+  const char* name() const override { return "lockstep"; }
+  Nanoseconds now() const override { return server_->now(); }
+  bool work() override;
+  Nanoseconds nextWork() const override;
+  std::optional<End> ended() const override { return ended_; }
+  bool finish(const std::string& reason) override;
+  void describe(TimeState& state) override;
+  std::string inUse() const override;
+  std::string setFactor(double factor) override;
+  std::string pause() override;
+  std::string resume() override;
+  Nanoseconds step(Nanoseconds duration) override;
+  void runUntil(Nanoseconds target) override;
+  std::string hold(const std::string& holder, double timeout) override;
+  std::string release(const std::string& holder) override;
+
+ private:
+  struct Sample {
+    Nanoseconds wall;
+    Nanoseconds time;
+  };
+
+  void logMessages();
+  void sample(Nanoseconds wall, Nanoseconds time);
+  void lookForEnd(const LockstepStatus& status);
+  void updateBystanders(const LockstepStatus& status);
+  std::string notable(const LockstepStatus& status) const;
+  double achievedFactor() const;
+
+  const NodeParameters parameters_;
+  std::unique_ptr<EventLogWriter> event_log_;
+  std::unique_ptr<ClockPublisher> clock_;
+  std::unique_ptr<LockstepServer> server_;
+  std::unique_ptr<RosMasterWatch> ros_master_;
+  LockstepPhase phase_ = LockstepPhase::kWaitingForParticipants;  // at the latest look
+  std::deque<Sample> samples_;
+  std::map<std::string, int> sightings_;  // of nodes that use the clock and do not take part
+  int answers_ = 0;                       // of the ROS master, at the latest count of sightings
+  std::vector<std::string> bystanders_;
+  std::set<std::string> warned_;
+  std::string notable_;
+  Nanoseconds flush_due_ = 0;  // wall
+  bool event_log_failed_ = false;
+  bool finished_ = false;
+  std::optional<End> ended_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_MODE_H

@@ -1,0 +1,147 @@
+// The sockets of the event-driven clock: one thread around a LockstepSession. No ROS.
+#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_SERVER_H
+#define MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_SERVER_H
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "lockstep/session.h"
+
+namespace move_base_abstract {
+
+/** @brief A file descriptor that is closed with its owner. */
+class Descriptor {
+ public:
+  explicit Descriptor(int fd = -1) : fd_(fd) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~Descriptor();
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+/**
+ * @brief Listens on a TCP port and hands bytes to a session and back, with one wait, one receive,
+ * one decision and one send for each hop.
+ *
+ * Threading: the session belongs to a mutex. The server's thread takes it for each piece of work;
+ * others get at the session by with(), which may be called from any thread.
+ */
+class LockstepServer {
+ public:
+  /** @brief Called by the server's thread, with the session locked: they must not wait. */
+  struct Listeners {
+    std::function<void(Nanoseconds)> time;               // simulated time, when it has changed
+    std::function<void(const LockstepLogEntry&)> event;  // a line of the event log
+  };
+
+  /**
+   * @param host name or address to bind to; @param port 0: any free one.
+   * @throws std::invalid_argument as LockstepSession does, std::runtime_error if it cannot listen.
+   */
+  LockstepServer(const LockstepSettings& settings, const std::string& host, int port,
+                 Listeners listeners);
+  /** Ends the run, if nobody did; see finish(). */
+  ~LockstepServer();
+
+  LockstepServer(const LockstepServer&) = delete;
+  LockstepServer& operator=(const LockstepServer&) = delete;
+
+  /** @return "host:port", for participants. */
+  const std::string& address() const { return address_; }
+
+  /** @brief Do @p action(session) and have decided what follows from it. */
+  template <typename Action>
+  auto with(Action action) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const Waker waker{*this};  // whatever comes of it, also an exception
+    return action(session_);
+  }
+
+  /** @return what is so, as of the latest call or the latest piece of work. */
+  LockstepStatus status() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    wake();  // where nothing comes in, the session learns only so how late it is
+    return session_.status();
+  }
+
+  Nanoseconds now() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return session_.now();
+  }
+
+  std::vector<LockstepMessage> takeMessages();
+
+  /** @brief Tell all participants that the run is over, and why; after a wall second at most, end
+   * the thread. What they have reported until then is in the log. */
+  void finish(const std::string& reason);
+
+ private:
+  struct Waker {
+    LockstepServer& server;
+    ~Waker() { server.wake(); }
+  };
+
+  struct Connection {
+    Descriptor socket;
+    std::string unsent;
+    bool closing = false;       // the session has done with it: sent to the end, then closed
+    Nanoseconds close_due = 0;  // wall; of one that is closing
+    bool awaits_space = false;  // asked to be told when it takes bytes again
+  };
+
+  void listen(const std::string& host, int port);
+  void watch(int fd, std::uint64_t id, std::uint32_t events, int operation);
+  void wake() const;
+  void run();
+  void arm(Nanoseconds due);
+  void work();
+  void handle(std::uint64_t id, std::uint32_t events, Nanoseconds wall);
+  void acceptAll(Nanoseconds wall);
+  bool accept(Nanoseconds wall);
+  bool mayListen() const;
+  void listenOrNot();
+  void receive(ConnectionId id, Connection& connection, Nanoseconds wall);
+  void lose(ConnectionId id, Nanoseconds wall);
+  void forget(ConnectionId id);
+  void send(LockstepSession::Output& output);
+  void sendMore(ConnectionId id, Connection& connection);
+  void closeOverdue(Nanoseconds wall);
+  void tellListeners();
+
+  mutable std::mutex mutex_;
+  LockstepSession session_;
+  Listeners listeners_;
+  std::string address_;
+  Descriptor listener_;
+  Descriptor epoll_;
+  Descriptor event_;
+  Descriptor timer_;
+  bool listening_ = true;
+  bool exhausted_ = false;      // no free file descriptors; the next that is closed ends it
+  Nanoseconds armed_ = kNever;  // wall
+  std::unordered_map<ConnectionId, Connection> connections_;
+  std::vector<ConnectionId> closing_;
+  ConnectionId last_id_;
+  std::vector<char> buffer_;
+  std::vector<LockstepMessage> messages_;
+  Nanoseconds told_ = 0;  // simulated
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;  // last: it uses the others
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_SERVER_H

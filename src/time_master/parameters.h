@@ -1,0 +1,329 @@
+// Reads and checks the time master node's private parameters.
+#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETERS_H
+#define MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETERS_H
+
+#include <ros/ros.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "clock/shown_text.h"
+#include "clock/time_master.h"
+#include "lockstep/rounds.h"
+#include "participant/run_secret.h"
+
+namespace move_base_abstract {
+
+/** @return the texts of "[a, 'b', "c"]"; nothing if @p text is no such list. */
+inline std::optional<std::vector<std::string>> listOfTexts(const std::string& text) {
+  const auto trimmed = [](const std::string& part) {
+    const std::size_t begin = part.find_first_not_of(" \t\n");
+    return begin == std::string::npos
+               ? std::string()
+               : part.substr(begin, part.find_last_not_of(" \t\n") - begin + 1);
+  };
+  const std::string whole = trimmed(text);
+  if (whole.size() < 2 || whole.front() != '[' || whole.back() != ']') {
+    return std::nullopt;
+  }
+  std::vector<std::string> texts;
+  std::istringstream parts(whole.substr(1, whole.size() - 2));
+  for (std::string part; std::getline(parts, part, ',');) {
+    std::string one = trimmed(part);
+    if (one.size() >= 2 && one.front() == one.back() && (one[0] == '\'' || one[0] == '"')) {
+      one = one.substr(1, one.size() - 2);
+    }
+    if (one.empty() || one.find_first_of("[]{}'\"") != std::string::npos) {
+      return std::nullopt;
+    }
+    texts.push_back(one);
+  }
+  return texts;
+}
+
+/** @brief Typed look-ups below one namespace; remembers which keys it knows. */
+class ParameterReader {
+ public:
+  explicit ParameterReader(const ros::NodeHandle& node) : node_(node) {}
+
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  void read(const std::string& key, double& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() == XmlRpc::XmlRpcValue::TypeInt) {
+      value = static_cast<int>(raw);
+    } else if (raw.getType() == XmlRpc::XmlRpcValue::TypeDouble) {
+      value = static_cast<double>(raw);
+    } else {
+      refuse(key, "a number", raw);
+    }
+  }
+
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  void read(const std::string& key, bool& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeBoolean) {
+      refuse(key, "true or false", raw);
+    }
+    value = static_cast<bool>(raw);
+  }
+
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  void read(const std::string& key, int& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeInt) {
+      refuse(key, "a whole number", raw);
+    }
+    value = static_cast<int>(raw);
+  }
+
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  void read(const std::string& key, std::string& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeString) {
+      refuse(key, "a text", raw);
+    }
+    value = static_cast<std::string>(raw);
+  }
+
+  /**
+   * @brief Replace @p value by the parameter, if set. @throws std::invalid_argument
+   *
+   * A text "[a, b]" is a list too: roscpp takes what a command line gives (_key:="[a, b]") for one.
+   */
+  void read(const std::string& key, std::vector<std::string>& value) {
+    const char* const wanted = "a list of texts, such as [a, b]";
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() == XmlRpc::XmlRpcValue::TypeString) {
+      const auto parsed = listOfTexts(static_cast<std::string>(raw));
+      if (!parsed) {
+        refuse(key, wanted, raw);
+      }
+      value = *parsed;
+      return;
+    }
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeArray) {
+      refuse(key, wanted, raw);
+    }
+    value.clear();
+    for (int index = 0; index < raw.size(); ++index) {
+      if (raw[index].getType() != XmlRpc::XmlRpcValue::TypeString) {
+        refuse(key, wanted, raw);
+      }
+      value.push_back(static_cast<std::string>(raw[index]));
+    }
+  }
+
+  /** @brief Replace @p value by what @p choices has for the parameter's text, if that is set. */
+  template <typename Value>
+  void choose(const std::string& key, const std::map<std::string, Value>& choices, Value& value) {
+    std::string chosen;
+    for (const auto& choice : choices) {
+      chosen = choice.second == value ? choice.first : chosen;
+    }
+    read(key, chosen);
+    const auto found = choices.find(chosen);
+    if (found == choices.end()) {
+      std::string allowed;
+      for (const auto& choice : choices) {
+        allowed += (allowed.empty() ? "" : " or ") + choice.first;
+      }
+      throw std::invalid_argument(key + " must be " + allowed + ", got '" + chosen + "'");
+    }
+    value = found->second;
+  }
+
+  /** @brief Where the list came as a text, have others find a list. */
+  void replaceText(const std::string& key, const std::vector<std::string>& list) {
+    XmlRpc::XmlRpcValue raw;
+    if (find(key, raw) && raw.getType() == XmlRpc::XmlRpcValue::TypeString) {
+      XmlRpc::XmlRpcValue value;
+      value.setSize(static_cast<int>(list.size()));
+      for (std::size_t index = 0; index < list.size(); ++index) {
+        value[static_cast<int>(index)] = list[index];
+      }
+      node_.setParam(key, value);
+    }
+  }
+
+  /** @brief A parameter of this name is not unknown. */
+  void know(const std::string& key) { known_.insert(key); }
+
+  /** @brief Log a warning for each parameter of this namespace that was not asked for. */
+  void warnOfUnknown() const {
+    std::vector<std::string> names;
+    ros::param::getParamNames(names);
+    const std::string prefix = node_.getNamespace() + "/";
+    std::string known;
+    for (const std::string& key : known_) {
+      known += (known.empty() ? "" : ", ") + key;
+    }
+    for (const std::string& name : names) {
+      if (name.rfind(prefix, 0) == 0 && known_.count(name.substr(prefix.size())) == 0) {
+        ROS_WARN("parameter %s is unknown and ignored; known are: %s", name.c_str(), known.c_str());
+      }
+    }
+  }
+
+ private:
+  bool find(const std::string& key, XmlRpc::XmlRpcValue& raw) {
+    known_.insert(key);
+    return node_.getParam(key, raw);
+  }
+
+  [[noreturn]] void refuse(const std::string& key, const char* wanted, XmlRpc::XmlRpcValue& raw) {
+    std::ostringstream got;
+    raw.write(got);
+    throw std::invalid_argument(
+        key + " must be " + wanted + ", got '" + shown(got.str()) + "'" +
+        (raw.getType() == XmlRpc::XmlRpcValue::TypeString ? " (text)" : ""));
+  }
+
+  ros::NodeHandle node_;
+  std::set<std::string> known_;
+};
+
+/** @brief Topics that participants leave to ROS's own connections; checked, and made a list. */
+inline void settleExcludedTopics(ParameterReader& reader) {
+  const char* const key = "excluded_topics";
+  std::vector<std::string> topics;
+  reader.read(key, topics);
+  for (const std::string& topic : topics) {
+    std::string error;
+    if (topic.empty() || !ros::names::validate(topic, error)) {
+      throw std::invalid_argument(std::string(key) + " must be a list of names of topics, got '" +
+                                  shown(topic) + "'");
+    }
+  }
+  reader.replaceText(key, topics);
+}
+
+struct NodeParameters {
+  TimeMaster::Settings master;
+  double state_rate = 2.0;   // state messages per wall second, 0.1 to 100; also one on each change
+  bool in_lockstep = false;  // mode at the start
+  LockstepSettings lockstep;
+  int lockstep_port = 0;  // 0: any free one
+  std::string event_log;  // path, .jsonl or .csv; '': none
+};
+
+/** @return the least number of seconds that is not before @p time [ns] when it is turned back. */
+inline double secondsNotBefore(Nanoseconds time) {
+  double seconds = static_cast<double>(time) / 1e9;
+  while (std::llround(seconds * 1e9) < time) {
+    seconds = std::nextafter(seconds, std::numeric_limits<double>::infinity());
+  }
+  return seconds;
+}
+
+/** @throws std::invalid_argument unless @p value is in the range, both ends included. */
+inline void checkRange(const char* key, double value, double low, double high, const char* unit) {
+  if (!(value >= low && value <= high)) {
+    std::ostringstream text;
+    text.precision(9);
+    text << key << " must be from " << low << " to " << high << unit << ", got " << value;
+    throw std::invalid_argument(text.str());
+  }
+}
+
+/** @return the names of nodes, those without a leading '/' below the root. */
+inline std::vector<std::string> absoluteNames(const std::vector<std::string>& names) {
+  std::vector<std::string> absolute;
+  for (const std::string& name : names) {
+    std::string error;
+    if (name.empty() || name == "/" || !ros::names::validate(name, error) || name[0] == '~') {
+      throw std::invalid_argument("participants must be a list of node names, got '" + shown(name) +
+                                  "'" + (error.empty() ? "" : " (" + shown(error) + ")"));
+    }
+    const std::string full = ros::names::clean(name[0] == '/' ? name : "/" + name);
+    if (std::find(absolute.begin(), absolute.end(), full) != absolute.end()) {
+      throw std::invalid_argument("participants must name each node once, got '" + full +
+                                  "' twice");
+    }
+    absolute.push_back(full);
+  }
+  return absolute;
+}
+
+inline void readLockstepParameters(ParameterReader& reader, NodeParameters& parameters) {
+  LockstepSettings& lockstep = parameters.lockstep;
+  int max_microsteps = static_cast<int>(lockstep.max_microsteps);
+  reader.read("participants", lockstep.participants);
+  reader.read("settle", lockstep.settle);
+  reader.read("speed_limit", lockstep.limit);
+  reader.read("silence_limit", lockstep.silence_limit);
+  reader.choose("on_silence", {{"wait", OnSilence::kWait}, {"drop", OnSilence::kDrop}},
+                lockstep.on_silence);
+  reader.choose("on_death", {{"go_on", OnDeath::kGoOn}, {"end", OnDeath::kEnd}}, lockstep.on_death);
+  reader.read("max_microsteps", max_microsteps);
+  reader.read("end_when_idle", lockstep.end_when_idle);
+  reader.read("log_messages", lockstep.log_messages);
+  reader.read("lockstep_port", parameters.lockstep_port);
+  reader.read("event_log", parameters.event_log);
+  std::string secret, secret_file;
+  reader.read("lockstep_secret", secret);
+  reader.read("lockstep_secret_file", secret_file);
+  lockstep.secret = runSecret(secret, secret_file);
+  settleExcludedTopics(reader);
+  lockstep.participants = absoluteNames(lockstep.participants);
+  checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
+  if (lockstep.limit != 0.0) {
+    checkRange("speed_limit", lockstep.limit, TimeMaster::kSmallestFactor,
+               TimeMaster::kLargestFactor, " simulated seconds per wall second, or 0 for none");
+  }
+  if (lockstep.silence_limit != 0.0) {
+    checkRange("silence_limit", lockstep.silence_limit, 0.001, 86400.0, " s, or 0 for none");
+  }
+  checkRange("max_microsteps", max_microsteps, 1.0, 1e8, "");
+  checkRange("lockstep_port", parameters.lockstep_port, 0.0, 65535.0, ", where 0 is any free one");
+  lockstep.max_microsteps = static_cast<std::uint32_t>(max_microsteps);
+  lockstep.start_time = parameters.master.start_time;
+  lockstep.start_paused = parameters.master.start_paused;
+}
+
+/** @throws std::invalid_argument that begins with the key of a parameter of a wrong type. */
+inline NodeParameters readParameters(const ros::NodeHandle& node) {
+  NodeParameters parameters;
+  ParameterReader reader(node);
+  reader.choose("mode", {{"scaled", false}, {"lockstep", true}}, parameters.in_lockstep);
+  reader.read("factor", parameters.master.factor);
+  reader.read("busy_factor", parameters.master.busy_factor);
+  reader.read("finest_step", parameters.master.finest_step);
+  reader.read("max_clock_rate", parameters.master.max_clock_rate);
+  reader.read("start_time", parameters.master.start_time);
+  reader.read("start_paused", parameters.master.start_paused);
+  reader.read("repeat_rate", parameters.master.repeat_rate);
+  reader.read("state_rate", parameters.state_rate);
+  checkRange("state_rate", parameters.state_rate, 0.1, 100.0, " Hz");
+  TimeMaster(parameters.master, 0);  // checks the others, whatever the mode is now
+  readLockstepParameters(reader, parameters);
+  reader.know("lockstep_address");  // our own, of a run that was killed
+  reader.warnOfUnknown();
+  return parameters;
+}
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETERS_H

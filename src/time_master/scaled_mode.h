@@ -1,0 +1,44 @@
+// Simulated time = factor x wall time, on /clock.
+#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_SCALED_MODE_H
+#define MOVE_BASE_ABSTRACT_TIME_MASTER_SCALED_MODE_H
+
+#include <ros/publisher.h>
+
+#include <string>
+
+#include "clock/time_master.h"
+#include "time_mode.h"
+
+namespace move_base_abstract {
+
+/** @brief The clock that follows the wall; see TimeMaster. */
+class ScaledMode : public TimeMode {
+ public:
+  /** @throws std::invalid_argument if a setting is out of its range. */
+  ScaledMode(const TimeMaster::Settings& settings, const ros::Publisher& clock);
+
+  const char* name() const override { return "scaled"; }
+  Nanoseconds now() const override { return master_.now(); }
+  bool work() override;
+  Nanoseconds nextWork() const override { return master_.nextWake(); }
+  bool finish(const std::string&) override { return true; }
+  void describe(TimeState& state) override;
+  std::string inUse() const override;
+  std::string setFactor(double factor) override;
+  std::string pause() override;
+  std::string resume() override;
+  Nanoseconds step(Nanoseconds duration) override { return master_.step(duration, wallNow()); }
+  void runUntil(Nanoseconds target) override { master_.runUntil(target, wallNow()); }
+  std::string hold(const std::string& holder, double timeout) override;
+  std::string release(const std::string& holder) override;
+
+ private:
+  std::string holders() const;
+
+  TimeMaster master_;
+  ros::Publisher clock_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_SCALED_MODE_H

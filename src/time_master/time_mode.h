@@ -1,0 +1,97 @@
+// What the time master's node asks of a mode: scaled or lockstep.
+#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_TIME_MODE_H
+#define MOVE_BASE_ABSTRACT_TIME_MASTER_TIME_MODE_H
+
+#include <move_base_abstract/TimeState.h>
+#include <ros/time.h>
+
+#include <chrono>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clock/scaled_clock.h"
+
+namespace move_base_abstract {
+
+inline Nanoseconds wallNow() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+inline ros::Time toRos(Nanoseconds time) {
+  return ros::Time(static_cast<uint32_t>(time / kNanosecondsPerSecond),
+                   static_cast<uint32_t>(time % kNanosecondsPerSecond));
+}
+
+inline std::string text(Nanoseconds time) {
+  char buffer[40];
+  std::snprintf(buffer, sizeof(buffer), "%lld.%09lld s",
+                static_cast<long long>(time / kNanosecondsPerSecond),
+                static_cast<long long>(time % kNanosecondsPerSecond));
+  return buffer;
+}
+
+inline std::string text(double value) {
+  char buffer[40];
+  std::snprintf(buffer, sizeof(buffer), "%.12g", value);
+  return buffer;
+}
+
+/** @return @p names with commas between. */
+inline std::string joined(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) {
+    all += (all.empty() ? "" : ", ") + name;
+  }
+  return all;
+}
+
+/**
+ * @brief How simulated time moves, and how it gets onto /clock. For one thread.
+ *
+ * A refused request throws std::invalid_argument, says what it got and what is allowed, and changes
+ * nothing. Requests return what was done, for the answer.
+ */
+class TimeMode {
+ public:
+  /** @brief The end of a run that came by itself. */
+  struct End {
+    bool good;  // false: the process is to end with an error
+    std::string reason;
+  };
+
+  TimeMode() = default;
+  virtual ~TimeMode() = default;
+  TimeMode(const TimeMode&) = delete;
+  TimeMode& operator=(const TimeMode&) = delete;
+
+  virtual const char* name() const = 0;
+  virtual Nanoseconds now() const = 0;
+
+  /** @brief Do what is due. @return whether the state is worth a message now. */
+  virtual bool work() = 0;
+  /** @return the wall instant [ns] of the next work(). */
+  virtual Nanoseconds nextWork() const = 0;
+  virtual std::optional<End> ended() const { return std::nullopt; }
+  /** @brief The run is over. @return whether all that was to be kept of it was kept. */
+  virtual bool finish(const std::string& reason) = 0;
+
+  virtual void describe(TimeState& state) = 0;
+  /** @return why the mode cannot be changed now; '' if it can. */
+  virtual std::string inUse() const = 0;
+
+  virtual std::string setFactor(double factor) = 0;
+  virtual std::string pause() = 0;
+  virtual std::string resume() = 0;
+  virtual Nanoseconds step(Nanoseconds duration) = 0;
+  virtual void runUntil(Nanoseconds target) = 0;
+  virtual std::string hold(const std::string& holder, double timeout) = 0;
+  virtual std::string release(const std::string& holder) = 0;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_TIME_MODE_H

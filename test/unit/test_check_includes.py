@@ -1,0 +1,48 @@
+"""The borders of the C++ folders: what make lint says of an #include that crosses one."""
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / 'tools'))
+
+import check_includes  # noqa: E402
+
+
+@pytest.fixture
+def crossings(tmp_path):
+    """Return a function that says what is wrong with one file's text."""
+    def of(name, text):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        (path.parent / 'own.h').write_text('')
+        path.write_text(text)
+        return check_includes.crossings(tmp_path, str(path.parent.relative_to(tmp_path)))
+    return of
+
+
+@pytest.mark.parametrize('room', ['src/clock', 'src/lockstep'])
+@pytest.mark.parametrize('name', ['ros/ros.h', 'ros/time.h', 'thread', 'chrono', 'fstream', 'sys/socket.h', 'unistd.h',
+                                  'random', 'move_base_abstract/TimeState.h', 'XmlRpc.h'])
+def test_pure_folders_include_neither_ros_nor_threads_clocks_and_files(crossings, room, name):
+    found = crossings(f'{room}/rules.cpp', f'#include "own.h"\n\n#include <string>\n#  include <{name}>\n')
+    assert found == [f'{room}/rules.cpp: must not include {name}']
+
+
+@pytest.mark.parametrize(('room', 'name'), [
+    ('src/clock', 'lockstep/wire.h'), ('src/lockstep', 'participant/link.h'), ('src/lockstep', '../time_master/node.h'),
+    ('src/participant', 'lockstep/session.h'), ('src/participant', 'time_master/time_mode.h'),
+    ('src/roscpp_shim', 'participant/core.h'), ('src/time_master', 'participant/core.h'),
+    ('include/move_base_abstract', 'clock/scaled_clock.h'), ('src/clock', 'none.h')])
+def test_folders_include_of_each_other_what_is_agreed_only(crossings, room, name):
+    assert crossings(f'{room}/file.h', f'#include "{name}"\n') == [f'{room}/file.h: must not include {name}']
+
+
+def test_a_file_that_says_no_ros_has_none(crossings):
+    text = '// Sockets,\n// and one thread. No ROS.\n#include <thread>\n#include <ros/time.h>\n'
+    assert crossings('src/time_master/server.h', text) == ['src/time_master/server.h: must not include ros/time.h']
+    assert crossings('src/time_master/server.h', text.replace(' No ROS.', '')) == []
+
+
+def test_what_is_agreed_is_allowed(crossings):
+    assert crossings('src/lockstep/a.cpp', '#include "own.h"\n#include <map>\n#include "clock/scaled_clock.h"\n') == []

@@ -1,0 +1,93 @@
+"""Check what the C++ files include against their folders' borders (docs/architecture.md); exit 1 if one is crossed.
+
+usage: check_includes.py    (in any folder)
+
+A pure folder may include its own headers and those of the C++ standard library that know no threads, files and clocks.
+For its sources the compiler is asked too, which sees what comes in by way of others: on Debian, ROS's headers lie where
+those of the system do, so that any file could include them unnoticed.
+"""
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+#: the standard library without threads, files, randomness and clocks
+PURE = frozenset((
+    'algorithm', 'array', 'cctype', 'cmath', 'cstddef', 'cstdint', 'cstdio', 'cstdlib', 'cstring', 'deque',
+    'exception', 'functional', 'initializer_list', 'iterator', 'limits', 'list', 'map', 'memory', 'new',
+    'numeric', 'optional', 'set', 'sstream', 'stdexcept', 'string', 'string_view', 'tuple', 'type_traits',
+    'unordered_map', 'unordered_set', 'utility', 'variant', 'vector'))
+
+#: folder: (what else than its own headers it may include of ours, whether it is pure)
+ROOMS = {
+    'src/clock': ((), True),
+    'src/lockstep': (('clock/',), True),
+    'src/participant': (('clock/', 'lockstep/wire.h', 'move_base_abstract/'), False),
+    'src/roscpp_shim': (('lockstep/wire.h', 'participant/link.h', 'participant/secret_parameter.h'), False),
+    'src/time_master': (('clock/', 'lockstep/', 'participant/run_secret.h'), False),
+    'include/move_base_abstract': ((), False),
+}
+
+#: where the compiler's and libc's own headers lie, below /usr/include or such
+_LIBC = re.compile(r'(?:[\w.-]+-linux-gnu[\w.-]*/)?(?:[\w.-]+\.h|(?:bits|sys|gnu|asm|asm-generic|linux)/.+)$')
+_INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
+_NO_ROS = re.compile(r'\A(?://[^\n]*\n)*//[^\n]*\bNo ROS\b')
+_ROS = re.compile(r'(?:ros|rosgraph_msgs|std_msgs|std_srvs|xmlrpcpp|move_base_abstract)/|XmlRpc')
+
+
+def crossings(root, room):
+    """Return one line per #include below root/room that its border forbids."""
+    others, is_pure = ROOMS[room]
+    found = []
+    for path in sorted((root / room).glob('*.*')):
+        if path.suffix not in ('.h', '.cpp'):
+            continue
+        text = path.read_text(encoding='utf-8')
+        without_ros = is_pure or _NO_ROS.match(text)
+        for bracket, name in _INCLUDE.findall(text):
+            if bracket == '"':
+                good = '/' not in name and (path.parent / name).exists() or name.startswith(others or ('\0',))
+            else:
+                good = name in PURE if is_pure else not (without_ros and _ROS.match(name))
+            if not good:
+                found.append(f'{path.relative_to(root)}: must not include {name}')
+    return found
+
+
+def comes_in(root, room):
+    """Return one line per header that the compiler reads for a pure folder and that is none of the system's own."""
+    found = []
+    for path in sorted((root / room).glob('*.cpp')):
+        done = subprocess.run(['g++', '-std=c++17', f'-I{root / "src"}', '-M', str(path)], check=False, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        if done.returncode:
+            found.append(f'{path.relative_to(root)}: {done.stderr.strip()}')
+        for name in done.stdout.replace('\\\n', ' ').split()[1:]:
+            if not _is_allowed(root, room, name):
+                found.append(f'{path.relative_to(root)}: {name} comes in')
+    return found
+
+
+def _is_allowed(root, room, name):
+    path = Path(name).resolve()
+    for folder in (room, *(f'src/{other}'.rstrip('/') for other in ROOMS[room][0])):
+        if (root / folder) in path.parents:
+            return True
+    if any(part in name for part in ('/gcc/', '/c++/')):
+        return True
+    return name.startswith('/usr/include/') and bool(_LIBC.match(name[len('/usr/include/'):]))
+
+
+def main():
+    """Check all rooms."""
+    found = []
+    for room, (_, is_pure) in ROOMS.items():
+        found += crossings(ROOT, room) + (comes_in(ROOT, room) if is_pure else [])
+    print('\n'.join(found))
+    return 1 if found else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
