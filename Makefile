@@ -58,9 +58,11 @@ lint: deps-lint build  ## ruff and C++ includes with the borders, Python 3.8, ca
 	@$(ENTER) tools/lint
 
 bench: deps-bench build  ## the measurements, as JSON lines
-	@cmake --build '$(WS)/build' --target bench_ping_pong bench_rate >'$(WS)/build_bench.log' || \
+	@cmake '$(WS)/build' >'$(WS)/build_bench.log' && \
+	  cmake --build '$(WS)/build' --target bench_ping_pong bench_rate bench_dense_agent >>'$(WS)/build_bench.log' || \
 	  { cat '$(WS)/build_bench.log'; exit 1; }
 	@$(ENTER) $(PYTHON) bench/lockstep $(BENCH_ARGS) && $(PYTHON) bench/launcher $(BENCH_ARGS) && \
+	  $(PYTHON) bench/dense $(BENCH_ARGS) && \
 	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS)
 
 study-trial: deps-study build  ## one trial of the soil mapping study; TRIAL_ARGS='--seed 3 --clock scaled --factor 10'
