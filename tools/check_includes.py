@@ -26,7 +26,7 @@ ROOMS = {
     'src/lockstep': (('clock/',), True),
     'src/participant': (('clock/', 'lockstep/wire.h', 'move_base_abstract/'), False),
     'src/roscpp_shim': (('lockstep/wire.h', 'participant/link.h', 'participant/secret_parameter.h'), False),
-    'src/time_master': (('clock/', 'lockstep/', 'participant/run_secret.h'), False),
+    'src/time_master': (('clock/', 'lockstep/', 'participant/local_address.h', 'participant/run_secret.h'), False),
     'include/move_base_abstract': ((), False),
 }
 

@@ -549,8 +549,12 @@ void LockstepSession::closeRoundLog() {
 
 void LockstepSession::sendGrants(const std::vector<LockstepRounds::Grant>& grants) {
   std::string items;
+  if (!grants.empty()) {
+    granted_.clear();
+  }
   for (const LockstepRounds::Grant& grant : grants) {
     items.clear();
+    granted_.push_back(grant.member);
     for (const Mail& mail : grant.mail) {
       wire::append(items, mail.item);
     }
@@ -563,6 +567,18 @@ void LockstepSession::sendGrants(const std::vector<LockstepRounds::Grant>& grant
   if (!rounds_.mailWaiting()) {
     applied_.clear();
   }
+}
+
+ConnectionId LockstepSession::lastAwaited() {
+  while (!granted_.empty()) {
+    const auto member = members_.find(granted_.back());
+    const LockstepRounds::MemberState* const state = rounds_.find(granted_.back());
+    if (member != members_.end() && state != nullptr && state->owes) {
+      return member->second.connection;
+    }
+    granted_.pop_back();
+  }
+  return 0;
 }
 
 /** @brief Only now, since the grants before it may still contain the last words of those. */

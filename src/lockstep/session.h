@@ -106,6 +106,8 @@ class LockstepSession {
 
   /** @return how many connections have said no HELLO yet. */
   std::size_t strangers() const { return hello_due_.size(); }
+  /** @return of the connections that owe the round's report, the one granted last; 0: none. */
+  ConnectionId lastAwaited();
 
   Nanoseconds now() const { return rounds_.now(); }  // simulated
   std::uint32_t microstep() const { return rounds_.microstep(); }
@@ -223,6 +225,7 @@ class LockstepSession {
   std::uint64_t refused_ = 0;                      // connections
   std::map<MemberId, Member> members_;
   std::vector<ConnectionId> outgoing_;
+  std::vector<MemberId> granted_;       // of this round, in this order
   std::vector<MemberId> changed_;       // have a report or depart, in the order of arrival
   std::vector<PendingReport> applied_;  // kept while mail points into them
   std::vector<MemberId> gone_;          // GONE is due after the next grants

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <memory>
 
+#include "local_address.h"
 #include "move_base_abstract/lockstep_participant.h"
 
 namespace move_base_abstract::lockstep::internal {
@@ -48,6 +49,9 @@ bool Link::connect(const std::string& address) {
     throw Error("lockstep: parameter /time_master/lockstep_address must be 'host:port', got '" +
                 address + "'");
   }
+  if (connectLocally(address)) {
+    return true;
+  }
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
@@ -65,6 +69,17 @@ bool Link::connect(const std::string& address) {
     }
     close();
   }
+  return false;
+}
+
+/** @return whether the time master is on this computer, and takes part by a Unix socket. */
+bool Link::connectLocally(const std::string& address) {
+  const LocalAddress local = localAddressOf(address);
+  socket_ = local.size > 0 ? ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0) : -1;
+  if (socket_ >= 0 && ::connect(socket_, local.get(), local.size) == 0) {
+    return true;
+  }
+  close();
   return false;
 }
 

@@ -34,8 +34,10 @@ class Link {
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /** @return whether somebody listens at @p address, "host:port". @throws Error if it is no
-   * address. */
+  /**
+   * @brief Connect to @p address, "host:port"; on the time master's own computer by a Unix socket.
+   * @return whether somebody listens there. @throws Error if it is no address.
+   */
   bool connect(const std::string& address);
   bool isOpen() const { return socket_ >= 0; }
 
@@ -50,6 +52,8 @@ class Link {
   void close();
 
  private:
+  bool connectLocally(const std::string& address);
+
   int socket_ = -1;
 };
 

@@ -3,6 +3,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
@@ -17,18 +18,22 @@
 #include <memory>
 #include <stdexcept>
 
+#include "participant/local_address.h"
+
 namespace move_base_abstract {
 namespace {
 
 constexpr std::uint64_t kListener = 0;
 constexpr std::uint64_t kEvent = 1;
 constexpr std::uint64_t kTimer = 2;
-constexpr ConnectionId kFirstConnection = 3;
+constexpr std::uint64_t kLocalListener = 3;
+constexpr ConnectionId kFirstConnection = 4;
 
 constexpr std::size_t kBufferSize = 1 << 18;  // bytes received at once
 constexpr int kMostReceives = 64;             // of one connection in a row
 constexpr std::size_t kMostStrangers = 256;   // connections without a HELLO
 constexpr std::size_t kMostConnections = 4096;
+constexpr int kLastPatience = 1;                             // ms, wall; see awaitLast()
 constexpr Nanoseconds kCloseLimit = kNanosecondsPerSecond;   // wall, for the last bytes
 constexpr Nanoseconds kFinishLimit = kNanosecondsPerSecond;  // wall, for everybody's last bytes
 
@@ -105,6 +110,7 @@ LockstepServer::LockstepServer(const LockstepSettings& settings, const std::stri
       last_id_(kFirstConnection),
       buffer_(kBufferSize) {
   listen(host, port);
+  listenLocally();
   watch(listener_.get(), kListener, EPOLLIN, EPOLL_CTL_ADD);
   watch(event_.get(), kEvent, EPOLLIN, EPOLL_CTL_ADD);
   watch(timer_.get(), kTimer, EPOLLIN, EPOLL_CTL_ADD);
@@ -131,6 +137,21 @@ void LockstepServer::listen(const std::string& host, int port) {
   fail("cannot listen on " + host + ":" + std::to_string(port) +
            " (lockstep_port; ROS_IP and ROS_HOSTNAME say which address)",
        error);
+}
+
+/** @brief Take participants of this computer by a Unix socket too, where there can be one. */
+void LockstepServer::listenLocally() {
+  const LocalAddress local = localAddressOf(address_);
+  if (local.size == 0) {
+    return;  // they come by TCP
+  }
+  local_listener_ =
+      checked(socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), "socket");
+  if (bind(local_listener_.get(), local.get(), local.size) != 0 ||
+      ::listen(local_listener_.get(), SOMAXCONN) != 0) {
+    fail("cannot listen on the Unix socket @" + std::string(local.name.sun_path + 1), errno);
+  }
+  watch(local_listener_.get(), kLocalListener, EPOLLIN, EPOLL_CTL_ADD);
 }
 
 void LockstepServer::watch(int fd, std::uint64_t id, std::uint32_t events, int operation) {
@@ -168,7 +189,9 @@ void LockstepServer::run() {
   std::array<epoll_event, 64> events;
   Nanoseconds stop_due = kNever;
   while (wallNow() < stop_due) {
-    const int count = epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), -1);
+    const int patience = awaitLast() ? 0 : -1;
+    const int count =
+        epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), patience);
     const std::lock_guard<std::mutex> lock(mutex_);
     const Nanoseconds wall = wallNow();
     for (int index = 0; index < count; ++index) {
@@ -183,7 +206,24 @@ void LockstepServer::run() {
       stop_due = std::min(stop_due, wall + kFinishLimit);
     }
     arm(std::min(stop_due, session_.nextWake()));
+    last_awaited_ = session_.lastAwaited();
   }
+}
+
+/**
+ * @brief Sleep until the report that is likely to be the last of a round is in: being woken by
+ * each report of a round costs more than the reports.
+ *
+ * Not for long: everything else is looked at only after it. @return whether there was one.
+ */
+bool LockstepServer::awaitLast() const {
+  const auto found = connections_.find(last_awaited_);
+  if (found == connections_.end()) {
+    return false;
+  }
+  std::array<pollfd, 2> polled{
+      {{found->second.socket.get(), POLLIN, 0}, {event_.get(), POLLIN, 0}}};
+  return ::poll(polled.data(), polled.size(), kLastPatience) > 0;
 }
 
 /** @brief Ask for a wake-up. One asked for before and earlier stands: it only costs a look. */
@@ -233,7 +273,9 @@ void LockstepServer::tellListeners() {
 void LockstepServer::handle(std::uint64_t id, std::uint32_t events, Nanoseconds wall) {
   std::uint64_t ignored = 0;
   if (id == kListener) {
-    acceptAll(wall);
+    acceptAll(listener_, wall);
+  } else if (id == kLocalListener) {
+    acceptAll(local_listener_, wall);
   } else if (id == kEvent) {
     [[maybe_unused]] const auto got = read(event_.get(), &ignored, sizeof(ignored));
   } else if (id == kTimer) {
@@ -249,8 +291,8 @@ void LockstepServer::handle(std::uint64_t id, std::uint32_t events, Nanoseconds 
   }
 }
 
-void LockstepServer::acceptAll(Nanoseconds wall) {
-  while (mayListen() && accept(wall)) {
+void LockstepServer::acceptAll(const Descriptor& listener, Nanoseconds wall) {
+  while (mayListen() && accept(listener, wall)) {
   }
 }
 
@@ -265,12 +307,16 @@ bool LockstepServer::mayListen() const {
 void LockstepServer::listenOrNot() {
   if (mayListen() != listening_) {
     listening_ = !listening_;
-    watch(listener_.get(), kListener, listening_ ? EPOLLIN : 0U, EPOLL_CTL_MOD);
+    const std::uint32_t events = listening_ ? EPOLLIN : 0U;
+    watch(listener_.get(), kListener, events, EPOLL_CTL_MOD);
+    if (local_listener_.get() >= 0) {
+      watch(local_listener_.get(), kLocalListener, events, EPOLL_CTL_MOD);
+    }
   }
 }
 
-bool LockstepServer::accept(Nanoseconds wall) {
-  Descriptor fd(accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+bool LockstepServer::accept(const Descriptor& listener, Nanoseconds wall) {
+  Descriptor fd(accept4(listener.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (fd.get() < 0) {
     if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
       exhausted_ = true;

@@ -109,8 +109,10 @@ class LockstepServer {
   void arm(Nanoseconds due);
   void work();
   void handle(std::uint64_t id, std::uint32_t events, Nanoseconds wall);
-  void acceptAll(Nanoseconds wall);
-  bool accept(Nanoseconds wall);
+  void listenLocally();
+  bool awaitLast() const;
+  void acceptAll(const Descriptor& listener, Nanoseconds wall);
+  bool accept(const Descriptor& listener, Nanoseconds wall);
   bool mayListen() const;
   void listenOrNot();
   void receive(ConnectionId id, Connection& connection, Nanoseconds wall);
@@ -126,6 +128,7 @@ class LockstepServer {
   Listeners listeners_;
   std::string address_;
   Descriptor listener_;
+  Descriptor local_listener_;  // for participants on this computer
   Descriptor epoll_;
   Descriptor event_;
   Descriptor timer_;
@@ -134,6 +137,7 @@ class LockstepServer {
   Nanoseconds armed_ = kNever;  // wall
   std::unordered_map<ConnectionId, Connection> connections_;
   std::vector<ConnectionId> closing_;
+  ConnectionId last_awaited_ = 0;  // who is likely to report last; 0: nobody owes a report
   ConnectionId last_id_;
   std::vector<char> buffer_;
   std::vector<LockstepMessage> messages_;

@@ -37,6 +37,26 @@ Texts lines(LockstepSession& session) {
   return lines;
 }
 
+// ---- rounds ----------------------------------------------------------------------------------
+
+TEST(Awaited, TheOneGrantedLastOfThoseThatOweTheReport) {
+  Pair pair;
+  EXPECT_EQ(pair.session.lastAwaited(), 2U);
+  pair.report(1, 5 * kOne);
+  EXPECT_EQ(pair.session.lastAwaited(), 2U);
+  pair.report(2, 7 * kOne);  // the round is over, the next one is of the first only
+  EXPECT_EQ(pair.session.lastAwaited(), 1U);
+}
+
+TEST(Awaited, AnotherOneWhereThatHasReportedOrHasGone) {
+  Pair pair;
+  pair.report(2, 5 * kOne);
+  EXPECT_EQ(pair.session.lastAwaited(), 1U);
+  pair.cut(1);
+  pair.report(2, kNever);
+  EXPECT_EQ(pair.session.lastAwaited(), 0U);
+}
+
 // ---- members ---------------------------------------------------------------------------------
 
 TEST(Members, NamedOnesHaveTheSameIdsWhoeverComesFirst) {

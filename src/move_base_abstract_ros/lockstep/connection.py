@@ -23,8 +23,7 @@ class Connection:
 
         :raises OSError: if there is none at that address within ``timeout`` [s, wall].
         """
-        self._socket = _connect(host, port, timeout)
-        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._socket = _connect_locally(host, port) or _connect(host, port, timeout)
         # Recursive: a signal may have the main thread leave in the middle of sending.
         self._send_lock = _thread.RLock()
         self._buffer = bytearray()
@@ -76,12 +75,24 @@ class Connection:
         self._socket.close()
 
 
+def _connect_locally(host, port):
+    """Return a Unix socket to the time master, or None: it is on another computer, or is not there."""
+    connected = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        connected.connect('\0move_base_abstract/{}:{}'.format(host, port))
+        return connected
+    except OSError:
+        connected.close()
+        return None
+
+
 def _connect(host, port, timeout):
     deadline = time.monotonic() + timeout
     while True:
         try:
             connected = socket.create_connection((host, port), timeout=max(_RETRY_SECONDS, deadline - time.monotonic()))
             connected.settimeout(None)
+            connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             return connected
         except OSError:
             if time.monotonic() >= deadline:
