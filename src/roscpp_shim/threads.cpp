@@ -132,6 +132,7 @@ int lockMutex(pthread_mutex_t* mutex, Lock* lock) {
     }
     Wait wait;
     wait.is_over = [mutex] { return mutex->__data.__owner == 0; };
+    wait.for_thread = true;
     turn().wait(std::move(wait));
   }
   return lock(mutex);
@@ -151,6 +152,7 @@ int waitOn(pthread_cond_t* condition, pthread_mutex_t* mutex, Nanoseconds lasts)
   Wait wait;
   wait.object = condition;
   wait.until = lasts == kNever ? kNever : node().now() + lasts;
+  wait.for_thread = lasts == kNever;
   wait.unlock = [mutex] { pthread_mutex_unlock(mutex); };
   const Woken woken = turn().wait(std::move(wait));
   me.empty_polls = lasts > 0 ? 0 : me.empty_polls;
@@ -264,6 +266,7 @@ int pthread_join(pthread_t thread, void** result) {
     if (const shim::Task* const task = shim::turn().find(thread)) {
       shim::Wait wait;
       wait.is_over = [task] { return task->is_done.load(); };
+      wait.for_thread = true;
       shim::turn().wait(std::move(wait));
     }
   }

@@ -243,6 +243,7 @@ bool Turn::enlist(Task* task, Wait& wait) {
   task->is_signalled = false;
   task->is_waiting = true;
   task->seen_activity = activity_;
+  waits_for_threads_ += task->wait.for_thread ? 1 : 0;
   waiting_.push_back(task);
   return true;
 }
@@ -268,7 +269,8 @@ bool Turn::isReady(const Task& task, bool* by_activity) const {
       (!task.wait.next_round && node().now() >= task.wait.until)) {
     return true;
   }
-  *by_activity = task.wait.activity && task.seen_activity != activity_;
+  *by_activity = task.wait.activity && task.seen_activity != activity_ &&
+                 (waits_for_threads_ > 0 || node().now() >= task.wait.activity_from);
   return *by_activity;
 }
 
@@ -294,6 +296,7 @@ void Turn::handOver(Task* next) {
   {
     const Lock lock(mutex_);
     waiting_.erase(std::find(waiting_.begin(), waiting_.end(), next));
+    waits_for_threads_ -= next->wait.for_thread ? 1 : 0;
     next->is_waiting = false;
     next->seen_activity = activity_;
     holder_ = next;
@@ -328,7 +331,9 @@ Nanoseconds Turn::nextWake() {
   const Lock lock(mutex_);
   Nanoseconds next = kNever;
   for (const Task* task : waiting_) {
-    next = std::min(next, task->wait.next_round ? node().now() : task->wait.until);
+    const bool looks = task->wait.activity && task->seen_activity != activity_;
+    next = std::min({next, task->wait.next_round ? node().now() : task->wait.until,
+                     looks ? task->wait.activity_by : kNever});
   }
   return next;
 }

@@ -31,8 +31,11 @@ struct Wait {
   std::function<bool()> is_over;  // looked at by whoever has the turn
   const void* object = nullptr;   // a condition, which somebody may signal
   bool next_round = false;        // until the next grant, which is asked for at this instant
-  bool activity = false;          // until another thread has run
-  std::function<void()> unlock;   // called when a signal can no longer be missed
+  bool activity = false;          // until another thread has run,
+  Nanoseconds activity_from = 0;  // and this instant has come; at once where a thread is waited for
+  Nanoseconds activity_by = kNever;  // if one has run: at the latest then
+  bool for_thread = false;           // it is another thread that must do something
+  std::function<void()> unlock;      // called when a signal can no longer be missed
 };
 
 enum class Woken { kReady, kTime, kEnd };
@@ -52,6 +55,7 @@ struct Task {
   bool in_spinner = false;      // its waits for callbacks are without end
   bool has_acted = false;       // since its last wait for callbacks
   unsigned idle_polls = 0;      // waits for callbacks in a row that were in vain
+  bool only_joined = false;     // who ends its loop of looks waits for its end
   unsigned empty_polls = 0;     // looks without waiting in a row that were in vain
   unsigned clock_reads = 0;     // at one instant
   Nanoseconds slept_at = -1;    // instant at which it has slept by the wall clock,
@@ -139,6 +143,7 @@ class Turn {
   Task* holder_ = nullptr;
   std::uint64_t switches_ = 0;
   std::uint64_t activity_ = 0;
+  int waits_for_threads_ = 0;  // of those in waiting_
 };
 
 Turn& turn();

@@ -1,4 +1,5 @@
 // Where roscpp programs begin, wait and end: time, callback queues, spinners.
+#include <dlfcn.h>
 #include <ros/callback_queue.h>
 #include <ros/init.h>
 #include <ros/node_handle.h>
@@ -8,6 +9,7 @@
 #include <ros/topic_manager.h>
 
 #include <cstdlib>
+#include <cstring>
 #include <sstream>
 
 #include "exchange.h"
@@ -59,8 +61,29 @@ void countPoll(unsigned* count, unsigned limit) {
   }
 }
 
+/** @return whether tf2's listener calls: its loop is ended only by one who then joins it. */
+bool isListenersLoop(const void* caller) {
+  Dl_info info{};
+  return dladdr(caller, &info) != 0 && info.dli_fname != nullptr &&
+         std::strstr(info.dli_fname, "libtf2_ros.so") != nullptr;
+}
+
+/**
+ * @brief Wait without a round for each time-out: a thread that does nothing but look at its queue.
+ *
+ * What else it may look at changes only when another thread has run: then it looks too, when its
+ * time-out is over, with whatever this program does from then on; on its own if that is nothing.
+ */
+void awaitActivity(const Task& me, Nanoseconds timeout, Wait* wait) {
+  wait->until = kNever;
+  wait->activity = true;
+  wait->activity_from = me.only_joined ? kNever : node().now() + timeout;
+  wait->activity_by = me.only_joined ? kNever : wait->activity_from + timeout;
+}
+
 /** @return whether there is a callback in the queue; waits for one, for at most @p timeout. */
-bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout) {
+bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
+                   const void* caller) {
   Task& me = *Turn::self();
   if (OpenQueue::first(queue) != nullptr) {
     me.idle_polls = me.empty_polls = 0;
@@ -72,10 +95,12 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout) 
   }
   // A loop around this wait that does nothing else is not worth a round for each time-out.
   me.idle_polls = me.has_acted ? 0 : me.idle_polls;
-  const bool is_endless = me.in_spinner || me.idle_polls >= kIdlePolls;
   Wait wait;
-  wait.until = is_endless ? kNever : node().now() + timeout.toNSec();
-  wait.activity = is_endless && !me.in_spinner;
+  wait.until = me.in_spinner ? kNever : node().now() + timeout.toNSec();
+  if (!me.in_spinner && me.idle_polls >= kIdlePolls) {
+    me.only_joined = me.idle_polls == kIdlePolls ? isListenersLoop(caller) : me.only_joined;
+    awaitActivity(me, timeout.toNSec(), &wait);
+  }
   wait.is_over = [&queue, stops = spinner_stops] {
     return OpenQueue::first(queue) != nullptr || spinner_stops != stops;
   };
@@ -278,7 +303,7 @@ void CallbackQueue::callAvailable(WallDuration timeout) {
     function(this, timeout);
     return;
   }
-  if (!shim::awaitCallback(*this, timeout)) {
+  if (!shim::awaitCallback(*this, timeout, __builtin_return_address(0))) {
     return;
   }
   const CallbackInterface* const first = shim::OpenQueue::first(*this);
@@ -300,7 +325,7 @@ CallbackQueue::CallOneResult CallbackQueue::callOne(WallDuration timeout) {
   if (shim::isInternalQueue(this) || !shim::turn().enter()) {
     return function(this, timeout);
   }
-  if (!shim::awaitCallback(*this, timeout)) {
+  if (!shim::awaitCallback(*this, timeout, __builtin_return_address(0))) {
     return isEnabled() ? Empty : Disabled;
   }
   CallOneResult result = TryAgain;

@@ -3,6 +3,7 @@
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 
+#include <atomic>
 #include <boost/thread.hpp>
 #include <chrono>
 #include <condition_variable>
@@ -177,6 +178,34 @@ void wall(Teller& teller) {
   teller.tell("fired thrice");
 }
 
+/** Threads that only look at a queue and a flag, as those of actionlib's clients do. */
+void looks(Teller& teller) {
+  ros::CallbackQueue queue;
+  std::atomic<bool> is_set{false};
+  const auto look = [&](const std::string& word) {
+    while (!is_set) {
+      queue.callAvailable(ros::WallDuration(0.1));
+    }
+    teller.tell(word);
+  };
+  std::thread first(look, "sees it");
+  ros::Rate rate(30);
+  for (int k = 0; k < 10; ++k) {
+    rate.sleep();
+  }
+  is_set = true;
+  teller.tell("sets it");
+  ros::Duration(5).sleep();  // in which nothing else happens
+  first.join();
+  is_set = false;
+  std::thread second(look, "ends");
+  ros::Duration(1).sleep();
+  is_set = true;
+  teller.tell("joins");
+  second.join();
+  teller.tell("has joined");
+}
+
 /** A wait that lockstep does not see. */
 void hidden(Teller& teller) {
   std::promise<int> promise;
@@ -210,6 +239,8 @@ int main(int argc, char** argv) {
     polls(teller);
   } else if (what == "queues") {
     queues(teller);
+  } else if (what == "looks") {
+    looks(teller);
   } else if (what == "wall") {
     wall(teller);
   } else if (what == "hidden") {

@@ -63,6 +63,14 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.assertEqual(told[-7:], [(1300000000, '/recorder listens'), *(
             (at * 10000000, 'fired') for at in (155, 205, 255, 355, 455, 555))])
 
+    def test_threads_that_look_at_a_flag_see_it_in_their_time_out_and_at_once_where_they_are_joined(self):
+        told = self.told('looks')
+        self.assertEqual([text for _at, text in told], ['sets it', 'sees it', 'joins', 'ends', 'has joined'])
+        sets, sees, joins, ends, has_joined = (at for at, _text in told)
+        self.assertEqual(sets, 1333333330)
+        self.assertTrue(sets < sees <= sets + 200000000, told)
+        self.assertEqual((ends, has_joined), (joins, joins))
+
     def test_a_wall_timer_fires_and_is_labelled(self):
         run = RUNS.run([Program('threads', own('shim_threads'), what='wall'), recorder('/told')])
         self.assertEqual([line.split(' ', 3)[3] for line in run.printed(1)], ['fired thrice'])
