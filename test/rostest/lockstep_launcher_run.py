@@ -47,11 +47,13 @@ class Run:
         return [line for line in lines if line.startswith('[{}]'.format(level))]
 
 
-def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0, commands=None):
+def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0, commands=None,
+                 onlookers=()):
     """Run programs {name: words} in lockstep, and robots.
 
     parameters: {name: value} of ROS; clock: parameters of the time master; load: how many cores to keep busy; commands:
-    whole command lines of programs that are started in another way.
+    whole command lines of programs that are started in another way; onlookers: topics of texts that a node hears which
+    takes no part.
     """
     with Loopback() as ros:
         for name, value in (parameters or {}).items():
@@ -63,6 +65,8 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0,
              'state_rate': 50.0}, **(clock or {})))
         with busy(load):
             children = {}
+            for topic in onlookers:
+                ros.spawn('/onlooker', [sys.executable, os.path.join(HERE, 'onlooker.py'), topic])
             if fleet:
                 children['fleet'] = ros.run('fleet', 'fleet', parameters={
                     'defaults': {'max_speed': 1.0}, 'robots': [dict(robot) for robot in fleet]})

@@ -16,36 +16,17 @@ import threading
 from collections import deque
 from threading import get_ident
 
+from .task import Task, _make_lock
 from .wire import NEVER
 
-# The locks below must be the machine's own: those that the application gets are made of waits in this file.
-_make_lock = threading._allocate_lock
+#: so many looks in a row, without a wait, are a loop that waits for something by looking
+LOOKS = 1000
+
 _Thread_start = threading.Thread.start
 
 
 class TurnLost(Exception):
     """The participant has left lockstep while this thread waited."""
-
-
-class Task:
-    """A thread as the scheduler sees it."""
-
-    __slots__ = ('name', 'ident', 'parking', 'is_waiting', 'wake_token', 'timed_out', 'waits_for', 'is_open',
-                 'is_finished', 'is_worker', 'joiners')
-
-    def __init__(self, name, is_worker=False):
-        self.name = name
-        self.ident = 0
-        self.parking = _make_lock()
-        self.parking.acquire()
-        self.is_waiting = False
-        self.wake_token = 0
-        self.timed_out = False
-        self.waits_for = ''
-        self.is_open = False
-        self.is_finished = False
-        self.is_worker = is_worker
-        self.joiners = []
 
 
 class Scheduler:
@@ -69,6 +50,7 @@ class Scheduler:
         self._open = []
         self._outside = deque()
         self._outside_lock = _make_lock()
+        self._happened = 0
 
     # --- who is who -------------------------------------------------------------------------------------------------
 
@@ -115,8 +97,7 @@ class Scheduler:
         if task is None:
             return
         task.is_finished = True
-        for joiner in task.joiners:
-            self.wake(joiner)
+        self._happened += 1
         if self.turn_ident == task.ident and not self.is_closed:
             self._resume_worker()
 
@@ -130,6 +111,11 @@ class Scheduler:
         :raises TurnLost: if the participant leaves lockstep meanwhile.
         """
         task = self._tasks[get_ident()]
+        task.looks = 0
+        self._happened += 1
+        return self._wait(task, wake_ns, waits_for, is_open)
+
+    def _wait(self, task, wake_ns, waits_for, is_open):
         task.is_waiting = True
         task.timed_out = False
         task.wake_token += 1
@@ -164,6 +150,33 @@ class Scheduler:
             finally:
                 self._conditions.remove(entry)
         return True
+
+    def look(self, step_ns):
+        """The calling thread looks at something that may change, without waiting for it.
+
+        After :data:`LOOKS` looks in a row it is taken for a loop that waits by looking: its turn is given away until
+        something else has happened in this process, or until ``step_ns`` [ns] later. What merely looks, too, is nothing
+        that happens.
+
+        :raises TurnLost: as :meth:`wait`.
+        """
+        task = self._tasks[get_ident()]
+        task.looks += 1
+        if task.looks % LOOKS:
+            return
+        if task.looks == LOOKS:
+            self._happened += 1  # what it did before it began to look
+        seen, wake_ns = self._happened, self.now_ns + step_ns
+        entry = (lambda: self._happened != seen, task)
+        self._conditions.append(entry)
+        try:
+            self._wait(task, wake_ns, 'what it looks at again and again', False)
+        finally:
+            self._conditions.remove(entry)
+
+    def acted(self):
+        """The calling thread, which has the turn, has done something that others may see."""
+        self._tasks[get_ident()].looks = 0
 
     def wait_round(self):
         """Give the turn away until the time master has granted another round, of this instant if nothing else is."""
@@ -313,6 +326,7 @@ class Scheduler:
         mail = self._mail
         while not self.is_closed:
             while mail:
+                self._happened += 1
                 _handle(mail.popleft())
             other = self._next_ready()
             if other is not None:

@@ -15,7 +15,7 @@ from move_base_abstract.lockstep.charge import make_charge
 from move_base_abstract.lockstep.wire import MAX_RANK
 from move_base_abstract.parameter_table import Parameter, checked, integer
 
-from . import finish, fork, threads, waits
+from . import finish, fork, looks, threads, waits
 from .participant import DEFAULT_RANK, Participant, connect
 from .topics import sender
 
@@ -64,6 +64,7 @@ def join(rank=None, own_threads=True):
     joining.topics.install()
     joining.services.install()
     waits.install(joining)
+    looks.install(joining)
     threads.install(joining, own_threads)
     finish.install(joining)
     fork.install(joining)

@@ -134,6 +134,7 @@ class Participant:
     def add(self, item):
         """Have ``item`` (bytes, or a function that returns them at the end of the round) in the next report."""
         if self.scheduler.is_mine():
+            self.scheduler.acted()
             self._items.append(item)
         elif not self.scheduler.is_closed:
             self.scheduler.from_outside(lambda: self._items.append(item))

@@ -19,10 +19,10 @@ def install(participant):
     """Replace the waits; to be called once."""
     scheduler = participant.scheduler
     waits = _Waits(participant)
-    _replace(rospy.timer.sleep, waits.sleep, lambda: not scheduler.is_mine())
-    _replace(rospy.client.spin, waits.spin, lambda: not scheduler.is_mine())
-    _replace(rospy.client.wait_for_message, waits.wait_for_message, lambda: not scheduler.is_mine())
-    _replace(tcpros_service.wait_for_service, waits.wait_for_service, lambda: not scheduler.is_mine())
+    replace(rospy.timer.sleep, waits.sleep, lambda: not scheduler.is_mine())
+    replace(rospy.client.spin, waits.spin, lambda: not scheduler.is_mine())
+    replace(rospy.client.wait_for_message, waits.wait_for_message, lambda: not scheduler.is_mine())
+    replace(tcpros_service.wait_for_service, waits.wait_for_service, lambda: not scheduler.is_mine())
     tcpros_service.ServiceImpl.spin = lambda self: rospy.spin() if not self.done else None
     _install_actionlib(waits, scheduler)
 
@@ -32,19 +32,24 @@ def _install_actionlib(waits, scheduler):
         from actionlib import action_client, simple_action_client
     except ImportError:
         return  # then nobody here uses it
-    _replace(action_client.ActionClient.wait_for_server, waits.wait_for_server, lambda: not scheduler.is_mine())
-    _replace(simple_action_client.SimpleActionClient.wait_for_result, waits.wait_for_result,
+    replace(action_client.ActionClient.wait_for_server, waits.wait_for_server, lambda: not scheduler.is_mine())
+    replace(simple_action_client.SimpleActionClient.wait_for_result, waits.wait_for_result,
              lambda: not scheduler.is_mine())
 
 
-def _replace(function, hook, is_foreign):
-    """Have ``function`` do what ``hook`` does, except in threads for which ``is_foreign()``."""
+def replace(function, hook, is_foreign, with_original=False):
+    """Have ``function`` do what ``hook`` does, except in threads for which ``is_foreign()``.
+
+    ``with_original``: the hook's first argument is the function as it was.
+    """
     original = type(function)(function.__code__, function.__globals__, function.__name__, function.__defaults__)
     original.__kwdefaults__ = function.__kwdefaults__
     key = '_lockstep_{}'.format(function.__name__)
 
     def call(*args, **kwds):
-        return original(*args, **kwds) if is_foreign() else hook(*args, **kwds)
+        if is_foreign():
+            return original(*args, **kwds)
+        return hook(original, *args, **kwds) if with_original else hook(*args, **kwds)
     function.__globals__[key] = call
     namespace = {}
     exec(compile('def {}(*args, **kwds):\n    return {}(*args, **kwds)\n'.format(function.__name__, key),

@@ -34,6 +34,8 @@ _EVENTS = {
 }
 _CLOCKS = ('time', 'time_ns', 'monotonic', 'monotonic_ns', 'perf_counter', 'perf_counter_ns')
 _READS = 'reads the wall clock; what it does with that differs from run to run'
+#: modules whose sleeps are not the program's
+_ROS = ('rospy.', 'rosgraph.')
 _LONG_SLEEPS = 5.0  # s, wall, at one instant
 
 
@@ -74,7 +76,8 @@ class _Sleep:
 
     def __call__(self, seconds, /):
         participant = _state['participant']
-        if participant is None or not participant.scheduler.is_mine() or seconds < 0:
+        is_mine = participant is not None and participant.scheduler.is_mine()
+        if not is_mine or seconds < 0 or _is_of_ros(sys._getframe(1)):
             self._wall_sleep(seconds)
             return
         try:
@@ -101,6 +104,13 @@ class _Sleep:
                    'it takes simulated time, as with --sleep simulated'.format(_LONG_SLEEPS, participant.now_ns * 1e-9)
             rospy.logwarn('%s: %s', rospy.get_name(), text)
             participant.label('{}: {}'.format(rospy.get_name(), text))
+
+
+def _is_of_ros(frame):
+    """Whether rospy itself sleeps: a sleep of 0 after each message that is sent, also each line of the log."""
+    if frame.f_globals.get('__name__') == 'rospy.rostime':  # wallsleep, for whoever calls it
+        frame = frame.f_back
+    return (frame.f_globals.get('__name__') or '').startswith(_ROS)
 
 
 def _reading(clock, name):

@@ -1,0 +1,55 @@
+"""Loops that wait by looking, without sleeping: ``while not rospy.is_shutdown(): if flag: ...``.
+
+What they look at are functions of rospy and actionlib. After so many looks in a row the thread gives its turn away
+(:meth:`Scheduler.look`), so that what it looks for can happen. All is counted, nothing is timed: a run with such loops
+is as repeatable as any.
+"""
+import sys
+
+import rospy
+import rospy.client
+import rospy.rostime
+import rospy.topics
+
+from move_base_abstract.lockstep.scheduler import TurnLost
+
+from .waits import replace
+
+#: simulated time that passes at such a loop if nothing else happens [ns]: where it looks at the time, and elsewhere
+TIME_STEP_NS = 1000000
+STEP_NS = 10000000
+_ROS = ('rospy.', 'actionlib.', 'tf2_ros.')
+
+
+def install(participant):
+    """Count the looks of the application's threads."""
+    scheduler = participant.scheduler
+    for function in (rospy.core.is_shutdown, rospy.client.get_param, rospy.client.has_param,
+                     rospy.topics.Topic.get_num_connections):
+        _count(function, scheduler, STEP_NS)
+    _count(rospy.rostime.get_rostime, scheduler, TIME_STEP_NS)
+    try:
+        from actionlib import action_client, simple_action_client
+    except ImportError:
+        return  # then nobody here uses it
+    for function in (simple_action_client.SimpleActionClient.get_state,
+                     action_client.ClientGoalHandle.get_comm_state, action_client.ClientGoalHandle.get_goal_status):
+        _count(function, scheduler, STEP_NS)
+
+
+def _count(function, scheduler, step_ns):
+    def look(original, *args, **kwds):
+        if not _is_of_ros(sys._getframe(3)):
+            try:
+                scheduler.look(step_ns)
+            except TurnLost:
+                pass  # lockstep is over, which the answer says
+        return original(*args, **kwds)
+    replace(function, look, lambda: not scheduler.is_mine(), with_original=True)
+
+
+def _is_of_ros(frame):
+    """Whether ROS's own code looks, behind rospy's functions that only hand the question on."""
+    while frame is not None and frame.f_globals.get('__name__') == 'rospy.rostime':
+        frame = frame.f_back
+    return frame is not None and (frame.f_globals.get('__name__') or '').startswith(_ROS)

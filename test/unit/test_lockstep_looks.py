@@ -1,0 +1,81 @@
+"""Loops that wait by looking: they give the turn away after so many looks, and what only looks is nothing that happens.
+
+lockstep_program.py plays the time master.
+"""
+import pytest
+
+from lockstep_program import Program
+from move_base_abstract.lockstep import scheduler as module
+
+STEP = 10
+
+
+@pytest.fixture(autouse=True)
+def _few_looks(monkeypatch):
+    monkeypatch.setattr(module, 'LOOKS', 3)
+
+
+def test_time_goes_on_by_a_step_after_so_many_looks():
+    program = Program()
+
+    def main():
+        for _ in range(7):
+            program.scheduler.look(STEP)
+            program.say('looks')
+    assert [now_ns for _, now_ns in program.run(main)] == [0, 0, 10, 10, 10, 20, 20]
+
+
+def test_what_is_looked_for_is_seen_at_its_instant():
+    program = Program()
+    flag = []
+    program.master.script = [(4, [lambda: flag.append(True)])]
+
+    def main():
+        while not flag:
+            program.scheduler.look(STEP)
+        program.say('seen')
+    assert program.run(main) == [('seen', 4)]
+
+
+def test_two_that_only_look_let_time_go_on():
+    program = Program()
+
+    def look(name):
+        while program.scheduler.now_ns < 30:
+            program.scheduler.look(STEP)
+        program.say(name)
+
+    def main():
+        program.thread('other', look, 'other')
+        look('main')
+    assert program.run(main) == [('other', 30), ('main', 30)]
+    assert program.master.asked[:3] == [10, 20, 30]
+
+
+def test_what_another_thread_did_before_it_began_to_look_is_seen():
+    program = Program()
+    flag = []
+
+    def other():
+        program.sleep(7)
+        flag.append(True)
+        while program.scheduler.now_ns < 30:
+            program.scheduler.look(STEP)
+
+    def main():
+        program.thread('other', other)
+        while not flag:
+            program.scheduler.look(STEP)
+        program.say('seen')
+    assert program.run(main) == [('seen', 7)]
+
+
+def test_who_does_something_has_all_its_looks_again():
+    program = Program()
+
+    def main():
+        for _ in range(6):
+            program.scheduler.look(STEP)
+            program.scheduler.acted()
+        program.say('main')
+    assert program.run(main) == [('main', 0)]
