@@ -15,9 +15,11 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "clock/shown_text.h"
@@ -30,6 +32,15 @@
 
 namespace move_base_abstract {
 namespace {
+
+constexpr const char* kUsage =
+    "usage: time_master [_PARAMETER:=VALUE ...] [NAME:=VALUE ...]\n\n"
+    "Publishes /clock: simulated time at a factor of the wall's (_factor:=10), or event by event\n"
+    "(_mode:=lockstep). It is configured by private parameters; docs/time_master.md lists them.";
+
+bool asksForHelp(const char* word) {
+  return std::string_view(word) == "--help" || std::string_view(word) == "-h";
+}
 
 constexpr Nanoseconds kLongestWait = kNanosecondsPerSecond / 10;  // so that a signal is seen soon
 
@@ -328,7 +339,16 @@ int runNode(MasterCallGuard& guard) {
 }  // namespace move_base_abstract
 
 int main(int argc, char** argv) {
+  if (std::any_of(argv + 1, argv + argc, move_base_abstract::asksForHelp)) {
+    std::puts(move_base_abstract::kUsage);  // before a ROS master is looked for
+    return 0;
+  }
   ros::init(argc, argv, "time_master", ros::init_options::NoSigintHandler);
+  if (argc > 1) {  // what ROS has left
+    std::fprintf(stderr, "time_master: unknown argument %s; see --help\n",
+                 move_base_abstract::shown(argv[1]).c_str());
+    return 2;
+  }
   // The run's end is told to participants and written down before ROS goes.
   for (const int number : {SIGINT, SIGTERM}) {
     std::signal(number, [](int got) { move_base_abstract::signal_number = got; });

@@ -146,11 +146,11 @@ class EndTest(unittest.TestCase):
 
     def test_help_is_printed_without_a_ros_master_and_unknown_arguments_are_refused(self):
         for executable in ('move_base', 'move_base_abstract_actionserver', 'fleet', 'task_server', 'map_server', 'demo',
-                           'why', 'compare', 'lockstep', 'soil_coordinator'):
+                           'why', 'compare', 'lockstep', 'soil_coordinator', 'time_master'):
             code, text = run(executable, '--help')
             self.assertEqual(code, 0, text)
             self.assertIn('usage', text.lower())
-        for executable in WITHOUT_ARGUMENTS:
+        for executable in (*WITHOUT_ARGUMENTS, 'time_master'):
             code, text = run(executable, '--bogus')
             self.assertEqual(code, 2, text)
             self.assertIn('unknown argument --bogus', text)
