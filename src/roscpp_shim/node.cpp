@@ -147,13 +147,16 @@ void Node::sayHello() {
 }
 
 void Node::leave(const std::string& reason) {
-  if (!is_joined_ || is_over_.exchange(true)) {
+  if (!is_joined_) {
     return;
   }
   // While another thread reads from the connection, that one closes it.
   const bool is_own = turn().holds();
   {
     const Lock lock(mutex_);
+    if (is_over_) {
+      return;
+    }
     if (is_granted_) {
       wire::Report head;
       head.round = round_;
@@ -163,6 +166,7 @@ void Node::leave(const std::string& reason) {
       link_.send(wire::encode(wire::ParticipantFrame(wire::Leave{reason})));
     }
     is_granted_ = false;
+    is_over_ = true;  // not before all is sent: who reads from the connection closes it then
   }
   turn().end();
   bell_->ring();
