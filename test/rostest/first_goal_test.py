@@ -16,7 +16,7 @@ import rosgraph
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalID, GoalStatus
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult, MoveBaseGoal
 from robot_harness import GUARD, RawClient, Record, pose_stamped
 from rospy.impl.registration import get_registration_listeners
@@ -132,7 +132,7 @@ class FirstGoal(unittest.TestCase):
         wait_until(lambda: all(client.calls.values()), 'the server does not ask for the client')
         wait_until(lambda: is_up(node_name, robot + '/move_base_simple/goal'), 'the server is not up')
         node = xmlrpc.client.ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(node_name))
-        for other, kind in (('initialpose', PoseWithCovarianceStamped), ('set_pose', PoseStamped),
+        for other, kind in (('initialpose', PoseWithCovarianceStamped), ('set_pose', Pose),
                             ('move_base_simple/goal', PoseStamped)):
             for topic in topics:
                 node.publisherUpdate('/master', topic, [rospy.get_node_uri()])
