@@ -6,7 +6,7 @@ import rosgraph
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import Pose
 from robot_harness import RawClient, Record, pose_stamped
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -88,12 +88,12 @@ class Markers(Looks, unittest.TestCase):
     def test_2_nothing_is_sent_while_nothing_happens(self):
         self.record.wait_for()
         rospy.sleep(5.0)
-        placed = rospy.Publisher('/robot_1/set_pose', PoseStamped, queue_size=1, latch=True)
-        placed.publish(pose_stamped(3.0, 5.0))
+        placed = rospy.Publisher('/robot_1/set_pose', Pose, queue_size=1, latch=True)
+        placed.publish(pose_stamped(3.0, 5.0).pose)
         self.wait_for(lambda markers: markers['robot_1', ARROW].pose.position.x == 2.0)
         self.assertEqual([sorted({marker.ns for marker in message.markers}) for message in self.record.messages],
                          [sorted(ROBOTS), ['robot_1']], 'the newcomer is told all, then only what has happened')
-        placed.publish(pose_stamped(0.0, 5.0))
+        placed.publish(pose_stamped(0.0, 5.0).pose)
         self.wait_for(lambda markers: markers['robot_1', ARROW].pose.position.x == -1.0)
         placed.unregister()
 

@@ -6,7 +6,7 @@ import unittest
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from geometry_msgs.msg import PolygonStamped, PoseStamped
+from geometry_msgs.msg import PolygonStamped, Pose, PoseStamped
 from nav_msgs.msg import OccupancyGrid, Path
 from nav_msgs.srv import GetPlan
 from robot_harness import GUARD, RawClient, Record, active_since_ns, pose_stamped
@@ -36,8 +36,8 @@ class PlannerViews(unittest.TestCase):
     def place(self, x):
         """Put the robot at (x, 0) and wait until it is shown there."""
         shown = Record(MOVE_BASE + '/global_costmap/footprint', PolygonStamped)
-        publisher = rospy.Publisher('/robot_0/set_pose', PoseStamped, queue_size=1, latch=True)
-        publisher.publish(pose_stamped(x))
+        publisher = rospy.Publisher('/robot_0/set_pose', Pose, queue_size=1, latch=True)
+        publisher.publish(pose_stamped(x).pose)
         nose = min(x + 0.5, 3.4e38)
         shown.wait_for(lambda polygon: math.isclose(polygon.polygon.points[0].x, nose, rel_tol=1e-6)
                        and (x or corners(polygon)[0] == (0.5, 0.25)))

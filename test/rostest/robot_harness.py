@@ -9,6 +9,7 @@ import time
 import xmlrpc.client
 
 import actionlib
+import nav_msgs.srv
 import rosgraph
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
@@ -22,6 +23,8 @@ ACCEPTED = 'This goal has been accepted by the simple action server'
 ANOTHER_GOAL = 'This goal was canceled because another goal was received by the simple action server'
 BAD_QUATERNION = 'Aborting on goal because it was sent with an invalid quaternion'
 NO_PLAN = 'Failed to find a valid plan. Even after executing recovery behaviors.'
+
+LoadMap = getattr(nav_msgs.srv, 'LoadMap', None)  # Debian 11's has none
 
 _ids = itertools.count(1)
 

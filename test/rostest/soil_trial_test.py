@@ -197,7 +197,7 @@ class Trials(unittest.TestCase):
                                'f.find_python(["study"])'], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                               timeout=GUARD, check=False, env=environment)
         self.assertEqual(done.returncode, 1, done.stdout)
-        self.assertIn("run `rosrun move_base_abstract study setup`", done.stdout)
+        self.assertIn('run `rosrun move_base_abstract study setup`', done.stdout)
 
 
 def processes_with(word):

@@ -11,7 +11,7 @@ import time
 import rospkg
 import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
-from nav_msgs.srv import GetMap, GetMapResponse, LoadMap, LoadMapResponse
+from nav_msgs.srv import GetMap, GetMapResponse
 from roslib import packages
 from rospy.numpy_msg import numpy_msg
 
@@ -23,6 +23,11 @@ from move_base_abstract_ros import conversions, lockstep
 from move_base_abstract_ros.clock_watch import watch_clock
 from move_base_abstract_ros.map_files import MapDescription, load_map, read_description
 from move_base_abstract_ros.node_process import run_node
+
+try:
+    from nav_msgs.srv import LoadMap, LoadMapResponse
+except ImportError:
+    LoadMap = None  # nav_msgs of Debian 11 and before: nobody there can ask for another map
 
 _USAGE = ('USAGE: map_server MAP.yaml\n'
           '  MAP.yaml: the description of a map\n'
@@ -110,8 +115,9 @@ class MapServer:
         if not lockstep.is_lockstep():
             watch_clock()
         self.show(occupancy)
-        self._services = [rospy.Service('static_map', GetMap, self._get_map),
-                          rospy.Service('change_map', LoadMap, self._change_map)]
+        self._services = [rospy.Service('static_map', GetMap, self._get_map)]
+        if LoadMap is not None:
+            self._services.append(rospy.Service('change_map', LoadMap, self._change_map))
 
     def show(self, occupancy):
         """Publish ``occupancy`` from now on."""
