@@ -1,4 +1,5 @@
 """One process that takes part in lockstep: what it tells the time master, and what becomes of what it is told."""
+import _thread
 import json
 import os
 import threading
@@ -270,7 +271,7 @@ class Participant:
             if not rospy.core.is_shutdown_requested():
                 tell('%s: %s', rospy.get_name(), reason)
                 # Not in this thread: it may be one that a shutdown hook waits for.
-                threading._start_new_thread(rospy.signal_shutdown, (reason,))
+                _thread.start_new_thread(rospy.signal_shutdown, (reason,))
         raise TurnLost()
 
 

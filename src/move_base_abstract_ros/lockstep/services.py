@@ -3,8 +3,8 @@
 A call is handled in the next round, by a thread of its own as in rospy, and may itself sleep or call. Calls from other
 nodes come over rospy's connections and enter at the next grant; calls to other nodes block, with time standing still.
 """
+import _thread
 import sys
-import threading
 import time
 from functools import partial
 from io import BytesIO
@@ -124,7 +124,7 @@ class Services:
             return True
         wake_ns = wire.NEVER if timeout_ns is None else scheduler.now_ns + timeout_ns
         sought = [name]
-        threading._start_new_thread(self._seek_outside, (sought,))
+        _thread.start_new_thread(self._seek_outside, (sought,))
         try:
             return scheduler.wait_until(lambda: name in self._found, wake_ns, 'service {}'.format(name))
         finally:
