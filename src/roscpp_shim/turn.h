@@ -55,7 +55,8 @@ struct Task {
   bool in_spinner = false;      // its waits for callbacks are without end
   bool has_acted = false;       // since its last wait for callbacks
   unsigned idle_polls = 0;      // waits for callbacks in a row that were in vain
-  bool only_joined = false;     // who ends its loop of looks waits for its end
+  const void* poller = nullptr;  // whence it looked last,
+  bool only_joined = false;      // which is a loop whose end is awaited by whoever ends it
   unsigned empty_polls = 0;     // looks without waiting in a row that were in vain
   unsigned clock_reads = 0;     // at one instant
   Nanoseconds slept_at = -1;    // instant at which it has slept by the wall clock,

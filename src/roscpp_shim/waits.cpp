@@ -62,10 +62,14 @@ void countPoll(unsigned* count, unsigned limit) {
 }
 
 /** @return whether tf2's listener calls: its loop is ended only by one who then joins it. */
-bool isListenersLoop(const void* caller) {
-  Dl_info info{};
-  return dladdr(caller, &info) != 0 && info.dli_fname != nullptr &&
-         std::strstr(info.dli_fname, "libtf2_ros.so") != nullptr;
+bool isListenersLoop(Task* me, const void* caller) {
+  if (me->poller != caller) {
+    Dl_info info{};
+    me->poller = caller;
+    me->only_joined = dladdr(caller, &info) != 0 && info.dli_fname != nullptr &&
+                      std::strstr(info.dli_fname, "libtf2_ros.so") != nullptr;
+  }
+  return me->only_joined;
 }
 
 /**
@@ -97,8 +101,7 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
   me.idle_polls = me.has_acted ? 0 : me.idle_polls;
   Wait wait;
   wait.until = me.in_spinner ? kNever : node().now() + timeout.toNSec();
-  if (!me.in_spinner && me.idle_polls >= kIdlePolls) {
-    me.only_joined = me.idle_polls == kIdlePolls ? isListenersLoop(caller) : me.only_joined;
+  if (!me.in_spinner && (isListenersLoop(&me, caller) || me.idle_polls >= kIdlePolls)) {
     awaitActivity(me, timeout.toNSec(), &wait);
   }
   wait.is_over = [&queue, stops = spinner_stops] {

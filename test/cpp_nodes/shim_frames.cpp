@@ -1,5 +1,6 @@
 // tf2: one frame is sent at 20 Hz, and a TransformListener (with its own thread) is asked for it,
-// with time-outs, too early and at the right time. Tells on "looked" what came out.
+// with time-outs, too early and at the right time. Tells on "looked" what came out. With ~listen it
+// only listens.
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/ros.h>
 #include <std_msgs/String.h>
@@ -48,6 +49,12 @@ void look(ros::NodeHandle& node) {
   ros::NodeHandle("~").setParam("done", true);
 }
 
+void listen() {
+  tf2_ros::Buffer buffer;
+  const tf2_ros::TransformListener listener(buffer);
+  ros::spin();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -55,6 +62,8 @@ int main(int argc, char** argv) {
   ros::NodeHandle node;
   if (ros::NodeHandle("~").param("look", false)) {
     look(node);
+  } else if (ros::NodeHandle("~").param("listen", false)) {
+    listen();
   } else {
     send(node);
   }

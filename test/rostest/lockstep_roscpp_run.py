@@ -47,7 +47,7 @@ def recorder(*topics):
 class Run:
     """What came out of a run: its messages and calls, its labels, and what the programs printed."""
 
-    def __init__(self, path, code, outputs, parameters):
+    def __init__(self, path, code, outputs, parameters, why):
         with open(path, encoding='utf-8') as log:
             records = [json.loads(line) for line in log]
         end = records[-1]['end']
@@ -56,6 +56,7 @@ class Run:
         self.code = code
         self.outputs = outputs
         self.parameters = parameters  # of the first program, when it had ended
+        self.why = why  # what the time master told then, where it was asked
         self.events = [(record['time_ns'], record['robot'], record['kind'], record['values'])
                        for record in records[1:-1] if record['kind'] in ('message', 'call', 'response')]
 
@@ -82,7 +83,7 @@ class Runs:
         """Return three runs that must be the same: alone, under load, and slowed down."""
         return [self.run(programs), self.run(programs, load=True), self.run(programs, speed_limit=50.0)]
 
-    def run(self, programs, load=False, **parameters):
+    def run(self, programs, load=False, ask_why=False, **parameters):
         """Run until the first program has ended by itself; the others are ended then."""
         with Loopback() as self.ros:
             path = os.path.join(self.ros.log_dir, 'events.jsonl')
@@ -94,6 +95,7 @@ class Runs:
                 children = [self.start(program) for program in programs]
                 code = wait_for_end(children)
                 values = self.parameters(programs[0])
+                why = self.ask_why() if ask_why else ''
             finally:
                 for burner in burners:
                     burner.kill()
@@ -103,7 +105,12 @@ class Runs:
             for child in children:
                 child.process.wait(GUARD)
             self.ros.end(master)
-            return Run(path, code, [read(child) for child in children], values)
+            return Run(path, code, [read(child) for child in children], values, why)
+
+    def ask_why(self):
+        asked = self.ros.spawn('/why', [find_executable('why')])
+        asked.process.wait(GUARD)
+        return read(asked)
 
     def start(self, program):
         for key, value in program.parameters.items():

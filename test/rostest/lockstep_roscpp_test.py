@@ -6,6 +6,7 @@ values are those that simulated time dictates.
 """
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -117,6 +118,14 @@ class LockstepRoscppTest(unittest.TestCase):
         lines = run.printed(1)
         self.assertEqual(lines[0], '1503000000 /looked 1500000000 1.500000 at 1503000000')  # tf2 asks every 3 ms here
         self.assertEqual(lines[10], '6800000000 /looked 6500000000 no transform at 6800000000')
+
+    def test_the_listener_of_tf_asks_for_no_instant_of_its_own(self):
+        run = RUNS.run([rate(frequency=20.0, ticks=200), Program('listen', own('shim_frames'), listen=True),
+                        Program('send', own('shim_frames'))], ask_why=True)
+        seconds = float(re.search(r'at ([\d.]+) s', run.why).group(1))
+        leaps = int(re.search(r'(\d+) leaps', run.why).group(1))
+        self.assertGreater(seconds, 10.0, run.why)
+        self.assertLess(leaps / seconds, 21.0, run.why)  # looks after each transform would make 80 a second of them
 
     def test_rosbag_record_has_every_message_with_its_time(self):
         contents = []
