@@ -106,10 +106,14 @@ def test_the_installed_python_packages_are_imported(installed, prefix):
         assert Path(path).is_relative_to(prefix)
 
 
-def test_every_data_file_of_the_study_is_installed(prefix):
-    source = ROOT / 'src' / 'soil_mapping' / 'data'
-    installed, = prefix.glob('lib/python3*/*-packages/soil_mapping/data')
-    assert sorted(path.name for path in source.iterdir()) == sorted(path.name for path in installed.iterdir())
+def test_every_file_beside_the_python_of_the_study_is_installed(prefix):
+    source = ROOT / 'src' / 'soil_mapping'
+    installed, = prefix.glob('lib/python3*/*-packages/soil_mapping')
+    code = ('.py', '.pyc', '.toml')  # with its settings for lint
+    wanted = {path.relative_to(source) for path in source.rglob('*') if path.is_file() and path.suffix not in code}
+    assert {path.parts[0] for path in wanted} == {'data', 'study', 'requirements.txt', 'constraints.txt'}
+    assert wanted == {path.relative_to(installed) for path in installed.rglob('*')
+                      if path.is_file() and path.suffix not in code}
 
 
 def test_every_file_that_people_start_with_is_installed(prefix):

@@ -11,7 +11,7 @@ from move_base_abstract.errors import ConfigurationError
 from soil_mapping.comparison import differences
 from soil_mapping.config import TrialConfig
 from soil_mapping.result import Metrics
-from soil_mapping.study import collection, report, study_folder, tables, truth, wording
+from soil_mapping.study import collection, pages, report, study_folder, tables, truth, wording
 from soil_mapping.study import spec as spec_module
 from soil_mapping.study.command import main
 from soil_mapping.study.plan import plan
@@ -314,3 +314,14 @@ def test_the_report_is_one_page_that_holds_all_that_it_shows(study):
 def test_a_folder_without_trials_is_an_error_that_says_what_makes_them(tmp_path, capsys):
     assert main(['report', '--output', str(tmp_path)]) == 2
     assert 'there is no complete trial; `study run` makes them' in capsys.readouterr().err
+
+
+def test_texts_of_users_are_no_markup_in_the_report():
+    table = tables.Table('a title', ('field',), (('csv:<script>x</script>|a\\b\nc & "d"',),), 'note <b>')
+    sections = [pages.Section('<i>', (table, pages.Picture('"><b>', b'png')))]
+    html, text = (pages.render(name, 'T', sections) for name in ('report.html', 'report.md'))
+    for tag in ('<script', '<b>', '<i>'):
+        assert tag not in html
+        assert tag not in text
+    assert '<td>csv:&lt;script&gt;x&lt;/script&gt;|a\\b\nc &amp; &#34;d&#34;</td>' in html
+    assert '\n| csv:&lt;script>x&lt;/script>\\|a\\\\b c &amp; "d" |\n' in text
