@@ -1,0 +1,112 @@
+"""What the pages of the documentation point to is there: links, pictures, commands, launch files and their args."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').glob('*.md')),
+         *sorted((ROOT / 'src').rglob('*.md'))]
+LINK = re.compile(r'!?\[[^\]]*\]\(([^()\s]+)\)')
+FENCE = re.compile(r'^```.*?^```', re.DOTALL | re.MULTILINE)
+PROGRAMS = {path.name for path in (ROOT / 'scripts').iterdir()} | {'time_master'}
+README_LINES = 130  # what it is, two commands, ten lines, pictures, links; what is longer has a page of its own
+
+
+def name(path):
+    return str(path.relative_to(ROOT))
+
+
+def text_of(path):
+    return path.read_text(encoding='utf-8')
+
+
+def links(path):
+    """Return the targets of a page's links, those in code left out."""
+    return LINK.findall(re.sub(r'`[^`\n]*`', '``', FENCE.sub('', text_of(path))))
+
+
+def anchors(path):
+    """Return the anchors that GitHub gives to a page's headings."""
+    found = []
+    for heading in re.findall(r'^#+ +(.*?) *$', FENCE.sub('', text_of(path)), re.MULTILINE):
+        words = re.sub(r'\[([^\]]*)\]\([^)]*\)', r'\1', heading)
+        anchor = re.sub(r'[^\w\- ]', '', words.lower()).replace(' ', '-')
+        found.append(anchor if anchor not in found else f'{anchor}-{sum(each.startswith(anchor) for each in found)}')
+    return found
+
+
+def broken(path):
+    """Return the links of a page that lead nowhere. Those to other sites are not looked at."""
+    lost = []
+    for link in links(path):
+        target, _, anchor = link.partition('#')
+        if re.match(r'[a-z]+:', target):
+            continue
+        there = (path.parent / target).resolve() if target else path
+        if not there.exists() or anchor and (there.suffix != '.md' or anchor not in anchors(there)):
+            lost.append(link)
+    return lost
+
+
+@pytest.mark.parametrize('page', PAGES, ids=name)
+def test_every_link_leads_somewhere(page):
+    assert broken(page) == []
+
+
+def test_a_link_that_leads_nowhere_is_noticed(tmp_path):
+    page = tmp_path / 'page.md'
+    page.write_text('# One `two`\n[a](#one-two) [b](#three) [c](none.md) ![d](page.md#one-two) [e](https://x.org)\n'
+                    '```\n[f](none.md)\n```\n')
+    assert broken(page) == ['#three', 'none.md']
+
+
+def test_every_page_is_reached_from_the_readme():
+    seen, waiting = set(), [ROOT / 'README.md']
+    while waiting:
+        page = waiting.pop()
+        if page not in seen:
+            seen.add(page)
+            targets = [(page.parent / link.partition('#')[0]).resolve() for link in links(page)]
+            waiting += [target for target in targets if target.suffix == '.md' and target.is_file()]
+    assert set((ROOT / 'docs').glob('*.md')) - seen == set()
+
+
+def test_every_picture_is_shown():
+    shown = {(page.parent / link).resolve() for page in PAGES for link in links(page)}
+    assert set((ROOT / 'docs' / 'images').iterdir()) - shown == set()
+
+
+def test_the_readme_is_short():
+    assert len(text_of(ROOT / 'README.md').splitlines()) <= README_LINES
+
+
+def test_programs_launch_files_and_targets_that_are_named_are_there():
+    targets = set(re.findall(r'^([a-z-]+):', text_of(ROOT / 'Makefile'), re.MULTILINE))
+    lost = []
+    for page in PAGES:
+        code = '\n'.join([*FENCE.findall(text_of(page)), *re.findall(r'`([^`\n]+)`', text_of(page)),
+                          *re.findall(r'^    (.*)$', text_of(page), re.MULTILINE)])
+        lost += [(name(page), word) for word in re.findall(r'\brosrun move_base_abstract (\w+)', code)
+                 if word not in PROGRAMS and not (ROOT / 'examples' / word).exists()]
+        lost += [(name(page), word) for word in re.findall(r'^make ([a-z][a-z-]*)', code, re.MULTILINE)
+                 if word not in targets]
+    assert lost == []
+
+
+def launch_lines():
+    """Return (page, launch file, names of the args given) of every roslaunch of this package in the pages."""
+    for page in PAGES:
+        for file, rest in re.findall(r'roslaunch move_base_abstract ([\w/]+\.launch)([^\n`]*)', text_of(page)):
+            yield name(page), file, re.findall(r'(\w+):=', rest.partition(' # ')[0])
+
+
+def test_launch_files_that_are_named_take_the_args_that_are_given():
+    lines = list(launch_lines())
+    assert len(lines) > 10
+    for page, file, given in lines:
+        [path] = (ROOT / 'launch').rglob(Path(file).name)
+        args = {arg.get('name') for arg in ElementTree.parse(path).getroot().findall('arg')}
+        assert set(given) <= args, (page, file)
