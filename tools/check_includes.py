@@ -25,7 +25,8 @@ ROOMS = {
     'src/clock': ((), True),
     'src/lockstep': (('clock/',), True),
     'src/participant': (('clock/', 'lockstep/wire.h', 'move_base_abstract/'), False),
-    'src/roscpp_shim': (('lockstep/wire.h', 'participant/link.h', 'participant/secret_parameter.h'), False),
+    'src/roscpp_shim': (('lockstep/wire.h', 'move_base_abstract/lockstep_participant.h', 'participant/exchange.h',
+                         'participant/membership.h'), False),
     'src/time_master': (('clock/', 'lockstep/', 'participant/local_address.h', 'participant/run_secret.h'), False),
     'include/move_base_abstract': ((), False),
 }

@@ -1,19 +1,14 @@
-// Topics and services of a participant: between members by report and grant, else by roscpp.
-#include <ros/ros.h>
+// Topics of a participant: between members by report and grant, else by roscpp.
+#include <ros/console.h>
+#include <ros/single_subscriber_publisher.h>
 #include <ros/topic_manager.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "core.h"
 
 namespace move_base_abstract::lockstep::internal {
 namespace {
-
-std::string_view payloadOf(const ros::SerializedMessage& message) {
-  const auto head = static_cast<std::size_t>(message.message_start - message.buf.get());
-  return {reinterpret_cast<const char*>(message.message_start), message.num_bytes - head};
-}
 
 /** @brief As roscpp does: the first field of a header, the first of the message, counts up. */
 void writeSequence(const ros::SerializedMessage& message, std::uint32_t sequence) {
@@ -22,18 +17,6 @@ void writeSequence(const ros::SerializedMessage& message, std::uint32_t sequence
 }
 
 }  // namespace
-
-void Core::append(const wire::ReportItem& item) {
-  if (state_ != State::kOver && state_ != State::kLeft) {
-    wire::append(items_, item);
-  }
-}
-
-void Core::label(const std::string& reason) {
-  if (labels_.insert(reason).second) {
-    append(wire::Note{wire::NoteKind::kNotRepeatable, reason});
-  }
-}
 
 void Core::makeConstant(const std::string& topic) {
   std::string rest;
@@ -47,24 +30,9 @@ ros::NodeHandle& Core::nodeFor(const std::string& name, std::string* rest) {
 }
 
 Topic& Core::topicOf(const std::string& name) {
-  const auto [at, is_new] =
-      topic_numbers_.emplace(name, static_cast<std::uint32_t>(topic_numbers_.size() + 1));
-  Topic& topic = topics_[at->second];
-  if (is_new) {
-    topic.number = at->second;
-    topic.name = name;
-    topic.excluded = excluded_.count(name) > 0;
-  }
+  Topic& topic = topics_.of(name);
+  topic.excluded = membership_.isExcluded(name);
   return topic;
-}
-
-Topic* Core::topicOf(std::uint32_t number) {
-  const auto found = topics_.find(number);
-  return found == topics_.end() ? nullptr : &found->second;
-}
-
-bool Core::isMember(const std::string& node) const {
-  return node == name_ || member_names_.count(node) > 0;
 }
 
 // ---- publishing ------------------------------------------------------------------------------
@@ -75,17 +43,14 @@ std::shared_ptr<Publication> Core::advertise(const ros::AdvertiseOptions& option
   ros::NodeHandle& node = nodeFor(options.topic, &rest);
   Topic& topic = topicOf(node.resolveName(rest));
   if (topic.publications > 0 && topic.md5 != options.md5sum) {
-    throw Error("lockstep: " + name_ + " publishes " + topic.name +
+    throw Error("lockstep: " + name() + " publishes " + topic.name +
                 " with another type already, got " + options.datatype);
   }
   if (topic.publications == 0) {
     topic.md5 = options.md5sum;
     topic.latched = options.latch;
     topic.has_header = options.has_header;
-    if (!topic.excluded) {
-      append(wire::Advertise{topic.number, 0, topic.name, options.datatype, options.md5sum,
-                             options.latch, options.message_definition});
-    }
+    internal::advertise(membership_, topic, options);
     ros::AdvertiseOptions outside = options;
     outside.topic = rest;
     outside.callback_queue = own_queue_.get();
@@ -112,9 +77,7 @@ void Core::unadvertise(Topic& topic) {
   if (--topic.publications > 0) {
     return;
   }
-  if (!topic.excluded) {
-    append(wire::Unadvertise{topic.number});
-  }
+  internal::unadvertise(membership_, topic);
   topic.outside.shutdown();
   topic.connected.clear();
   topic.receivers.clear();
@@ -124,7 +87,7 @@ void Core::unadvertise(Topic& topic) {
 void Core::publish(Topic& topic, const ros::SerializedMessage& message, const std::string& md5) {
   check("publish");
   if (md5 != topic.md5 && topic.md5 != "*") {
-    throw Error("lockstep: " + name_ + " publishes on " + topic.name +
+    throw Error("lockstep: " + name() + " publishes on " + topic.name +
                 " a message of another type than it advertised");
   }
   if (topic.has_header) {
@@ -151,7 +114,7 @@ void Core::publish(Topic& topic, const ros::SerializedMessage& message, const st
 }
 
 void Core::connectionChanged(std::uint32_t number, const std::string& node, bool connected) {
-  Topic* const topic = topicOf(number);
+  Topic* const topic = topics_.of(number);
   if (connected) {
     topic->connected.insert(node);
   } else if (const auto found = topic->connected.find(node); found != topic->connected.end()) {
@@ -159,20 +122,22 @@ void Core::connectionChanged(std::uint32_t number, const std::string& node, bool
   }
 }
 
-bool Core::hasOutsiders(const Topic& topic) const {
-  return std::any_of(topic.connected.begin(), topic.connected.end(),
-                     [&](const std::string& node) { return topic.excluded || !isMember(node); });
+bool Core::hasOutsiders(const Topic& topic) {
+  return std::any_of(topic.connected.begin(), topic.connected.end(), [&](const std::string& node) {
+    return topic.excluded || !membership_.isMember(node);
+  });
 }
 
 std::uint32_t Core::subscribers(Topic& topic) {
   takeOutside();
-  const auto outsiders = std::count_if(topic.connected.begin(), topic.connected.end(),
-                                       [this](const std::string& node) { return !isMember(node); });
+  const auto outsiders =
+      std::count_if(topic.connected.begin(), topic.connected.end(),
+                    [this](const std::string& node) { return !membership_.isMember(node); });
   return static_cast<std::uint32_t>(topic.receivers.size()) + static_cast<std::uint32_t>(outsiders);
 }
 
 void Core::handle(const wire::Subscriber& item) {
-  Topic* const topic = topicOf(item.topic);
+  Topic* const topic = topics_.of(item.topic);
   if (topic != nullptr && topic->publications > 0) {
     const bool is_new = topic->receivers.insert(item.receiver).second;
     if (is_new && topic->last) {
@@ -182,7 +147,7 @@ void Core::handle(const wire::Subscriber& item) {
 }
 
 void Core::handle(const wire::NoSubscriber& item) {
-  if (Topic* const topic = topicOf(item.topic)) {
+  if (Topic* const topic = topics_.of(item.topic)) {
     topic->receivers.erase(item.receiver);
   }
 }
@@ -248,14 +213,12 @@ std::shared_ptr<Subscription> Core::subscribe(const ros::SubscribeOptions& optio
   Topic& topic = topicOf(node.resolveName(rest));
   for (const Subscription* other : topic.subscriptions) {
     if (!other->takes(options.md5sum) && options.md5sum != "*") {
-      throw Error("lockstep: " + name_ + " listens to " + topic.name +
+      throw Error("lockstep: " + name() + " listens to " + topic.name +
                   " with another type already, got " + options.datatype);
     }
   }
   const auto subscription = std::make_shared<Subscription>(shared_from_this(), topic, options);
-  if (topic.subscriptions.empty() && !topic.excluded) {
-    append(wire::Subscribe{topic.number, 0, topic.name, options.md5sum});
-  }
+  internal::subscribe(membership_, topic, options);
   topic.subscriptions.push_back(subscription.get());
   for (const auto& [id, sender] : topic.publishers) {
     if (sender.last) {  // the time master has sent it already, for an older subscription
@@ -273,46 +236,41 @@ void Core::unsubscribe(Subscription& subscription) {
   Topic& topic = subscription.topic();
   auto& all = topic.subscriptions;
   all.erase(std::remove(all.begin(), all.end(), &subscription), all.end());
-  if (all.empty() && !topic.excluded) {
-    append(wire::Unsubscribe{topic.number});
+  if (all.empty()) {
+    internal::unsubscribe(membership_, topic);
     topic.publishers.clear();
   }
 }
 
 void Core::handle(const wire::Publisher& item) {
-  Topic* const topic = topicOf(item.topic);
+  Topic* const topic = topics_.of(item.topic);
   if (topic == nullptr || topic->subscriptions.empty()) {
     return;
   }
   Sender& sender = topic->publishers[item.sender];
   sender.md5 = item.md5;
   sender.latched = item.latched;
-  sender.header = boost::make_shared<ros::M_string>();
+  sender.header = boost::make_shared<ros::M_string>(
+      headerOf(item, membership_.nameOf(item.sender), topic->name));
   ros::M_string& header = *sender.header;
-  header["callerid"] = members_[item.sender];
-  header["topic"] = topic->name;
-  header["type"] = item.type;
-  header["md5sum"] = item.md5;
-  header["message_definition"] = item.definition;
-  header["latching"] = item.latched ? "1" : "0";
   for (const Subscription* subscription : topic->subscriptions) {
     if (!subscription->takes(sender.md5)) {
       ROS_ERROR(
           "lockstep: %s publishes %s as %s with md5 %s; %s listens with md5 %s and gets nothing",
           header["callerid"].c_str(), topic->name.c_str(), header["type"].c_str(),
-          sender.md5.c_str(), name_.c_str(), subscription->md5().c_str());
+          sender.md5.c_str(), name().c_str(), subscription->md5().c_str());
     }
   }
 }
 
 void Core::handle(const wire::NoPublisher& item) {
-  if (Topic* const topic = topicOf(item.topic)) {
+  if (Topic* const topic = topics_.of(item.topic)) {
     topic->publishers.erase(item.sender);
   }
 }
 
 void Core::handle(const wire::Deliver& item) {
-  Topic* const topic = topicOf(item.topic);
+  Topic* const topic = topics_.of(item.topic);
   const auto found =
       topic == nullptr ? decltype(topic->publishers.end()){} : topic->publishers.find(item.sender);
   if (topic == nullptr || found == topic->publishers.end()) {
@@ -353,7 +311,7 @@ void Core::fromOutside(const std::weak_ptr<Subscription>& weak,
                        const ros::MessageEvent<void const>& event) {
   const auto subscription = weak.lock();
   const std::string& sender = event.getPublisherName();
-  if (!subscription || (isMember(sender) && !subscription->topic().excluded)) {
+  if (!subscription || (membership_.isMember(sender) && !subscription->topic().excluded)) {
     return;  // a member's message comes with a grant; this is the copy for those that are none
   }
   const Topic& topic = subscription->topic();
@@ -369,141 +327,15 @@ void Core::fromOutside(const std::weak_ptr<Subscription>& weak,
   });
 }
 
-void Core::knockIfNeeded() {
-  const bool has_input = !outside_.empty() || !user_queue_->empty();
-  if (state_ == State::kReported && has_input && !has_knocked_) {
-    has_knocked_ = true;
-    link_.send(wire::encode(wire::ParticipantFrame(wire::Knock{})));
-  }
-}
-
 void Core::enterOutside() {
   for (auto& input : outside_) {
     mail_.push_back(std::move(input));
   }
   outside_.clear();
   while (const auto callback = user_queue_->take()) {
-    label("a call, a message or a timer has reached " + name_ + " from outside of lockstep");
+    label("a call, a message or a timer has reached " + name() + " from outside of lockstep");
     mail_.emplace_back([callback] { callback->call(); });
   }
 }
-
-// ---- services --------------------------------------------------------------------------------
-
-std::shared_ptr<Service> Core::serve(const ros::AdvertiseServiceOptions& options) {
-  check("advertiseService");
-  std::string rest;
-  ros::NodeHandle& node = nodeFor(options.service, &rest);
-  const std::string name = node.resolveName(rest);
-  const std::uint32_t number = ++services_made_;
-  const auto service = std::make_shared<Service>(shared_from_this(), number, name, options.helper);
-  ros::AdvertiseServiceOptions outside = options;
-  outside.service = rest;
-  service->listenOutside(node, user_queue_, outside);
-  append(wire::Serve{number, 0, name});
-  services_[number] = service;
-  return service;
-}
-
-void Service::listenOutside(ros::NodeHandle& node, const std::shared_ptr<OutsideQueue>& queue,
-                            ros::AdvertiseServiceOptions options) {
-  queue_ = queue;
-  options.callback_queue = queue.get();
-  outside_ = node.advertiseService(options);
-  if (!outside_) {
-    throw Error("lockstep: service " + name_ + " is offered by this node already");
-  }
-}
-
-Service::~Service() {
-  const auto core = core_.lock();
-  if (core && outside_) {
-    core->unserve(number_);
-  }
-}
-
-void Core::unserve(std::uint32_t service) {
-  append(wire::Unserve{service});
-  services_.erase(service);
-}
-
-void Service::answer(std::uint32_t caller, std::uint32_t number, const std::string& caller_name,
-                     std::string_view request) {
-  const auto core = core_.lock();
-  ros::ServiceCallbackHelperCallParams params;
-  params.request.num_bytes = request.size();
-  params.request.buf.reset(new std::uint8_t[request.size() + 1]);
-  params.request.message_start = params.request.buf.get();
-  std::memcpy(params.request.buf.get(), request.data(), request.size());
-  params.connection_header = boost::make_shared<ros::M_string>();
-  (*params.connection_header)["callerid"] = caller_name;
-  (*params.connection_header)["service"] = name_;
-  std::string failure = "service " + name_ + " of " + core->name() + " returned false";
-  bool is_good = false;
-  try {
-    is_good = helper_->call(params);
-  } catch (const std::exception& error) {
-    failure = "service " + name_ + " of " + core->name() + " failed: " + error.what();
-    ROS_ERROR("lockstep: %s", failure.c_str());
-  }
-  constexpr std::size_t kPrefix = 5;  // of TCPROS: ok and length
-  const std::string_view response(reinterpret_cast<const char*>(params.response.buf.get()),
-                                  params.response.num_bytes);
-  core->append(
-      wire::Response{caller, number, is_good, is_good ? response.substr(kPrefix) : failure});
-}
-
-void Core::handle(const wire::CallIn& item) {
-  const std::string caller_name = members_[item.caller];
-  mail_.emplace_back([this, service = item.service, caller = item.caller, number = item.number,
-                      caller_name, request = std::string(item.request)] {
-    const auto found = services_.find(service);
-    const auto alive = found == services_.end() ? nullptr : found->second.lock();
-    if (alive) {
-      alive->answer(caller, number, caller_name, request);
-    } else {
-      append(wire::Response{caller, number, false, name_ + " offers this service no longer"});
-    }
-  });
-}
-
-std::optional<std::string> Core::call(const std::string& service,
-                                      const ros::SerializedMessage& request) {
-  check("call");
-  std::string rest;
-  const std::string name = nodeFor(service, &rest).resolveName(rest);
-  const std::uint32_t number = ++calls_made_;
-  append(wire::Call{number, 0, name, payloadOf(request)});
-  const auto is_answered = [this, number] { return answers_.count(number) > 0; };
-  const auto woken = wait(kNever, Callbacks::kWait, is_answered, "an answer of " + name);
-  if (woken != Woken::kDone) {
-    return std::nullopt;
-  }
-  auto [status, bytes] = std::move(answers_.extract(number).mapped());
-  if (status == wire::CallStatus::kOk) {
-    return std::move(bytes);
-  }
-  const char* const why = status == wire::CallStatus::kNoServer     ? "no participant offers it"
-                          : status == wire::CallStatus::kServerGone ? "its server has gone"
-                                                                    : bytes.c_str();
-  ROS_ERROR("lockstep: a call of %s by %s failed: %s", name.c_str(), name_.c_str(), why);
-  return std::nullopt;
-}
-
-void Core::handle(const wire::Answer& item) {
-  answers_[item.number] = {item.status, std::string(item.bytes)};
-}
-
-bool Core::waitForService(const std::string& service, Nanoseconds until) {
-  check("waitForService");
-  std::string rest;
-  const std::string name = nodeFor(service, &rest).resolveName(rest);
-  found_.erase(name);
-  append(wire::Watch{name});
-  const auto is_found = [this, &name] { return found_.count(name) > 0; };
-  return wait(until, Callbacks::kWait, is_found, "service " + name) == Woken::kDone;
-}
-
-void Core::handle(const wire::Found& item) { found_.insert(std::string(item.service)); }
 
 }  // namespace move_base_abstract::lockstep::internal

@@ -1,4 +1,4 @@
-// The program as a participant: its connection to the time master, its reports and its grants.
+// The program as a participant: what its threads share, and what comes from outside of lockstep.
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_NODE_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_NODE_H
 
@@ -7,14 +7,10 @@
 #include <atomic>
 #include <deque>
 #include <functional>
-#include <map>
-#include <memory>
-#include <mutex>
 #include <set>
 #include <string>
 
-#include "lockstep/wire.h"
-#include "participant/link.h"
+#include "participant/membership.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {
@@ -34,8 +30,10 @@ struct Input {
   bool is_urgent = true;  // it asks for a grant; else it enters with the next one there is
 };
 
-class Node {
+class Node : public lockstep::internal::Program {
  public:
+  using Membership = lockstep::internal::Membership;
+
   Node();
 
   /** @return whether the run is in lockstep, as the time master's parameter says. */
@@ -48,8 +46,9 @@ class Node {
   /** @brief Report, and wait for a grant. All threads of the program wait. */
   void exchange();
 
-  void append(const wire::ReportItem& item);
-  void label(const std::string& reason);
+  Membership& membership() { return membership_; }
+  void append(const wire::ReportItem& item) { membership_.append(item); }
+  void label(const std::string& reason) { membership_.label(reason); }
   /** @brief Threads that wait without end, and for what, count as open work. */
   void open(const std::string& what) { open_.insert(what); }
   void close(const std::string& what) { open_.erase(open_.find(what)); }
@@ -60,56 +59,37 @@ class Node {
   void removeOutside(const ros::CallbackQueue* queue, std::uint64_t owner);
   void setTimers(SimulatedTimers timers);
   bool hasTimers() const { return has_timers_; }
-  void ring() { bell_->ring(); }
+  void ring() { membership_.ring(); }
 
-  Nanoseconds now() const { return now_; }
-  std::uint64_t round() const { return round_; }
-  bool isMember(const std::string& node);
-  bool isMemberAt(const std::string& uri);
-  std::string nameOf(std::uint32_t member);
-  std::string uriOf(std::uint32_t member);
+  Nanoseconds now() const { return membership_.now(); }
+  std::uint64_t round() const { return membership_.round(); }
   /** @brief Wall time in which a thread may sleep while simulated time stands. */
   bool sleepsSimulated() const { return sleeps_simulated_; }
 
  private:
-  bool connect();
-  void sayHello();
-  void report();
-  void tellWaits(bool is_endless);
-  void awaitGrant();
-  void readFrames();
-  void handle(const wire::Welcome& frame);
-  void handle(const wire::Member& frame);
-  void handle(const wire::Gone& frame);
-  void handle(const wire::Grant& frame);
-  void handle(const wire::End& frame);
-  void knockIfNeeded();
+  // Program
+  void lock() override { mutex_.lock(); }
+  void unlock() override { mutex_.unlock(); }
+  void setTime(Nanoseconds now) override;
+  void handle(const wire::Publisher& item) override;
+  void handle(const wire::NoPublisher& item) override;
+  void handle(const wire::Subscriber& item) override;
+  void handle(const wire::NoSubscriber& item) override;
+  void handle(const wire::Deliver& item) override;
+  void handle(const wire::CallIn& item) override;
+  void onGranted() override;
+  void onMember(const std::string& name) override;
+  bool hasInput() override;
+  bool waitsOn() override;
+  void onEnd() override;
+
+  std::string waits() const;
   bool enterOutside(bool only_if_late);
-  void end(const std::string& reason);
-  void readRank();
 
-  std::string name_;
-  std::int32_t rank_ = 1000;  // robots have 0
-  bool rank_declared_ = false;
   bool sleeps_simulated_ = false;
-
-  lockstep::internal::Link link_;
-  std::shared_ptr<lockstep::internal::Bell> bell_ = std::make_shared<lockstep::internal::Bell>();
-  wire::FrameBuffer frames_;
-  std::string received_;
-
-  PlainMutex mutex_;  // for items, state, members and outside
-  std::string items_;
-  std::set<std::string> labels_;
-  std::atomic<bool> is_over_{false};
-  bool is_joined_ = false;
-  bool is_granted_ = false;
-  bool has_knocked_ = false;
-  std::uint64_t round_ = 0;
-  Nanoseconds now_ = 0;
+  PlainMutex mutex_;  // of the membership, and for outside
+  Membership membership_{*this};
   std::multiset<std::string> open_;
-  std::string told_;  // of it, to the time master
-  std::map<std::uint32_t, std::pair<std::string, std::string>> members_;  // name, URI
   std::deque<Input> outside_;
   std::int64_t outside_since_ = 0;  // steady ns; when the oldest came
   SimulatedTimers timers_;
@@ -121,6 +101,9 @@ Node& node();
 bool takesPart();
 /** @return whether the calling thread is in ros::start(), of a program that is to take part. */
 bool isStarting();
+
+/** @return whether messages on @p topic go through the time master. */
+bool isManaged(const std::string& topic);
 
 }  // namespace move_base_abstract::shim
 

@@ -8,14 +8,13 @@
 #include <algorithm>
 #include <mutex>
 
-#include "exchange.h"
 #include "node.h"
 #include "real.h"
 #include "topics.h"
 #include "turn.h"
 
 namespace shim = move_base_abstract::shim;
-namespace wire = move_base_abstract::wire;
+namespace participant = move_base_abstract::lockstep::internal;
 
 namespace ros {
 
@@ -29,13 +28,7 @@ bool TopicManager::advertise(const AdvertiseOptions& options,
   const shim::Inside inside;
   const bool is_done = function(this, options, callbacks);
   if (is_app && is_done) {
-    shim::Topic& topic = shim::topics().of(options.topic);
-    if (!topic.is_advertised) {
-      topic.is_advertised = true;
-      shim::node().append(wire::Advertise{topic.number, 0, topic.name, options.datatype,
-                                          options.md5sum, options.latch,
-                                          options.message_definition});
-    }
+    participant::advertise(shim::node().membership(), shim::topics().of(options.topic), options);
   }
   return is_done;
 }
@@ -50,10 +43,7 @@ bool TopicManager::unadvertise(const std::string& name, const SubscriberCallback
   if (is_app && !lookupPublication(name)) {
     shim::Topic& topic = shim::topics().of(name);
     topic.receivers.clear();
-    if (topic.is_advertised) {
-      topic.is_advertised = false;
-      shim::node().append(wire::Unadvertise{topic.number});
-    }
+    participant::unadvertise(shim::node().membership(), topic);
   }
   return is_done;
 }
@@ -103,11 +93,7 @@ bool TopicManager::subscribe(const SubscribeOptions& options) {
   const shim::Inside inside;
   const bool is_done = function(this, options);
   if (is_app && is_done) {
-    shim::Topic& topic = shim::topics().of(options.topic);
-    if (!topic.is_subscribed) {
-      topic.is_subscribed = true;
-      shim::node().append(wire::Subscribe{topic.number, 0, topic.name, options.md5sum});
-    }
+    participant::subscribe(shim::node().membership(), shim::topics().of(options.topic), options);
   }
   return is_done;
 }
@@ -123,10 +109,7 @@ bool TopicManager::unsubscribe(const std::string& name,
   if (is_app && !shim::subscriptionTo(name)) {
     shim::Topic& topic = shim::topics().of(name);
     topic.senders.clear();
-    if (topic.is_subscribed) {
-      topic.is_subscribed = false;
-      shim::node().append(wire::Unsubscribe{topic.number});
-    }
+    participant::unsubscribe(shim::node().membership(), topic);
   }
   return is_done;
 }
@@ -152,7 +135,7 @@ uint32_t Subscription::handleMessage(const SerializedMessage& message, bool seri
     return shim::handleMessage()(this, message, serialized, nocopy, header, link);
   }
   const bool is_managed = shim::isManaged(name_);
-  if (is_managed && shim::node().isMember(link->getCallerID())) {
+  if (is_managed && shim::node().membership().isMember(link->getCallerID())) {
     return 0;  // it comes with a grant; this is the copy for those that do not take part
   }
   shim::Input input;
@@ -184,7 +167,8 @@ bool Subscription::negotiateConnection(const std::string& uri) {
   static Negotiate* const function = shim::real<Negotiate>(
       "_ZN3ros12Subscription19negotiateConnectionERKNSt7__cxx1112basic_stringIcSt11char_"
       "traitsIcESaIcEEE");
-  return (shim::isManaged(name_) && shim::node().isMemberAt(uri)) || function(this, uri);
+  return (shim::isManaged(name_) && shim::node().membership().isMemberAt(uri)) ||
+         function(this, uri);
 }
 
 void Publication::addSubscriberLink(const SubscriberLinkPtr& link) {
@@ -192,7 +176,8 @@ void Publication::addSubscriberLink(const SubscriberLinkPtr& link) {
   static Add* const function = shim::real<Add>(
       "_ZN3ros11Publication17addSubscriberLinkERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
   const bool is_ours = shim::isMemberLink(link);
-  if (!is_ours && shim::isManaged(name_) && shim::node().isMember(link->getDestinationCallerID())) {
+  if (!is_ours && shim::isManaged(name_) &&
+      shim::node().membership().isMember(link->getDestinationCallerID())) {
     const std::lock_guard<shim::PlainMutex> lock(shim::topics().silent_mutex);
     shim::topics().silent.push_back(link);
   } else {

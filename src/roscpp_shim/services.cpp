@@ -7,16 +7,23 @@
 #include <ros/service_publication.h>
 #include <ros/service_server_link.h>
 
-#include <cstring>
-#include <optional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "exchange.h"
 #include "node.h"
+#include "participant/exchange.h"
 #include "real.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {
 namespace {
+
+using lockstep::internal::handleCall;
+using lockstep::internal::Handled;
+using lockstep::internal::Reply;
 
 struct Service {
   std::uint32_t number = 0;
@@ -29,10 +36,7 @@ struct Service {
 
 struct Services {
   std::uint32_t made = 0;
-  std::uint32_t calls = 0;
   std::map<std::uint32_t, Service> offered;
-  std::map<std::uint32_t, std::pair<wire::CallStatus, std::string>> answers;
-  std::set<std::string> found;
 };
 
 Services& services() {
@@ -46,7 +50,7 @@ class MemberCall : public ros::CallbackInterface {
   MemberCall(Service service, const wire::CallIn& item)
       : service_(std::move(service)),
         caller_(item.caller),
-        caller_name_(node().nameOf(item.caller)),
+        caller_name_(node().membership().nameOf(item.caller)),
         number_(item.number),
         request_(item.request) {}
 
@@ -56,31 +60,17 @@ class MemberCall : public ros::CallbackInterface {
       answer(false, "service " + service_.name + " is not offered any more");
       return Invalid;
     }
-    ros::ServiceCallbackHelperCallParams params;
-    fill(&params);
-    try {
-      const bool is_good = service_.helper->call(params);
-      constexpr std::size_t kPrefix = 5;  // of TCPROS: ok and length
-      const std::string_view response(reinterpret_cast<const char*>(params.response.buf.get()),
-                                      params.response.num_bytes);
-      answer(is_good, is_good ? response.substr(kPrefix) : std::string_view());
-    } catch (const std::exception& error) {
-      ROS_ERROR("Exception thrown while processing service call: %s", error.what());
-      answer(false, error.what());
+    const Handled handled = handleCall(*service_.helper, service_.name, caller_name_, request_);
+    if (!handled.error.empty()) {
+      ROS_ERROR("Exception thrown while processing service call: %s", handled.error.c_str());
+      answer(false, handled.error);
       return Invalid;
     }
+    answer(handled.is_good, handled.response);
     return Success;
   }
 
  private:
-  void fill(ros::ServiceCallbackHelperCallParams* params) const {
-    const boost::shared_array<std::uint8_t> bytes(new std::uint8_t[request_.size() + 1]);
-    std::memcpy(bytes.get(), request_.data(), request_.size());
-    params->request = ros::SerializedMessage(bytes, request_.size());
-    params->connection_header = boost::make_shared<ros::M_string>();
-    (*params->connection_header)["callerid"] = caller_name_;
-    (*params->connection_header)["service"] = service_.name;
-  }
   void answer(bool is_good, std::string_view bytes) const {
     node().append(wire::Response{caller_, number_, is_good, bytes});
   }
@@ -92,30 +82,24 @@ class MemberCall : public ros::CallbackInterface {
   std::string request_;
 };
 
-std::pair<wire::CallStatus, std::string> call(const std::string& service,
-                                              std::string_view request) {
-  const std::uint32_t number = ++services().calls;
-  node().append(wire::Call{number, 0, service, request});
+Reply call(const std::string& service, std::string_view request) {
+  const std::uint32_t number = node().membership().call(service, request);
   const std::string what = "the answer of " + service;
   Wait wait;
-  wait.is_over = [number] { return services().answers.count(number) > 0; };
+  wait.is_over = [number] { return node().membership().isAnswered(number); };
   node().open(what);
   const Woken woken = turn().wait(wait);
   node().close(what);
-  if (woken == Woken::kEnd) {
-    return {wire::CallStatus::kServerGone, ""};
-  }
-  return std::move(services().answers.extract(number).mapped());
+  return woken == Woken::kEnd ? Reply() : node().membership().takeAnswer(number);
 }
 
 /** @return whether a participant offers the service, as of this instant. */
 bool isOffered(const std::string& service) {
-  services().found.erase(service);
-  node().append(wire::Watch{service});
+  node().membership().watch(service);
   Wait wait;
   wait.next_round = true;
   turn().wait(wait);
-  return services().found.count(service) > 0;
+  return node().membership().isFound(service);
 }
 
 }  // namespace
@@ -133,15 +117,10 @@ void handle(const wire::CallIn& item) {
                                    reinterpret_cast<std::uint64_t>(publication.get()));
 }
 
-void handle(const wire::Answer& item) {
-  services().answers[item.number] = {item.status, std::string(item.bytes)};
-}
-
-void handle(const wire::Found& item) { services().found.insert(std::string(item.service)); }
-
 }  // namespace move_base_abstract::shim
 
 namespace shim = move_base_abstract::shim;
+namespace participant = move_base_abstract::lockstep::internal;
 namespace wire = move_base_abstract::wire;
 
 namespace ros {
@@ -197,25 +176,19 @@ bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& re
   }
   shim::Turn::self()->has_acted = true;
   const std::string service = getService();
-  const auto head = static_cast<std::size_t>(request.message_start - request.buf.get());
-  const std::string_view payload(reinterpret_cast<const char*>(request.message_start),
-                                 request.num_bytes - head);
-  const auto [status, bytes] = shim::call(service, payload);
-  if (status == wire::CallStatus::kNoServer) {
+  const participant::Reply reply = shim::call(service, participant::payloadOf(request));
+  if (reply.status == wire::CallStatus::kNoServer) {
     shim::node().label("service " + service +
                        ", which was called, is offered by a node that does not take part");
     const shim::Blocking blocking;  // time stands until the other node has answered
     return function(this, request, response, md5);
   }
-  if (status != wire::CallStatus::kOk) {
+  if (!reply.isGood()) {
     ROS_ERROR("Service call failed: service [%s] responded with an error: %s", service.c_str(),
-              bytes.empty() && status == wire::CallStatus::kServerGone ? "its server has gone"
-                                                                       : bytes.c_str());
+              reply.why().c_str());
     return false;
   }
-  const boost::shared_array<std::uint8_t> copy(new std::uint8_t[bytes.size() + 1]);
-  std::memcpy(copy.get(), bytes.data(), bytes.size());
-  response = SerializedMessage(copy, bytes.size());
+  response = participant::messageOf(reply.bytes);
   return true;
 }
 
@@ -255,7 +228,7 @@ bool waitForService(const std::string& name, Duration timeout) {
   shim::Wait wait;
   wait.until =
       timeout > Duration(0) ? shim::node().now() + timeout.toNSec() : move_base_abstract::kNever;
-  wait.is_over = [&service] { return shim::services().found.count(service) > 0; };
+  wait.is_over = [&service] { return shim::node().membership().isFound(service); };
   shim::node().open("service " + service);
   const bool is_found = shim::turn().wait(wait) == shim::Woken::kReady;
   shim::node().close("service " + service);

@@ -4,8 +4,6 @@
 
 #include <ros/connection_manager.h>
 #include <ros/names.h>
-#include <ros/param.h>
-#include <ros/poll_manager.h>
 #include <ros/publication.h>
 #include <ros/publisher_link.h>
 #include <ros/subscriber_link.h>
@@ -13,7 +11,6 @@
 #include <ros/topic_manager.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "exchange.h"
 #include "node.h"
@@ -55,12 +52,6 @@ MOVE_BASE_ABSTRACT_OPEN(OfSubscriberLinks, SubscriberLinks, ros::Publication::su
 MOVE_BASE_ABSTRACT_OPEN(OfSubscriberLinksMutex, SubscriberLinksMutex,
                         ros::Publication::subscriber_links_mutex_);
 
-std::set<std::string>& excludedTopics() {
-  static auto* const names =
-      new std::set<std::string>{"/clock", "/rosout", "/rosout_agg", "/statistics"};
-  return *names;
-}
-
 std::vector<ros::SubscriptionPtr> allSubscriptions() {
   ros::TopicManager& manager = *ros::TopicManager::instance();
   const boost::mutex::scoped_lock lock(manager.*open(OfSubscriptionsMutex()));
@@ -75,7 +66,7 @@ class MemberSubscriber : public ros::SubscriberLink {
  public:
   MemberSubscriber(const Topic& topic, std::uint32_t member) : own_topic_(topic), member_(member) {
     topic_ = topic.name;
-    destination_caller_id_ = node().nameOf(member);
+    destination_caller_id_ = node().membership().nameOf(member);
     connection_id_ = ros::ConnectionManager::instance()->getNewConnectionID();
     parent_ = ros::TopicManager::instance()->lookupPublication(topic.name);
   }
@@ -113,7 +104,7 @@ class MemberSubscriber : public ros::SubscriberLink {
 class MemberPublisher : public ros::PublisherLink {
  public:
   MemberPublisher(const ros::SubscriptionPtr& subscription, std::uint32_t member)
-      : PublisherLink(subscription, node().uriOf(member), ros::TransportHints()) {}
+      : PublisherLink(subscription, node().membership().uriOf(member), ros::TransportHints()) {}
 
   boost::shared_ptr<ros::M_string> values() { return header_.getValues(); }
   void count(std::size_t bytes) {
@@ -158,18 +149,6 @@ bool isMemberLink(const ros::SubscriberLinkPtr& link) {
 }
 
 // ---- what the others need to know ------------------------------------------------------------
-
-void readExcludedTopics() {
-  std::vector<std::string> names;
-  ros::param::get("/time_master/excluded_topics", names);
-  for (const std::string& name : names) {
-    excludedTopics().insert(ros::names::resolve(name));
-  }
-}
-
-bool isManaged(const std::string& topic) {
-  return takesPart() && excludedTopics().count(topic) == 0;
-}
 
 void dropConnectionsTo(const std::string& node_name) {
   for (const auto& subscription : allSubscriptions()) {
@@ -230,12 +209,8 @@ void handle(const wire::Publisher& item) {
   if (!subscription || topic->senders.count(item.sender) > 0) {
     return;
   }
-  const ros::M_string values{{"callerid", node().nameOf(item.sender)},
-                             {"topic", topic->name},
-                             {"type", std::string(item.type)},
-                             {"md5sum", std::string(item.md5)},
-                             {"message_definition", std::string(item.definition)},
-                             {"latching", item.latched ? "1" : "0"}};
+  const ros::M_string values =
+      lockstep::internal::headerOf(item, node().membership().nameOf(item.sender), topic->name);
   boost::shared_array<std::uint8_t> bytes;
   std::uint32_t size = 0;
   ros::Header::write(values, bytes, size);
@@ -266,11 +241,9 @@ void handle(const wire::Deliver& item) {
     return;  // unsubscribed when it was under way
   }
   const auto& link = topic->senders.at(item.sender);
-  const boost::shared_array<std::uint8_t> bytes(new std::uint8_t[item.payload.size() + 1]);
-  std::memcpy(bytes.get(), item.payload.data(), item.payload.size());
   link->count(item.payload.size());
-  handleMessage()(subscription.get(), ros::SerializedMessage(bytes, item.payload.size()), true,
-                  false, link->values(), link);
+  handleMessage()(subscription.get(), lockstep::internal::messageOf(item.payload), true, false,
+                  link->values(), link);
 }
 
 }  // namespace move_base_abstract::shim

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "participant/exchange.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {
@@ -17,11 +18,7 @@ namespace move_base_abstract::shim {
 class MemberSubscriber;
 class MemberPublisher;
 
-struct Topic {
-  std::uint32_t number = 0;
-  std::string name;
-  bool is_advertised = false;
-  bool is_subscribed = false;
+struct Topic : lockstep::internal::SharedTopic {
   std::map<std::uint32_t, boost::shared_ptr<MemberSubscriber>> receivers;  // by participant
   std::map<std::uint32_t, boost::shared_ptr<MemberPublisher>> senders;     // by participant
 };
@@ -33,32 +30,15 @@ using HandleMessage = std::uint32_t(ros::Subscription*, const ros::SerializedMes
 /** @return roscpp's own Subscription::handleMessage. */
 HandleMessage* handleMessage();
 
-/** @brief Topics by number and name; the lock is for readers in roscpp's own threads. */
-class Topics {
+/** @brief The program's topics, for who has the turn. */
+class Topics : public lockstep::internal::TopicTable<Topic> {
  public:
-  Topic& of(const std::string& name) {
-    const auto [at, is_new] =
-        numbers_.emplace(name, static_cast<std::uint32_t>(numbers_.size() + 1));
-    Topic& topic = topics_[at->second];
-    topic.number = at->second;
-    topic.name = name;
-    return topic;
-  }
-  Topic* of(std::uint32_t number) {
-    const auto found = topics_.find(number);
-    return found == topics_.end() ? nullptr : &found->second;
-  }
-
   /** The message that is being published to all, and whether it is in the report already. */
   const Topic* broadcast = nullptr;
   bool is_sent = false;
   /** Links of roscpp's to participants: kept, so that they are not made again, but unused. */
   std::vector<ros::SubscriberLinkPtr> silent;
   PlainMutex silent_mutex;
-
- private:
-  std::map<std::string, std::uint32_t> numbers_;
-  std::map<std::uint32_t, Topic> topics_;
 };
 
 Topics& topics();

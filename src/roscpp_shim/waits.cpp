@@ -1,4 +1,4 @@
-// Where roscpp programs begin, wait and end: time, callback queues, spinners.
+// Where roscpp programs wait: time, callback queues, spinners.
 #include <dlfcn.h>
 #include <ros/callback_queue.h>
 #include <ros/init.h>
@@ -8,11 +8,8 @@
 #include <ros/this_node.h>
 #include <ros/topic_manager.h>
 
-#include <cstdlib>
 #include <cstring>
-#include <sstream>
 
-#include "exchange.h"
 #include "node.h"
 #include "real.h"
 #include "turn.h"
@@ -29,7 +26,6 @@ constexpr unsigned kEmptyPolls = 1000;     // looks in vain, after which simulat
 constexpr unsigned kClockReads = 1000000;  // at one instant, after which it goes on
 constexpr Nanoseconds kPollPeriod = 1'000'000;
 
-thread_local bool t_is_starting = false;
 unsigned spinner_stops = 0;  // how often an AsyncSpinner's threads were told to end
 
 /** @brief Opens what a queue keeps to itself. */
@@ -171,70 +167,11 @@ bool sleepUntil(Nanoseconds until) {
 
 }  // namespace
 
-/** Programs that this one starts are not preloaded too. */
-__attribute__((constructor)) void leaveEnvironment() {
-  const char* const preload = std::getenv("LD_PRELOAD");
-  std::istringstream names(preload == nullptr ? "" : preload);
-  std::string others;
-  for (std::string name; names >> name;) {
-    if (name.find("roscpp_shim") == std::string::npos) {
-      others += (others.empty() ? "" : " ") + name;
-    }
-  }
-  if (others.empty()) {
-    unsetenv("LD_PRELOAD");
-  } else {
-    setenv("LD_PRELOAD", others.c_str(), 1);
-  }
-}
-
-bool isStarting() { return t_is_starting; }
-
-void startRos(void (*start)()) {
-  if (ros::isStarted() || !Node::isWanted()) {
-    start();
-    return;
-  }
-  const Inside inside;  // the threads that it starts are roscpp's own
-  t_is_starting = true;
-  start();
-  t_is_starting = false;
-  if (node().join()) {
-    turn().begin();
-  }
-}
-
 }  // namespace move_base_abstract::shim
 
 namespace shim = move_base_abstract::shim;
 
 namespace ros {
-
-// ---- begin and end ---------------------------------------------------------------------------
-
-void start() {
-  using Start = void();
-  static Start* const function = shim::real<Start>("_ZN3ros5startEv");
-  shim::startRos(function);
-}
-
-void shutdown() {
-  using Shutdown = void();
-  static Shutdown* const function = shim::real<Shutdown>("_ZN3ros8shutdownEv");
-  shim::node().leave("ROS shuts down");
-  const shim::Inside inside;
-  function();
-}
-
-void waitForShutdown() {
-  using WaitForShutdown = void();
-  static WaitForShutdown* const function =
-      shim::real<WaitForShutdown>("_ZN3ros15waitForShutdownEv");
-  if (shim::turn().enter()) {
-    shim::turn().wait(shim::Wait());
-  }
-  function();
-}
 
 // ---- time ------------------------------------------------------------------------------------
 

@@ -199,9 +199,19 @@ class OutsideTest(unittest.TestCase):
             os.chmod(path, 0o4755)
             self.assertIn('the system lets nobody preload', self.launch(ros, path))
 
-    def launch(self, ros, path):
-        done = subprocess.run([find_executable('lockstep'), path], env=ros.environment, timeout=GUARD, text=True,
-                              check=False, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    def test_bad_parameters_are_refused_by_name(self):
+        with Loopback() as ros:
+            self.start(ros, '/rate')
+            for key, value in (('lockstep_rank', 'first'), ('lockstep_charge', 'measured')):
+                ros.set_param(f'/rate/{key}', value)
+                told = self.launch(ros, own('shim_rate'), '__name:=rate')
+                self.assertIn(f'parameter /rate/{key}: got ', told)
+                self.assertIn('; allowed', told)
+                ros.set_param(f'/rate/{key}', {'lockstep_rank': 3, 'lockstep_charge': 'none'}[key])
+
+    def launch(self, ros, path, *arguments):
+        done = subprocess.run([find_executable('lockstep'), path, *arguments], env=ros.environment, timeout=GUARD,
+                              text=True, check=False, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         self.assertEqual(done.returncode, 1, done.stdout)
         return done.stdout
 

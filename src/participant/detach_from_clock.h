@@ -1,0 +1,15 @@
+// A participant's time comes with its grants, not from /clock.
+#ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_DETACH_FROM_CLOCK_H
+#define MOVE_BASE_ABSTRACT_PARTICIPANT_DETACH_FROM_CLOCK_H
+
+namespace move_base_abstract::lockstep::internal {
+
+/**
+ * @brief Take /clock from roscpp: it may be ahead of this node's grants or behind them.
+ * @throws Error if roscpp or the ROS master do not do it.
+ */
+void detachFromClock();
+
+}  // namespace move_base_abstract::lockstep::internal
+
+#endif  // MOVE_BASE_ABSTRACT_PARTICIPANT_DETACH_FROM_CLOCK_H

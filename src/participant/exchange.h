@@ -1,0 +1,78 @@
+// Topics and services of a participant as the time master knows them; messages as bytes.
+#ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_EXCHANGE_H
+#define MOVE_BASE_ABSTRACT_PARTICIPANT_EXCHANGE_H
+
+#include <ros/advertise_options.h>
+#include <ros/serialized_message.h>
+#include <ros/service_callback_helper.h>
+#include <ros/subscribe_options.h>
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "membership.h"
+
+namespace move_base_abstract::lockstep::internal {
+
+/** @brief What the time master knows of a topic. */
+struct SharedTopic {
+  std::uint32_t number = 0;
+  std::string name;
+  bool is_advertised = false;
+  bool is_subscribed = false;
+};
+
+/** @brief Topics by name and by number; they stay where they are. @tparam Topic a SharedTopic. */
+template <class Topic>
+class TopicTable {
+ public:
+  Topic& of(const std::string& name) {
+    const auto [at, is_new] =
+        numbers_.emplace(name, static_cast<std::uint32_t>(numbers_.size() + 1));
+    Topic& topic = topics_[at->second];
+    if (is_new) {
+      topic.number = at->second;
+      topic.name = name;
+    }
+    return topic;
+  }
+  Topic* of(std::uint32_t number) {
+    const auto found = topics_.find(number);
+    return found == topics_.end() ? nullptr : &found->second;
+  }
+
+ private:
+  std::map<std::string, std::uint32_t> numbers_;
+  std::map<std::uint32_t, Topic> topics_;
+};
+
+// Told once, however many publishers and subscribers the node has; nothing of excluded topics.
+void advertise(Membership& membership, SharedTopic& topic, const ros::AdvertiseOptions& options);
+void unadvertise(Membership& membership, SharedTopic& topic);
+void subscribe(Membership& membership, SharedTopic& topic, const ros::SubscribeOptions& options);
+void unsubscribe(Membership& membership, SharedTopic& topic);
+
+/** @return what roscpp would have as the header of a connection to the one who publishes. */
+ros::M_string headerOf(const wire::Publisher& item, const std::string& sender,
+                       const std::string& topic);
+
+/** @return the message without its length, as it goes over the wire. */
+std::string_view payloadOf(const ros::SerializedMessage& message);
+/** @return a message that has come over the wire. */
+ros::SerializedMessage messageOf(std::string_view payload);
+
+/** @brief What a service's handler says to a call. */
+struct Handled {
+  bool is_good = false;
+  std::string response;
+  std::string error;  // what it has thrown
+};
+
+Handled handleCall(ros::ServiceCallbackHelper& helper, const std::string& service,
+                   const std::string& caller, std::string_view request);
+
+}  // namespace move_base_abstract::lockstep::internal
+
+#endif  // MOVE_BASE_ABSTRACT_PARTICIPANT_EXCHANGE_H

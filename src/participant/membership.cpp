@@ -1,0 +1,272 @@
+#include "membership.h"
+
+#include <ros/console.h>
+#include <ros/init.h>
+#include <ros/param.h>
+
+#include <algorithm>
+#include <mutex>
+#include <variant>
+
+namespace move_base_abstract::lockstep::internal {
+namespace {
+
+using Lock = std::lock_guard<Program>;
+
+constexpr int kPollMilliseconds = 100;  // wall; how soon an end of ROS is noticed
+const char* const kClosed = "the time master has closed the connection";
+
+}  // namespace
+
+std::string Reply::why() const {
+  switch (status) {
+    case wire::CallStatus::kNoServer:
+      return "no participant offers it";
+    case wire::CallStatus::kServerGone:
+      return "its server has gone";
+    default:
+      return bytes;
+  }
+}
+
+// ---- joining and leaving ---------------------------------------------------------------------
+
+void Membership::join() {
+  const std::string hello = helloOf(presence_);
+  state_ = State::kJoining;
+  if (!link_.send(hello)) {
+    end(kClosed);
+    return;
+  }
+  if (!ros::param::param("/use_sim_time", false)) {
+    ROS_WARN("lockstep: %s takes part, but /use_sim_time is not true", name().c_str());
+  }
+  if (!presence_.rank_declared && isAnonymous(name())) {
+    label("the name " + name() +
+          " is made of a time, so its place among equal events differs from run to run; give it "
+          "~lockstep_rank or a name");
+  }
+  awaitGrant();
+}
+
+bool Membership::leave(const std::string& reason, State as) {
+  const Lock lock(program_);
+  if (state_ == State::kNew || isOver()) {
+    return false;
+  }
+  if (state_ == State::kTurn) {
+    wire::Report head;
+    head.round = round_;
+    head.leaving = true;
+    link_.send(wire::encodeReport(head, items_));
+  } else {
+    link_.send(wire::encode(wire::ParticipantFrame(wire::Leave{reason})));
+  }
+  end_reason_ = as == State::kLeft ? "it has left" : reason;
+  state_ = as;  // not before all is sent: who reads from the connection closes it then
+  return true;
+}
+
+void Membership::end(const std::string& reason) {
+  {
+    const Lock lock(program_);
+    if (isOver()) {
+      return;
+    }
+    end_reason_ = reason;
+    state_ = State::kOver;
+  }
+  link_.close();
+  if (ros::ok()) {
+    ROS_INFO("lockstep: the run is over for %s: %s", name().c_str(), reason.c_str());
+  }
+  program_.onEnd();
+}
+
+// ---- rounds ----------------------------------------------------------------------------------
+
+void Membership::exchange(const Wish& wish) {
+  if (hasTurn()) {
+    report(wish);
+  }
+  awaitGrant();
+}
+
+void Membership::report(const Wish& wish) {
+  wire::Report head;
+  head.round = round_;
+  head.next_ns = wish.next;
+  head.open = wish.open;
+  bool is_sent = true;
+  {
+    const Lock lock(program_);
+    if (isOver()) {
+      return;
+    }
+    if (wish.waits != told_) {
+      told_ = wish.waits;
+      wire::append(items_, wire::Note{wire::NoteKind::kWaitsFor, told_});
+    }
+    is_sent = link_.send(wire::encodeReport(head, items_));
+    items_.clear();
+    state_ = State::kReported;
+  }
+  if (!is_sent) {
+    end(kClosed);
+  }
+}
+
+void Membership::awaitGrant() {
+  while (state_ == State::kReported || state_ == State::kJoining) {
+    knockIfNeeded();
+    switch (link_.wait(*bell_, kPollMilliseconds, &received_)) {
+      case Link::Event::kBytes:
+        readFrames();
+        break;
+      case Link::Event::kBell:
+        bell_->silence();
+        break;
+      case Link::Event::kClosed:
+        end(kClosed);
+        break;
+      case Link::Event::kNothing:
+        if (!program_.waitsOn()) {
+          return;
+        }
+    }
+  }
+  if (isOver()) {
+    link_.finish();
+  }
+}
+
+void Membership::knockIfNeeded() {
+  const bool has_input = program_.hasInput();
+  const Lock lock(program_);
+  if (has_input && !has_knocked_ && state_ == State::kReported) {
+    has_knocked_ = true;
+    link_.send(wire::encode(wire::ParticipantFrame(wire::Knock{})));
+  }
+}
+
+void Membership::readFrames() {
+  frames_.append(received_);
+  received_.clear();
+  try {
+    for (auto frame = frames_.next(); frame && !isOver(); frame = frames_.next()) {
+      std::visit([this](const auto& decoded) { handle(decoded); }, wire::decodeFromMaster(*frame));
+    }
+  } catch (const wire::MalformedFrame& error) {
+    ROS_ERROR("lockstep: %s got a bad frame from the time master: %s", name().c_str(),
+              error.what());
+    end("the time master sent a bad frame");
+  }
+}
+
+void Membership::handle(const wire::Welcome& frame) {
+  const Lock lock(program_);
+  members_[frame.own_id] = {presence_.name, presence_.uri};
+  names_.insert(presence_.name);
+}
+
+void Membership::handle(const wire::Member& frame) {
+  const std::string name(frame.name);
+  {
+    const Lock lock(program_);
+    members_[frame.id] = {name, std::string(frame.node_uri)};
+    names_.insert(name);
+  }
+  program_.onMember(name);
+}
+
+void Membership::handle(const wire::Gone& frame) {
+  program_.beforeGone();
+  const Lock lock(program_);
+  const auto found = members_.find(frame.id);
+  if (found != members_.end()) {
+    names_.erase(names_.find(found->second.name));
+    members_.erase(found);
+  }
+}
+
+void Membership::handle(const wire::Grant& frame) {
+  {
+    const Lock lock(program_);
+    if (isOver()) {
+      return;  // another thread has left
+    }
+    round_ = frame.round;
+    now_ = frame.time_ns;
+    microstep_ = frame.microstep;
+    has_knocked_ = false;
+    state_ = State::kTurn;
+  }
+  program_.setTime(now_);
+  for (const wire::GrantItem& item : frame.items) {
+    std::visit([this](const auto& decoded) { take(decoded); }, item);
+  }
+  program_.onGranted();
+}
+
+void Membership::handle(const wire::End& frame) { end(std::string(frame.reason)); }
+
+// ---- what the next report says ---------------------------------------------------------------
+
+void Membership::append(const wire::ReportItem& item) {
+  const Lock lock(program_);
+  if (!isOver()) {
+    wire::append(items_, item);
+  }
+}
+
+void Membership::label(const std::string& reason) {
+  const Lock lock(program_);
+  if (!isOver() && labels_.insert(reason).second) {
+    wire::append(items_, wire::Note{wire::NoteKind::kNotRepeatable, reason});
+  }
+}
+
+// ---- calls -----------------------------------------------------------------------------------
+
+std::uint32_t Membership::call(const std::string& service, std::string_view request) {
+  append(wire::Call{++calls_made_, 0, service, request});
+  return calls_made_;
+}
+
+void Membership::take(const wire::Answer& item) {
+  answers_[item.number] = {item.status, std::string(item.bytes)};
+}
+
+void Membership::watch(const std::string& service) {
+  found_.erase(service);
+  append(wire::Watch{service});
+}
+
+void Membership::take(const wire::Found& item) { found_.insert(std::string(item.service)); }
+
+// ---- the members -----------------------------------------------------------------------------
+
+bool Membership::isMember(const std::string& name) {
+  const Lock lock(program_);
+  return names_.count(name) > 0;
+}
+
+bool Membership::isMemberAt(const std::string& uri) {
+  const Lock lock(program_);
+  return std::any_of(members_.begin(), members_.end(),
+                     [&uri](const auto& member) { return member.second.uri == uri; });
+}
+
+std::string Membership::nameOf(std::uint32_t member) {
+  const Lock lock(program_);
+  const auto found = members_.find(member);
+  return found == members_.end() ? std::string() : found->second.name;
+}
+
+std::string Membership::uriOf(std::uint32_t member) {
+  const Lock lock(program_);
+  const auto found = members_.find(member);
+  return found == members_.end() ? std::string() : found->second.uri;
+}
+
+}  // namespace move_base_abstract::lockstep::internal

@@ -1,0 +1,179 @@
+// A roscpp node's membership in a run: its connection to the time master, its reports and its
+// grants. One for the library and for unmodified programs; what differs between them is a Program.
+#ifndef MOVE_BASE_ABSTRACT_PARTICIPANT_MEMBERSHIP_H
+#define MOVE_BASE_ABSTRACT_PARTICIPANT_MEMBERSHIP_H
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "joining.h"
+#include "link.h"
+#include "lockstep/wire.h"
+
+namespace move_base_abstract::lockstep::internal {
+
+/** @brief What a membership asks of its node, in the thread that awaits the grant. */
+class Program {
+ public:
+  virtual ~Program() = default;
+
+  /** @brief Around what several threads share; a program of one thread needs none. */
+  virtual void lock() {}
+  virtual void unlock() {}
+
+  virtual void setTime(Nanoseconds now) = 0;
+  virtual void handle(const wire::Publisher& item) = 0;
+  virtual void handle(const wire::NoPublisher& item) = 0;
+  virtual void handle(const wire::Subscriber& item) = 0;
+  virtual void handle(const wire::NoSubscriber& item) = 0;
+  virtual void handle(const wire::Deliver& item) = 0;
+  virtual void handle(const wire::CallIn& item) = 0;
+  /** @brief All that came with the grant is handled: what came from outside may enter. */
+  virtual void onGranted() = 0;
+
+  virtual void onMember(const std::string& /*name*/) {}
+  /** @brief A member is about to be forgotten: what it sent before is judged while it is one. */
+  virtual void beforeGone() {}
+  /** @return whether something from outside of lockstep asks for a grant. */
+  virtual bool hasInput() = 0;
+  /** @brief No grant came for a while (100 ms of wall time). @return whether to wait on for one. */
+  virtual bool waitsOn() = 0;
+  /** @brief The time master has ended this node's part. */
+  virtual void onEnd() = 0;
+};
+
+/** @brief What a report says besides what was done. */
+struct Wish {
+  Nanoseconds next = kNever;  // simulated
+  std::uint32_t open = 0;     // threads that wait without end
+  std::string waits;          // for what
+};
+
+/** @brief How a call of a participant's service has ended. */
+struct Reply {
+  wire::CallStatus status = wire::CallStatus::kServerGone;
+  std::string bytes;
+
+  bool isGood() const { return status == wire::CallStatus::kOk; }
+  /** @return why it is not good. */
+  std::string why() const;
+};
+
+class Membership {
+ public:
+  /** kReported: waits for a grant. kLeft: by itself. kOver: the time master or ROS has ended it. */
+  enum class State { kNew, kJoining, kTurn, kReported, kLeft, kOver };
+
+  explicit Membership(Program& program) : program_(program) {}
+
+  // ---- joining and leaving
+  /** @brief What it shows of itself. Before connect(). */
+  void present(Presence presence) { presence_ = std::move(presence); }
+  /** @brief See connectToTimeMaster(). */
+  bool connect() { return connectToTimeMaster(presence_.name, &link_); }
+  /** @brief Present the node and wait for its first grant. @throws Error */
+  void join();
+  /**
+   * @brief Take no more part; what was done goes out. From any thread.
+   * @return false if there was nothing to leave. Else whoever reads from the connection, or would,
+   * is to finish() it.
+   */
+  bool leave(const std::string& reason, State as = State::kLeft);
+  /** @brief Close the connection when the time master has read all. */
+  void finish() { link_.finish(); }
+  void ring() { bell_->ring(); }
+
+  // ---- rounds
+  /** @brief Report if there is a grant, and wait for the next one, or for the end. */
+  void exchange(const Wish& wish);
+  bool hasTurn() const { return state_ == State::kTurn; }
+  bool isActive() const { return state_ == State::kTurn || state_ == State::kReported; }
+  bool isOver() const { return state_ == State::kLeft || state_ == State::kOver; }
+  State state() const { return state_; }
+  const std::string& endReason() const { return end_reason_; }
+
+  const Presence& presence() const { return presence_; }
+  const std::string& name() const { return presence_.name; }
+  Nanoseconds now() const { return now_; }
+  std::uint32_t microstep() const { return microstep_; }
+  std::uint64_t round() const { return round_; }
+  const std::shared_ptr<Bell>& bell() const { return bell_; }
+
+  // ---- what the next report says
+  void append(const wire::ReportItem& item);
+  void label(const std::string& reason);
+
+  // ---- calls of services that participants offer; for who has the turn
+  /** @return the number of the call. */
+  std::uint32_t call(const std::string& service, std::string_view request);
+  bool isAnswered(std::uint32_t call) const { return answers_.count(call) > 0; }
+  /** @brief Once, of a call that isAnswered(). */
+  Reply takeAnswer(std::uint32_t call) { return std::move(answers_.extract(call).mapped()); }
+  /** @brief Ask to be told when a participant offers @p service, which isFound() says then. */
+  void watch(const std::string& service);
+  bool isFound(const std::string& service) const { return found_.count(service) > 0; }
+
+  // ---- the members, this node among them. From any thread.
+  bool isMember(const std::string& name);
+  bool isMemberAt(const std::string& uri);
+  std::string nameOf(std::uint32_t member);
+  std::string uriOf(std::uint32_t member);
+  bool isExcluded(const std::string& topic) const { return presence_.excluded.count(topic) > 0; }
+
+ private:
+  struct Other {
+    std::string name;
+    std::string uri;
+  };
+
+  void report(const Wish& wish);
+  void awaitGrant();
+  void knockIfNeeded();
+  void readFrames();
+  void handle(const wire::Welcome& frame);
+  void handle(const wire::Member& frame);
+  void handle(const wire::Gone& frame);
+  void handle(const wire::Grant& frame);
+  void handle(const wire::End& frame);
+  void take(const wire::Answer& item);
+  void take(const wire::Found& item);
+  template <class Item>
+  void take(const Item& item) {
+    program_.handle(item);
+  }
+  void end(const std::string& reason);
+
+  Program& program_;
+  Presence presence_;
+  Link link_;
+  std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
+  wire::FrameBuffer frames_;
+  std::string received_;
+
+  // Under the program's lock: the state where it changes, and what follows.
+  std::atomic<State> state_{State::kNew};
+  std::string items_;  // of the next report
+  std::set<std::string> labels_;
+  std::map<std::uint32_t, Other> members_;
+  std::multiset<std::string> names_;  // of members
+  bool has_knocked_ = false;
+
+  std::string end_reason_;
+  std::uint64_t round_ = 0;
+  Nanoseconds now_ = 0;
+  std::uint32_t microstep_ = 0;
+  std::string told_;  // to the time master: what is waited for
+  std::uint32_t calls_made_ = 0;
+  std::map<std::uint32_t, Reply> answers_;
+  std::set<std::string> found_;
+};
+
+}  // namespace move_base_abstract::lockstep::internal
+
+#endif  // MOVE_BASE_ABSTRACT_PARTICIPANT_MEMBERSHIP_H
