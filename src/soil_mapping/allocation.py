@@ -4,6 +4,8 @@ import math
 
 from .config import Allocation
 
+WAY_DECIMALS = 6  # of metres
+
 
 class Allocator:
     """The queues of all robots. A queue holds what a robot has not begun; the task it is at is not in it.
@@ -14,7 +16,7 @@ class Allocator:
 
     Round robin takes the robots in turn, and the turn goes on from one round of tasks to the next. In the auction
     (sequential single-item), every robot bids that whole way with the task in it; the lowest bid wins, ties go to the
-    lower robot index.
+    lower robot index. Ways that differ by less than a micrometre are equal, so that no rounding decides.
 
     :param places: (x, y) of each robot [m].
     """
@@ -59,5 +61,5 @@ class Allocator:
             if position + 1 < len(stops):
                 after = stops[position + 1]
                 detour += math.dist(place, after) - math.dist(before, after)
-            best = min(best, (length + detour, position))
+            best = min(best, (round(length + detour, WAY_DECIMALS), position))
         return best

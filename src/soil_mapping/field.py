@@ -11,16 +11,24 @@ from move_base_abstract.shown import shown
 
 from .config import Crs, parse_size
 from .grid import FIELD_HEIGHT_M, FIELD_WIDTH_M, MAX_CELLS, Grid
+from .kriging import neighbourhoods
+from .kriging_system import KrigingSystem
 from .projection import to_plane
 from .readings import read_meuse, read_readings
 from .seeds import Purpose, generator
-from .variogram import evaluate_mean, fit
+from .variogram import Variogram, fit
 
 SYNTHETIC_MEAN_KPA = 785.2975  # statistics of the interpolated compaction of the published study's field
 SYNTHETIC_SD_KPA = 17.0323
 SYNTHETIC_LENGTH_M = 65.0  # makes its autocorrelation at 40 m that of the published study's field, 0.6 to 0.8
 PUBLISHED_SIZE = (FIELD_WIDTH_M, FIELD_HEIGHT_M)
 PUBLISHED_READINGS = '9a06310d7d32033b0aa37d09e20161efe2de10cc1b7cc48c4ebc1f534c13fd09'  # SHA-256 of (lon, lat, kPa)
+# What PyKrige fits to them, in degrees; the eleventh digit depends on the processor.
+PUBLISHED_VARIOGRAM = Variogram(psill=4213.91527, range_m=0.004399242190810138, nugget=9656.74710)
+MANY_READINGS = 512  # up to these all readings decide each cell; of more, the nearest
+NEAR_READINGS = 128
+PLACE_DECIMALS = 3  # of metres: projections differ by less from computer to computer
+SYNTHETIC_DECIMALS = 4  # of kPa: the same goes for the libraries that draw it
 WHOLE = 1e-9  # of a cell: a box that is longer than whole cells by rounding only needs no further one
 SYNTHETIC_NODE_M = 4.0  # it is drawn at nodes so far apart and is smooth between them: 16 times faster
 
@@ -106,8 +114,9 @@ def load_field(source='synthetic', cell_m=1, crs=Crs.DEGREES, size=''):
 def interpolate(readings, source, unit='kPa', size=PUBLISHED_SIZE):
     """Return the Field of readings (columns east, north, value), stretched over a size (width, height) [m].
 
-    As the published study did it: the variogram is gaussian and fitted by PyKrige, coordinates are float32 and taken as
-    planar whatever their unit, and the grid divides the readings' bounding box evenly, its last edge excluded.
+    As the published study did it: the variogram is gaussian (of its own readings it is the published one), coordinates
+    are float32 and taken as planar whatever their unit, and the grid divides the readings' bounding box evenly, its
+    last edge excluded.
     """
     grid = _checked(Grid(round(size[1]), round(size[0]), 1.0), source)
     exact = np.asarray(readings, dtype=np.float64)
@@ -115,7 +124,8 @@ def interpolate(readings, source, unit='kPa', size=PUBLISHED_SIZE):
     points, values = rounded[:, :2], rounded[:, 2]
     east = np.linspace(exact[:, 0].min(), exact[:, 0].max(), grid.columns, endpoint=False, dtype=np.float32)
     north = np.linspace(exact[:, 1].min(), exact[:, 1].max(), grid.rows, endpoint=False, dtype=np.float32)
-    mean = evaluate_mean(points, values, fit(points, values), east.astype(np.float64), north.astype(np.float64))
+    variogram = PUBLISHED_VARIOGRAM if is_published(exact) else None
+    mean = _krige(points, values, east.astype(np.float64), north.astype(np.float64), variogram)
     extent = f'bounding box of {np.ptp(exact[:, 0]):.6g} x {np.ptp(exact[:, 1]):.6g} (unit of its coordinates) ' \
              f'stretched over {grid.width_m:g} x {grid.height_m:g} m'
     return Field(mean, grid, source, unit, extent)
@@ -129,13 +139,28 @@ def interpolate_true(readings, source, cell_m, crs=Crs.DEGREES):
     x, y, name = readings[:, 0], readings[:, 1], 'the file'
     if Crs(crs) is Crs.DEGREES:
         x, y, name = to_plane(x, y, source)
+        x, y = np.round(x, PLACE_DECIMALS), np.round(y, PLACE_DECIMALS)
     grid = _checked(Grid(math.ceil(np.ptp(y) / cell_m - WHOLE), math.ceil(np.ptp(x) / cell_m - WHOLE), float(cell_m)),
                     source)
     points = np.column_stack((x - x.min(), y - y.min()))
-    mean = evaluate_mean(points, readings[:, 2], fit(points, readings[:, 2]), grid.x_centres(), grid.y_centres())
+    mean = _krige(points, readings[:, 2], grid.x_centres(), grid.y_centres())
     extent = f'bounding box of {np.ptp(x):.1f} x {np.ptp(y):.1f} m in true size; the map frame begins at x ' \
              f'{x.min():.3f}, y {y.min():.3f} m of {name}'
     return Field(mean, grid, source, extent=extent)
+
+
+def _krige(points, values, x, y, variogram=None):
+    """Return the kriged mean of readings at the grid that x and y span, with the Variogram fitted to them if none."""
+    if variogram is None:
+        width, height = np.ptp(points, axis=0)
+        variogram = fit(points, values, math.sqrt(width * width + height * height))
+    if variogram.sill == 0.0:
+        return np.full((len(y), len(x)), float(values[0]))
+    mean = np.empty((len(y), len(x)))
+    most = len(points) if len(points) <= MANY_READINGS else NEAR_READINGS
+    for rows, columns, near in neighbourhoods(points, x, y, most):
+        mean[rows, columns] = KrigingSystem(points[near], values[near], variogram).mean(x[columns], y[rows])
+    return mean
 
 
 def is_published(readings):
@@ -153,7 +178,7 @@ def _checked(grid, source):
 
 
 def _synthetic(source, seed_text):
-    """Return a gaussian random field with the mean and the standard deviation of the published study's, exactly."""
+    """Return a gaussian random field with the mean and the standard deviation of the published study's."""
     if not seed_text.isdecimal() or len(seed_text) > 19:
         raise ConfigurationError(f'field {shown(source)}: the seed must be a whole number of at most 19 digits')
     import gstools  # takes 0.7 s to import, and nothing else needs it
@@ -166,4 +191,4 @@ def _synthetic(source, seed_text):
     nodes = gstools.SRF(model, seed=seed).structured([nodes_x, nodes_y]).T
     values = RectBivariateSpline(nodes_y, nodes_x, nodes)(grid.y_centres(), grid.x_centres())
     values = (values - values.mean()) / values.std()
-    return Field(SYNTHETIC_MEAN_KPA + SYNTHETIC_SD_KPA * values, grid, source)
+    return Field(np.round(SYNTHETIC_MEAN_KPA + SYNTHETIC_SD_KPA * values, SYNTHETIC_DECIMALS), grid, source)

@@ -2,8 +2,7 @@
 
 Up to 64 samples all of them decide each cell. With more, the grid is cut into tiles of 20 x 20 cells, and the 64
 samples nearest to a tile's middle decide the tile's cells (a moving neighbourhood: J.-P. Chiles and P. Delfiner,
-Geostatistics, 1999, section 3.6), so that time grows no further. Many near samples make nearly singular systems; in
-neighbourhoods the nugget is therefore a millionth of the partial sill at least.
+Geostatistics, 1999, section 3.6), so that time grows no further.
 
 What is defined beyond the ordinary case:
 
@@ -14,17 +13,18 @@ What is defined beyond the ordinary case:
   grows as it does in any direction without samples.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from .variogram import COINCIDENT, Variogram, evaluate_mean, fit, inverse_system
+from . import arithmetic
+from .kriging_system import KrigingSystem
+from .variogram import Variogram, fit
 
 MIN_SAMPLES = 3
-BLOCK_ROWS = 6
 NEIGHBOURS = 64  # samples that decide a cell, at most
 TILE_CELLS = 20  # edge of what shares its neighbours
-NUGGET_SHARE = 1e-6  # of the partial sill, at least, in a neighbourhood
 
 
 class Estimate(NamedTuple):
@@ -38,10 +38,15 @@ class Estimate(NamedTuple):
 
 
 class Kriging:
-    """Kriging to one grid, whose geometry is computed once."""
+    """Kriging to one grid, whose geometry is computed once.
 
-    def __init__(self, grid):
+    :param fit: what gives the Variogram of values at points, called as variogram.fit.
+    """
+
+    def __init__(self, grid, fit=fit):
         self.grid = grid
+        self._fit = fit
+        self._extent = math.sqrt(grid.width_m * grid.width_m + grid.height_m * grid.height_m)
         self._x = grid.x_centres()
         self._y = grid.y_centres()
 
@@ -55,10 +60,11 @@ class Kriging:
         if len(points) < MIN_SAMPLES:
             raise ValueError(f'kriging needs at least {MIN_SAMPLES} samples, got {len(points)}')
         points, values = self.merge(points, values)
-        variogram = fit(points, values)
+        variogram = self._fit(points, values, self._extent) if len(points) > 1 else Variogram(0.0, self._extent, 0.0)
         mean, variance = self.evaluate(points, values, variogram)
         error = mean - truth
-        return Estimate(mean, variance, variogram, float(np.sqrt(np.mean(error * error))), float(variance.mean()))
+        return Estimate(mean, variance, variogram, math.sqrt(arithmetic.mean(error * error)),
+                        arithmetic.mean(variance))
 
     def merge(self, points, values):
         """Return the samples with those of one cell made one; order: as first seen."""
@@ -68,51 +74,32 @@ class Kriging:
         members = list(groups.values())
         if len(members) == len(points):
             return points, values
-        return np.array([points[m].mean(axis=0) for m in members]), np.array([values[m].mean() for m in members])
+        return (np.array([[arithmetic.mean(points[m, axis]) for axis in (0, 1)] for m in members]),
+                np.array([arithmetic.mean(values[m]) for m in members]))
 
     def evaluate(self, points, values, variogram):
         """Return (mean, variance) of all cells with a given Variogram; at a sample: its value and 0."""
-        if len(points) > NEIGHBOURS and variogram.sill > 0.0:
-            return self._evaluate_tiles(points, values, variogram)
-        mean = evaluate_mean(points, values, variogram, self._x, self._y)
         if variogram.sill == 0.0:
-            return mean, np.zeros(self.grid.shape)
-        return mean, _variance(points, variogram, self._x, self._y)
-
-    def _evaluate_tiles(self, points, values, variogram):
-        """Return (mean, variance) of all cells, each tile by its nearest samples; at equal distance the earlier one."""
-        variogram = variogram._replace(nugget=max(variogram.nugget, NUGGET_SHARE * variogram.psill))
+            return np.full(self.grid.shape, float(values[0])), np.zeros(self.grid.shape)
         mean, variance = np.empty(self.grid.shape), np.empty(self.grid.shape)
-        for south in range(0, self.grid.rows, TILE_CELLS):
-            for west in range(0, self.grid.columns, TILE_CELLS):
-                rows, columns = slice(south, south + TILE_CELLS), slice(west, west + TILE_CELLS)
-                x, y = self._x[columns], self._y[rows]
-                distance = (points[:, 0] - (x[0] + x[-1]) / 2.0) ** 2 + (points[:, 1] - (y[0] + y[-1]) / 2.0) ** 2
-                near = np.sort(np.argsort(distance, kind='stable')[:NEIGHBOURS])
-                mean[rows, columns] = evaluate_mean(points[near], values[near], variogram, x, y)
-                variance[rows, columns] = np.maximum(_variance(points[near], variogram, x, y), 0.0)
+        for rows, columns, near in neighbourhoods(points, self._x, self._y, NEIGHBOURS):
+            system = KrigingSystem(points[near], values[near], variogram)
+            mean[rows, columns], variance[rows, columns] = system.mean_and_variance(self._x[columns], self._y[rows])
         return mean, variance
 
 
-def _variance(points, variogram, x, y):
-    """Return -b' A^-1 b, with b = (-gamma to each point, 1), shape (len(y), len(x)).
+def neighbourhoods(points, x, y, most):
+    """Yield (rows, columns, indices of the points that decide them) of the grid that x and y span.
 
-    Block by block, so that what is worked on stays in the processor's cache.
+    Up to `most` points all of them decide all cells. Of more, each tile has its nearest; of equally near ones the
+    earlier.
     """
-    count = len(points)
-    inverse = inverse_system(points, variogram)
-    decay_x = variogram.decay(points[:, 0, None] - x)  # (n, columns)
-    decay_y = variogram.psill * variogram.decay(points[:, 1, None] - y)  # (n, rows)
-    variance = np.empty((len(y), len(x)))
-    for south in range(0, len(y), BLOCK_ROWS):
-        rows = slice(south, min(south + BLOCK_ROWS, len(y)))
-        right = np.ones((count + 1, rows.stop - south, len(x)))
-        np.multiply(decay_y[:, rows, None], decay_x[:, None, :], out=right[:count])
-        right[:count] -= variogram.sill
-        right = right.reshape(count + 1, -1)
-        form = inverse @ right
-        form *= right
-        variance[rows] = -form.sum(axis=0).reshape(-1, len(x))
-    for point in points:
-        variance[np.ix_(np.abs(y - point[1]) < COINCIDENT, np.abs(x - point[0]) < COINCIDENT)] = 0.0
-    return variance
+    if len(points) <= most:
+        yield slice(None), slice(None), slice(None)
+        return
+    for south in range(0, len(y), TILE_CELLS):
+        for west in range(0, len(x), TILE_CELLS):
+            rows, columns = slice(south, south + TILE_CELLS), slice(west, west + TILE_CELLS)
+            in_x, in_y = (points[:, axis] - (line[0] + line[-1]) / 2.0
+                          for axis, line in ((0, x[columns]), (1, y[rows])))
+            yield rows, columns, np.sort(np.argsort(in_x * in_x + in_y * in_y, kind='stable')[:most])

@@ -16,6 +16,8 @@ in the published program (TAROS 2022):
   new one is. Both allocations insert a task where this is least. The lowest cost wins the auction.
 - A random task is drawn from all cells; where that cell has had a task, it is drawn once more from a list of those that
   have had none, column by column. Of two equal tasks of one round the second is dropped.
+- PyKrige fits the variograms. From few samples its fit is not well-posed: the last digits decide it, and with them the
+  processor, whose BLAS kernel it uses.
 - Chance is two generators of Python's own, both seeded by the trial's number: starts, and tasks and side steps.
 
 The figures (see figures()) are those that the program wrote, with what it counts.
@@ -32,6 +34,7 @@ from .config import Allocation, Sampling
 from .greedy_path import greedy_path
 from .grid import Grid
 from .kriging import MIN_SAMPLES, Kriging
+from .variogram import Variogram
 
 WIDTH, HEIGHT = 162, 110  # cells
 CROWDED_WEIGHT = 2
@@ -134,7 +137,7 @@ class PublishedModel(mesa.Model):
         self.values = {}  # by cell
         self.estimate = None
         self.given = set()  # cells that have had a task
-        self._kriging = Kriging(Grid(HEIGHT, WIDTH, 1.0))
+        self._kriging = Kriging(Grid(HEIGHT, WIDTH, 1.0), fit_by_pykrige)
         self._labels = field_clusters()
         self._used = set()
         self._turn = 0
@@ -214,6 +217,15 @@ class PublishedModel(mesa.Model):
         if task not in self.given:
             self.robots[winner].queue.insert(position, task)
             self.given.add(task)
+
+
+def fit_by_pykrige(points, values, extent):
+    """Return the Variogram that PyKrige fits to values at points; see variogram.fit."""
+    if np.ptp(values) ** 2 < np.finfo(np.float64).tiny:
+        return Variogram(0.0, extent, 0.0)
+    from pykrige.ok import OrdinaryKriging  # takes 0.9 s to import
+    fitted = OrdinaryKriging(points[:, 0], points[:, 1], values, variogram_model='gaussian')
+    return Variogram(*map(float, fitted.variogram_model_parameters))
 
 
 def _starts(chance, count):

@@ -1,5 +1,6 @@
 """Where a result comes from: the versions of what computed it, and the machine."""
 
+import ctypes
 import functools
 import importlib.metadata
 import os
@@ -7,6 +8,8 @@ import platform
 import re
 from pathlib import Path
 
+KERNEL_NAMES = ('openblas_get_corename', 'openblas_get_corename64_', 'scipy_openblas_get_corename',
+                'scipy_openblas_get_corename64_')  # what OpenBLAS calls the function, by how it was built
 LIBRARIES = ('numpy', 'scipy', 'PyKrige', 'gstools', 'Mesa', 'matplotlib')
 
 
@@ -35,8 +38,37 @@ def versions():
 
 @functools.lru_cache(maxsize=1)
 def machine():
-    """Return what is known of the machine: system, processor, number of usable cores."""
-    return {'system': platform.platform(), 'processor': _processor(), 'cores': len(os.sched_getaffinity(0))}
+    """Return what is known of the machine: system, processor, number of usable cores, the kernels of its BLAS.
+
+    A trial does not depend on them (arithmetic.py); what is compared with it may.
+    """
+    return {'system': platform.platform(), 'processor': _processor(), 'cores': len(os.sched_getaffinity(0)),
+            'blas': ', '.join(blas_kernels()) or 'unknown'}
+
+
+def blas_kernels():
+    """Return the OpenBLAS libraries that are loaded, each with the kernel that it chose for this processor."""
+    try:
+        with open('/proc/self/maps', encoding='utf-8') as stream:
+            paths = {line.split(maxsplit=5)[-1].strip() for line in stream}
+    except OSError:
+        return []
+    return [f'{os.path.basename(path)} {kernel}'
+            for path in sorted(paths) if 'openblas' in os.path.basename(path) for kernel in _kernel_of(path)]
+
+
+def _kernel_of(path):
+    """Return the kernel of a loaded library, in a list; an empty one if it is no OpenBLAS."""
+    try:
+        library = ctypes.CDLL(path)
+    except OSError:
+        return []
+    for name in KERNEL_NAMES:
+        ask = getattr(library, name, None)
+        if ask is not None:
+            ask.argtypes, ask.restype = [], ctypes.c_char_p
+            return [ask().decode('ascii', 'replace')]
+    return []
 
 
 def _processor():

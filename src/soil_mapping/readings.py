@@ -12,7 +12,7 @@ from move_base_abstract.shown import shown, shown_text
 
 from .config import Crs
 
-MIN_READINGS, MAX_READINGS = 3, 5000  # as many as kriging can do in half a minute and 1 GB
+MIN_READINGS, MAX_READINGS = 3, 5000  # as many as kriging can do in 10 s
 MAX_VALUE = 1e12  # in any unit; squares and their sums stay finite
 MEUSE_FILE = Path(__file__).with_name('data') / 'meuse_zinc.csv'
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from soil_mapping import environment
 
 # modules and the packages that have them
-NEEDED = {'scipy': 'scipy', 'pykrige': 'PyKrige', 'gstools': 'gstools', 'jinja2': 'Jinja2'}
+NEEDED = {'scipy': 'scipy', 'gstools': 'gstools', 'jinja2': 'Jinja2'}
 VARIABLE = 'SOIL_MAPPING_PYTHON'
 STARTED_AGAIN = 'SOIL_MAPPING_STARTED_AGAIN'
 # One thread per trial: trials run side by side, and sums come out the same on every number of cores.

@@ -24,7 +24,7 @@ from soil_mapping.trial_folder import TrialFolder, is_complete, read_about
 from .truth import truth_of
 
 PR_SET_PDEATHSIG = 1
-HEAVY = {'ros': ('soil_mapping.study.ros_trial', 'pykrige.ok'), 'mesa': ('soil_mapping.mesa_model', 'pykrige.ok')}
+HEAVY = {'ros': 'soil_mapping.study.ros_trial', 'mesa': 'soil_mapping.mesa_model'}
 POLL_S = 0.5  # wall; how often a trial that would never end is looked for
 RECORD_S = 30.0  # wall; so long an interrupted trial may write what it has, once its mission is over
 MISSION_OVER, RECORDED, FAILED = 'mission over', 'recorded', 'failed'  # what the child tells
@@ -41,8 +41,7 @@ def prepare(specs):
         spec.inputs  # noqa: B018 - looked at, and kept
         truth_of(spec.config)
     for engine in sorted({spec.engine for spec in specs}):
-        for module in HEAVY[engine]:
-            _import(engine, module)
+        _import(engine, HEAVY[engine])
     for spec in specs:
         Coordinator(spec.config, spec.seed, truth_of(spec.config))  # what cannot be is refused before a node is started
 

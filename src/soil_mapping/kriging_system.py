@@ -1,0 +1,114 @@
+"""The ordinary kriging system of samples, solved once, and mean and variance that it gives on a grid.
+
+Formulas: N. Cressie, Statistics for Spatial Data, 1993, section 3.2, with the covariance C(h) = sill - gamma(h) in the
+place of the variogram. C is factorised as L D L', by elimination without exchanges, which the nugget keeps stable.
+arithmetic.py makes it the same on every computer.
+"""
+
+import numpy as np
+
+from .arithmetic import MOST_TERMS, fold, product, slices
+
+COINCIDENT = 1e-10  # coordinates nearer than this are one place, as in PyKrige
+LEAST_PIVOT = 1e-12  # of the sill: a sample that the others leave less variance says nothing, and is left out
+BLOCK = 32768  # numbers that are worked on at a time: they stay in the processor's cache
+
+
+class KrigingSystem:
+    """Samples and their variogram: points, shape (n, 2); values, shape (n,), n <= 512; a Variogram with a sill > 0."""
+
+    def __init__(self, points, values, variogram):
+        if len(values) > MOST_TERMS:
+            raise ValueError(f'at most {MOST_TERMS} samples make a system, got {len(values)}')
+        self._points, self._values, self._variogram = points, values, variogram
+        covariance = variogram.decay(points[:, None, 0] - points[:, 0]) * variogram.decay(
+            points[:, None, 1] - points[:, 1]) * variogram.psill
+        np.fill_diagonal(covariance, variogram.sill)
+        self._lower, self._inverse_pivots = _factorise(covariance, LEAST_PIVOT * variogram.sill)
+        self._of_ones = self._solve(np.ones(len(values)))
+        self._ones = float(fold(self._of_ones.copy()))  # 1' C^-1 1
+        offsets = values - values[0]
+        self._mean = float(values[0]) + float(fold(self._of_ones * offsets)) / self._ones
+        self._weights = self._solve(values - self._mean)
+
+    def mean(self, x, y):
+        """Return the kriged mean at the grid that x and y span, shape (len(y), len(x))."""
+        mean = np.empty((len(y), len(x)))
+        for block, found in self._blocks(x, y, self._weights[None, :]):
+            mean[block] = found[0] + self._mean
+        for hits, value in self._samples_on(x, y):
+            mean[hits] = value
+        return mean
+
+    def mean_and_variance(self, x, y):
+        """Return (mean, variance), each of shape (len(y), len(x)); at a sample: its value and 0."""
+        mean, variance = np.empty((len(y), len(x))), np.empty((len(y), len(x)))
+        inverse = _invert(self._lower)
+        for block, found in self._blocks(x, y, np.vstack((self._weights, self._of_ones, inverse))):
+            mean[block] = found[0] + self._mean
+            variance[block] = self._variance(1.0 - found[1], found[2:])
+        for hits, value in self._samples_on(x, y):
+            mean[hits], variance[hits] = value, 0.0
+        return mean, variance
+
+    def _solve(self, right):
+        """Return C^-1 right."""
+        result = right.astype(np.float64)
+        for k in range(len(result)):
+            result[k + 1:] -= self._lower[k + 1:, k] * result[k]
+        result *= self._inverse_pivots
+        for k in range(len(result) - 1, -1, -1):
+            result[:k] -= self._lower[k, :k] * result[k]
+        return result
+
+    def _blocks(self, x, y, matrix):
+        """Yield (rows of the grid, the matrix times their covariances with the samples).
+
+        The latter has the shape (rows of the matrix, rows of the grid, len(x)).
+        """
+        decay_x = self._variogram.decay(self._points[:, 0, None] - x)  # (n, columns)
+        decay_y = self._variogram.decay(self._points[:, 1, None] - y)  # (n, rows)
+        _, exponents = np.frexp(np.abs(matrix).max(axis=1))
+        sliced = slices(np.ldexp(matrix, -exponents[:, None]))
+        scale = np.ldexp(self._variogram.psill, exponents)
+        rows = max(1, BLOCK // (len(self._values) * len(x)))
+        for south in range(0, len(y), rows):
+            block = slice(south, south + rows)
+            decay = (decay_y[:, block, None] * decay_x[:, None, :]).reshape(len(self._values), -1)
+            found = product(sliced, slices(decay))
+            found *= scale[:, None]
+            yield block, found.reshape(len(matrix), -1, len(x))
+
+    def _variance(self, missing, reduced):
+        """Return sill - c' C^-1 c + (1 - 1' C^-1 c)^2 / (1' C^-1 1).
+
+        :param missing: 1 - 1' C^-1 c. :param reduced: L^-1 c, which is used up.
+        """
+        reduced *= reduced
+        reduced *= self._inverse_pivots[:, None, None]
+        return np.maximum(self._variogram.sill - fold(reduced) + missing * missing / self._ones, 0.0)
+
+    def _samples_on(self, x, y):
+        """Yield (indices of the grid, value) of each sample: gamma is 0, not the nugget, at the place itself."""
+        for point, value in zip(self._points, self._values):
+            yield np.ix_(np.abs(y - point[1]) < COINCIDENT, np.abs(x - point[0]) < COINCIDENT), value
+
+
+def _factorise(matrix, least_pivot):
+    """Return (L, 1 / D) of a symmetric matrix, which is used up; D is infinite where a pivot is less than the least."""
+    count = len(matrix)
+    lower, inverse_pivots = np.eye(count), np.zeros(count)
+    for k in range(count):
+        if matrix[k, k] > least_pivot:
+            inverse_pivots[k] = 1.0 / matrix[k, k]
+            lower[k + 1:, k] = matrix[k + 1:, k] * inverse_pivots[k]
+            matrix[k + 1:, k + 1:] -= lower[k + 1:, k, None] * matrix[k, k + 1:]
+    return lower, inverse_pivots
+
+
+def _invert(lower):
+    """Return the inverse of a triangular matrix with ones in its diagonal."""
+    inverse = np.eye(len(lower))
+    for k in range(len(lower)):
+        inverse[k + 1:, :k + 1] -= lower[k + 1:, k, None] * inverse[k, :k + 1]
+    return inverse
