@@ -26,6 +26,8 @@ LIMIT = 40.0  # simulated s per wall s
 FILES = ['.made_by_move_base_abstract', 'events.csv', 'metrics.csv', 'prediction.npy', 'samples.csv',
          'trajectories.csv', 'trial.json', 'truth.npy', 'variance.npy']
 
+NEEDS_MESA = unittest.skipIf(sys.version_info < (3, 11), 'Mesa is not installed; it needs Python 3.11')
+
 
 class Trials(unittest.TestCase):
     @classmethod
@@ -76,6 +78,7 @@ class Trials(unittest.TestCase):
         self.assertEqual((end['repeatable'], end['degraded_because']), (True, []))
         self.assertEqual(sorted(os.listdir(self.path('plain'))), sorted([*FILES, 'lockstep_events.jsonl']))
 
+    @NEEDS_MESA
     def test_mesa_makes_the_same_events(self):
         self.assertEqual(self.trial('mesa', '--engine', 'mesa')[0], self.plain[0])
 
@@ -140,6 +143,7 @@ class Trials(unittest.TestCase):
         self.assertIn(self.path('mine') + ": is not empty (it holds 'notes.txt')", done.stdout)
         self.assertEqual(os.listdir(self.path('mine')), ['notes.txt'])
 
+    @NEEDS_MESA
     def test_a_disk_that_is_full_is_named_and_the_missions_events_stay(self):
         # Bytes that a file may have, in place of those that a disk has: the maps are larger than that.
         done = subprocess.run(['prlimit', '--fsize=100000', find_executable('study'), 'trial', *MISSION, '--engine',
@@ -157,6 +161,7 @@ class Trials(unittest.TestCase):
         self.assertEqual(self.trial('killed')[:2], self.plain[:2])
         self.assertFalse(os.path.exists(path + '.unfinished'))
 
+    @NEEDS_MESA
     def test_a_study_goes_on_where_it_was(self):
         words = ['run', '--budget', '60', '--seeds', '1', '--groups', 'mesa', 'ros-lockstep', '--output',
                  self.path('study')]
