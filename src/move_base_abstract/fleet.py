@@ -10,13 +10,10 @@ The robots are those of the nodes, with the same settings, and time is kept in t
 import itertools
 
 from .errors import ConfigurationError, FrameError, TimeError
-from .frames import RobotFrames
 from .geometry import quaternion_of_yaw
-from .goal_ledger import GoalLedger
-from .navigator import GoalPose, Navigator, NavigatorListener
+from .navigator import GoalPose, NavigatorListener
 from .outcome import ROBOT_REMOVED, ROBOT_RESET
-from .planning import StraightLinePlanner
-from .robot import Robot
+from .robot_parts import make_robot_parts
 from .robot_trace import RobotTrace, TraceEntry
 from .scenario import Scenario, make_robot
 from .simulation import Simulation
@@ -149,15 +146,8 @@ class _Member(NavigatorListener):
         self._settings = settings
         self._trace = RobotTrace(spec.name, None if fleet.trace is None else fleet.trace.append)
         self.goal_numbers = itertools.count(1)
-        self.robot = Robot(index, spec.name, settings.start, settings.limits, settings.tolerances, fleet.now_ns)
-        frames = RobotFrames(self.robot, settings.values['global_frame'], settings.frame('odom'),
-                             settings.frame('base_link'), _no_lookup)
-        self._ledger = GoalLedger(lambda: None, self._ended,
-                                  lambda now_ns: '{}-{}'.format(spec.name, now_ns))
-        self.navigator = Navigator(self.robot, fleet.simulation, self._ledger, frames, self,
-                                   planner or StraightLinePlanner(settings.bounds))
-        self.navigator.bad_frame_policy = settings.bad_frame_policy
-        self.navigator.recovery_policy = settings.recovery
+        self.robot, _, self._ledger, self.navigator = make_robot_parts(
+            settings, spec.name, index, fleet.simulation, self, self, _no_lookup, planner)
 
     def reset(self, now_ns):
         self.navigator.shut_down(ROBOT_RESET, now_ns)
@@ -171,7 +161,13 @@ class _Member(NavigatorListener):
     def stands(self, robot, now_ns):
         self._trace.stands(robot.pose_at(now_ns), now_ns)
 
-    def _ended(self, record, stamp_ns):
+    def publish_status(self):
+        pass
+
+    def new_id(self, now_ns):
+        return '{}-{}'.format(self.robot.name, now_ns)
+
+    def publish_result(self, record, stamp_ns):
         self._trace.ended(record, stamp_ns)
         self._fleet._ended(self.robot.name, record, stamp_ns)
 

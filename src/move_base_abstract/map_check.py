@@ -16,9 +16,9 @@ class Ground(Enum):
 
 
 class MapCheck:
-    """What one robot makes of the map: where it may be sent. ``occupancy`` may be replaced at any time.
+    """What one robot makes of the map: where it may be sent.
 
-    While ``occupancy`` is None no goal can be judged; ``lacking`` says why.
+    While there is no map (``occupancy`` is None) no goal can be judged; ``lacking`` says why.
     """
 
     def __init__(self, occupancy=None, allow_unknown=True, allow_occupied=False, lacking='no map has come yet'):
@@ -26,6 +26,15 @@ class MapCheck:
         self.lacking = lacking
         self._allow_unknown = allow_unknown
         self._allow_occupied = allow_occupied
+
+    def use(self, occupancy):
+        """Judge by another map (OccupancyMap) from now on."""
+        self.occupancy = occupancy
+
+    def use_none(self, lacking):
+        """Judge no goals from now on, because of what the text ``lacking`` says."""
+        self.lacking = lacking
+        self.occupancy = None
 
     def refusal(self, pose):
         """Return why ``pose`` (map frame) is no place to be sent to, off the map in move_base's words, or None."""

@@ -36,11 +36,6 @@ class RobotPlan(NamedTuple):
     start: Pose2D
     goals: Tuple[Pose2D, ...]  # in the order in which they are visited
 
-    def path_length(self):
-        """Return the length of the straight legs from the start through all goals [m]."""
-        stops = (self.start,) + self.goals
-        return sum(a.distance_to(b) for a, b in zip(stops, stops[1:]))
-
 
 class Mission(NamedTuple):
     """The plans of all robots, in the order of the file."""

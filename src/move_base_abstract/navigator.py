@@ -14,6 +14,8 @@ from .planning import StraightLinePlanner
 from .recovery import RecoveryPolicy
 from .units import NS_PER_S, check_reachable
 
+_RETRY_NS = NS_PER_S // 20  # where a frame that is not known is waited for
+
 
 class BadFramePolicy(Enum):
     """What becomes of a goal whose frame is not known: ended at once, or retried until it is cancelled (upstream)."""
@@ -63,12 +65,12 @@ class NavigatorListener:
 class Navigator:
     """The life of one robot's goals, on top of a :class:`GoalLedger` that keeps the book."""
 
-    def __init__(self, robot, simulation, ledger, frames, listener, planner=StraightLinePlanner()):
+    def __init__(self, robot, simulation, ledger, frames, listener, planner=StraightLinePlanner(),
+                 bad_frame_policy=BadFramePolicy.ABORT, recovery_policy=RecoveryPolicy()):
         self.robot = robot
         self.planner = planner
-        self.bad_frame_policy = BadFramePolicy.ABORT
-        self.recovery_policy = RecoveryPolicy()
-        self.retry_ns = NS_PER_S // 20
+        self._bad_frame_policy = bad_frame_policy
+        self._recovery_policy = recovery_policy
         self._simulation = simulation
         self._ledger = ledger
         self._frames = frames
@@ -77,6 +79,10 @@ class Navigator:
         self._events = []
         self._target = None
         self._starts_from_idle = True
+
+    def set_recovery_policy(self, policy):
+        """Give up by ``policy`` (RecoveryPolicy), from the next goal on that cannot be reached."""
+        self._recovery_policy = policy
 
     def set_feedback_frequency(self, frequency):
         """Tell where the robot is ``frequency`` times a simulated second while it has a goal; 0 = never."""
@@ -150,10 +156,10 @@ class Navigator:
 
     def _bad_place(self, goal, text, now_ns):
         self._listener.warn(text)
-        if self.bad_frame_policy is BadFramePolicy.ABORT:
+        if self._bad_frame_policy is BadFramePolicy.ABORT:
             self._end(aborted(text), now_ns)
             return
-        self._try_at(now_ns + self.retry_ns, goal, now_ns)
+        self._try_at(now_ns + _RETRY_NS, goal, now_ns)
 
     def _try_at(self, due_ns, goal, now_ns):
         """Look for the goal's place (again) at ``due_ns`` [ns]."""
@@ -200,8 +206,8 @@ class Navigator:
         self._end(REACHED, due_ns)
 
     def _give_up(self, now_ns):
-        behaviors = self.recovery_policy.behaviors
-        begins, end_ns = self.recovery_policy.schedule(now_ns)
+        behaviors = self._recovery_policy.behaviors
+        begins, end_ns = self._recovery_policy.schedule(now_ns)
         if not self._can_wait_for(end_ns, 'the robot would give up', now_ns):
             return
         for begin_ns, index in begins:

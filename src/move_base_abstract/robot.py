@@ -12,18 +12,28 @@ _REMEMBERED_LEGS = 64
 class Robot:
     """A robot that stands or travels one leg at a time in the plane of the global frame.
 
-    ``limits`` and ``tolerances`` may be replaced at any time and take effect on the next leg.
+    Other limits and tolerances (:meth:`set_motion`) take effect on the next leg.
     """
 
     def __init__(self, index, name, pose=Pose2D(), limits=MotionLimits(0.5), tolerances=Tolerances(), since_ns=0):
         self.index = index
         self.name = name
-        self.limits = limits
-        self.tolerances = tolerances
+        self._limits = limits
+        self._tolerances = tolerances
         self._stand = _Stand(pose, since_ns)
         self._motion = self._stand
         self._past = deque([self._stand], maxlen=_REMEMBERED_LEGS)
         self._driven = 0.0
+
+    @property
+    def limits(self):
+        """The MotionLimits of the next leg."""
+        return self._limits
+
+    def set_motion(self, limits, tolerances):
+        """Travel with these MotionLimits and Tolerances from the next leg on."""
+        self._limits = limits
+        self._tolerances = tolerances
 
     @property
     def leg(self):
@@ -55,7 +65,7 @@ class Robot:
         :raises ValueError: if the goal is so far away that no number holds the distance or the time, or that the robot
             would arrive after the end of simulated time.
         """
-        leg = Leg(self.pose_at(now_ns), goal, self.limits, self.tolerances, now_ns)
+        leg = Leg(self.pose_at(now_ns), goal, self._limits, self._tolerances, now_ns)
         check_reachable(leg.arrive_ns, 'the arrival would be')
         self._driven = self.distance_at(now_ns)
         return self._begin(leg)

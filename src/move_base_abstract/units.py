@@ -17,11 +17,6 @@ def seconds_to_ns(seconds):
     return int(whole) * NS_PER_S + int(round((seconds - whole) * NS_PER_S))
 
 
-def ns_to_seconds(time_ns):
-    """Return ``time_ns`` [ns] in seconds, as a float (for people and logs, never for sums)."""
-    return time_ns / NS_PER_S
-
-
 def check_reachable(time_ns, what):
     """Check that simulated time comes as far as ``time_ns`` [ns].
 

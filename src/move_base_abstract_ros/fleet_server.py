@@ -1,5 +1,6 @@
 """Many robots in one process: each a :class:`MoveBaseServer`, added, removed and reset by services."""
 import threading
+from dataclasses import replace
 
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
@@ -58,7 +59,7 @@ class FleetServer:
         settings = spec.settings
         check_frame(spec, self._frames, 'robots')
         if settings.tf_prefix is None:
-            settings.tf_prefix = spec.name
+            settings = replace(settings, tf_prefix=spec.name)
         try:
             self._robots[spec.name] = MoveBaseServer(robot_names(self._namespace, spec.name), settings, self._host,
                                                      index)

@@ -1,74 +1,52 @@
-"""The five topics of an action server, around the core's GoalLedger: one goal at a time, no timer and no thread."""
-import itertools
+"""The action MoveBase of one robot: what its messages mean to the navigator, and its endings as messages."""
 import time
 
-import rospy
-from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
-from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionGoal, MoveBaseActionResult, MoveBaseFeedback
-
-from move_base_abstract.goal_ledger import GoalLedger
-from move_base_abstract.units import NS_PER_S, seconds_to_ns
+from move_base_msgs.msg import (
+    MoveBaseActionFeedback,
+    MoveBaseActionGoal,
+    MoveBaseActionResult,
+    MoveBaseFeedback,
+    MoveBaseResult,
+)
 
 from . import conversions
-from .lazy_latch import LazyLatch
-from .outbox import Outbox
+from .action_shell import ActionShell, ActionTypes
 
-# A client that misses the acceptance of its goal misses its active_cb only, so that a shorter wait will do.
-_ACCEPTANCE_SHARE = 0.25
+_TYPES = ActionTypes(MoveBaseActionGoal, MoveBaseActionResult, MoveBaseActionFeedback)
 
 
 class GoalServer:
-    """Speaks the actionlib protocol on ``<ns>/{goal,cancel,status,feedback,result}`` for the action MoveBase.
+    """The action MoveBase on the topics of an :class:`ActionShell`. ``trace`` (RobotTrace) is told of endings.
 
-    ``min_answer_delay`` [s, wall] is the shortest time between the arrival of a goal and its final answer, and a
-    quarter of it the shortest before any status that shows the goal; in lockstep there is none, since an answer comes
-    in a later round. The :class:`Host` repeats the status. ``trace`` is the RobotTrace that is told of endings.
+    Has what a GoalLedger asks for.
     """
 
-    def __init__(self, ns, node_name, host, trace, min_answer_delay, status_list_timeout):
-        self.ns = ns
-        self._host = host
+    def __init__(self, ns, node_name, host, trace, min_answer_delay):
         self._clock = host.clock
         self._trace = trace
-        self._min_answer_delay = 0.0 if host.clock.is_lockstep else min_answer_delay
-        self._arrivals = {}
-        self._acceptance_wall = 0.0
-        self._outbox = Outbox()
-        self._counter = itertools.count(1)
-        self._node_name = node_name
         self._navigator = None
         self._prefetch = None
-        size = host.options.pub_queue_size
-        self._status = LazyLatch(ns + '/status', GoalStatusArray, size, tcp_nodelay=True)
-        self._result = rospy.Publisher(ns + '/result', MoveBaseActionResult, queue_size=size, tcp_nodelay=True)
-        self._feedback = rospy.Publisher(ns + '/feedback', MoveBaseActionFeedback, queue_size=size, tcp_nodelay=True)
-        self.ledger = GoalLedger(self._publish_status, self._publish_result, self._new_id,
-                                 seconds_to_ns(status_list_timeout))
+        self._shell = ActionShell(ns, node_name, host, _TYPES, min_answer_delay)
+        self.publish_status, self.new_id = self._shell.publish_status, self._shell.new_id
 
-    def start(self, navigator, prefetch):
-        """Take goals for ``navigator``; ``prefetch(goal)`` is called without the lock before each and may block."""
+    def start(self, ledger, navigator, prefetch):
+        """Take goals for ``navigator``, whose book is ``ledger``; ``prefetch(goal)`` is called before each.
+
+        It is called without the lock and may block.
+        """
         self._navigator = navigator
         self._prefetch = prefetch
-        with self._clock.lock:
-            self._clock.now_ns()
-            self._publish_status()
-        self._host.status_heartbeat.add(self._repeat_status)
-        size = self._host.options.sub_queue_size
-        self._subscribers = [
-            rospy.Subscriber(self.ns + '/cancel', GoalID, self._on_cancel, queue_size=size, tcp_nodelay=True),
-            rospy.Subscriber(self.ns + '/goal', MoveBaseActionGoal, self.take, queue_size=size, tcp_nodelay=True)]
+        self._shell.open(ledger)
+        self._shell.listen(self.take, self._on_cancel)
 
     def close(self):
         """Take no more goals and leave the graph."""
-        self._host.status_heartbeat.remove(self._repeat_status)
-        for topic in (*self._subscribers, self._status, self._result, self._feedback):
-            topic.unregister()
+        self._shell.close()
 
     def reset(self):
-        """Forget all goals."""
-        self.ledger.clear()
-        self._arrivals.clear()
-        self._publish_status()
+        """Tell that all goals are forgotten."""
+        self._shell.forget_arrivals()
+        self.publish_status()
 
     def take(self, message):
         """Take a goal (MoveBaseActionGoal) in, as from the topic. May block; no lock is held."""
@@ -77,9 +55,7 @@ class GoalServer:
         self._prefetch(goal)
         with self._clock.lock:
             now_ns = self._clock.now_ns()
-            self._acceptance_wall = arrived + _ACCEPTANCE_SHARE * self._min_answer_delay
-            if message.goal_id.id:
-                self._arrivals.setdefault(message.goal_id.id, arrived)
+            self._shell.arrived(message.goal_id.id, arrived)
             self._navigator.receive(message.goal_id.id, message.goal_id.stamp.to_nsec(), goal, now_ns)
 
     def _on_cancel(self, message):
@@ -89,42 +65,17 @@ class GoalServer:
 
     def publish_feedback(self, record, pose_stamped, stamp_ns):
         """Publish where the robot with the goal ``record`` is."""
-        self._outbox.send(self._feedback, MoveBaseActionFeedback(
-            conversions.to_header('', stamp_ns), _to_status(record), MoveBaseFeedback(pose_stamped)))
+        self._shell.publish_feedback(record, MoveBaseFeedback(pose_stamped), stamp_ns)
 
     def has_feedback_listeners(self):
         """Return whether anybody subscribes to the feedback."""
-        return self._feedback.get_num_connections() > 0
+        return self._shell.has_feedback_listeners()
 
     def flush(self):
         """Send what is held back, now."""
-        self._outbox.flush()
+        self._shell.flush()
 
-    def _publish_status(self):
-        now_ns = self._clock.simulation.now_ns
-        if self._status.is_heard():
-            self._outbox.send(self._status, self._make_status(now_ns), self._acceptance_wall)
-        else:
-            self._status.offer(lambda: self._make_status(now_ns))
-
-    def _make_status(self, now_ns):
-        with self._clock.lock:
-            return GoalStatusArray(conversions.to_header('', now_ns),
-                                   [_to_status(record) for record in self.ledger.records(now_ns)])
-
-    def _repeat_status(self, _now_ns):
-        if self._status.is_heard():
-            self._publish_status()
-
-    def _publish_result(self, record, stamp_ns):
+    def publish_result(self, record, stamp_ns):
+        """Publish that the goal ``record`` ended at ``stamp_ns`` [ns]."""
         self._trace.ended(record, stamp_ns)
-        message = MoveBaseActionResult(header=conversions.to_header('', stamp_ns), status=_to_status(record))
-        arrived = self._arrivals.pop(record.goal_id, None)
-        self._outbox.send(self._result, message, 0.0 if arrived is None else arrived + self._min_answer_delay)
-
-    def _new_id(self, now_ns):
-        return '{}-{}-{}.{:09d}'.format(self._node_name, next(self._counter), now_ns // NS_PER_S, now_ns % NS_PER_S)
-
-
-def _to_status(record):
-    return GoalStatus(GoalID(conversions.to_time(record.stamp_ns), record.goal_id), record.state.value, record.text)
+        self._shell.publish_result(record, MoveBaseResult(), stamp_ns)

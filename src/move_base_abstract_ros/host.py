@@ -1,5 +1,4 @@
 """What the robots of one process share: the clock, heartbeats, and how much may be published in all."""
-from contextlib import nullcontext
 from dataclasses import dataclass
 
 import rospy
@@ -7,9 +6,7 @@ import rospy
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.parameter_table import Parameter, integer, number, read_table
 
-from . import tf_hub
 from .single_connections import connect_one_at_a_time
-from .throttle import NoThrottle, WallThrottle
 
 #: heartbeats come after the robots' own events of the same instant
 _SHARED_INDEX = 2 ** 31 - 1
@@ -33,14 +30,14 @@ class ActionOptions:
     status_frequency: float = 5.0
 
 
-def read_action_options(is_lockstep=False):
+def read_action_options(status_frequency):
     """Return the :class:`ActionOptions` on the parameter server, found the way actionlib finds them.
 
-    In lockstep the status is told on transitions only, unless the parameter says otherwise.
+    ``status_frequency`` [Hz, simulated] is that of the status if no parameter says so.
 
     :raises ConfigurationError: for a wrong type or an impossible value.
     """
-    raw = {_FREQUENCY: 0.0} if is_lockstep else {}
+    raw = {_FREQUENCY: status_frequency}
     for name in ('actionlib_server_pub_queue_size', 'actionlib_server_sub_queue_size'):
         if rospy.has_param(name):
             raw[name] = rospy.get_param(name)
@@ -54,20 +51,31 @@ def read_action_options(is_lockstep=False):
 
 
 class Host:
-    """Made once per process; ``clock`` has started. ``is_crowded``: there may be very many robots."""
+    """Made once per process; ``clock`` has started, ``timing`` made it. ``is_crowded``: there may be very many robots.
 
-    def __init__(self, clock, options, is_crowded=False):
+    :raises ConfigurationError: if one of actionlib's parameters is not allowed.
+    """
+
+    def __init__(self, clock, timing, is_crowded=False):
         if clock.simulation is None:
             raise ConfigurationError('the clock of a host must have started')
         connect_one_at_a_time()
         self.clock = clock
-        self.options = options
+        self.timing = timing
+        self.options = read_action_options(timing.status_frequency)
         self.is_crowded = is_crowded
-        self.robot_count = 0
-        self.status_heartbeat = Heartbeat(self, options.status_frequency, _STATUS_RATE_CAP)
+        self._robot_count = 0
+        self.status_heartbeat = Heartbeat(self, self.options.status_frequency, _STATUS_RATE_CAP)
         self._tf_heartbeats = {}
-        if clock.is_lockstep:
-            tf_hub.tell_newcomers()
+        timing.begin_to_publish()
+
+    def add_robot(self):
+        """One more robot shares what may be published."""
+        self._robot_count += 1
+
+    def remove_robot(self):
+        """One robot less does."""
+        self._robot_count -= 1
 
     def tf_heartbeat(self, frequency, rate_cap):
         """Return the heartbeat of tf with ``frequency`` [Hz, simulated] and at most ``rate_cap`` [Hz, wall]."""
@@ -76,15 +84,12 @@ class Host:
         return self._tf_heartbeats[frequency, rate_cap]
 
     def throttle(self, rate):
-        """Return a throttle of ``rate`` [Hz, wall], or of the robot's share of all publications if that is less.
-
-        In lockstep nothing is held back: what is asked for comes at its instant.
-        """
-        return NoThrottle() if self.clock.is_lockstep else WallThrottle(rate, self.shortest_period)
+        """Return a throttle of ``rate`` [Hz, wall], or of the robot's share of all publications if that is less."""
+        return self.timing.throttle(rate, self.shortest_period)
 
     def shortest_period(self):
         """Return the time between two publications of one robot when all publish alike [s, wall]."""
-        return self.robot_count / _PUBLICATIONS_PER_SECOND
+        return self._robot_count / _PUBLICATIONS_PER_SECOND
 
 
 class Heartbeat:
@@ -92,6 +97,7 @@ class Heartbeat:
 
     def __init__(self, host, frequency, rate_cap):
         self._clock = host.clock
+        self._batch = host.timing.batch
         self._members = []
         self._throttle = host.throttle(rate_cap)
         with self._clock.lock:
@@ -111,8 +117,7 @@ class Heartbeat:
 
     def _beat(self, _due_ns, now_ns):
         if self._throttle.ready():
-            # In lockstep each robot sends by itself, so that its messages keep its place among all others'.
-            with nullcontext() if self._clock.is_lockstep else tf_hub.batch():
+            with self._batch():
                 for member in self._members:
                     member(now_ns)
         return self._clock.wall_to_ns(self._throttle.remaining())

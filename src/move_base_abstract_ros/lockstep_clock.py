@@ -14,12 +14,9 @@ class LockstepClock:
     ``join()`` takes part and returns the Participant when the clock has started.
     """
 
-    is_lockstep = True
-
     def __init__(self, join):
         self.lock = threading.RLock()
         self.simulation = None
-        self.on_restart = []  # as of RosClock; a run in lockstep has one clock, so that nobody is ever called
         self.participant = None
         self._join = join
 
@@ -31,6 +28,12 @@ class LockstepClock:
         self.participant.constant('/tf_static')
         self.participant.set_source(self)
         return True
+
+    def follow_restarts(self, _follower):
+        """As of RosClock; a run in lockstep has one clock, so that nobody is ever called."""
+
+    def leave_restarts(self, _follower):
+        """As of RosClock."""
 
     def serve(self):
         """Let callbacks and events go on without the calling thread, which has set everything up."""

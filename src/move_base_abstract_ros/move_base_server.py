@@ -1,12 +1,11 @@
 """One robot under move_base's interface: the core's navigator between its topics, services and parameters."""
 import rospy
 
-from move_base_abstract.frames import RobotFrames
-from move_base_abstract.navigator import Navigator, NavigatorListener
+from move_base_abstract.navigator import NavigatorListener
 from move_base_abstract.outcome import NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
 from move_base_abstract.planning import StraightLinePlanner
 from move_base_abstract.recovery import RecoveryPolicy
-from move_base_abstract.robot import Robot
+from move_base_abstract.robot_parts import make_robot_parts
 from move_base_abstract.robot_trace import RobotTrace
 
 from . import backends, conversions, lockstep, robot_markers, tf_watch
@@ -34,50 +33,46 @@ class MoveBaseServer(NavigatorListener):
         self._settings = settings
         self._clock = clock
         self._host = host
+        self._controller_frequency = settings.values['controller_frequency']
         self._last_warning = None
         self._told = None  # (goal id, stamp [ns]) of the latest feedback
         self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
         self._trace = RobotTrace(names.robot, clock.record(robot_index))
         with lockstep.sender(robot_index):
             self._set_up(robot_index)
-        clock.on_restart.append(self._restart)
-        host.robot_count += 1  # last: a robot whose settings are refused takes no share
+        clock.follow_restarts(self._restart)
+        host.add_robot()  # last: a robot whose settings are refused takes no share
 
     def _set_up(self, robot_index):
         names, settings, clock, host = self._names, self._settings, self._clock, self._host
         with clock.lock:
-            now_ns = clock.now_ns()
-            self._build(robot_index, now_ns)
+            clock.now_ns()
+            self._build(robot_index)
         self._teleport = Teleport(names, settings, clock, self.navigator, self._frames, self._prefetch_frame)
         self._planner_interface = PlannerInterface(names, settings, clock, self.navigator, self._map)
         self._reconfigure = Reconfigure(names, settings, self)
-        through_the_topic = clock.is_lockstep or not host.is_crowded
+        through_the_topic = host.timing.has_own_goal_connection(host.is_crowded)
         # First its publisher, then the subscription of the same topic: see single_connections.
         self._simple_goals = SimpleGoals(names, clock, None if through_the_topic else self._goal_server.take)
-        self._goal_server.start(self.navigator, self._prefetch)
+        self._goal_server.start(self._ledger, self.navigator, self._prefetch)
         self._simple_goals.listen()
 
-    def _build(self, robot_index, now_ns):
+    def _build(self, robot_index):
         settings, values = self._settings, self._settings.values
-        backend = backends.make(values['backend'], self._names, settings, self._clock.is_lockstep)
-        robot = Robot(robot_index, self._names.robot, settings.start, settings.limits, settings.tolerances, now_ns)
+        backend = backends.make(values['backend'], self._names, settings, self._host.timing)
         self._lookup = TfLookup(values['global_frame'], values['frame_timeout'], self._clock)
         self._map = RobotMap(self._names, settings, self._clock)
-        self._frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
-                                   settings.frame(values['robot_base_frame']), self._lookup.lookup)
         self._goal_server = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._host,
-                                       self._trace, values['min_answer_delay'], values['status_list_timeout'])
-        self.navigator = Navigator(robot, self._clock.simulation, self._goal_server.ledger, self._frames, self,
-                                   StraightLinePlanner(settings.bounds, self._map.check))
-        self.navigator.bad_frame_policy = settings.bad_frame_policy
-        self.navigator.recovery_policy = settings.recovery
+                                       self._trace, values['min_answer_delay'])
+        robot, self._frames, self._ledger, self.navigator = make_robot_parts(
+            settings, self._names.robot, robot_index, self._clock.simulation, self._goal_server, self,
+            self._lookup.lookup, StraightLinePlanner(settings.bounds, self._map.check))
         self.navigator.set_feedback_frequency(values['feedback_freq'])
         self._feedback_throttle = self._host.throttle(values['max_feedback_rate'])
         costmaps = CostmapTopics(self._names, settings, self._host, self._map)
         self._publisher = RobotPublisher(self._names, settings, self._host, robot, backend, costmaps)
         self._frames_told = backend.frames
-        if not self._clock.is_lockstep:  # to listen would be a part of the run there
-            tf_watch.claim(self._names.robot, self._frames_told)
+        self._host.timing.claim_frames(self._names.robot, self._frames_told)
         self._markers = robot_markers.add(self._clock, settings, self.navigator)
 
     def shut_down(self):
@@ -97,8 +92,8 @@ class MoveBaseServer(NavigatorListener):
             self._publisher.close()
             tf_watch.release(self._frames_told)
             self._markers.close()
-            self._clock.on_restart.remove(self._restart)
-        self._host.robot_count -= 1
+            self._clock.leave_restarts(self._restart)
+        self._host.remove_robot()
 
     def reset(self):
         """Be as at the start, but for the time: at the start pose, with the start's limits, without goals."""
@@ -107,8 +102,9 @@ class MoveBaseServer(NavigatorListener):
             now_ns = self._clock.now_ns()
             self.navigator.shut_down(ROBOT_RESET, now_ns)
             self._goal_server.flush()
+            self._ledger.clear()
             self._goal_server.reset()
-            self.navigator.robot.limits, self.navigator.robot.tolerances = settings.limits, settings.tolerances
+            self.navigator.robot.set_motion(settings.limits, settings.tolerances)
             self.navigator.robot.reset(settings.start, now_ns)
             self.stands(self.navigator.robot, now_ns)
 
@@ -119,20 +115,19 @@ class MoveBaseServer(NavigatorListener):
     def set_motion(self, limits, tolerances):
         """Travel with other limits from the next leg on."""
         with self._clock.lock:
-            self.navigator.robot.limits = limits
-            self.navigator.robot.tolerances = tolerances
+            self.navigator.robot.set_motion(limits, tolerances)
 
     def reconfigure_goals(self, config):
         """Take over what dynamic_reconfigure says of move_base itself."""
         policy, behaviors = self._settings.recovery, self._settings.behaviors
         with self._clock.lock:
-            self.navigator.recovery_policy = RecoveryPolicy(
+            self.navigator.set_recovery_policy(RecoveryPolicy(
                 policy.fast, 0.0 if config['max_planning_retries'] >= 0 else config['planner_patience'],
-                behaviors if config['recovery_behavior_enabled'] else ())
-            if config['controller_frequency'] != self._settings.values['controller_frequency']:
-                self._settings.values['controller_frequency'] = config['controller_frequency']
+                behaviors if config['recovery_behavior_enabled'] else ()))
+            if config['controller_frequency'] != self._controller_frequency:
+                self._controller_frequency = config['controller_frequency']
                 self.navigator.set_feedback_frequency(config['controller_frequency'])
-        self._planner_interface.add_unreachable_goal = config['make_plan_add_unreachable_goal']
+        self._planner_interface.set_add_unreachable_goal(config['make_plan_add_unreachable_goal'])
 
     def departed(self, robot, goal, now_ns):
         """Show that the robot starts."""

@@ -15,7 +15,7 @@ from move_base_abstract.errors import SimulatorError
 from move_base_abstract.shown import shown_text
 
 from .log_files import survive_full_disk
-from .process_end import GRACE_OF_NODE_S, ProcessEnd, leave
+from .process_end import ProcessEnd, leave
 from .ros_master_watch import RosMasterWatch, is_answering
 
 _POLL_S = 0.05  # wall
@@ -60,7 +60,7 @@ def run_node(name, set_up, say_goodbye=None, failed=_FAILED, **options):
         leave(tell_error(name, result, failed))
     if result is None:
         return
-    end.grace_s = GRACE_OF_NODE_S
+    end.enter_service()
     if say_goodbye is not None:
         rospy.on_shutdown(lambda: say_goodbye(result))
     rospy.spin()
@@ -71,7 +71,7 @@ def run_node(name, set_up, say_goodbye=None, failed=_FAILED, **options):
 def _shut_down(signal, name, end):
     """Shut rospy down in order, or as far as that goes without a ROS master, under whose lock rospy may be waiting."""
     if not is_answering(rosgraph.get_master_uri(), name, _MASTER_TIMEOUT_S):
-        if end.grace_s < GRACE_OF_NODE_S:  # it is not yet there for anybody
+        if not end.is_in_service:
             leave(0)
         end.hasten(_MASTER_TIMEOUT_S)
     rospy.signal_shutdown(signal)

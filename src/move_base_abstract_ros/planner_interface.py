@@ -21,7 +21,7 @@ class PlannerInterface:
         self._navigator = navigator
         self._map = robot_map
         self._global_frame = settings.values['global_frame']
-        self.add_unreachable_goal = settings.values['make_plan_add_unreachable_goal']
+        self._add_unreachable_goal = settings.values['make_plan_add_unreachable_goal']
         local = settings.local_planner
         planner = settings.global_planner
         self._plans = [LazyLatch(names.own(topic), Path, queue_size=1) for topic in (
@@ -31,6 +31,10 @@ class PlannerInterface:
             rospy.Service(names.own(planner + '/make_plan'), GetPlan,
                           lambda request: GetPlanResponse(self._make_plan(request))),
             rospy.Service(names.own('clear_costmaps'), Empty, lambda _request: EmptyResponse())]
+
+    def set_add_unreachable_goal(self, is_added):
+        """Say whether a plan that ends near the goal has the goal itself behind its end."""
+        self._add_unreachable_goal = is_added
 
     def close(self):
         """Leave the graph."""
@@ -67,7 +71,7 @@ class PlannerInterface:
             if request.start.header.frame_id:
                 start = self._in_global_frame(request.start)
             goal = self._in_global_frame(request.goal)
-            poses = self._navigator.planner.plan_near(start, goal, request.tolerance, self.add_unreachable_goal)
+            poses = self._navigator.planner.plan_near(start, goal, request.tolerance, self._add_unreachable_goal)
         except ValueError as error:
             raise rospy.ServiceException('make_plan: {}'.format(error)) from None
         return self._to_path(poses, now_ns)

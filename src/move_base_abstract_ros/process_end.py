@@ -29,7 +29,7 @@ class ProcessEnd:
     def __init__(self, name, on_signal=None):
         self._name = name
         self._on_signal = on_signal
-        self.grace_s = GRACE_S  # may be set
+        self._grace_s = GRACE_S
         self.asked = threading.Event()  # a signal has come
         self.over = threading.Event()  # on_signal has returned
         self._receive, self._wake = socket.socketpair()
@@ -41,12 +41,21 @@ class ProcessEnd:
         signal.set_wakeup_fd(self._wake.fileno(), warn_on_full_buffer=False)
         threading.Thread(target=self._await_signal, name='process_end', daemon=True).start()
 
+    @property
+    def is_in_service(self):
+        """Whether the node is there for others."""
+        return self._grace_s >= GRACE_OF_NODE_S
+
+    def enter_service(self):
+        """The node is there for others: its end may take longer from now on, as it has to say goodbye."""
+        self._grace_s = GRACE_OF_NODE_S
+
     def _await_signal(self):
         while True:
             number = self._receive.recv(1)
             if number and number[0] in SIGNALS:
                 break
-        grace_s = self.grace_s
+        grace_s = self._grace_s
         self.hasten(grace_s)
         signal.alarm(int(grace_s) + LAST_GRACE_S)  # should the threads of Python no longer run
         self.asked.set()

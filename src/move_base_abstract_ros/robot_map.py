@@ -73,9 +73,8 @@ class RobotMap:
     def _take(self, message, occupancy):
         frame_id = message.header.frame_id.lstrip('/')
         if frame_id == self._global_frame:
-            self.check.occupancy = occupancy
+            self.check.use(occupancy)
         else:
-            self.check.lacking = ("The map on '{}' cannot be used: it is given in the frame '{}', the robot's global "
-                                  "frame is '{}'".format(self._listener.topic, frame_id, self._global_frame))
-            self.check.occupancy = None
+            self.check.use_none("The map on '{}' cannot be used: it is given in the frame '{}', the robot's global "
+                                "frame is '{}'".format(self._listener.topic, frame_id, self._global_frame))
         self._has_come = True

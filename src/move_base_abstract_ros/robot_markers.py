@@ -37,7 +37,7 @@ class RobotMarkers:
 
     def __init__(self, board, look, navigator):
         self.look = look
-        self.drawn_route = None
+        self._drawn_route = None
         self._board = board
         self._navigator = navigator
         board.change(self)
@@ -49,6 +49,18 @@ class RobotMarkers:
     def close(self):
         """Have the robot taken away."""
         self._board.remove(self)
+
+    def draw(self, view):
+        """Return the markers that show ``view``; a route that has not changed since the last call is left out."""
+        markers = marker_builder.body(self.look, view)
+        if self._drawn_route != view.route:
+            self._drawn_route = view.route
+            markers += marker_builder.route(self.look, view)
+        return markers
+
+    def forget_drawn(self):
+        """Somebody new looks, who has seen nothing yet."""
+        self._drawn_route = None
 
     def view(self, now_ns):
         """Return the :class:`View` of the robot at ``now_ns`` [ns]; the caller holds the clock's lock."""
@@ -94,7 +106,7 @@ class _Board(rospy.SubscribeListener):
         """Draw everything for who comes anew."""
         with self._condition:
             for robot in self._robots.values():
-                robot.drawn_route = None
+                robot.forget_drawn()
                 self._changed.add(robot)
             self._condition.notify()
 
@@ -128,10 +140,7 @@ class _Board(rospy.SubscribeListener):
             return [(robot, robot.view(now_ns)) for robot in robots]
 
     def _draw(self, robot, view):
-        markers = marker_builder.body(robot.look, view)
-        if robot.drawn_route != view.route:
-            robot.drawn_route = view.route
-            markers += marker_builder.route(robot.look, view)
+        markers = robot.draw(view)
         with self._condition:
             if view.goal and self._robots.get(robot.look.name) is robot:
                 self._under_way.add(robot)

@@ -13,13 +13,9 @@ from move_base_abstract.clock_source import ClockSource, Step
 from move_base_abstract.simulation import Simulation
 from move_base_abstract.units import NS_PER_S
 
-from . import lockstep
 from .clock_watch import watch_clock
-from .lockstep_clock import LockstepClock
 from .throttle import WallThrottle
 
-#: robots come before all nodes that declare no rank
-ROBOTS_RANK = 0
 _POLL_SECONDS = 0.01
 _WAIT_POLL_SECONDS = 0.02
 _REMINDER_SECONDS = 5.0
@@ -27,28 +23,13 @@ _WARNINGS_RATE = 0.2  # Hz, wall
 _SPEED_WINDOW_SECONDS = 0.02
 
 
-def make_clock():
-    """Return the clock of this process, not started: a LockstepClock where the time master works in lockstep."""
-    return LockstepClock(_join) if lockstep.is_lockstep() else RosClock()
-
-
-def _join():
-    return lockstep.join(rank=rospy.get_param('~lockstep_rank', ROBOTS_RANK), own_threads=False)
-
-
 class RosClock:
-    """Drives one :class:`Simulation` by ``/clock``, or by the machine's clock where ROS uses that.
-
-    ``on_restart`` lists functions ``(before_ns, now_ns)`` that are called, in order and under the lock, when ``/clock``
-    has started anew: the simulation goes on at ``now_ns`` [ns], the old time had come to ``before_ns`` [ns].
-    """
-
-    is_lockstep = False
+    """Drives one :class:`Simulation` by ``/clock``, or by the machine's clock where ROS uses that."""
 
     def __init__(self):
         self.lock = threading.RLock()
         self.simulation = None
-        self.on_restart = []
+        self._restart_followers = []
         self._source = ClockSource()
         self._behind_throttle = WallThrottle(_WARNINGS_RATE)
         self._arrived = threading.Event()
@@ -92,6 +73,17 @@ class RosClock:
     def look_ns(self):
         """As :meth:`now_ns`."""
         return self.now_ns()
+
+    def follow_restarts(self, follower):
+        """Call ``follower(before_ns, now_ns)``, in order and under the lock, when ``/clock`` has started anew.
+
+        The simulation goes on at ``now_ns`` [ns], the old time had come to ``before_ns`` [ns].
+        """
+        self._restart_followers.append(follower)
+
+    def leave_restarts(self, follower):
+        """Call it no more."""
+        self._restart_followers.remove(follower)
 
     def serve(self):
         """Nothing to do: rospy's own threads call back from the start."""
@@ -150,8 +142,8 @@ class RosClock:
                       time_ns / NS_PER_S, source)
         self._speed_mark = (0.0, 0)
         self.simulation.restart(time_ns)
-        for listener in list(self.on_restart):
-            listener(before_ns, time_ns)
+        for follower in list(self._restart_followers):
+            follower(before_ns, time_ns)
 
     def _follow_machine(self):
         while not rospy.is_shutdown():

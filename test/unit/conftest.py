@@ -13,7 +13,7 @@ from move_base_abstract.frames import RobotFrames  # noqa: E402
 from move_base_abstract.geometry import Pose2D, quaternion_of_yaw  # noqa: E402
 from move_base_abstract.goal_ledger import GoalLedger  # noqa: E402
 from move_base_abstract.motion import MotionLimits, Tolerances  # noqa: E402
-from move_base_abstract.navigator import GoalPose, Navigator, NavigatorListener  # noqa: E402
+from move_base_abstract.navigator import BadFramePolicy, GoalPose, Navigator, NavigatorListener  # noqa: E402
 from move_base_abstract.planning import StraightLinePlanner, WorldBounds  # noqa: E402
 from move_base_abstract.robot import Robot  # noqa: E402
 from move_base_abstract.simulation import Simulation  # noqa: E402
@@ -27,7 +27,7 @@ class NavigatorRig(NavigatorListener):
     """One navigator, driven by hand in simulated seconds; ``trace`` gets all that it tells the outside, in order."""
 
     def __init__(self, start=Pose2D(), limits=MotionLimits(2.0), tolerances=Tolerances(), bounds=WorldBounds(),
-                 feedback_freq=0.0, foreign=None):
+                 feedback_freq=0.0, foreign=None, bad_frame_policy=BadFramePolicy.ABORT):
         self.trace = []
         self.foreign = foreign or {}
         self.simulation = Simulation()
@@ -35,7 +35,7 @@ class NavigatorRig(NavigatorListener):
         self.ledger = GoalLedger(lambda: None, self._result, 'made-up-{}'.format)
         frames = RobotFrames(self.robot, 'map', 'odom', 'base_link', self._lookup)
         self.navigator = Navigator(self.robot, self.simulation, self.ledger, frames, self,
-                                   StraightLinePlanner(bounds))
+                                   StraightLinePlanner(bounds), bad_frame_policy)
         self.navigator.set_feedback_frequency(feedback_freq)
 
     def advance(self, seconds):

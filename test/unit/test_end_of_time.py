@@ -58,7 +58,7 @@ def test_a_goal_whose_frame_is_asked_for_after_the_end_of_time_is_aborted_at_onc
 
 def test_a_robot_that_would_give_up_after_the_end_of_time_gives_up_at_once(rig):
     robot = rig(bounds=WorldBounds(-5.0, -5.0, 5.0, 5.0))
-    robot.navigator.recovery_policy = RecoveryPolicy(fast=False, patience=1e10)
+    robot.navigator.set_recovery_policy(RecoveryPolicy(fast=False, patience=1e10))
     text = too_late(robot.send('g', 50.0, 0.0))
     assert text.startswith('The goal cannot be waited for: the robot would give up at ')
     assert robot.advance(100.0) == []

@@ -2,11 +2,9 @@
 import pytest
 
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.frames import RobotFrames
 from move_base_abstract.geometry import quaternion_of_yaw
-from move_base_abstract.goal_ledger import GoalLedger
-from move_base_abstract.navigator import GoalPose, Navigator, NavigatorListener
-from move_base_abstract.robot import Robot
+from move_base_abstract.navigator import GoalPose, NavigatorListener
+from move_base_abstract.robot_parts import make_robot_parts
 from move_base_abstract.robot_trace import RobotTrace
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_ros.lockstep_clock import LockstepClock  # noqa: TID251 (knows no ROS)
@@ -59,6 +57,15 @@ class Told(NavigatorListener):
     def stands(self, robot, now_ns):
         self._trace.stands(robot.pose_at(now_ns), now_ns)
 
+    def publish_result(self, record, stamp_ns):
+        self._trace.ended(record, stamp_ns)
+
+    def publish_status(self):
+        pass
+
+    def new_id(self, _now_ns):
+        return 'unnamed'
+
 
 @pytest.fixture
 def participant():
@@ -74,11 +81,8 @@ def clock(participant):
 
 def make_navigator(clock, index, spec):
     """Return the navigator of a robot that writes into the clock's event log."""
-    settings, now_ns = spec.settings, clock.now_ns()
-    robot = Robot(index, spec.name, settings.start, settings.limits, settings.tolerances, now_ns)
-    trace = RobotTrace(spec.name, clock.record(index))
-    ledger = GoalLedger(lambda: None, trace.ended, lambda now_ns: 'unnamed')
-    return Navigator(robot, clock.simulation, ledger, RobotFrames(robot, 'map', 'odom', 'base_link', None), Told(trace))
+    told = Told(RobotTrace(spec.name, clock.record(index)))
+    return make_robot_parts(spec.settings, spec.name, index, clock.simulation, told, told, None).navigator
 
 
 def test_the_simulation_starts_with_the_clock_and_is_the_participants_source(clock, participant):

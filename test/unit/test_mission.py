@@ -30,7 +30,6 @@ def test_a_mission_is_read_with_the_yaw_of_travel_where_none_is_given():
     robot, = mission.parse_mission(GOOD, 'm.yaml').robots
     assert robot.start == Pose2D(0.0, 0.0, 0.0)
     assert robot.goals == (Pose2D(3.0, 4.0, math.atan2(4, 3)), Pose2D(3.0, 4.0, 1.5))
-    assert robot.path_length() == 5.0
 
 
 def test_the_mission_that_ships_with_the_package_is_readable():

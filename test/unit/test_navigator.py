@@ -228,8 +228,7 @@ def test_a_goal_in_a_frame_that_is_not_known_ends_at_once_with_its_name(rig, fra
 
 @pytest.mark.parametrize('frame', ['nowhere', '', '/map'])
 def test_under_the_policy_wait_it_is_tried_twenty_times_a_second_until_it_is_cancelled(rig, frame):
-    robot = rig()
-    robot.navigator.bad_frame_policy = BadFramePolicy.WAIT
+    robot = rig(bad_frame_policy=BadFramePolicy.WAIT)
     warning, = robot.send('g', 1.0, 0.0, frame=frame)
     assert warning[1].startswith("Failed to transform the goal pose from '{}' into the 'map' frame: ".format(frame))
     assert robot.advance(1.0) == [warning] * 20
@@ -238,8 +237,7 @@ def test_under_the_policy_wait_it_is_tried_twenty_times_a_second_until_it_is_can
 
 
 def test_under_the_policy_wait_the_robot_sets_off_as_soon_as_the_frame_is_known(rig):
-    robot = rig()
-    robot.navigator.bad_frame_policy = BadFramePolicy.WAIT
+    robot = rig(bad_frame_policy=BadFramePolicy.WAIT)
     robot.send('g', 1.0, 0.0, frame='dock')
     robot.advance(0.12)
     robot.foreign['dock'] = lambda _stamp_ns: Pose2D(3.0, 0.0)
@@ -352,7 +350,7 @@ def test_feedback_starts_anew_with_each_goal_and_ends_with_a_cancel(rig):
 
 def test_feedback_comes_while_a_goal_waits_and_while_it_is_out_of_reach(rig):
     robot = rig(feedback_freq=1.0, bounds=WorldBounds(-9.0, -9.0, 9.0, 9.0))
-    robot.navigator.recovery_policy = RecoveryPolicy(fast=False, behaviors=(), patience=1.5)
+    robot.navigator.set_recovery_policy(RecoveryPolicy(fast=False, behaviors=(), patience=1.5))
     robot.send('a', 1.0, 0.0, frame='base_link', stamp=50.0)
     assert [robot.advance(t) for t in (0.0, 1.0)] == [feedback('a', (0.0, 0.0)), feedback('a', (0.0, 1.0))]
     robot.cancel()
@@ -393,7 +391,7 @@ def test_a_teleport_of_a_standing_robot_moves_it_and_starts_nothing(rig):
 def test_new_limits_take_effect_on_the_next_leg(rig):
     robot = rig()
     robot.send('a', 4.0, 0.0)
-    robot.robot.limits = MotionLimits(1.0)
+    robot.robot.set_motion(MotionLimits(1.0), Tolerances())
     assert robot.advance(2.0) == reaches('a', Pose2D(4.0, 0.0), 2 * S)
     robot.send('b', 8.0, 0.0)
     assert robot.advance(99.0) == reaches('b', Pose2D(8.0, 0.0), 6 * S)

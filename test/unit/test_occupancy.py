@@ -192,7 +192,7 @@ def test_without_a_map_nothing_can_be_judged_and_nothing_is_near():
     planner = StraightLinePlanner(map_check=check)
     assert (planner.lacking, planner.reachable(FREE), planner.plan_near(START, FREE, 5.0)) == (
         'where is the map?', False, [])
-    check.occupancy = TERRAIN
+    check.use(TERRAIN)
     assert (planner.lacking, planner.reachable(FREE)) == (None, True)
     assert StraightLinePlanner().lacking is None
 

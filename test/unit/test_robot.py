@@ -66,7 +66,7 @@ def test_the_driven_distance_adds_up_over_legs_and_stops_and_leaves_out_teleport
 def test_new_limits_and_tolerances_take_effect_on_the_next_leg():
     robot = make_robot()
     leg = robot.depart(Pose2D(10.0, 0.0), 0)
-    robot.limits, robot.tolerances = MotionLimits(1.0), Tolerances(xy=2.0)
+    robot.set_motion(MotionLimits(1.0), Tolerances(xy=2.0))
     assert (leg.arrive_ns, robot.pose_at(4 * S)) == (5 * S, Pose2D(8.0, 0.0))
     robot.stop(5 * S)
     leg = robot.depart(Pose2D(20.0, 0.0), 5 * S)

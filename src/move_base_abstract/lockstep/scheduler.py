@@ -35,7 +35,7 @@ class Scheduler:
     def __init__(self, channel):
         self._channel = channel
         self.now_ns = 0
-        self.source = None
+        self._source = None
         self._is_source_busy = False
         self.is_closed = False
         self.turn_ident = 0
@@ -51,6 +51,14 @@ class Scheduler:
         self._outside = deque()
         self._outside_lock = _make_lock()
         self._happened = 0
+
+    def set_source(self, source):
+        """Have events driven by the grants: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``."""
+        self._source = source
+
+    def enter_instant(self, now_ns):
+        """A grant is for ``now_ns`` [ns]."""
+        self.now_ns = now_ns
 
     # --- who is who -------------------------------------------------------------------------------------------------
 
@@ -71,10 +79,6 @@ class Scheduler:
     def current(self):
         """Return the task of the calling thread, or None."""
         return self._tasks.get(get_ident())
-
-    def living(self):
-        """Return the tasks of threads that have not ended."""
-        return [task for task in self._tasks.values() if not task.is_worker and not task.is_finished]
 
     # --- threads of the application ---------------------------------------------------------------------------------
 
@@ -250,13 +254,13 @@ class Scheduler:
         return self._next_sleeper()
 
     def _source_due_ns(self):
-        due_ns = None if self.source is None or self._is_source_busy else self.source.next_due_ns()
+        due_ns = None if self._source is None or self._is_source_busy else self._source.next_due_ns()
         return NEVER if due_ns is None else due_ns
 
     def _run_source(self):
         self._is_source_busy = True
         try:
-            self.source.run(self.now_ns)
+            self._source.run(self.now_ns)
         finally:
             self._is_source_busy = False
 
@@ -299,11 +303,20 @@ class Scheduler:
         if self._idle_workers:
             return self._idle_workers.pop()
         task = Task('lockstep_worker', is_worker=True)
-        # While a thread is started, Python itself waits for it: not a wait of the application.
-        mine, self.turn_ident = self.turn_ident, 0
-        _Thread_start(threading.Thread(target=self._work, args=(task,), name=task.name, daemon=True))
-        self.turn_ident = mine
+        thread = threading.Thread(target=self._work, args=(task,), name=task.name, daemon=True)
+        self.start_thread(_Thread_start, thread)
         return task
+
+    def start_thread(self, start, thread):
+        """Call ``start(thread)``; while it starts, Python itself waits for it, which is no wait of the application."""
+        if not self.is_mine():
+            start(thread)
+            return
+        mine, self.turn_ident = self.turn_ident, 0
+        try:
+            start(thread)
+        finally:
+            self.turn_ident = mine
 
     def _resume_worker(self):
         """Give the turn to a worker for good: the calling thread ends, or leaves the application."""
@@ -345,10 +358,13 @@ class Scheduler:
         except TurnLost:
             pass
 
+    def abandon(self):
+        """Take no more part in this process, in which no other thread is left: one that was forked."""
+        self.is_closed, self.turn_ident = True, 0
+
     def close(self):
         """Let go of all threads: from now on they run as they like."""
-        self.is_closed = True
-        self.turn_ident = 0
+        self.is_closed, self.turn_ident = True, 0
         for task in list(self._tasks.values()) + self._idle_workers + list(self._ready):
             _release(task)
 

@@ -16,8 +16,6 @@ def _gazebo(names, settings):
     return GazeboBackend(names, settings, BuiltinBackend)
 
 
-#: those that go by the time master's clock alone
-EVENT_DRIVEN = ('builtin', 'virtual_robots')
 STAGE = ('stage_ros', 'stage')
 BACKENDS = {
     'builtin': BuiltinBackend,
@@ -27,16 +25,13 @@ BACKENDS = {
 }
 
 
-def make(name, names, settings, is_lockstep=False):
+def make(name, names, settings, timing):
     """Return the backend ``name`` for one robot.
 
-    :raises ConfigurationError: if there is none of that name, or it has a clock of its own and time is event-driven.
+    :raises ConfigurationError: if there is none of that name, or ``timing`` (see timing.py) does not go with it.
     """
     if name not in BACKENDS:
         raise ConfigurationError("parameter {}/backend: got '{}'; allowed: {}".format(
             names.private, name, ', '.join(sorted(BACKENDS))))
-    if is_lockstep and name not in EVENT_DRIVEN:
-        raise ConfigurationError(
-            "parameter {}/backend: got '{}', a simulator with a clock of its own; allowed in lockstep (parameter "
-            '/time_master/mode): {}'.format(names.private, name, ', '.join(EVENT_DRIVEN)))
+    timing.check_backend(name, names.private)
     return BACKENDS[name](names, settings)

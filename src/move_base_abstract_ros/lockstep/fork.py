@@ -5,8 +5,7 @@ import os
 def install(participant):
     """Have a child let go of the connection; its parent's goes on."""
     def let_go():
-        participant.scheduler.is_closed = True
-        participant.scheduler.turn_ident = 0
+        participant.scheduler.abandon()
         participant.connection.forget()
 
     os.register_at_fork(after_in_child=let_go)

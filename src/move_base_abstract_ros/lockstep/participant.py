@@ -33,7 +33,6 @@ class Participant:
         self.scheduler = Scheduler(self)
         self.connection = connection
         self.rank = rank
-        self.own_id = 0
         self.names = {}
         self.uris = {}
         self.sub = 0
@@ -93,7 +92,7 @@ class Participant:
 
     def set_source(self, source):
         """Have events driven by the grants: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``."""
-        self.scheduler.source = source
+        self.scheduler.set_source(source)
 
     def serve(self):
         """Let callbacks and events go on without the calling thread, which does nothing more by itself."""
@@ -230,7 +229,7 @@ class Participant:
         self._is_granted = True
         self.charge.begin()
         if now_ns != self.scheduler.now_ns:
-            self.scheduler.now_ns = now_ns
+            self.scheduler.enter_instant(now_ns)
             _set_rostime(rospy.Time(now_ns // 1000000000, now_ns % 1000000000))
         actions = []
         for item in items:
@@ -244,7 +243,6 @@ class Participant:
             self._give_up('the time master has ended lockstep: {}'.format(wire.read_text(body, 0)[0]), rospy.loginfo)
         number = int.from_bytes(body[:4], 'little')
         if kind == wire.WELCOME:
-            self.own_id = number
             self.names[number] = self.names[0]
             self.uris[self.names[0]] = rospy.get_node_uri()
         elif kind == wire.MEMBER:

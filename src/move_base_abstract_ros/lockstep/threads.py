@@ -46,15 +46,7 @@ def _follow_threads(scheduler):
             task = scheduler.spawn(self.name)
             self._lockstep_task = task
             self.run = _in_turn(scheduler, task, self.run)
-        # While a thread is started, Python itself waits for it: not a wait of the application.
-        mine, is_mine = scheduler.turn_ident, scheduler.is_mine()
-        if is_mine:
-            scheduler.turn_ident = 0
-        try:
-            start(self)
-        finally:
-            if is_mine:
-                scheduler.turn_ident = mine
+        scheduler.start_thread(start, self)
 
     def _join(self, timeout=None):
         task = getattr(self, '_lockstep_task', None)

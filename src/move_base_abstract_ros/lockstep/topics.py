@@ -47,24 +47,32 @@ class MemberLinks:
     id = 0
     endpoint_id = callerid_pub = 'lockstep'
 
-    def __init__(self, participant, topic, sub):
+    def __init__(self, participant, topic, sub, impl=None):
+        self._impl = impl
         self._participant = participant
         self._topic = topic
         self.sub = sub
         self.target = 0
         self.members = []
 
-    @staticmethod
-    def is_latching():
+    def is_latching(self):
         """Return whether the publisher's last message is kept for those who come later."""
-        return False
+        return self.target == 0 and self._impl is not None and self._impl.is_latch
 
     def for_one(self, member):
         """Return a connection to one of them."""
-        link = MemberLinks(self._participant, self._topic, self.sub)
+        link = MemberLinks(self._participant, self._topic, self.sub, self._impl)
         link.target = member
         link.members = [member]
         return link
+
+    def add(self, member):
+        """One more node listens."""
+        self.members = self.members + [member]
+
+    def remove(self, member):
+        """A node listens no more."""
+        self.members = [other for other in self.members if other != member]
 
     @property
     def count(self):
@@ -106,13 +114,12 @@ class PublisherLink(MemberLinks):
     direction = 'i'
 
     def __init__(self, participant, topic, impl, member, header):
-        super().__init__(participant, topic, 0)
+        super().__init__(participant, topic, 0, impl)
         self.members = [member]
         self.endpoint_id = participant.uris.get(header['callerid'], header['callerid'])
         self.callerid_pub = header['callerid']
         self.header = header
         self.is_latched = header['latching'] == '1'
-        self._impl = impl
         self._backlog = deque()
         self._is_busy = False
 
@@ -193,8 +200,7 @@ class Topics:
         if reg_type == Registration.SUB:
             self._participant.add(wire.subscribe(number, sub, name, impl.data_class._md5sum))
             return
-        link = self._links[number] = MemberLinks(self._participant, number, sub)
-        link.is_latching = lambda: impl.is_latch
+        self._links[number] = MemberLinks(self._participant, number, sub, impl)
         # Whether it is latched is known only after rospy has made it.
         self._participant.add(lambda: self._advertise(number, sub, impl))
 
@@ -254,7 +260,7 @@ class Topics:
         impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
         if link is None or impl is None or impl.closed:
             return
-        link.members = link.members + [member]
+        link.add(member)
         with impl.c_lock:
             if link not in impl.connections:
                 impl.connections = impl.connections + [link]
@@ -277,7 +283,7 @@ class Topics:
         impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
         if link is None or impl is None or impl.closed:
             return
-        link.members = [other for other in link.members if other != member]
+        link.remove(member)
         if not link.members:
             with impl.c_lock:
                 impl.connections = [other for other in impl.connections if other is not link]

@@ -8,12 +8,11 @@ import rospy
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.parameter_table import Parameter, boolean, integer, read_table, text, unknown_names
 from move_base_abstract.scenario import make_scenario, read_scenario
-from move_base_abstract.settings import EVENTS_ONLY
 
 from ..fleet_server import FleetServer, robot_names
-from ..host import Host, read_action_options
+from ..host import Host
 from ..node_process import parse_no_arguments, run_node
-from ..ros_clock import make_clock
+from ..timing import make_timing
 from .move_base_node import LOCKSTEP_PARAMETERS, start
 
 _LAST_WORDS_SECONDS = 0.2
@@ -51,16 +50,17 @@ def _build():
     known = tuple(parameter.name for parameter in _TABLE) + _INLINE + LOCKSTEP_PARAMETERS
     for warning in unknown_names(raw, known, where):
         rospy.logwarn(warning)
-    clock = make_clock()
-    scenario = _read_scenario(raw, values, where, EVENTS_ONLY if clock.is_lockstep else {})
+    timing = make_timing()
+    clock = timing.make_clock()
+    scenario = _read_scenario(raw, values, where, timing.base_settings)
     part, parts = values['part'], values['parts']
     specs = _share(scenario.robots, part, parts)
     namespace = rospy.get_namespace()
-    if not start(clock, [(robot_names(namespace, spec.name), spec.settings) for _, spec in specs]):
+    if not start(clock, timing, [(robot_names(namespace, spec.name), spec.settings) for _, spec in specs]):
         return None
     # Robots that are added later get indices that no other process gives.
-    fleet = FleetServer(namespace, Host(clock, read_action_options(clock.is_lockstep), is_crowded=True), specs,
-                        scenario.defaults, itertools.count(len(scenario.robots) + part, parts))
+    fleet = FleetServer(namespace, Host(clock, timing, is_crowded=True), specs, scenario.defaults,
+                        itertools.count(len(scenario.robots) + part, parts))
     clock.serve()
     return fleet
 

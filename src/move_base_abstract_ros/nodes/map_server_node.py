@@ -19,10 +19,10 @@ from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.occupancy import ImageRule
 from move_base_abstract.parameter_table import Parameter, integer, name, number, read_table
 from move_base_abstract.shown import shown_text
-from move_base_abstract_ros import conversions, lockstep
-from move_base_abstract_ros.clock_watch import watch_clock
+from move_base_abstract_ros import conversions
 from move_base_abstract_ros.map_files import MapDescription, load_map, read_description
 from move_base_abstract_ros.node_process import run_node
+from move_base_abstract_ros.timing import make_timing
 
 try:
     from nav_msgs.srv import LoadMap, LoadMapResponse
@@ -112,8 +112,7 @@ class MapServer:
         self._map = rospy.Publisher('map', numpy_msg(OccupancyGrid), queue_size=1, latch=True)
         self._grid = None
         _wait_for_time()
-        if not lockstep.is_lockstep():
-            watch_clock()
+        make_timing().watch()
         self.show(occupancy)
         self._services = [rospy.Service('static_map', GetMap, self._get_map)]
         if LoadMap is not None:

@@ -1,16 +1,17 @@
 """The node ``move_base``: one robot, in the place and under the interface of move_base."""
 import time
+from dataclasses import replace
 
 import rospy
 
-from move_base_abstract.settings import EVENTS_ONLY, read_settings
-from move_base_abstract_ros.host import Host, read_action_options
+from move_base_abstract.settings import read_settings
+from move_base_abstract_ros.host import Host
 from move_base_abstract_ros.move_base_server import MoveBaseServer
 from move_base_abstract_ros.names import RobotNames
 from move_base_abstract_ros.node_process import parse_no_arguments, run_node
 from move_base_abstract_ros.robot_map import wait_for_maps
-from move_base_abstract_ros.ros_clock import make_clock
 from move_base_abstract_ros.tf_lookup import listen_to_static_frames
+from move_base_abstract_ros.timing import make_timing
 
 _LAST_WORDS_SECONDS = 0.1
 #: private parameters that are read elsewhere
@@ -30,23 +31,20 @@ def run(node_name, describe):
 
 def _build(names, overrides, default_tf_prefix):
     """Return the server of ``names``; ``overrides`` are parameters that come before those of the parameter server."""
-    clock = make_clock()
-    settings = read_robot_settings(overrides, default_tf_prefix, EVENTS_ONLY if clock.is_lockstep else {})
-    if not start(clock, [(names, settings)]):
+    timing = make_timing()
+    clock = timing.make_clock()
+    settings = read_robot_settings(overrides, default_tf_prefix, timing.base_settings)
+    if not start(clock, timing, [(names, settings)]):
         return None
-    server = MoveBaseServer(names, settings, Host(clock, read_action_options(clock.is_lockstep)))
+    server = MoveBaseServer(names, settings, Host(clock, timing))
     clock.serve()
     return server
 
 
-def start(clock, robots):
+def start(clock, timing, robots):
     """Start ``clock`` for ``robots``, (RobotNames, RobotSettings) pairs; False if ROS shuts down meanwhile."""
-    if not clock.start():
-        return False
-    if clock.is_lockstep:  # what comes from outside has to come in the first round, in which time stands still
-        listen_to_static_frames()
-        return wait_for_maps(robots, clock.participant)
-    return True
+    return clock.start() and timing.await_surroundings(
+        clock, listen_to_static_frames, lambda participant: wait_for_maps(robots, participant))
 
 
 def read_robot_settings(overrides, default_tf_prefix, base):
@@ -62,7 +60,8 @@ def read_robot_settings(overrides, default_tf_prefix, base):
     settings = read_settings(raw, where)
     if settings.tf_prefix is None:
         inherited = rospy.search_param('tf_prefix')
-        settings.tf_prefix = str(rospy.get_param(inherited)).strip('/') if inherited else default_tf_prefix
+        settings = replace(settings, tf_prefix=(
+            str(rospy.get_param(inherited)).strip('/') if inherited else default_tf_prefix))
     _report(settings, where)
     return settings
 

@@ -10,10 +10,10 @@ from move_base_abstract.scenario import MAX_ROBOTS
 from move_base_abstract.timed_task import DrawnDurations
 
 from ..bulk_registration import bulk_registration
-from ..host import Host, read_action_options
+from ..host import Host
 from ..node_process import parse_no_arguments, run_node
-from ..ros_clock import make_clock
 from ..task_server import TaskServer
+from ..timing import make_timing
 from .move_base_node import LOCKSTEP_PARAMETERS
 
 _LAST_WORDS_SECONDS = 0.1
@@ -59,7 +59,8 @@ def _build():
     values = read_table(raw, _TABLE, where)
     for warning in unknown_names(raw, tuple(row.name for row in _TABLE) + LOCKSTEP_PARAMETERS, where):
         rospy.logwarn(warning)
-    clock = make_clock()
+    timing = make_timing()
+    clock = timing.make_clock()
     try:
         durations = [DrawnDurations(values['duration'], values['spread'], values['seed'], index)
                      for index in range(len(values['robots']))]
@@ -68,8 +69,8 @@ def _build():
     if not clock.start():
         return None
     if values['feedback_freq'] is None:
-        values['feedback_freq'] = 0.0 if clock.is_lockstep else 5.0
-    host = Host(clock, read_action_options(clock.is_lockstep))
+        values['feedback_freq'] = timing.task_feedback_frequency
+    host = Host(clock, timing)
     with bulk_registration():
         servers = [TaskServer(rospy.resolve_name('/'.join(part for part in (robot, values['task']) if part)), host,
                               index, durations[index], values['feedback_freq'], values['min_answer_delay'])

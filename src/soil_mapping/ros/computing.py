@@ -13,10 +13,13 @@ from move_base_abstract_ros.time_master_client import TimeMasterClient
 HOLD_TIMEOUT_S = 60.0  # wall; no computation takes that long
 
 
-def computing(is_lockstep):
-    """Return a function that makes the context manager for the time in which something is computed."""
+def computing(participant):
+    """Return a function that makes the context manager for the time in which something is computed.
+
+    ``participant`` is what lockstep.join has returned.
+    """
     mode = rospy.get_param('/time_master/mode', None)
-    if is_lockstep or mode is None or not rospy.get_param('~hold', True):
+    if participant is not None or mode is None or not rospy.get_param('~hold', True):
         return contextlib.nullcontext
     client = TimeMasterClient()
     return lambda: client.hold(rospy.get_name(), HOLD_TIMEOUT_S)

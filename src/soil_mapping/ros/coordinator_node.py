@@ -111,7 +111,7 @@ def run_mission(coordinator, names, task, pose_topic, stopwatch, check=lambda: N
     def show():
         with stopwatch.phase('maps'):
             views.refresh()
-    run = MissionRun(coordinator, robots, events, computing(participant is not None), show)
+    run = MissionRun(coordinator, robots, events, computing(participant), show)
     rospy.on_shutdown(run.shut_down)
     run.wait_until_ready(participant, check)
     run.go_to_start()

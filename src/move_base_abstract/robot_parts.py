@@ -1,0 +1,37 @@
+"""One robot and what works on its goals, put together in one place: for the nodes and for the plain Python fleet."""
+from typing import NamedTuple
+
+from .frames import RobotFrames
+from .goal_ledger import GoalLedger
+from .navigator import Navigator
+from .planning import StraightLinePlanner
+from .robot import Robot
+from .units import seconds_to_ns
+
+
+class RobotParts(NamedTuple):
+    """The robot, its frames, the book of its goals, and who works on them."""
+
+    robot: Robot
+    frames: RobotFrames
+    ledger: GoalLedger
+    navigator: Navigator
+
+
+def make_robot_parts(settings, name, index, simulation, answers, listener, lookup, planner=None):
+    """Return the RobotParts of the robot ``name``, which stands at the start of its ``settings`` (RobotSettings).
+
+    ``answers`` has ``publish_status()``, ``publish_result(record, stamp_ns)`` and ``new_id(now_ns)``, as of GoalLedger;
+    ``listener`` is a NavigatorListener; ``lookup(frame_id, stamp_ns)`` finds foreign frames, as of RobotFrames;
+    ``planner`` is in the place of straight lines within the settings' bounds. Feedback is not switched on: see
+    Navigator.set_feedback_frequency.
+    """
+    values = settings.values
+    robot = Robot(index, name, settings.start, settings.limits, settings.tolerances, simulation.now_ns)
+    frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
+                         settings.frame(values['robot_base_frame']), lookup)
+    ledger = GoalLedger(answers.publish_status, answers.publish_result, answers.new_id,
+                        seconds_to_ns(values['status_list_timeout']))
+    navigator = Navigator(robot, simulation, ledger, frames, listener, planner or StraightLinePlanner(settings.bounds),
+                          settings.bad_frame_policy, settings.recovery)
+    return RobotParts(robot, frames, ledger, navigator)

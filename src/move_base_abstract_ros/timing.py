@@ -1,0 +1,154 @@
+"""How time goes, as one object: whatever differs between the scaled clock and lockstep is asked here, and nowhere else.
+
+:func:`make_timing` decides once per process. Both kinds answer the same questions; neither keeps anything.
+"""
+from contextlib import nullcontext
+
+import rospy
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.settings import EVENTS_ONLY
+
+from . import lockstep, tf_hub, tf_watch
+from .clock_watch import watch_clock
+from .lockstep_clock import LockstepClock
+from .ros_clock import RosClock
+from .throttle import NoThrottle, WallThrottle
+
+#: robots come before all nodes that declare no rank
+ROBOTS_RANK = 0
+#: backends that go by the time master's clock alone
+EVENT_DRIVEN_BACKENDS = ('builtin', 'virtual_robots')
+_STATUS_FREQUENCY = 5.0  # Hz, simulated
+_TASK_FEEDBACK_FREQUENCY = 5.0  # Hz, simulated
+
+
+def make_timing():
+    """Return the timing of this process: in lockstep if the time master works so, or will."""
+    return LockstepTiming() if lockstep.is_lockstep() else ScaledTiming()
+
+
+class ScaledTiming:
+    """Time follows the wall clock, times a factor, and waits for nobody: what is said often is capped in wall time."""
+
+    #: what a robot's settings are made of, before all that is given
+    base_settings = {}
+    #: how often the status is repeated, if no parameter says so [Hz, simulated]
+    status_frequency = _STATUS_FREQUENCY
+    #: how often tasks tell how far they are, if no parameter says so [Hz, simulated]
+    task_feedback_frequency = _TASK_FEEDBACK_FREQUENCY
+
+    @staticmethod
+    def make_clock():
+        """Return the clock of this process, not started."""
+        return RosClock()
+
+    @staticmethod
+    def answer_delay(seconds):
+        """Return the shortest time between a goal and its answer [s, wall], of which ``seconds`` is asked for."""
+        return seconds
+
+    @staticmethod
+    def throttle(rate, shortest_period):
+        """Return a throttle of ``rate`` [Hz, wall] and, between two yeses, ``shortest_period()`` [s, wall]."""
+        return WallThrottle(rate, shortest_period)
+
+    @staticmethod
+    def check_backend(name, private):
+        """Refuse a backend, of the robot with the ``private`` namespace, that does not go with this kind of time."""
+
+    @staticmethod
+    def has_own_goal_connection(is_crowded):
+        """Return whether a robot's goals from RViz go over its goal topic, not past it."""
+        return not is_crowded
+
+    @staticmethod
+    def batch():
+        """Return a context in which what several robots tell tf is collected into one message."""
+        return tf_hub.batch()
+
+    @staticmethod
+    def begin_to_publish():
+        """Robots are about to be made."""
+
+    @staticmethod
+    def claim_frames(robot, frames):
+        """Warn, in the name of ``robot``, if another node publishes one of ``frames`` in tf."""
+        tf_watch.claim(robot, frames)
+
+    @staticmethod
+    def await_surroundings(_clock, _listen_to_static_frames, _wait_for_maps):
+        """Return True: what comes from outside may come at any time."""
+        return True
+
+    @staticmethod
+    def watch():
+        """Say who is gone when time stands still for good."""
+        watch_clock()
+
+
+class LockstepTiming:
+    """Time leaps from event to event and waits for all who take part: nothing is left out, and nothing repeats itself.
+
+    Answers are as of :class:`ScaledTiming`.
+    """
+
+    base_settings = EVENTS_ONLY
+    status_frequency = 0.0  # transitions only
+    task_feedback_frequency = 0.0
+
+    @staticmethod
+    def make_clock():
+        """Return the clock of this process, not started."""
+        return LockstepClock(lambda: lockstep.join(rank=rospy.get_param('~lockstep_rank', ROBOTS_RANK),
+                                                   own_threads=False))
+
+    @staticmethod
+    def answer_delay(_seconds):
+        """Return 0: an answer comes in a later round than its goal."""
+        return 0.0
+
+    @staticmethod
+    def throttle(_rate, _shortest_period):
+        """Return what holds nothing back: what is asked for comes at its instant."""
+        return NoThrottle()
+
+    @staticmethod
+    def check_backend(name, private):
+        """Refuse simulators with a clock of their own.
+
+        :raises ConfigurationError: if the backend ``name`` is one.
+        """
+        if name not in EVENT_DRIVEN_BACKENDS:
+            raise ConfigurationError(
+                "parameter {}/backend: got '{}', a simulator with a clock of its own; allowed in lockstep (parameter "
+                '/time_master/mode): {}'.format(private, name, ', '.join(EVENT_DRIVEN_BACKENDS)))
+
+    @staticmethod
+    def has_own_goal_connection(_is_crowded):
+        """Return True: a connection costs nothing, and each goal has its place among all others' messages."""
+        return True
+
+    @staticmethod
+    def batch():
+        """Return a context that collects nothing: each robot's messages keep their place among all others'."""
+        return nullcontext()
+
+    @staticmethod
+    def begin_to_publish():
+        """Tell newcomers where all frames are, since no heartbeat does."""
+        tf_hub.tell_newcomers()
+
+    @staticmethod
+    def claim_frames(_robot, _frames):
+        """Claim nothing: to listen would be a part of the run."""
+
+    @staticmethod
+    def await_surroundings(clock, listen_to_static_frames, wait_for_maps):
+        """Take in what outsiders say in the first round, in which time stands still; False if ROS shuts down."""
+        listen_to_static_frames()
+        return wait_for_maps(clock.participant)
+
+    @staticmethod
+    def watch():
+        """Watch nothing: the end of the time master is the end of its connection."""
