@@ -3,21 +3,15 @@ import heapq
 
 
 class Event:
-    """Something due at ``due_ns`` [ns] for the robot with ``robot_index``: ``action(due_ns, now_ns)``.
+    """Something that is due: ``action(due_ns, now_ns)``.
 
-    ``now_ns`` is the time that the clock really shows; it is ``due_ns`` or later.
+    ``due_ns`` [ns] is when it was to happen; ``now_ns`` is the time that the clock really shows, the same or later.
     """
 
-    __slots__ = ('due_ns', 'robot_index', 'sequence', 'action')
+    __slots__ = ('action',)
 
-    def __init__(self, due_ns, robot_index, sequence, action):
-        self.due_ns = due_ns
-        self.robot_index = robot_index
-        self.sequence = sequence
+    def __init__(self, action):
         self.action = action
-
-    def __lt__(self, other):
-        return (self.due_ns, self.robot_index, self.sequence) < (other.due_ns, other.robot_index, other.sequence)
 
     def cancel(self):
         """Make this event not happen. May be said twice, and after it happened."""
@@ -28,22 +22,22 @@ class EventQueue:
     """Events in the order of their time; at the same instant: lower robot index first, then first scheduled."""
 
     def __init__(self):
-        self._heap = []
+        self._heap = []  # of (due_ns, robot index, number, Event): tuples, since these are compared most of all
         self._sequence = 0
 
     def schedule(self, due_ns, robot_index, action):
         """Add ``action(due_ns, now_ns)`` at ``due_ns`` [ns] and return its :class:`Event`, which can be cancelled."""
-        event = Event(due_ns, robot_index, self._sequence, action)
+        event = Event(action)
+        heapq.heappush(self._heap, (due_ns, robot_index, self._sequence, event))
         self._sequence += 1
-        heapq.heappush(self._heap, event)
         return event
 
     def next_due_ns(self):
         """Return when the next event is due [ns], or None if there is none."""
         heap = self._heap
-        while heap and heap[0].action is None:
+        while heap and heap[0][3].action is None:
             heapq.heappop(heap)
-        return heap[0].due_ns if heap else None
+        return heap[0][0] if heap else None
 
     def run_until(self, now_ns, enter=lambda due_ns: None):
         """Let all happen that is due at ``now_ns`` [ns] or before, in order, what is scheduled meanwhile included.
@@ -54,15 +48,14 @@ class EventQueue:
             due_ns = self.next_due_ns()
             if due_ns is None or due_ns > now_ns:
                 return
-            event = heapq.heappop(self._heap)
+            event = heapq.heappop(self._heap)[3]
             action, event.action = event.action, None
-            enter(event.due_ns)
-            action(event.due_ns, now_ns)
+            enter(due_ns)
+            action(due_ns, now_ns)
 
     def shift(self, by_ns):
         """Move all that is due by ``by_ns`` [ns]; the order stays."""
-        for event in self._heap:
-            event.due_ns += by_ns
+        self._heap = [(due_ns + by_ns, *rest) for due_ns, *rest in self._heap]
 
 
 class Series:

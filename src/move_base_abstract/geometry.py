@@ -17,7 +17,7 @@ def normalize_angle(angle):
     return wrapped
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Pose2D:
     """A position [m] and a heading ``yaw`` [rad, (-pi, pi]] in a frame that the context names.
 
@@ -28,12 +28,12 @@ class Pose2D:
     y: float = 0.0
     yaw: float = 0.0
 
-    def __post_init__(self):
-        for name in ('x', 'y', 'yaw'):
-            value = getattr(self, name)
-            if not math.isfinite(value):
-                raise ValueError('pose: {} must be finite, got {!r}'.format(name, value))
-        object.__setattr__(self, 'yaw', normalize_angle(self.yaw))
+    def __init__(self, x=0.0, y=0.0, yaw=0.0):
+        if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
+            name, value = next(pair for pair in (('x', x), ('y', y), ('yaw', yaw)) if not math.isfinite(pair[1]))
+            raise ValueError('pose: {} must be finite, got {!r}'.format(name, value))
+        # As object.__setattr__ would; poses are made several times in each event.
+        self.__dict__.update(x=x, y=y, yaw=normalize_angle(yaw))
 
     def distance_to(self, other):
         """Return the straight distance to another pose of the same frame [m]."""

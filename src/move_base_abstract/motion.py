@@ -4,6 +4,7 @@ Nothing is integrated, so nothing accumulates: :meth:`Leg.pose_at` may be asked 
 """
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 from .geometry import Pose2D, normalize_angle
 from .units import NS_PER_S, seconds_to_ns
@@ -61,7 +62,7 @@ class SpeedProfile:
     max_speed: float
     acceleration: float = math.inf
 
-    @property
+    @cached_property
     def peak_speed(self):
         """The highest speed that is reached [m/s]."""
         if math.isinf(self.acceleration):
@@ -71,12 +72,12 @@ class SpeedProfile:
         peak = math.sqrt(product) if product else math.sqrt(self.acceleration) * math.sqrt(self.distance)
         return min(self.max_speed, peak)
 
-    @property
+    @cached_property
     def ramp_seconds(self):
         """How long speeding up takes, and slowing down [s]."""
         return 0.0 if math.isinf(self.acceleration) else self.peak_speed / self.acceleration
 
-    @property
+    @cached_property
     def seconds(self):
         """How long the trip takes [s]."""
         peak = self.peak_speed

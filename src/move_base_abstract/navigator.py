@@ -3,9 +3,8 @@
 Threading contract: all methods are called under one lock, by whoever holds the present, with ``now_ns`` [ns] not
 before the simulation's present.
 """
-from dataclasses import dataclass
 from enum import Enum
-from typing import Tuple
+from typing import NamedTuple, Tuple
 
 from .errors import FrameError
 from .geometry import Pose2D, quaternion_fault, yaw_of_quaternion
@@ -24,8 +23,7 @@ class BadFramePolicy(Enum):
     WAIT = 'wait'
 
 
-@dataclass(frozen=True)
-class GoalPose:
+class GoalPose(NamedTuple):
     """A goal as it was sent: position [m] and quaternion (x, y, z, w) in ``frame_id`` at ``stamp_ns`` [ns; 0 = now]."""
 
     frame_id: str

@@ -3,22 +3,22 @@ import itertools
 from typing import Any, NamedTuple
 
 import rospy
-from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from actionlib_msgs.msg import GoalID, GoalStatusArray
 
 from move_base_abstract.units import NS_PER_S
 
-from . import conversions
-from .lazy_latch import LazyLatch
+from . import packing
 from .outbox import Outbox
+from .outlets import LatchedOutlet, Outlet
 
 # A client that misses the acceptance of its goal misses its active_cb only, so that a shorter wait will do.
 _ACCEPTANCE_SHARE = 0.25
 
 
 class ActionTypes(NamedTuple):
-    """The message types of an action's three topics."""
+    """The message types of an action's three topics; ``goal_in`` is the class in which goals are received."""
 
-    goal: Any
+    goal_in: Any
     result: Any
     feedback: Any
 
@@ -45,11 +45,13 @@ class ActionShell:
         self._acceptance_wall = 0.0
         self._outbox = Outbox()
         self._counter = itertools.count(1)
+        self._packed = None, b''
         self._subscribers = ()
         size = host.options.pub_queue_size
-        self._status = LazyLatch(ns + '/status', GoalStatusArray, size, tcp_nodelay=True)
-        self._result = rospy.Publisher(ns + '/result', types.result, queue_size=size, tcp_nodelay=True)
-        self._feedback = rospy.Publisher(ns + '/feedback', types.feedback, queue_size=size, tcp_nodelay=True)
+        self._status = LatchedOutlet(ns + '/status', GoalStatusArray, self._pack_status, size, tcp_nodelay=True)
+        self._result = Outlet(ns + '/result', types.result, size, tcp_nodelay=True)
+        self._feedback = Outlet(ns + '/feedback', types.feedback, size, tcp_nodelay=True)
+        self.has_feedback_listeners = self._feedback.is_heard
 
     def open(self, ledger):
         """Show the goals of ``ledger`` (GoalLedger); the clock's time is the present."""
@@ -60,11 +62,11 @@ class ActionShell:
         self._host.status_heartbeat.add(self._repeat_status)
 
     def listen(self, on_goal, on_cancel):
-        """Hand messages over from now on: ``on_goal(message)``, of the goal's type, and ``on_cancel(GoalID)``."""
+        """Hand messages over from now on: ``on_goal(message)``, of the class for it, and ``on_cancel(GoalID)``."""
         size = self._host.options.sub_queue_size
         self._subscribers = (
             rospy.Subscriber(self.ns + '/cancel', GoalID, on_cancel, queue_size=size, tcp_nodelay=True),
-            rospy.Subscriber(self.ns + '/goal', self._types.goal, on_goal, queue_size=size, tcp_nodelay=True))
+            rospy.Subscriber(self.ns + '/goal', self._types.goal_in, on_goal, queue_size=size, tcp_nodelay=True))
 
     def close(self):
         """Take no more goals and leave the graph."""
@@ -78,33 +80,30 @@ class ActionShell:
 
     def arrived(self, goal_id, wall):
         """Note that a goal with this id ('': none) came at ``wall`` [s, time.monotonic]; the caller holds the lock."""
-        self._acceptance_wall = wall + _ACCEPTANCE_SHARE * self._min_answer_delay
-        if goal_id:
-            self._arrivals.setdefault(goal_id, wall)
-
-    def has_feedback_listeners(self):
-        """Return whether anybody subscribes to the feedback."""
-        return self._feedback.get_num_connections() > 0
+        if self._min_answer_delay:
+            self._acceptance_wall = wall + _ACCEPTANCE_SHARE * self._min_answer_delay
+            if goal_id:
+                self._arrivals.setdefault(goal_id, wall)
 
     def publish_feedback(self, record, feedback, stamp_ns):
-        """Publish ``feedback``, of the action's own type, on the goal ``record`` at ``stamp_ns`` [ns]."""
-        self._outbox.send(self._feedback, self._types.feedback(
-            conversions.to_header('', stamp_ns), to_status(record), feedback))
+        """Publish ``feedback``, the bytes of the action's own part, on the goal ``record`` at ``stamp_ns`` [ns]."""
+        told = self._pack(record) + feedback
+        self._outbox.send(self._feedback, lambda seq: packing.header(seq, stamp_ns) + told)
 
     def publish_result(self, record, result, stamp_ns):
-        """Publish that the goal ``record`` ended at ``stamp_ns`` [ns] with ``result``, of the action's own type."""
+        """Publish that the goal ``record`` ended at ``stamp_ns`` [ns]; ``result`` is the action's own part, bytes."""
         arrived = self._arrivals.pop(record.goal_id, None)
-        self._outbox.send(self._result, self._types.result(
-            conversions.to_header('', stamp_ns), to_status(record), result),
-            0.0 if arrived is None else arrived + self._min_answer_delay)
+        told = self._pack(record) + result
+        self._outbox.send(self._result, lambda seq: packing.header(seq, stamp_ns) + told,
+                          0.0 if arrived is None else arrived + self._min_answer_delay)
 
     def publish_status(self):
         """Publish which goals there are; who comes later gets it, too."""
         now_ns = self._clock.simulation.now_ns
         if self._status.is_heard():
-            self._outbox.send(self._status, self._make_status(now_ns), self._acceptance_wall)
+            self._outbox.send(self._status, self._pack_status(now_ns), self._acceptance_wall)
         else:
-            self._status.offer(lambda: self._make_status(now_ns))
+            self._status.show(now_ns)
 
     def flush(self):
         """Send what is held back, now."""
@@ -114,16 +113,18 @@ class ActionShell:
         """Return an id for a goal that came without one at ``now_ns`` [ns]."""
         return '{}-{}-{}.{:09d}'.format(self._id_prefix, next(self._counter), now_ns // NS_PER_S, now_ns % NS_PER_S)
 
-    def _make_status(self, now_ns):
+    def _pack_status(self, now_ns):
         with self._clock.lock:
-            return GoalStatusArray(conversions.to_header('', now_ns),
-                                   [to_status(record) for record in self._ledger.records(now_ns)])
+            told = [self._pack(record) for record in self._ledger.records(now_ns)]
+        return lambda seq: packing.statuses(seq, told, now_ns)
+
+    def _pack(self, record):
+        """Return the bytes of the GoalStatus of a GoalRecord; those of the latest are kept, which is told again."""
+        said = record, record.state, record.text
+        if said != self._packed[0]:
+            self._packed = said, packing.status(record.goal_id, record.stamp_ns, record.state.value, record.text)
+        return self._packed[1]
 
     def _repeat_status(self, _now_ns):
         if self._status.is_heard():
             self.publish_status()
-
-
-def to_status(record):
-    """Return the actionlib_msgs/GoalStatus of a GoalRecord."""
-    return GoalStatus(GoalID(conversions.to_time(record.stamp_ns), record.goal_id), record.state.value, record.text)

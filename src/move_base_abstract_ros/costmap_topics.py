@@ -1,13 +1,14 @@
 """The costmaps' topics, so that existing RViz set-ups show something: the map as it is, and the footprint."""
 import rospy
-from geometry_msgs.msg import Point32, PolygonStamped
+from geometry_msgs.msg import PolygonStamped
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import OccupancyGrid
 
 from move_base_abstract.costmaps import Window
 
 from . import conversions
-from .lazy_latch import LazyLatch
+from .outlets import LatchedOutlet, LatchedOutlets
+from .packing import InFrame, of_message
 
 _CELLS = 100
 _WINDOW_RATE = 5.0  # Hz, wall
@@ -30,38 +31,39 @@ class CostmapTopics:
         self._throttle = host.throttle(_WINDOW_RATE)
         self._latest = None
         self._grid = rospy.Publisher(names.own('global_costmap/costmap'), OccupancyGrid, queue_size=1, latch=True)
-        self._window = LazyLatch(names.own('local_costmap/costmap'), OccupancyGrid, queue_size=1)
+        self._window = LatchedOutlet(names.own('local_costmap/costmap'), OccupancyGrid, self._pack_window,
+                                     queue_size=1)
         self._updates = [rospy.Publisher(names.own(costmap + '/costmap_updates'), OccupancyGridUpdate, queue_size=1)
                          for costmap in ('global_costmap', 'local_costmap')]
-        self._footprints = [
-            (LazyLatch(names.own(costmap + '/footprint'), PolygonStamped, queue_size=1), frame_id, footprint)
-            for costmap, frame_id, footprint in (
+        self._footprints = LatchedOutlets()
+        for costmap, frame_id, footprint in (
                 ('global_costmap', self._global_frame, self._costmaps.global_footprint),
-                ('local_costmap', self._local_frame, self._costmaps.local_footprint))]
+                ('local_costmap', self._local_frame, self._costmaps.local_footprint)):
+            self._footprints.add(names.own(costmap + '/footprint'), PolygonStamped,
+                                 _footprint_packer(footprint, frame_id), queue_size=1)
         if settings.values['world_bounds'] and robot_map.check is None:
             self._grid.publish(_free_grid(settings.bounds, self._global_frame))
         robot_map.follow(self._show_map)
 
     def moved(self, pose, stamp_ns, is_event):
         """Show the robot at ``pose`` (global frame); ``is_event``: it starts or stands, which no cap leaves out."""
-        for topic, frame_id, footprint in self._footprints:
-            topic.offer(lambda frame_id=frame_id, footprint=footprint: _polygon(footprint, pose, frame_id, stamp_ns))
+        self._footprints.show(pose, stamp_ns)
         self._latest = pose, stamp_ns
         if is_event or self._throttle.ready():
-            self._window.offer(self._make_window)
+            self._window.show()
 
     def close(self):
         """Leave the graph."""
-        for topic in (self._grid, self._window, *self._updates, *(topic for topic, _, _ in self._footprints)):
+        for topic in (self._grid, self._window, *self._updates, self._footprints):
             topic.unregister()
 
     def _show_map(self, message, _occupancy):
         """Publish the map's own message: all robots of the process share it."""
         self._grid.publish(message)
         if self._latest is not None:
-            self._window.offer(self._make_window)
+            self._window.show()
 
-    def _make_window(self):
+    def _pack_window(self):
         pose, stamp_ns = self._latest
         window = self._costmaps.window
         x, y = window.corner(pose)
@@ -71,13 +73,16 @@ class CostmapTopics:
             grid.data = [0] * (window.columns * window.rows)
         else:
             grid.data = occupancy.cut(x, y, window.columns, window.rows, window.resolution).ravel().tolist()
-        return grid
+        return of_message(grid)
 
 
-def _polygon(footprint, pose, frame_id, stamp_ns):
-    polygon = PolygonStamped(header=conversions.to_header(frame_id, stamp_ns))
-    polygon.polygon.points = [Point32(_to_float32(x), _to_float32(y), 0.0) for x, y in footprint.at(pose)]
-    return polygon
+def _footprint_packer(footprint, frame_id):
+    frame = InFrame(frame_id)
+
+    def make(pose, stamp_ns):
+        points = [(_to_float32(x), _to_float32(y)) for x, y in footprint.at(pose)]
+        return lambda seq: frame.polygon(seq, points, stamp_ns)
+    return make
 
 
 def _to_float32(value):

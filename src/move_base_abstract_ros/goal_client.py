@@ -7,9 +7,11 @@ import itertools
 
 import rospy
 from actionlib_msgs.msg import GoalID
-from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult
+from move_base_msgs.msg import MoveBaseActionGoal
 
-from move_base_abstract.geometry import quaternion_of_yaw
+from . import packing
+from .outlets import Outlet
+from .unpacking import ResultIn
 
 
 class GoalClient:
@@ -25,28 +27,25 @@ class GoalClient:
         self._numbers = itertools.count(1)
         self._open = {}
         prefix = '/{}/move_base/'.format(name.strip('/'))
-        self._goal = rospy.Publisher(prefix + 'goal', MoveBaseActionGoal, queue_size=10, tcp_nodelay=True)
+        self._frames = {}
+        self._goal = Outlet(prefix + 'goal', MoveBaseActionGoal, queue_size=10, tcp_nodelay=True)
         self._cancel = rospy.Publisher(prefix + 'cancel', GoalID, queue_size=10, tcp_nodelay=True)
-        self._result = rospy.Subscriber(prefix + 'result', MoveBaseActionResult, self._on_result, tcp_nodelay=True)
+        self._result = rospy.Subscriber(prefix + 'result', ResultIn, self._on_result, tcp_nodelay=True)
 
     def is_connected(self):
         """Return whether there is a server; goals sent before are lost."""
-        return bool(self._goal.get_num_connections() and self._cancel.get_num_connections()
+        return bool(self._goal.is_heard() and self._cancel.get_num_connections()
                     and self._result.get_num_connections())
 
     def send(self, x, y, yaw=0.0, frame='map'):
         """Send a goal [m, rad, in ``frame``]; return its id."""
         goal_id = '{}-{}-{}'.format(rospy.get_name(), self.name, next(self._numbers))
-        goal = MoveBaseActionGoal()
-        goal.goal_id.id = goal_id
-        goal.goal_id.stamp = goal.header.stamp = rospy.Time.now()
-        pose = goal.goal.target_pose
-        pose.header.frame_id = frame
-        pose.pose.position.x, pose.pose.position.y = x, y
-        orientation = pose.pose.orientation
-        orientation.x, orientation.y, orientation.z, orientation.w = quaternion_of_yaw(yaw)
+        now_ns = rospy.get_rostime().to_nsec()
+        if frame not in self._frames:
+            self._frames[frame] = packing.InFrame(frame)
+        target = self._frames[frame].target(x, y, yaw)
         self._open[goal_id] = True
-        self._goal.publish(goal)
+        self._goal.send(lambda seq: packing.action_goal(seq, goal_id, now_ns, target))
         return goal_id
 
     def cancel(self, goal_id):
@@ -59,5 +58,5 @@ class GoalClient:
             topic.unregister()
 
     def _on_result(self, message):
-        if self._open.pop(message.status.goal_id.id, False):
-            self._on_end(self, message.status.goal_id.id, message.status.status, message.status.text)
+        if self._open.pop(message.name, False):
+            self._on_end(self, message.name, message.state, message.said)

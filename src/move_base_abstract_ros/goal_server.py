@@ -1,18 +1,13 @@
 """The action MoveBase of one robot: what its messages mean to the navigator, and its endings as messages."""
 import time
 
-from move_base_msgs.msg import (
-    MoveBaseActionFeedback,
-    MoveBaseActionGoal,
-    MoveBaseActionResult,
-    MoveBaseFeedback,
-    MoveBaseResult,
-)
+from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionResult
 
-from . import conversions
 from .action_shell import ActionShell, ActionTypes
+from .unpacking import GoalIn
 
-_TYPES = ActionTypes(MoveBaseActionGoal, MoveBaseActionResult, MoveBaseActionFeedback)
+_TYPES = ActionTypes(GoalIn, MoveBaseActionResult, MoveBaseActionFeedback)
+_NO_RESULT = b''  # of move_base_msgs/MoveBaseResult, which has no fields
 
 
 class GoalServer:
@@ -28,6 +23,7 @@ class GoalServer:
         self._prefetch = None
         self._shell = ActionShell(ns, node_name, host, _TYPES, min_answer_delay)
         self.publish_status, self.new_id = self._shell.publish_status, self._shell.new_id
+        self.has_feedback_listeners = self._shell.has_feedback_listeners
 
     def start(self, ledger, navigator, prefetch):
         """Take goals for ``navigator``, whose book is ``ledger``; ``prefetch(goal)`` is called before each.
@@ -37,7 +33,7 @@ class GoalServer:
         self._navigator = navigator
         self._prefetch = prefetch
         self._shell.open(ledger)
-        self._shell.listen(self.take, self._on_cancel)
+        self._shell.listen(self._on_goal, self._on_cancel)
 
     def close(self):
         """Take no more goals and leave the graph."""
@@ -48,15 +44,20 @@ class GoalServer:
         self._shell.forget_arrivals()
         self.publish_status()
 
-    def take(self, message):
-        """Take a goal (MoveBaseActionGoal) in, as from the topic. May block; no lock is held."""
-        goal = conversions.from_target(message.goal.target_pose)
+    def _on_goal(self, message):
+        self.take(message.name, message.stamp_ns, message.target)
+
+    def take(self, goal_id, stamp_ns, goal):
+        """Take a GoalPose in, as from the topic, with id ('': none) and stamp [ns] (0: none).
+
+        May block; no lock is held.
+        """
         arrived = time.monotonic()
         self._prefetch(goal)
         with self._clock.lock:
             now_ns = self._clock.now_ns()
-            self._shell.arrived(message.goal_id.id, arrived)
-            self._navigator.receive(message.goal_id.id, message.goal_id.stamp.to_nsec(), goal, now_ns)
+            self._shell.arrived(goal_id, arrived)
+            self._navigator.receive(goal_id, stamp_ns, goal, now_ns)
 
     def _on_cancel(self, message):
         with self._clock.lock:
@@ -64,12 +65,8 @@ class GoalServer:
             self._navigator.cancel(message.id, message.stamp.to_nsec(), now_ns)
 
     def publish_feedback(self, record, pose_stamped, stamp_ns):
-        """Publish where the robot with the goal ``record`` is."""
-        self._shell.publish_feedback(record, MoveBaseFeedback(pose_stamped), stamp_ns)
-
-    def has_feedback_listeners(self):
-        """Return whether anybody subscribes to the feedback."""
-        return self._shell.has_feedback_listeners()
+        """Publish where the robot with the goal ``record`` is; ``pose_stamped`` is bytes."""
+        self._shell.publish_feedback(record, pose_stamped, stamp_ns)
 
     def flush(self):
         """Send what is held back, now."""
@@ -78,4 +75,4 @@ class GoalServer:
     def publish_result(self, record, stamp_ns):
         """Publish that the goal ``record`` ended at ``stamp_ns`` [ns]."""
         self._trace.ended(record, stamp_ns)
-        self._shell.publish_result(record, MoveBaseResult(), stamp_ns)
+        self._shell.publish_result(record, _NO_RESULT, stamp_ns)

@@ -8,9 +8,10 @@ from move_base_abstract.recovery import RecoveryPolicy
 from move_base_abstract.robot_parts import make_robot_parts
 from move_base_abstract.robot_trace import RobotTrace
 
-from . import backends, conversions, lockstep, robot_markers, tf_watch
+from . import backends, lockstep, robot_markers, tf_watch
 from .costmap_topics import CostmapTopics
 from .goal_server import GoalServer
+from .packing import InFrame
 from .planner_interface import PlannerInterface
 from .reconfigure import Reconfigure
 from .robot_map import RobotMap
@@ -35,6 +36,7 @@ class MoveBaseServer(NavigatorListener):
         self._host = host
         self._controller_frequency = settings.values['controller_frequency']
         self._last_warning = None
+        self._in_global_frame = InFrame(settings.values['global_frame'])
         self._told = None  # (goal id, stamp [ns]) of the latest feedback
         self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
         self._trace = RobotTrace(names.robot, clock.record(robot_index))
@@ -158,7 +160,7 @@ class MoveBaseServer(NavigatorListener):
         if self._feedback_throttle.ready() or (is_last and told != self._told):
             self._told = told
             self._goal_server.publish_feedback(
-                record, conversions.to_pose_stamped(pose, self._frames.global_frame, stamp_ns), stamp_ns)
+                record, self._in_global_frame.pose_stamped(0, pose, stamp_ns), stamp_ns)
         return self._clock.wall_to_ns(self._feedback_throttle.remaining())
 
     def recovery(self, pose, index, behaviors, stamp_ns):

@@ -1,5 +1,6 @@
 """One of our nodes as a process: its command line, its start, its end, and a plain line for whatever goes wrong."""
 import argparse
+import gc
 import http.client
 import logging
 import sys
@@ -61,6 +62,9 @@ def run_node(name, set_up, say_goodbye=None, failed=_FAILED, **options):
     if result is None:
         return
     end.enter_service()
+    # What is there now stays to the end: Python's search for garbage need not go through it again and again.
+    gc.collect()
+    gc.freeze()
     if say_goodbye is not None:
         rospy.on_shutdown(lambda: say_goodbye(result))
     rospy.spin()

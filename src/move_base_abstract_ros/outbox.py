@@ -44,16 +44,19 @@ _WAKER = _Waker()
 
 
 class Outbox:
-    """A first-in first-out line of messages to publish, each with the earliest wall time at which it may leave."""
+    """A first-in first-out line of messages, packers for an Outlet, each with the earliest wall time of its leaving."""
 
     def __init__(self):
         self._lock = threading.Lock()
         self._waiting = deque()
 
-    def send(self, publisher, message, not_before=0.0):
-        """Publish ``message`` when all earlier ones are out and ``not_before`` [s, time.monotonic] has come."""
+    def send(self, outlet, pack, not_before=0.0):
+        """Send ``pack`` to ``outlet`` when all earlier ones are out and ``not_before`` [s, time.monotonic] has come."""
         with self._lock:
-            self._waiting.append((not_before, publisher, message))
+            if not (self._waiting or not_before):
+                _send(outlet, pack)
+                return
+            self._waiting.append((not_before, outlet, pack))
             if len(self._waiting) == 1:
                 self._drain()
 
@@ -61,24 +64,24 @@ class Outbox:
         """Publish all that waits, now."""
         with self._lock:
             while self._waiting:
-                _publish(*self._waiting.popleft()[1:])
+                _send(*self._waiting.popleft()[1:])
 
     def _drain(self):
         while self._waiting:
-            not_before, publisher, message = self._waiting[0]
+            not_before, outlet, pack = self._waiting[0]
             if not_before > time.monotonic():
                 _WAKER.call_at(not_before, self._resume)
                 return
             self._waiting.popleft()
-            _publish(publisher, message)
+            _send(outlet, pack)
 
     def _resume(self):
         with self._lock:
             self._drain()
 
 
-def _publish(publisher, message):
+def _send(outlet, pack):
     try:
-        publisher.publish(message)
+        outlet.send(pack)
     except rospy.ROSException:
         pass  # the node is going down and has closed the topic

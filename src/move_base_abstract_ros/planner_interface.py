@@ -1,6 +1,4 @@
 """The plans that move_base shows and makes on request."""
-import functools
-
 import rospy
 from nav_msgs.msg import Path
 from nav_msgs.srv import GetPlan, GetPlanResponse
@@ -9,7 +7,8 @@ from std_srvs.srv import Empty, EmptyResponse
 from move_base_abstract.planning import straight_path
 
 from . import conversions
-from .lazy_latch import LazyLatch
+from .outlets import LatchedOutlets
+from .packing import of_message
 
 
 class PlannerInterface:
@@ -24,8 +23,9 @@ class PlannerInterface:
         self._add_unreachable_goal = settings.values['make_plan_add_unreachable_goal']
         local = settings.local_planner
         planner = settings.global_planner
-        self._plans = [LazyLatch(names.own(topic), Path, queue_size=1) for topic in (
-            planner + '/plan', local + '/global_plan', local + '/local_plan')]
+        self._plans = LatchedOutlets()
+        for topic in (planner + '/plan', local + '/global_plan', local + '/local_plan'):
+            self._plans.add(names.own(topic), Path, self._pack_way, queue_size=1)
         self._services = [
             rospy.Service(names.own('make_plan'), GetPlan, self._make_plan_when_idle),
             rospy.Service(names.own(planner + '/make_plan'), GetPlan,
@@ -38,16 +38,16 @@ class PlannerInterface:
 
     def close(self):
         """Leave the graph."""
-        for publisher in self._plans:
-            publisher.unregister()
+        self._plans.unregister()
         for service in self._services:
             service.shutdown('the robot is removed')
 
     def show(self, start, goal, now_ns):
         """Publish the way that the robot now takes; who comes later gets it, too."""
-        make = functools.lru_cache(maxsize=None)(lambda: self._to_path(straight_path(start, goal), now_ns))
-        for plan in self._plans:
-            plan.offer(make)
+        self._plans.show(start, goal, now_ns)
+
+    def _pack_way(self, start, goal, now_ns):
+        return of_message(self._to_path(straight_path(start, goal), now_ns))
 
     def _make_plan_when_idle(self, request):
         with self._clock.lock:

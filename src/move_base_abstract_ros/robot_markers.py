@@ -40,7 +40,7 @@ class RobotMarkers:
         self._drawn_route = None
         self._board = board
         self._navigator = navigator
-        board.change(self)
+        board.add(self)
 
     def changed(self):
         """Have the robot drawn soon; returns at once."""
@@ -85,11 +85,16 @@ class _Board(rospy.SubscribeListener):
         self._publisher = rospy.Publisher(topic, MarkerArray, subscriber_listener=self, queue_size=10)
         threading.Thread(target=self._run, name='markers', daemon=True).start()
 
-    def change(self, robot):
-        """Draw ``robot`` soon; without a subscriber there is nothing to do before one comes."""
+    def add(self, robot):
+        """Draw ``robot`` from now on."""
         with self._condition:
             self._robots[robot.look.name] = robot
-            if self._publisher.get_num_connections() > 0:
+        self.change(robot)
+
+    def change(self, robot):
+        """Draw ``robot`` soon; without a subscriber there is nothing to do before one comes."""
+        if self._publisher.impl.connections:  # not get_num_connections: this is asked at each event of each robot
+            with self._condition:
                 self._changed.add(robot)
                 self._condition.notify()
 

@@ -4,6 +4,8 @@ from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
 
 from . import conversions, lockstep
+from .outlets import Outlet
+from .packing import ZERO_TWIST, InFrame
 
 
 class RobotPublisher:
@@ -16,9 +18,10 @@ class RobotPublisher:
         self._backend = backend
         self._costmaps = costmaps
         self._global_frame = settings.values['global_frame']
+        self._in_global_frame = InFrame(self._global_frame)
         self._pose_throttle = host.throttle(settings.values['max_pose_rate'])
-        self._current_goal = rospy.Publisher(names.own('current_goal'), PoseStamped, queue_size=0)
-        self._cmd_vel = rospy.Publisher(names.topic('cmd_vel'), Twist, queue_size=10)
+        self._current_goal = Outlet(names.own('current_goal'), PoseStamped, queue_size=0)
+        self._cmd_vel = Outlet(names.topic('cmd_vel'), Twist, queue_size=10)
         self._recovery = rospy.Publisher(names.action('recovery_status'), RecoveryStatus, queue_size=1)
         self._updates = simulation.series(robot.index, settings.values['pose_update_freq'], self._update)
         self._updates_beat = settings.values['pose_update_freq'] >= settings.values['tf_heartbeat_freq']
@@ -51,11 +54,11 @@ class RobotPublisher:
 
     def target(self, goal, now_ns):
         """Show the goal that is worked on."""
-        self._current_goal.publish(conversions.to_pose_stamped(goal, self._global_frame, now_ns))
+        self._current_goal.send(lambda seq: self._in_global_frame.pose_stamped(seq, goal, now_ns))
 
     def stop_wheels(self):
         """Publish the zero velocity that move_base would."""
-        self._cmd_vel.publish(Twist())
+        self._cmd_vel.send(_stand_still)
 
     def recovery(self, pose, index, behaviors, stamp_ns):
         """Announce a recovery behaviour."""
@@ -86,3 +89,7 @@ class RobotPublisher:
                 pose = self._robot.pose_at(now_ns)
                 self._backend.heartbeat(pose, now_ns)
                 self._costmaps.moved(pose, now_ns, is_event=False)
+
+
+def _stand_still(_seq):
+    return ZERO_TWIST

@@ -14,7 +14,7 @@ class SimpleGoals:
 
     The publisher on the goal topic is there from the start, before the node itself listens to that topic. It is
     connected to this node like to any other, unless ``take`` is given: a connection to oneself costs two threads and
-    two sockets per robot. Then ``take(message)`` gets the goal, and the topic only tells others.
+    two sockets per robot. Then ``take(id, stamp_ns, GoalPose)`` gets the goal, and the topic only tells others.
     """
 
     def __init__(self, names, clock, take=None):
@@ -47,4 +47,4 @@ class SimpleGoals:
         goal.goal.target_pose = pose
         self._goals.publish(goal)
         if self._take is not None:
-            self._take(goal)
+            self._take('', 0, conversions.from_target(pose))

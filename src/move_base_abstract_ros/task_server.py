@@ -1,16 +1,9 @@
 """The action TimedTask of one robot: what its messages mean to the core's TimedTaskRunner, and the answers."""
+import struct
 import time
 
-import genpy
-
 from move_base_abstract.goal_ledger import GoalLedger
-from move_base_abstract.msg import (
-    TimedTaskActionFeedback,
-    TimedTaskActionGoal,
-    TimedTaskActionResult,
-    TimedTaskFeedback,
-    TimedTaskResult,
-)
+from move_base_abstract.msg import TimedTaskActionFeedback, TimedTaskActionGoal, TimedTaskActionResult
 from move_base_abstract.outcome import NODE_KILLED, GoalState
 from move_base_abstract.robot_trace import TraceEntry
 from move_base_abstract.timed_task import TimedTaskRunner
@@ -65,18 +58,24 @@ class TaskServer:
     def _publish_feedback(self, record, elapsed_ns, duration_ns, now_ns):
         is_last = elapsed_ns == duration_ns
         if self._shell.has_feedback_listeners() and (self._throttle.ready() or is_last):
-            feedback = TimedTaskFeedback(_to_duration(elapsed_ns), elapsed_ns / duration_ns if duration_ns else 1.0)
+            feedback = pack_feedback(elapsed_ns, elapsed_ns / duration_ns if duration_ns else 1.0)
             self._shell.publish_feedback(record, feedback, now_ns)
 
     def _publish_result(self, record, stamp_ns):
         self._trace(stamp_ns, 'task_ended', record.goal_id, record.state.name)
         took_ns = 0 if record.state is GoalState.RECALLED else self._tasks.elapsed_ns(stamp_ns)
-        self._shell.publish_result(record, TimedTaskResult(_to_duration(took_ns)), stamp_ns)
+        self._shell.publish_result(record, pack_result(took_ns), stamp_ns)
 
     def _trace(self, time_ns, kind, *values):
         if self._record is not None:
             self._record(TraceEntry(time_ns, self.ns.strip('/'), kind, values))
 
 
-def _to_duration(duration_ns):
-    return genpy.Duration(duration_ns // NS_PER_S, duration_ns % NS_PER_S)
+def pack_result(took_ns):
+    """Return the bytes of a TimedTaskResult: how long the task took [ns]."""
+    return struct.pack('<ii', took_ns // NS_PER_S, took_ns % NS_PER_S)
+
+
+def pack_feedback(elapsed_ns, progress):
+    """Return the bytes of a TimedTaskFeedback: for how long the task is worked on [ns], and the share that is done."""
+    return struct.pack('<iif', elapsed_ns // NS_PER_S, elapsed_ns % NS_PER_S, progress)

@@ -9,6 +9,9 @@ from contextlib import contextmanager
 import rospy
 from tf2_msgs.msg import TFMessage
 
+from . import packing
+from .outlets import Outlet, Packed
+
 
 class _Hub(rospy.SubscribeListener):
     """Publishes transforms, at once or collected."""
@@ -17,7 +20,7 @@ class _Hub(rospy.SubscribeListener):
         super().__init__()
         self._latest = None
         self._lock = threading.RLock()
-        self._publisher = None
+        self._outlet = None
         self._collected = None
 
     def send(self, key, make):
@@ -42,7 +45,7 @@ class _Hub(rospy.SubscribeListener):
     def peer_subscribe(self, _topic_name, _topic_publish, peer_publish):
         with self._lock:
             if self._latest:
-                peer_publish(_message(self._latest.values()))
+                peer_publish(Packed(_packer(self._latest.values())))
 
     @contextmanager
     def batch(self):
@@ -56,21 +59,22 @@ class _Hub(rospy.SubscribeListener):
                     self._publish(collected)
 
     def _publish(self, makes):
-        if self._publisher is None:
-            self._publisher = rospy.Publisher('/tf', TFMessage, queue_size=100, subscriber_listener=self)
-        if self._publisher.get_num_connections() > 0:
-            self._publisher.publish(_message(makes))
+        if self._outlet is None:
+            self._outlet = Outlet('/tf', TFMessage, queue_size=100, subscriber_listener=self)
+        if self._outlet.is_heard():
+            self._outlet.send(_packer(makes))
 
 
 _HUB = _Hub()
 
 
-def _message(makes):
-    return TFMessage([transform for make in makes for transform in make()])
+def _packer(makes):
+    transforms = [transform for make in makes for transform in make()]
+    return lambda _seq: packing.transforms(transforms)
 
 
 def send(key, make):
-    """Publish the transforms ``make()`` (list of TransformStamped), or keep them for the end of the :func:`batch`.
+    """Publish the transforms ``make()`` (TransformStamped as bytes, in a list), or keep them for the :func:`batch`.
 
     ``key``: whose they are. Nothing is made where nobody listens.
     """

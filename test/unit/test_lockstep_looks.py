@@ -76,6 +76,6 @@ def test_who_does_something_has_all_its_looks_again():
     def main():
         for _ in range(6):
             program.scheduler.look(STEP)
-            program.scheduler.acted()
+            program.scheduler.acts()
         program.say('main')
     assert program.run(main) == [('main', 0)]

@@ -178,9 +178,13 @@ class Scheduler:
         finally:
             self._conditions.remove(entry)
 
-    def acted(self):
-        """The calling thread, which has the turn, has done something that others may see."""
-        self._tasks[get_ident()].looks = 0
+    def acts(self):
+        """The calling thread does something that others may see; return whether it has the turn."""
+        ident = get_ident()
+        if self.turn_ident != ident or self.is_closed:
+            return False
+        self._tasks[ident].looks = 0
+        return True
 
     def wait_round(self):
         """Give the turn away until the time master has granted another round, of this instant if nothing else is."""

@@ -4,8 +4,9 @@ from nav_msgs.msg import Odometry
 
 from move_base_abstract.geometry import Pose2D
 
-from .. import conversions, tf_hub
-from ..lazy_latch import LazyLatch
+from .. import tf_hub
+from ..outlets import LatchedOutlets
+from ..packing import InFrame
 
 
 class BuiltinBackend:
@@ -16,24 +17,25 @@ class BuiltinBackend:
     """
 
     def __init__(self, names, settings):
-        self._global_frame = settings.values['global_frame']
-        self._odom_frame = settings.odom_frame
+        global_frame, odom_frame = settings.values['global_frame'], settings.odom_frame
         self._base_frame = settings.frame(settings.values['robot_base_frame'])
-        self.frames = [frame for frame in (self._odom_frame, self._base_frame) if frame != self._global_frame]
+        self.frames = [frame for frame in (odom_frame, self._base_frame) if frame != global_frame]
+        self._base_in_odom, self._base_in_map = InFrame(odom_frame, self._base_frame), InFrame(global_frame,
+                                                                                              self._base_frame)
+        # Without a map odom is the global frame; tf allows no frame to be its own parent.
+        self._odom_in_map = InFrame(global_frame, odom_frame) if odom_frame != global_frame else None
         self._tf_stamp_ns = -1
         self._tf_pose = None
-        self._amcl_pose = LazyLatch(names.topic('amcl_pose'), PoseWithCovarianceStamped)
-        self._odom = LazyLatch(names.topic('odom'), Odometry)
-        self._ground_truth = LazyLatch(names.topic('base_pose_ground_truth'), Odometry)
-        self._robot_pose = LazyLatch(names.topic('robot_pose'), PoseStamped)
+        self._outlets = LatchedOutlets()
+        self._outlets.add(names.topic('robot_pose'), PoseStamped, self._pack_robot_pose)
+        self._outlets.add(names.topic('amcl_pose'), PoseWithCovarianceStamped, self._pack_amcl_pose)
+        self._outlets.add(names.topic('odom'), Odometry, self._pack_odom)
+        self._outlets.add(names.topic('base_pose_ground_truth'), Odometry, self._pack_ground_truth)
 
     def place(self, pose, velocity, stamp_ns):
         """Publish that the robot is at ``pose`` with ``velocity``."""
         self.heartbeat(pose, stamp_ns)
-        self._robot_pose.offer(lambda: conversions.to_pose_stamped(pose, self._global_frame, stamp_ns))
-        self._amcl_pose.offer(lambda: self._with_covariance(pose, stamp_ns))
-        self._odom.offer(lambda: self._odometry(pose, velocity, self._odom_frame, stamp_ns))
-        self._ground_truth.offer(lambda: self._odometry(pose, velocity, self._global_frame, stamp_ns))
+        self._outlets.show(pose, velocity, stamp_ns)
 
     def heartbeat(self, pose, stamp_ns):
         """Publish tf only. tf takes one pose per instant, so a jump is dated 1 ns after what was said before."""
@@ -51,22 +53,20 @@ class BuiltinBackend:
     def close(self):
         """Leave the graph."""
         tf_hub.forget(self._base_frame)
-        for publisher in (self._amcl_pose, self._odom, self._ground_truth, self._robot_pose):
-            publisher.unregister()
+        self._outlets.unregister()
 
     def _transforms(self, pose, stamp_ns):
-        base = conversions.to_transform(pose, self._odom_frame, self._base_frame, stamp_ns)
-        if self._odom_frame == self._global_frame:  # without a map; tf allows no frame to be its own parent
-            return [base]
-        return [conversions.to_transform(Pose2D(), self._global_frame, self._odom_frame, stamp_ns), base]
+        base = self._base_in_odom.transform(pose, stamp_ns)
+        return [base] if self._odom_in_map is None else [self._odom_in_map.transform(Pose2D(), stamp_ns), base]
 
-    def _with_covariance(self, pose, stamp_ns):
-        message = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
-        message.pose.pose = conversions.to_pose(pose)
-        return message
+    def _pack_amcl_pose(self, pose, _velocity, stamp_ns):
+        return lambda seq: self._base_in_map.pose_with_covariance(seq, pose, stamp_ns)
 
-    def _odometry(self, pose, velocity, frame_id, stamp_ns):
-        odometry = Odometry(header=conversions.to_header(frame_id, stamp_ns), child_frame_id=self._base_frame)
-        odometry.pose.pose = conversions.to_pose(pose)
-        odometry.twist.twist.linear.x, odometry.twist.twist.angular.z = velocity
-        return odometry
+    def _pack_odom(self, pose, velocity, stamp_ns):
+        return lambda seq: self._base_in_odom.odometry(seq, pose, velocity, stamp_ns)
+
+    def _pack_ground_truth(self, pose, velocity, stamp_ns):
+        return lambda seq: self._base_in_map.odometry(seq, pose, velocity, stamp_ns)
+
+    def _pack_robot_pose(self, pose, _velocity, stamp_ns):
+        return lambda seq: self._base_in_map.pose_stamped(seq, pose, stamp_ns)

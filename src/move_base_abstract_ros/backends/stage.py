@@ -12,6 +12,7 @@ from move_base_abstract.geometry import Pose2D
 from move_base_abstract.stamp_check import StampCheck
 
 from .. import conversions, tf_hub
+from ..packing import InFrame
 from ..tf_lookup import TfLookup
 from . import clock_check, stage_watch
 
@@ -31,6 +32,7 @@ class StageBackend:
         self._robot = names.robot
         self._global_frame = values['global_frame']
         self._odom_frame = settings.odom_frame
+        self._odom_in_map = InFrame(self._global_frame, self._odom_frame)
         self._lock = threading.Lock()
         self.frames = [self._odom_frame] if self._odom_frame != self._global_frame else []
         if not self.frames:
@@ -137,7 +139,7 @@ class StageBackend:
                 return
             stamp_ns = max(stamp_ns, last_ns + 1)
             self._sent = (stamp_ns, self._tf)
-            transform = conversions.to_transform(self._tf, self._global_frame, self._odom_frame, stamp_ns)
+            transform = self._odom_in_map.transform(self._tf, stamp_ns)
         tf_hub.send(self._odom_frame, lambda: [transform])
 
 

@@ -5,7 +5,6 @@ the report; a subscriber has one connection per participant that publishes. Conn
 """
 import threading
 from collections import deque
-from contextlib import contextmanager
 
 import rospy
 from rospy.impl import registration
@@ -18,15 +17,21 @@ from . import rospy_topics
 _local = threading.local()
 
 
-@contextmanager
-def sender(index):
-    """What is created or published inside belongs to the robot with ``index``: it comes in the order of the robots."""
-    before = getattr(_local, 'index', None)
-    _local.index = index
-    try:
-        yield
-    finally:
-        _local.index = before
+class sender:  # noqa: N801 - it is called like a function
+    """A context: what is created or published inside belongs to the robot with ``index``, and comes in its place."""
+
+    __slots__ = ('_index', '_before')
+
+    def __init__(self, index):
+        self._index = index
+        self._before = None
+
+    def __enter__(self):
+        self._before = getattr(_local, 'index', None)
+        _local.index = self._index
+
+    def __exit__(self, *_error):
+        _local.index = self._before
 
 
 def creating_index():
@@ -85,14 +90,18 @@ class MemberLinks:
 
     def write_data(self, data):
         """Have a serialised message, with its length before it, in the report."""
+        self.write_message(data[4:])
+        return True
+
+    def write_message(self, data):
+        """Have a serialised message in the report."""
         self.stat_bytes += len(data)
         self.stat_num_msg += 1
         index = getattr(_local, 'index', None)
         sub = self.sub if index is None else index
         # Who begins to listen in this round gets what is latched when this publisher has been told of it, not before.
         for target in self.members if self.is_latching() else (self.target,):
-            self._participant.add(wire.send(self._topic, sub, target, data[4:]))
-        return True
+            self._participant.add(wire.send(self._topic, sub, target, data))
 
     def fileno(self):
         """There is no file."""

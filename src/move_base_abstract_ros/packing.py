@@ -1,0 +1,116 @@
+"""The bytes of the messages that are sent most, made in one step each, equal to those that genpy makes.
+
+A *packer* is a function ``pack(seq)`` that returns a message's bytes; ``seq`` is the number that rospy gives it, which
+stands in the header of those that have one. The format is that of ROS 1 (little endian, texts and lists behind their
+length); a test compares all that is here with genpy.
+"""
+import struct
+from io import BytesIO
+from math import cos, sin
+
+from move_base_abstract.geometry import quaternion_of_yaw
+from move_base_abstract.units import NS_PER_S
+
+#: geometry_msgs/Twist that stands still
+ZERO_TWIST = bytes(48)
+_COVARIANCE = bytes(288)
+_STAMP = struct.Struct('<II')
+_LENGTH = struct.Struct('<I')
+_HEAD_WITHOUT_FRAME = struct.Struct('<IIII')
+_TWIST = struct.Struct('<6d')
+
+
+def of_message(message):
+    """Return the packer of any message, by genpy."""
+    def pack(seq):
+        if message._has_header:
+            message.header.seq = seq
+        buffer = BytesIO()
+        message.serialize(buffer)
+        return buffer.getvalue()
+    return pack
+
+
+def text(value):
+    """Return the bytes of a text."""
+    data = value.encode('utf-8')
+    return _LENGTH.pack(len(data)) + data
+
+
+def header(seq, stamp_ns):
+    """Return the bytes of a header without a frame."""
+    return _HEAD_WITHOUT_FRAME.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, 0)
+
+
+class InFrame:
+    """Messages whose header names the frame ``frame_id``; ``child_id`` is the second frame of those that have one."""
+
+    def __init__(self, frame_id, child_id=''):
+        frame, child = frame_id.encode('utf-8'), child_id.encode('utf-8')
+        self._frame = len(frame), frame
+        self._frames = len(frame), frame, len(child), child
+        self._head = struct.Struct('<IIII{}s'.format(len(frame)))
+        self._pose = struct.Struct('<IIII{}s7d'.format(len(frame)))
+        self._pose_of_child = struct.Struct('<IIII{}sI{}s7d'.format(len(frame), len(child)))
+
+    def head(self, seq, stamp_ns):
+        """Return the bytes of the header."""
+        return self._head.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frame)
+
+    def pose_stamped(self, seq, pose, stamp_ns):
+        """Return a geometry_msgs/PoseStamped of ``pose`` (Pose2D)."""
+        half = pose.yaw / 2.0
+        return self._pose.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frame,
+                               pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half))
+
+    def pose_with_covariance(self, seq, pose, stamp_ns):
+        """Return a geometry_msgs/PoseWithCovarianceStamped, all variances 0."""
+        return self.pose_stamped(seq, pose, stamp_ns) + _COVARIANCE
+
+    def target(self, x, y, yaw):
+        """Return a geometry_msgs/PoseStamped of now: position [m] and heading [rad], as they are given."""
+        return self._pose.pack(0, 0, 0, *self._frame, x, y, 0.0, *quaternion_of_yaw(yaw))
+
+    def transform(self, pose, stamp_ns):
+        """Return the geometry_msgs/TransformStamped by which the child frame stands at ``pose``."""
+        half = pose.yaw / 2.0
+        return self._pose_of_child.pack(0, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frames,
+                                        pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half))
+
+    def odometry(self, seq, pose, velocity, stamp_ns):
+        """Return a nav_msgs/Odometry; ``velocity`` = (forward [m/s], turning [rad/s]), all variances 0."""
+        half = pose.yaw / 2.0
+        forward, turning = velocity
+        return b''.join((
+            self._pose_of_child.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frames,
+                                     pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half)),
+            _COVARIANCE, _TWIST.pack(forward, 0.0, 0.0, 0.0, 0.0, turning), _COVARIANCE))
+
+    def polygon(self, seq, points, stamp_ns):
+        """Return a geometry_msgs/PolygonStamped of ``points`` [(x, y)], which a float32 can hold."""
+        data = [self.head(seq, stamp_ns), _LENGTH.pack(len(points))]
+        data += [struct.pack('<3f', x, y, 0.0) for x, y in points]
+        return b''.join(data)
+
+
+def transforms(packed):
+    """Return a tf2_msgs/TFMessage of TransformStamped that are bytes."""
+    return _LENGTH.pack(len(packed)) + b''.join(packed)
+
+
+def status(goal_id, stamp_ns, state, said):
+    """Return an actionlib_msgs/GoalStatus of a goal: its id, the stamp of the id [ns], state (number) and text."""
+    name, words = goal_id.encode('utf-8'), said.encode('utf-8')
+    return struct.pack('<III{}sBI{}s'.format(len(name), len(words)), stamp_ns // NS_PER_S, stamp_ns % NS_PER_S,
+                       len(name), name, state, len(words), words)
+
+
+def statuses(seq, packed, stamp_ns):
+    """Return an actionlib_msgs/GoalStatusArray of GoalStatus that are bytes."""
+    return b''.join((header(seq, stamp_ns), _LENGTH.pack(len(packed)), *packed))
+
+
+def action_goal(seq, goal_id, stamp_ns, target):
+    """Return the action message of a goal: ``target`` is the bytes of the action's own part."""
+    return b''.join((header(seq, stamp_ns), _STAMP.pack(stamp_ns // NS_PER_S, stamp_ns % NS_PER_S), text(goal_id),
+                     target))
