@@ -1,6 +1,8 @@
 """The ROS shell around the core: topics, services, parameters and time of ROS 1. It decides nothing."""
 import threading
 
+from .replaced import replace
+
 if not hasattr(threading.Thread, 'isAlive'):
     # rospy of Debian 11 calls it when it shuts down, and Python 3.9 of Debian 11 has it no more.
-    threading.Thread.isAlive = threading.Thread.is_alive
+    replace('threading.Thread.isAlive', lambda _none: threading.Thread.is_alive)

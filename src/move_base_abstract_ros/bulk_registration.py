@@ -15,6 +15,8 @@ import rospy.topics
 from rospy.impl.registration import Registration, RegistrationListener, get_registration_listeners, get_topic_manager
 from rospy.impl.statistics import SubscriberStatisticsLogger
 
+from .replaced import replace, replaced
+
 _CALLS_AT_ONCE = 500
 
 #: held while registrations are collected: who holds it registers at once, whatever other threads do
@@ -42,17 +44,15 @@ def _collecting():
         collector = _Collector(managers)
         listeners.listeners.append(collector)
     _State.collector = collector
-    is_enabled = SubscriberStatisticsLogger.is_enabled
-    with_statistics = is_enabled()
-    SubscriberStatisticsLogger.is_enabled = staticmethod(lambda: with_statistics)  # it asks the master each time
+    with_statistics = SubscriberStatisticsLogger.is_enabled()
     _check_only_what_is_connected(get_topic_manager())
-    poller, rospy.topics.Poller = rospy.topics.Poller, _LazyPoller
     try:
-        yield
+        with replaced('rospy.impl.statistics.SubscriberStatisticsLogger.is_enabled',
+                      lambda _asking: staticmethod(lambda: with_statistics)), \
+                replaced('rospy.topics.Poller', lambda _poller: _LazyPoller):
+            yield
     finally:
-        rospy.topics.Poller = poller
         _State.collector = None
-        SubscriberStatisticsLogger.is_enabled = staticmethod(is_enabled)
         with listeners.lock:
             listeners.listeners = managers
         collector.send()
@@ -100,7 +100,7 @@ def _check_only_what_is_connected(manager):
         for topic in topics:
             topic.check()
 
-    manager.check_all = check_all
+    replace('rospy.topics._TopicManager.check_all', lambda _original: check_all, on=manager)
 
 
 class _PlainTransport(xmlrpc.client.Transport):

@@ -1,15 +1,16 @@
 """A log file that cannot be written: said once, in a line, instead of by a traceback for each message."""
-import logging
 import sys
 
 from move_base_abstract.shown import shown_text
+
+from .replaced import replace
 
 _told = set()
 
 
 def survive_full_disk():
     """Have each handler of the process tell its first error of the disk. To be called before rospy.init_node."""
-    logging.Handler.handleError = _handle_error
+    replace('logging.Handler.handleError', lambda _original: _handle_error)
 
 
 def _handle_error(handler, _record):

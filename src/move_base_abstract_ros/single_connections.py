@@ -9,6 +9,8 @@ import threading
 import rospy
 from rospy.impl.registration import get_registration_listeners, get_topic_manager
 
+from .replaced import replace
+
 
 class _OneAtATime:
     """rospy's way of connecting, which looks first whether there is a connection; one call per publisher at a time."""
@@ -38,7 +40,7 @@ def connect_one_at_a_time():
     for manager in get_registration_listeners().listeners:
         handler = getattr(manager, 'handler', None)
         if handler is not None and not isinstance(handler._connect_topic, _OneAtATime):
-            handler._connect_topic = _OneAtATime(handler._connect_topic)
+            replace('rospy.impl.masterslave.ROSHandler._connect_topic', _OneAtATime, on=handler)
 
 
 def keep_apart(topic):
@@ -47,6 +49,6 @@ def keep_apart(topic):
     To be said before the ROS master knows of the subscription: within a bulk_registration.
     """
     subscription = get_topic_manager().get_subscriber_impl(topic)
-    has_connection = subscription.has_connection
     own_uri = rospy.get_node_uri()
-    subscription.has_connection = lambda uri: uri == own_uri or has_connection(uri)
+    replace('rospy.topics._TopicImpl.has_connection',
+            lambda has_connection: lambda uri: uri == own_uri or has_connection(uri), on=subscription)

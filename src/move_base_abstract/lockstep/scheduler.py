@@ -34,7 +34,7 @@ class Scheduler:
 
     def __init__(self, channel):
         self._channel = channel
-        self.now_ns = 0
+        self.now_ns = 0  # [ns], of the present grant; the channel's to set
         self._source = None
         self._is_source_busy = False
         self.is_closed = False
@@ -55,10 +55,6 @@ class Scheduler:
     def set_source(self, source):
         """Have events driven by the grants: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``."""
         self._source = source
-
-    def enter_instant(self, now_ns):
-        """A grant is for ``now_ns`` [ns]."""
-        self.now_ns = now_ns
 
     # --- who is who -------------------------------------------------------------------------------------------------
 

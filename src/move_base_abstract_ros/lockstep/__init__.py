@@ -15,6 +15,7 @@ from move_base_abstract.lockstep.charge import make_charge
 from move_base_abstract.lockstep.wire import MAX_RANK
 from move_base_abstract.parameter_table import Parameter, checked, integer
 
+from .. import replaced
 from . import finish, fork, looks, threads, waits
 from .participant import DEFAULT_RANK, Participant, connect
 from .topics import sender
@@ -78,10 +79,12 @@ def _listen_to_clock_no_more():
     clock = getattr(rospy.impl.simtime, '_clock_sub', None)
     if clock is not None:
         clock.unregister()
-    rospy.impl.simtime._set_rostime = lambda _time: None
+    replaced.replace('rospy.impl.simtime._set_rostime', lambda _original: lambda _time: None)
 
 
 def _warn(joined, declared):
+    if replaced.unknown():
+        rospy.logwarn('%s: %s', rospy.get_name(), replaced.unknown())
     if not rospy.get_param('/use_sim_time', False):
         rospy.logwarn('%s takes part in lockstep, but /use_sim_time is not true', rospy.get_name())
     if declared is None and _ANONYMOUS.search(rospy.get_name()):

@@ -1,29 +1,30 @@
 """The end of a process that takes part: it leaves in its last round, not at some moment of the wall clock."""
-import sys
 import threading
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
+from ..replaced import replace
+
 
 def install(participant):
     """Leave in an orderly way when the main thread has come to its end."""
-    shut_down = threading._shutdown
+    def shutdown(original):
+        def _shutdown():
+            """Python calls this when the main thread has ended, and waits in it for threads that are no daemons."""
+            _end_executors()
+            _await_others(participant)
+            original()
+        return _shutdown
 
-    def _shutdown():
-        """Python calls this when the main thread has ended, and waits in it for threads that are no daemons."""
-        _end_executors()
-        _await_others(participant)
-        shut_down()
+    def excepthook(original):
+        def _excepthook(kind, error, trace):
+            """That lockstep has ended is told once, and is no error of the application's."""
+            if not issubclass(kind, TurnLost):
+                original(kind, error, trace)
+        return _excepthook
 
-    threading._shutdown = _shutdown
-    show = sys.excepthook
-
-    def _excepthook(kind, error, trace):
-        """That lockstep has ended is told once, and is no error of the application's."""
-        if not issubclass(kind, TurnLost):
-            show(kind, error, trace)
-
-    sys.excepthook = _excepthook
+    replace('threading._shutdown', shutdown)
+    replace('sys.excepthook', excepthook)
 
 
 def _end_executors():

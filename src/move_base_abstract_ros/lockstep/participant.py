@@ -242,7 +242,7 @@ class Participant:
         self._is_granted = True
         self.charge.begin()
         if now_ns != self.scheduler.now_ns:
-            self.scheduler.enter_instant(now_ns)
+            self.scheduler.now_ns = now_ns
             _set_rostime(now_ns)
         actions = []
         for item in items:

@@ -11,6 +11,7 @@ from importlib.machinery import SourceFileLoader
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
+from ..replaced import replace
 from . import queries, threads, watchdog
 
 _NAME, _NAMESPACE = '__name:=', '__ns:='
@@ -18,14 +19,12 @@ _NAME, _NAMESPACE = '__name:=', '__ns:='
 
 def run(kind, path, arguments, options):
     """Run the script or module with hooks; exits with its code."""
-    import rospy
-
     import move_base_abstract_ros.lockstep as lockstep
 
     if _has_master(lockstep):
         threads.replace_locks()
         watchdog.install(options.sleep)
-        _join_after_init_node(rospy, lockstep, options)
+        _join_after_init_node(lockstep, options)
         _seed('{}:{}'.format(options.seed, _node_name(path, arguments)))
     _execute(kind, path, arguments)
 
@@ -39,17 +38,18 @@ def _has_master(lockstep):
         return False
 
 
-def _join_after_init_node(rospy, lockstep, options):
-    init_node = rospy.init_node
+def _join_after_init_node(lockstep, options):
+    def joining(init_node):
+        def init_node_and_join(*args, **kwds):
+            init_node(*args, **kwds)
+            if lockstep.participant() is None:
+                joined = lockstep.join(options.rank)
+                watchdog.follow(joined)
+                queries.install(joined)
+        return init_node_and_join
 
-    def init_node_and_join(*args, **kwds):
-        init_node(*args, **kwds)
-        if lockstep.participant() is None:
-            joined = lockstep.join(options.rank)
-            watchdog.follow(joined)
-            queries.install(joined)
-
-    rospy.init_node = rospy.client.init_node = init_node_and_join
+    replace('rospy.init_node', joining)
+    replace('rospy.client.init_node', joining)
 
 
 def _node_name(path, arguments):
@@ -68,7 +68,7 @@ def _seed(text):
     number = zlib.crc32(text.encode('utf-8'))
     random.seed(number)  # noqa: TID251 - the generator of the program, not ours
     of_ids = random.Random(number)
-    uuid.uuid4 = lambda: uuid.UUID(int=of_ids.getrandbits(128), version=4)
+    replace('uuid.uuid4', lambda _uuid4: lambda: uuid.UUID(int=of_ids.getrandbits(128), version=4))
     try:
         import numpy
     except ImportError:

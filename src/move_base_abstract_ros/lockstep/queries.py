@@ -4,21 +4,20 @@ The answer would depend on who was faster in this round. So who asks waits until
 this instant, and does what follows from the answer a round later: of two who ask at once neither sees what the other
 has made of its answer.
 """
-import rosgraph
-import rospy
-
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-_QUESTIONS = ('getPublishedTopics', 'getTopicTypes', 'getSystemState', 'lookupNode', 'lookupService')
+from ..replaced import replace
+
+_QUESTIONS = (*('rosgraph.masterapi.Master.' + name for name in (
+    'getPublishedTopics', 'getTopicTypes', 'getSystemState', 'lookupNode', 'lookupService')),
+    'rospy.get_published_topics', 'rospy.client.get_published_topics')
 ROUNDS = 10
 
 
 def install(participant):
     """Have the application's threads wait before they ask."""
     for name in _QUESTIONS:
-        setattr(rosgraph.Master, name, _after_others(participant.scheduler, getattr(rosgraph.Master, name)))
-    rospy.get_published_topics = rospy.client.get_published_topics = _after_others(
-        participant.scheduler, rospy.client.get_published_topics)
+        replace(name, lambda question: _after_others(participant.scheduler, question))
 
 
 def settle(scheduler):

@@ -15,6 +15,7 @@ from rospy.impl import registration, tcpros_service
 from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
 
+from ..replaced import replace
 from .topics import creating_index
 
 #: how the services end that rospy itself offers in each node; those do not count
@@ -177,52 +178,56 @@ def _serve(service, data):
 
 def _patch(services):
     """Put this participant's services in the place of rospy's connections among participants."""
-    _replace_offering(services, registration.get_service_manager())
+    _replace_offering(services)
     _replace_calling(services, services._participant.scheduler)
 
 
-def _replace_offering(services, manager):
-    register, unregister = manager.register, manager.unregister
-    handle_request = tcpros_service.ServiceImpl._handle_request
+def _replace_offering(services):
+    def registering(register):
+        def _register(self, name, service):
+            register(self, name, service)
+            services.register(name, service)
+        return _register
 
-    def _register(name, service):
-        register(name, service)
-        services.register(name, service)
+    def unregistering(unregister):
+        def _unregister(self, name, service):
+            services.unregister(service)
+            unregister(self, name, service)
+        return _unregister
 
-    def _unregister(name, service):
-        services.unregister(service)
-        unregister(name, service)
+    def handling(handle_request):
+        def _handle_request(self, transport, request):
+            if hasattr(self, '_lockstep_number') and not services._participant.scheduler.is_closed:
+                services.from_outside(self, lambda: handle_request(self, transport, request))
+            else:
+                handle_request(self, transport, request)
+        return _handle_request
 
-    def _handle_request(self, transport, request):
-        if hasattr(self, '_lockstep_number') and not services._participant.scheduler.is_closed:
-            services.from_outside(self, lambda: handle_request(self, transport, request))
-        else:
-            handle_request(self, transport, request)
-
-    manager.register, manager.unregister = _register, _unregister
-    tcpros_service.ServiceImpl._handle_request = _handle_request
+    replace('rospy.service.ServiceManager.register', registering)
+    replace('rospy.service.ServiceManager.unregister', unregistering)
+    replace('rospy.impl.tcpros_service.ServiceImpl._handle_request', handling)
 
 
 def _replace_calling(services, scheduler):
-    call = tcpros_service.ServiceProxy.call
+    def calling(call):
+        def _call(self, *args, **kwds):
+            if not scheduler.is_mine():
+                return call(self, *args, **kwds)
+            request = rospy.msg.args_kwds_to_message(self.request_class, args, kwds)
+            buffer = BytesIO()
+            request.serialize(buffer)
+            try:
+                status, answer = services.call(self.resolved_name, buffer.getvalue())
+            except TurnLost:
+                raise rospy.ROSInterruptException('node shutdown interrupted service call') from None
+            if status != wire.ANSWER_UNKNOWN:
+                return _answer(self, status, answer)
+            if services.is_offered_outside(self.resolved_name):
+                return call(self, request)
+            raise rospy.ServiceException('service [{}] unavailable'.format(self.resolved_name))
+        return _call
 
-    def _call(self, *args, **kwds):
-        if not scheduler.is_mine():
-            return call(self, *args, **kwds)
-        request = rospy.msg.args_kwds_to_message(self.request_class, args, kwds)
-        buffer = BytesIO()
-        request.serialize(buffer)
-        try:
-            status, answer = services.call(self.resolved_name, buffer.getvalue())
-        except TurnLost:
-            raise rospy.ROSInterruptException('node shutdown interrupted service call') from None
-        if status != wire.ANSWER_UNKNOWN:
-            return _answer(self, status, answer)
-        if services.is_offered_outside(self.resolved_name):
-            return call(self, request)
-        raise rospy.ServiceException('service [{}] unavailable'.format(self.resolved_name))
-
-    tcpros_service.ServiceProxy.call = _call
+    replace('rospy.impl.tcpros_service.ServiceProxy.call', calling)
 
 
 def _answer(proxy, status, data):

@@ -6,13 +6,13 @@ another; time-outs are simulated time. Threads of rospy itself use the same lock
 """
 import queue
 import sys
-import threading
 import time
 
 from move_base_abstract.lockstep.locks import CooperativeLock, CooperativeRLock, Process, clock
 from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
+from ..replaced import replace
 from .waits import to_ns
 
 #: where threads and their work are from that are never the application's
@@ -32,22 +32,30 @@ def install(participant, own_threads):
 
 def replace_locks():
     """Have the locks that are made from now on give the turn away; until the process takes part they are ordinary."""
-    threading._allocate_lock = threading.Lock = CooperativeLock
-    threading.RLock = CooperativeRLock
-    queue.SimpleQueue = queue._PySimpleQueue
-    threading._time = queue.time = clock(time.monotonic)
+    now = clock(time.monotonic)
+    for name, stand_in in (('threading._allocate_lock', CooperativeLock), ('threading.Lock', CooperativeLock),
+                           ('threading.RLock', CooperativeRLock), ('queue.SimpleQueue', queue._PySimpleQueue),
+                           ('threading._time', now), ('queue.time', now)):
+        replace(name, lambda _original, stand_in=stand_in: stand_in)
 
 
 def _follow_threads(scheduler):
-    start, join, is_alive = threading.Thread.start, threading.Thread.join, threading.Thread.is_alive
+    replace('threading.Thread.start', lambda start: _starting(scheduler, start))
+    replace('threading.Thread.join', lambda join: _joining(scheduler, join))
+    replace('threading.Thread.is_alive', lambda is_alive: _looking(scheduler, is_alive))
 
+
+def _starting(scheduler, start):
     def _start(self):
         if scheduler.is_mine() and not _is_foreign(self, sys._getframe(1).f_globals.get('__name__', '')):
             task = scheduler.spawn(self.name)
             self._lockstep_task = task
             self.run = _in_turn(scheduler, task, self.run)
         scheduler.start_thread(start, self)
+    return _start
 
+
+def _joining(scheduler, join):
     def _join(self, timeout=None):
         task = getattr(self, '_lockstep_task', None)
         if task is None or not scheduler.is_mine():
@@ -56,12 +64,14 @@ def _follow_threads(scheduler):
         wake_ns = NEVER if timeout is None else scheduler.now_ns + max(0, to_ns(timeout))
         if scheduler.wait_until(lambda: task.is_finished, wake_ns, 'the end of thread {}'.format(self.name)):
             join(self)  # the rest of it, which is Python's, takes a moment of the wall clock
+    return _join
 
+
+def _looking(scheduler, is_alive):
     def _is_alive(self):
         task = getattr(self, '_lockstep_task', None)
         return is_alive(self) if task is None or not scheduler.is_mine() else not task.is_finished
-
-    threading.Thread.start, threading.Thread.join, threading.Thread.is_alive = _start, _join, _is_alive
+    return _is_alive
 
 
 def _is_foreign(thread, starter):

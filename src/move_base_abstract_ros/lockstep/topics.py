@@ -187,7 +187,7 @@ class Topics:
     def install(self):
         """Take rospy's topics over: those that there are, and those to come."""
         manager = registration.get_topic_manager()
-        rospy_topics.replace(self, manager)
+        rospy_topics.install(self)
         for reg_type, topics in ((Registration.PUB, manager.pubs), (Registration.SUB, manager.subs)):
             for impl in topics.values():
                 self.added(impl, reg_type)

@@ -14,6 +14,8 @@ from rospy.impl import tcpros_service
 from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
+from .. import replaced
+
 
 def install(participant):
     """Replace the waits; to be called once."""
@@ -23,7 +25,8 @@ def install(participant):
     replace(rospy.client.spin, waits.spin, lambda: not scheduler.is_mine())
     replace(rospy.client.wait_for_message, waits.wait_for_message, lambda: not scheduler.is_mine())
     replace(tcpros_service.wait_for_service, waits.wait_for_service, lambda: not scheduler.is_mine())
-    tcpros_service.ServiceImpl.spin = lambda self: rospy.spin() if not self.done else None
+    replaced.replace('rospy.impl.tcpros_service.ServiceImpl.spin',
+                     lambda _spin: lambda self: rospy.spin() if not self.done else None)
     _install_actionlib(waits, scheduler)
 
 
@@ -42,6 +45,7 @@ def replace(function, hook, is_foreign, with_original=False):
 
     ``with_original``: the hook's first argument is the function as it was.
     """
+    replaced.note(replaced.name_of(function), function)
     original = type(function)(function.__code__, function.__globals__, function.__name__, function.__defaults__)
     original.__kwdefaults__ = function.__kwdefaults__
     key = '_lockstep_{}'.format(function.__name__)

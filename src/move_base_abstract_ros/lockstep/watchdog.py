@@ -7,14 +7,13 @@ import os
 import re
 import sys
 import sysconfig
-import time
-import uuid
 
 import rospy
 
 import move_base_abstract
 from move_base_abstract.lockstep.scheduler import TurnLost
 
+from ..replaced import replace
 from . import source
 from .queries import settle
 
@@ -32,7 +31,8 @@ _EVENTS = {
     'os.posix_spawn': _OTHER_PROCESS,
     'os.fork': 'forks: the child does not take part in lockstep',
 }
-_CLOCKS = ('time', 'time_ns', 'monotonic', 'monotonic_ns', 'perf_counter', 'perf_counter_ns')
+_CLOCKS = ('time.time', 'time.time_ns', 'time.monotonic', 'time.monotonic_ns', 'time.perf_counter',
+           'time.perf_counter_ns', 'uuid.uuid1')
 _READS = 'reads the wall clock; what it does with that differs from run to run'
 #: modules whose sleeps are not the program's
 _ROS = ('rospy.', 'rosgraph.')
@@ -41,10 +41,9 @@ _LONG_SLEEPS = 5.0  # s, wall, at one instant
 
 def install(sleep):
     """Begin to watch; ``sleep`` says what time.sleep is to wait for: 'wall' or 'simulated'."""
-    time.sleep = _Sleep(sleep, time.sleep)
+    replace('time.sleep', lambda wall_sleep: _Sleep(sleep, wall_sleep))
     for name in _CLOCKS:
-        setattr(time, name, _reading(getattr(time, name), 'time.' + name))
-    uuid.uuid1 = _reading(uuid.uuid1, 'uuid.uuid1')
+        replace(name, lambda clock, name=name: _reading(clock, name))
     sys.addaudithook(_audit)
 
 

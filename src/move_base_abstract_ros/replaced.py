@@ -1,0 +1,222 @@
+"""The one table of all that is replaced in rospy, actionlib, rosgraph and Python's own library, and the way to do it.
+
+Who replaces something names its row here; a name without a row is an error. What the functions looked like for which
+the replacements were made is known by a digest of their source: others are named in a warning at the start
+(:func:`unknown`). docs/replaced_names.md shows the table.
+"""
+import functools
+import hashlib
+import importlib
+import inspect
+import io
+import sys
+import textwrap
+import tokenize
+from contextlib import contextmanager
+from typing import NamedTuple, Tuple
+
+#: the versions of Python whose names of these fit
+PYTHON = (3, 8), (3, 13)
+#: the sources whose digests are known
+SOURCES = 'rospy and rosgraph 1.14.13 to 1.16.0 (Noetic; Debian 11 and 12), actionlib 1.12.0 to 1.14.0'
+
+ALWAYS, START = 'each node of this package', 'a node of this package, while its topics are made'
+ROBOTS = 'move_base and fleet'
+LOCKSTEP, THREADS = 'lockstep.join', 'lockstep.join, unless own_threads=False'
+LAUNCHER = 'the launcher of unmodified programs'
+
+
+class Row(NamedTuple):
+    """What is replaced: its dotted name, where, why, and the digests of the sources that the replacement fits."""
+
+    name: str
+    where: str
+    why: str
+    digests: Tuple[str, ...] = ()
+
+
+_WAIT = 'gives the turn away and ends at its instant'
+_LOOK = 'is counted, so that a loop that waits by looking goes on'
+_QUESTION = 'is asked after the others have done what they do at this instant'
+_CLOCK = 'is told once where the program reads the wall clock'
+_LOCK = 'gives the turn away where another thread of the program holds it'
+
+_ROWS = (
+    Row('rospy.timer.sleep', LOCKSTEP, _WAIT, ('6d1b0eff1e91',)),
+    Row('rospy.client.spin', LOCKSTEP, _WAIT, ('4e9c93ad54d9',)),
+    Row('rospy.client.wait_for_message', LOCKSTEP, _WAIT, ('7e61baa7221f',)),
+    Row('rospy.impl.tcpros_service.wait_for_service', LOCKSTEP, _WAIT, ('0a8ab81f2f2e',)),
+    Row('rospy.impl.tcpros_service.ServiceImpl.spin', LOCKSTEP, _WAIT, ('1a60155df3cc',)),
+    Row('actionlib.action_client.ActionClient.wait_for_server', LOCKSTEP, _WAIT, ('7946c8265700', '294ce1de0c21',)),
+    Row('actionlib.simple_action_client.SimpleActionClient.wait_for_result', LOCKSTEP, _WAIT, ('68a4d74e57db',)),
+    Row('rospy.core.is_shutdown', LOCKSTEP, _LOOK, ('c4d7059b4598',)),
+    Row('rospy.client.get_param', LOCKSTEP, _LOOK, ('4425b7119229',)),
+    Row('rospy.client.has_param', LOCKSTEP, _LOOK, ('a34f14a3b5c3',)),
+    Row('rospy.topics.Topic.get_num_connections', LOCKSTEP, _LOOK, ('a1d3c0d704d2',)),
+    Row('rospy.rostime.get_rostime', LOCKSTEP, _LOOK, ('1ca9b068228d',)),
+    Row('actionlib.simple_action_client.SimpleActionClient.get_state', LOCKSTEP, _LOOK, ('8ddbf0582784',)),
+    Row('actionlib.action_client.ClientGoalHandle.get_comm_state', LOCKSTEP, _LOOK, ('fe126509fb64',)),
+    Row('actionlib.action_client.ClientGoalHandle.get_goal_status', LOCKSTEP, _LOOK, ('13f65d38fe63',)),
+    Row('rospy.topics._TopicManager._add', LOCKSTEP, 'tells the time master of a new topic', ('800cac69e502',)),
+    Row('rospy.topics._TopicManager._remove', LOCKSTEP,
+        'tells the time master that a topic is gone', ('de96b0e81978',)),
+    Row('rospy.topics._SubscriberImpl.receive_callback', LOCKSTEP,
+        'has what comes from outside wait for the next grant', ('8edd5c500e8a',)),
+    Row('rospy.topics._PublisherImpl.add_connection', LOCKSTEP,
+        'refuses connections among participants: their messages go through the time master', ('11f18204b563',)),
+    Row('rospy.impl.tcpros_pubsub.TCPROSHandler.create_transport', LOCKSTEP,
+        'makes no connections to participants', ('d7554043c626',)),
+    Row('rospy.topics._TopicImpl.get_num_connections', LOCKSTEP,
+        'counts each participant that listens', ('f6d31ffea7a9',)),
+    Row('rospy.topics._TopicImpl.has_connection', LOCKSTEP,
+        'knows participants; a goal topic of a large fleet never seeks itself', ('7dc485b6c037',)),
+    Row('rospy.service.ServiceManager.register', LOCKSTEP,
+        'tells the time master of a new service', ('954957f90e11',)),
+    Row('rospy.service.ServiceManager.unregister', LOCKSTEP,
+        'tells the time master that a service is gone', ('ec6728198a41',)),
+    Row('rospy.impl.tcpros_service.ServiceImpl._handle_request', LOCKSTEP,
+        'has calls from outside wait for the next grant', ('0a5516683f10',)),
+    Row('rospy.impl.tcpros_service.ServiceProxy.call', LOCKSTEP,
+        'calls participants through the time master', ('5a5320897053', 'd9e4cd94b92c',)),
+    Row('rospy.impl.simtime._set_rostime', LOCKSTEP,
+        'does nothing: time comes with the grants, not on /clock', ('1d47ac6f2d40',)),
+    Row('threading._shutdown', LOCKSTEP, 'has the process leave in its last round'),
+    Row('sys.excepthook', LOCKSTEP, 'keeps quiet about the end of lockstep, which is no error of the program'),
+    Row('threading._allocate_lock', THREADS, _LOCK),
+    Row('threading.Lock', THREADS, _LOCK),
+    Row('threading.RLock', THREADS, _LOCK),
+    Row('queue.SimpleQueue', THREADS, 'is made of locks that give the turn away'),
+    Row('threading._time', THREADS, "is simulated for time-outs of the program's threads"),
+    Row('queue.time', THREADS, "is simulated for time-outs of the program's threads"),
+    Row('threading.Thread.start', THREADS, 'has a new thread wait for its first turn'),
+    Row('threading.Thread.join', THREADS, _WAIT),
+    Row('threading.Thread.is_alive', THREADS, "says no as soon as the thread's last turn is over"),
+    Row('rospy.init_node', LAUNCHER, 'joins when the program has become a node', ('f5a98156fc52',)),
+    Row('rospy.client.init_node', LAUNCHER, 'joins when the program has become a node', ('f5a98156fc52',)),
+    Row('rosgraph.masterapi.Master.getPublishedTopics', LAUNCHER, _QUESTION, ('5159177392d4',)),
+    Row('rosgraph.masterapi.Master.getTopicTypes', LAUNCHER, _QUESTION, ('a048b1f603ec',)),
+    Row('rosgraph.masterapi.Master.getSystemState', LAUNCHER, _QUESTION, ('de209b9ababb',)),
+    Row('rosgraph.masterapi.Master.lookupNode', LAUNCHER, _QUESTION, ('b510a150586a',)),
+    Row('rosgraph.masterapi.Master.lookupService', LAUNCHER, _QUESTION, ('f1d969aa9e51',)),
+    Row('rospy.get_published_topics', LAUNCHER, _QUESTION, ('6ffe855bb368',)),
+    Row('rospy.client.get_published_topics', LAUNCHER, _QUESTION, ('6ffe855bb368',)),
+    Row('time.sleep', LAUNCHER, 'is told once where the program sleeps, and is simulated if --sleep says so'),
+    Row('time.time', LAUNCHER, _CLOCK),
+    Row('time.time_ns', LAUNCHER, _CLOCK),
+    Row('time.monotonic', LAUNCHER, _CLOCK),
+    Row('time.monotonic_ns', LAUNCHER, _CLOCK),
+    Row('time.perf_counter', LAUNCHER, _CLOCK),
+    Row('time.perf_counter_ns', LAUNCHER, _CLOCK),
+    Row('uuid.uuid1', LAUNCHER, _CLOCK),
+    Row('uuid.uuid4', LAUNCHER, "draws from a generator that is seeded by the node's name"),
+    Row('threading.Thread.isAlive', ALWAYS,
+        'is there again where Python has it no more (3.9 and later): rospy of Debian 11 calls it'),
+    Row('logging.Handler.handleError', ALWAYS, 'says once, in a line, that a log cannot be written'),
+    Row('rospy.impl.masterslave.ROSHandler._connect_topic', ROBOTS,
+        'makes one connection to a publisher; rospy may make two and lose what came on the first', ('6b2504f73639',)),
+    Row('rospy.impl.statistics.SubscriberStatisticsLogger.is_enabled', START,
+        'asks the ROS master once, not for each topic', ('15476f9da7bc',)),
+    Row('rospy.topics.Poller', START,
+        'opens a file for a topic when its first connection comes'),
+    Row('rospy.topics._TopicManager.check_all', START, 'passes over topics without connections', ('0b251c450202',)),
+)
+ROWS = {row.name: row for row in _ROWS}
+_done = []
+_unknown = []
+
+
+def replace(name, make, on=None):
+    """Put ``make(original)`` in the place of ``name``, in the one object ``on`` if given; return the original.
+
+    :raises KeyError: if the table has no row of this name.
+    """
+    owner, attribute = _place(name)
+    original = getattr(owner if on is None else on, attribute, None)
+    note(name, original)
+    setattr(owner if on is None else on, attribute, make(original))
+    return original
+
+
+@contextmanager
+def replaced(name, make, on=None):
+    """As :func:`replace`, for the time of a context."""
+    owner, attribute = _place(name)
+    target = owner if on is None else on
+    before = inspect.getattr_static(target, attribute) if on is None else getattr(target, attribute)
+    replace(name, make, on)
+    try:
+        yield
+    finally:
+        setattr(target, attribute, before)
+
+
+def note(name, original):
+    """Note that ``name`` is about to be replaced, and whether ``original`` is known.
+
+    :raises KeyError: if the table has no row of this name.
+    """
+    row = ROWS[name]
+    if name not in _done:
+        _done.append(name)
+        if row.digests and digest(original) not in row.digests:
+            _unknown.append(name)
+
+
+def name_of(function):
+    """Return the dotted name of a function or method."""
+    return '{}.{}'.format(function.__module__, function.__qualname__)
+
+
+def done():
+    """Return the names that have been replaced in this process, in the order in which that happened."""
+    return tuple(_done)
+
+
+def unknown():
+    """Return a text that names what has been replaced here without being known, '' if there is nothing."""
+    found = list(_unknown)
+    if not PYTHON[0] <= sys.version_info[:2] <= PYTHON[1]:
+        found.append('Python {}.{}'.format(*sys.version_info[:2]))
+    if not found:
+        return ''
+    return ('{} {} not known to this version of move_base_abstract, which stands in for them: what was tested may not '
+            'hold. Known: {}; Python {}.{} to {}.{}'.format(
+                ', '.join(found), 'is' if len(found) == 1 else 'are', SOURCES, *PYTHON[0], *PYTHON[1]))
+
+
+def digest(function):
+    """Return a digest of a function's source that comments, its docstring and white space do not change, or ''."""
+    try:
+        source = textwrap.dedent(inspect.getsource(inspect.unwrap(function)))
+        tokens = list(_words(source))
+    except (OSError, TypeError, SyntaxError, tokenize.TokenError):
+        return ''
+    return hashlib.sha256(' '.join(tokens).encode('utf-8')).hexdigest()[:12]
+
+
+_SILENT = frozenset((tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT,
+                     tokenize.ENDMARKER))
+
+
+def _words(source):
+    before = ''
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type in _SILENT:
+            continue
+        is_docstring = token.type == tokenize.STRING and before == ':' and token.line.lstrip()[:1] in '"\''
+        before = token.string
+        if not is_docstring:
+            yield token.string
+
+
+@functools.lru_cache(maxsize=None)
+def _place(name):
+    """Return the object that has the last part of a dotted name, and that part."""
+    *path, attribute = name.split('.')
+    for length in range(len(path), 0, -1):
+        try:
+            owner = importlib.import_module('.'.join(path[:length]))
+        except ImportError:
+            continue
+        return functools.reduce(getattr, path[length:], owner), attribute
+    raise ImportError('{}: no such module'.format(name))

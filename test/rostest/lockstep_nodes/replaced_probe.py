@@ -1,0 +1,77 @@
+"""A program that notes what rospy and Python's library are made of, is launched, and prints what has changed.
+
+replaced_probe.py NAME: the node's name. Prints a JSON line: names that have changed, names that the table says so.
+"""
+import json
+import os
+import sys
+import types
+
+import actionlib  # noqa: F401 - to be looked at
+import rosgraph
+import rospy
+
+from move_base_abstract_ros import replaced
+from move_base_abstract_ros.lockstep import program
+
+WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random')
+FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, staticmethod, property)
+
+
+def contents():
+    """Return {dotted name: what it is} of all functions and classes of the watched modules."""
+    found = {}
+    for name, module in sorted(sys.modules.items()):
+        if name.split('.')[0] in WATCHED:
+            for key, value in list(vars(module).items()):
+                add(found, '{}.{}'.format(name, key), value, name)
+    found['sys.excepthook'] = identity(sys.excepthook)
+    return found
+
+
+def add(found, name, value, module):
+    if isinstance(value, FUNCTIONS) or callable(value):
+        found[name] = identity(value)
+    if isinstance(value, type) and value.__module__ == module:
+        for key, member in list(vars(value).items()):
+            if isinstance(member, FUNCTIONS):
+                found['{}.{}'.format(name, key)] = identity(member)
+
+
+def identity(value):
+    code = getattr(value, '__code__', None)
+    # A function that was replaced from within is told under its own name, not under those by which it was imported.
+    return (value, None) if code is None else (value, code)
+
+
+def changes(before, after):
+    """Return the names that have changed."""
+    found = set()
+    for name, (value, code) in after.items():
+        old, old_code = before.get(name, (None, None))
+        if old is None and name.rsplit('.', 1)[0] in sys.modules:
+            continue  # something that a module has got meanwhile
+        if old is not value:
+            found.add(name)
+        elif old_code is not code:
+            found.add(replaced.name_of(value))
+    return sorted(name for name in found if name.rsplit('.', 1)[0] not in found)  # a class counts once
+
+
+def main():
+    """Note, be launched, compare."""
+    name = sys.argv[1]
+    before = contents()
+
+    class Options:
+        rank, sleep, seed = None, 'wall', 0
+
+    inner = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'replaced_probe_program.py')
+    sys.modules['replaced_probe'] = types.SimpleNamespace(tell=lambda: print(json.dumps(
+        {'changed': changes(before, contents()), 'done': replaced.done(), 'unknown': replaced.unknown()}), flush=True))
+    program.run('script', inner, ['__name:=' + name], Options)
+
+
+if __name__ == '__main__':
+    assert rosgraph and rospy
+    main()

@@ -1,0 +1,38 @@
+#!/usr/bin/python3
+"""What a launched program finds replaced in rospy and Python's library is what the table says."""
+
+import json
+import os
+import sys
+import unittest
+
+import rostest
+from lockstep_launcher_run import HERE, run_programs
+
+from move_base_abstract_ros import replaced
+
+PROBE = os.path.join(HERE, 'lockstep_nodes', 'replaced_probe.py')
+
+
+class ReplacedTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.launched = run_programs({'probe': None}, until=5.0, commands={'probe': [sys.executable, PROBE, 'probe']})
+        cls.told = json.loads(next(line for line in cls.launched.printed('probe') if line.startswith('{"changed"')))
+        cls.rows = {name for name, row in replaced.ROWS.items()
+                    if row.where in (replaced.LOCKSTEP, replaced.THREADS, replaced.LAUNCHER)}
+
+    def test_each_row_is_replaced_and_nothing_else(self):
+        always = {'threading.Thread.isAlive'}  # done before the probe could look, in those versions that lack it
+        self.assertEqual(set(self.told['changed']) - always, self.rows)
+
+    def test_all_went_by_the_table(self):
+        self.assertLessEqual(self.rows, set(self.told['done']))
+
+    def test_the_sources_of_this_system_are_known(self):
+        self.assertEqual(self.told['unknown'], '')
+        self.assertEqual([line for line in self.launched.logged('probe', 'WARN') if 'stands in for' in line], [])
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_replaced', ReplacedTest, sysargs=sys.argv)
