@@ -1,6 +1,6 @@
 """Between ROS messages and the core's values. Times are int64 nanoseconds on the core's side."""
 import genpy
-from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, TransformStamped
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from std_msgs.msg import Header
 
 from move_base_abstract.geometry import Pose2D, quaternion_fault, quaternion_of_yaw, yaw_of_quaternion
@@ -26,16 +26,6 @@ def to_pose(pose):
 def to_pose_stamped(pose, frame_id, stamp_ns):
     """Return a geometry_msgs/PoseStamped of ``pose`` (Pose2D)."""
     return PoseStamped(to_header(frame_id, stamp_ns), to_pose(pose))
-
-
-def to_transform(pose, parent, child, stamp_ns):
-    """Return the transform by which frame ``child`` stands at ``pose`` in frame ``parent``."""
-    transform = TransformStamped(header=to_header(parent, stamp_ns), child_frame_id=child)
-    transform.transform.translation.x = pose.x
-    transform.transform.translation.y = pose.y
-    rotation = transform.transform.rotation
-    rotation.x, rotation.y, rotation.z, rotation.w = quaternion_of_yaw(pose.yaw)
-    return transform
 
 
 def quaternion_tuple(orientation):

@@ -92,8 +92,9 @@ class MessageBytesTest(unittest.TestCase):
             odometry.pose.pose = conversions.to_pose(pose)
             odometry.twist.twist.linear.x, odometry.twist.twist.angular.z = velocity
             self.assertEqual(made.odometry(seq, pose, velocity, stamp_ns), genpys(odometry, seq))
-            transform = conversions.to_transform(pose, frame, child, stamp_ns)
-            self.assertIsInstance(transform, TransformStamped)
+            transform = TransformStamped(header=conversions.to_header(frame, stamp_ns), child_frame_id=child)
+            transform.transform.translation.x, transform.transform.translation.y = pose.x, pose.y
+            transform.transform.rotation = conversions.to_pose(pose).orientation
             for count in range(3):
                 self.assertEqual(packing.transforms([made.transform(pose, stamp_ns)] * count),
                                  genpys(TFMessage([transform] * count)))

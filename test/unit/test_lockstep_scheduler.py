@@ -95,7 +95,7 @@ def test_another_worker_takes_over_where_a_callback_blocks():
         program.sleep(5)
         program.say('ends')
     program.master.script = [(1, [blocks, program.sayer('next')]), (3, [program.sayer('later')])]
-    assert program.run(program.scheduler.run_worker) == [
+    assert program.run(lambda: None) == [
         ('begins', 1), ('next', 1), ('later', 3), ('ends', 6)]
 
 
@@ -109,7 +109,7 @@ def test_callbacks_that_block_within_callbacks_that_block_all_come_to_their_ends
             program.say('ends', name)
         return callback
     program.master.script = [(1, [blocks('a', 3), blocks('b', 1), blocks('c', 2)]), (2, [blocks('d', 2)])]
-    assert program.run(program.scheduler.run_worker) == [
+    assert program.run(lambda: None) == [
         ('begins', 'a', 1), ('begins', 'b', 1), ('begins', 'c', 1), ('begins', 'd', 2), ('ends', 'b', 2),
         ('ends', 'c', 3), ('ends', 'a', 4), ('ends', 'd', 4)]
 
@@ -122,7 +122,7 @@ def test_workers_are_used_again():
         seen[threading.get_ident()] += 1
         program.sleep(1)
     program.master.script = [(10 * step, [nap, nap]) for step in range(1, 20)]
-    program.run(program.scheduler.run_worker)
+    program.run(lambda: None)
     assert sum(seen.values()) == 38
     assert len(seen) <= 3
 
@@ -269,13 +269,6 @@ def test_when_the_main_thread_ends_others_and_messages_go_on():
         program.sleep(5)
         program.say('other')
     assert program.run(lambda: program.thread('other', other)) == [('other', 5), ('mail', 7), ('other', 10)]
-
-
-def test_what_is_posted_is_done_after_what_is_to_be_delivered():
-    program = Program()
-    program.master.script = [(1, [lambda: (program.say('a'), program.scheduler.post(program.sayer('posted'))),
-                                  program.sayer('b')])]
-    assert program.run(program.scheduler.run_worker) == [('a', 1), ('b', 1), ('posted', 1)]
 
 
 def test_what_comes_from_outside_knocks_and_enters_after_the_mail_of_the_next_round():

@@ -69,7 +69,7 @@ class Chance:
 
     def do_5(self, name, step, _depth):
         self.counter += 1
-        self.program.scheduler.post(self.program.sayer(name, 'posted', step))
+        self.program.scheduler.from_outside(self.program.sayer(name, 'posted', step))
 
 
 @pytest.fixture

@@ -125,6 +125,16 @@ def test_a_leg_turns_drives_and_turns_again():
     assert (leg.depart_ns, leg.arrive_ns, leg.duration_ns) == (10 * S, 14 * S, 4 * S)
 
 
+def test_a_turn_to_the_right_has_a_negative_velocity_before_the_drive_and_after_it():
+    leg = Leg(Pose2D(), Pose2D(0.0, -4.0, math.pi), MotionLimits(2.0, turn_rate=math.pi / 2))
+    right = -math.pi / 2
+    for seconds, pose, velocity in ((0.5, (0, 0, right / 2), (0, right)), (2.0, (0, -2, right), (2, 0)),
+                                    (3.5, (0, -4, 1.5 * right), (0, right)), (4.0, (0, -4, math.pi), (0, 0))):
+        at = leg.pose_at(seconds_to_ns(seconds))
+        assert (at.x, at.y, at.yaw) == pytest.approx(pose, abs=1e-9), seconds
+        assert leg.velocity_at(seconds_to_ns(seconds)) == pytest.approx(velocity), seconds
+
+
 def test_turns_take_the_short_way_round():
     leg = Leg(Pose2D(0, 0, 3.0), Pose2D(-1.0, -1e-12, -3.0), MotionLimits(1.0, turn_rate=1.0))
     assert leg.pose_at(S // 10).yaw == pytest.approx(3.1)

@@ -193,10 +193,6 @@ class Scheduler:
             task.is_waiting = False
             self._ready.append(task)
 
-    def post(self, action):
-        """Have ``action()`` called by a worker after what is to be delivered now; the caller has the turn."""
-        self._mail.append(action)
-
     def from_outside(self, action):
         """Have ``action()`` called by a worker in the next round; from any thread."""
         with self._outside_lock:
@@ -348,15 +344,6 @@ class Scheduler:
                 return
             if not mail:
                 self._begin_round()
-
-    def run_worker(self):
-        """Be a worker in the calling thread, which has the turn, until the participant leaves lockstep."""
-        task = self._tasks[get_ident()]
-        try:
-            while not self.is_closed:
-                self._work_on(task)
-        except TurnLost:
-            pass
 
     def abandon(self):
         """Take no more part in this process, in which no other thread is left: one that was forked."""

@@ -81,6 +81,54 @@ def test_a_failed_leg_drops_its_task(hill):
     assert coordinator.log.task_ns == []
 
 
+def test_a_robot_whose_leg_has_failed_goes_on_with_its_next_task(hill):
+    coordinator = mission(hill, sampling='grid', allocation='rr')
+    first = coordinator.start(0)[1]
+    following = coordinator.queue(1)[0]
+    assert coordinator.failed(1, 3 * S, Place(4.0, 6.0)) == [Drive(1, following.number, following.x, following.y)]
+    told = [event for event in coordinator.log.events if event.event == 'fail']
+    assert [(event.time_ns, event.robot, event.task, event.x_m, event.y_m) for event in told] == [
+        (3 * S, 1, first.task, 4.0, 6.0)]
+    assert coordinator.current_task(1) == following
+
+
+def test_a_robot_whose_leg_has_failed_bids_from_where_it_is(hill):
+    def bidder(place):
+        """Return who gets the next sample's task when robot 0 has given up at ``place``, and where that is."""
+        coordinator = mission(hill, allocation='ssi', robots=2, sampling='random')
+        coordinator.start(0)
+        for robot, (x, y) in enumerate(coordinator.start_places):
+            coordinator.sampled(robot, S, Place(x, y), 800.0 + robot)
+        for robot in range(2):
+            while coordinator.current_task(robot) is not None:
+                coordinator.failed(robot, 2 * S, place if robot == 0 else Place(160.0, 100.0))
+        coordinator.sampled(1, 3 * S, Place(160.0, 100.0), 805.0)
+        told = [event for event in coordinator.log.events if event.event == 'allocate'][-1]
+        return told.robot, Place(told.x_m, told.y_m)
+
+    _, task = bidder(Place(160.0, 101.0))
+    far = Place(0.0 if task.x > 160.0 else 320.0, 0.0 if task.y > 100.0 else 215.0)
+    assert (bidder(task), bidder(far)) == ((0, task), (1, task))
+
+
+def test_a_dwell_is_logged_where_the_robot_stands_with_its_length(hill):
+    coordinator = mission(hill, dwell_s=1.25)
+    coordinator.start(0)
+    drive = first_samples(coordinator, S)[0]
+    assert coordinator.arrived(drive.robot, 9 * S, Place(drive.x, drive.y)) == [
+        TakeSample(drive.robot, drive.task, 1_250_000_000)]
+    told = [event for event in coordinator.log.events if event.event == 'dwell'][-1]
+    assert (told.time_ns, told.robot, told.task, told.x_m, told.y_m, told.value) == (
+        9 * S, drive.robot, drive.task, drive.x, drive.y, 1.25)
+    assert coordinator.log.activity(drive.robot) is Activity.SAMPLING
+
+
+def test_a_spread_dwell_may_be_shorter_or_longer_than_its_mean(hill):
+    coordinator = mission(hill, dwell_s=2.0, dwell_spread_s=0.5, robots=8)
+    dwells = [command.dwell_ns for command in coordinator.start(0)]
+    assert min(dwells) < 2 * S < max(dwells)
+
+
 def test_the_end_stops_who_is_at_work_and_counts_begun_legs(hill):
     coordinator = mission(hill, allocation='rr', robots=3)
     coordinator.start(0)
