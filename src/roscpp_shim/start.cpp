@@ -1,10 +1,14 @@
 // Where roscpp programs begin and end.
+#include <ros/console.h>
 #include <ros/init.h>
+#include <ros/this_node.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <sstream>
 #include <string>
 
+#include "fit.h"
 #include "node.h"
 #include "real.h"
 #include "turn.h"
@@ -35,12 +39,29 @@ __attribute__((constructor)) void leaveEnvironment() {
 
 bool isStarting() { return t_is_starting; }
 
+/** @brief Say what this library fits, and refuse what it does not. */
+void checkFit() {
+  const Surroundings found = lookAround();
+  const std::string why = misfit(found);
+  const std::string name = ros::this_node::getName();
+  if (why.empty()) {
+    ROS_INFO("lockstep: %s takes part with roscpp %s and glibc %s; what fits: %s", name.c_str(),
+             found.roscpp_version.empty() ? "?" : found.roscpp_version.c_str(), found.glibc.c_str(),
+             fitting().c_str());
+  } else {
+    ROS_FATAL("lockstep: %s cannot take part as it is: %s", name.c_str(), why.c_str());
+    std::fflush(nullptr);
+    std::_Exit(1);
+  }
+}
+
 void startRos(void (*start)()) {
   if (ros::isStarted() || !Node::isWanted()) {
     start();
     return;
   }
   const Inside inside;  // the threads that it starts are roscpp's own
+  checkFit();
   t_is_starting = true;
   start();
   t_is_starting = false;

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "glibc_fields.h"
 #include "node.h"
 #include "real.h"
 #include "turn.h"
@@ -127,11 +128,11 @@ int lockMutex(pthread_mutex_t* mutex, Lock* lock) {
     if (result != EBUSY) {
       return result;
     }
-    if (!turn().isParked(mutex->__data.__owner)) {
+    if (!turn().isParked(ownerOf(*mutex))) {
       break;  // roscpp's own, which will be through soon
     }
     Wait wait;
-    wait.is_over = [mutex] { return mutex->__data.__owner == 0; };
+    wait.is_over = [mutex] { return ownerOf(*mutex) == 0; };
     wait.for_thread = true;
     turn().wait(std::move(wait));
   }
@@ -226,11 +227,6 @@ void* runInternal(void* argument) {
 
 void* runTask(void* task) { return turn().run(static_cast<Task*>(task)); }
 
-clockid_t clockOf(const pthread_cond_t* condition) {
-  constexpr unsigned kMonotonic = 2;  // bit of glibc's
-  return (condition->__data.__wrefs & kMonotonic) != 0 ? CLOCK_MONOTONIC : CLOCK_REALTIME;
-}
-
 }  // namespace
 }  // namespace move_base_abstract::shim
 
@@ -284,8 +280,7 @@ int pthread_mutex_lock(pthread_mutex_t* mutex) {
 }
 
 int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
-  static shim::CondWait* const function =
-      shim::real<shim::CondWait>("pthread_cond_wait", "GLIBC_2.3.2");
+  static shim::CondWait* const function = shim::real<shim::CondWait>("pthread_cond_wait");
   if (!shim::turn().holds()) {
     return function(condition, mutex);
   }
@@ -295,11 +290,11 @@ int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
 int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
                            const timespec* deadline) {
   static shim::CondTimedWait* const function =
-      shim::real<shim::CondTimedWait>("pthread_cond_timedwait", "GLIBC_2.3.2");
+      shim::real<shim::CondTimedWait>("pthread_cond_timedwait");
   if (!shim::turn().holds()) {
     return function(condition, mutex, deadline);
   }
-  return shim::waitOnUntil(condition, mutex, shim::clockOf(condition), *deadline);
+  return shim::waitOnUntil(condition, mutex, shim::clockOf(*condition), *deadline);
 }
 
 int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
@@ -313,15 +308,13 @@ int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, cl
 }
 
 int pthread_cond_signal(pthread_cond_t* condition) {
-  static shim::CondSignal* const function =
-      shim::real<shim::CondSignal>("pthread_cond_signal", "GLIBC_2.3.2");
+  static shim::CondSignal* const function = shim::real<shim::CondSignal>("pthread_cond_signal");
   shim::turn().signal(condition, false);
   return function(condition);
 }
 
 int pthread_cond_broadcast(pthread_cond_t* condition) {
-  static shim::CondSignal* const function =
-      shim::real<shim::CondSignal>("pthread_cond_broadcast", "GLIBC_2.3.2");
+  static shim::CondSignal* const function = shim::real<shim::CondSignal>("pthread_cond_broadcast");
   shim::turn().signal(condition, true);
   return function(condition);
 }

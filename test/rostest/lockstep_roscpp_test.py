@@ -19,10 +19,12 @@ import rostest
 from lockstep_raw_client import RawClient
 from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder
 
+from move_base_abstract_ros.lockstep.binary import find_shim
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
 RUNS = Runs()
 SECOND = 10 ** 9
+SOURCES = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, os.pardir, 'src', 'roscpp_shim')
 TOPIC_TOOLS = '/usr/lib/topic_tools/'
 
 
@@ -198,6 +200,22 @@ class OutsideTest(unittest.TestCase):
             path = shutil.copy(own('shim_rate'), folder)
             os.chmod(path, 0o4755)
             self.assertIn('the system lets nobody preload', self.launch(ros, path))
+
+    def test_what_the_library_exports_is_what_its_table_lists(self):
+        table = os.path.join(SOURCES, 'replaced.def')
+        with open(table) as stream:
+            listed = re.findall(r' (\w+),\s+"[^"]+"\)$', stream.read(), re.MULTILINE)
+        told = subprocess.run(['nm', '-D', '--defined-only', find_shim(os.environ)], check=True, text=True,
+                              stdout=subprocess.PIPE).stdout
+        self.assertEqual(sorted(line.split()[-1] for line in told.splitlines()), sorted(listed))
+
+    def test_a_program_says_what_was_found_and_what_fits(self):
+        with Loopback() as ros:
+            self.start(ros, '/rate')
+            child = RUNS.start(rate(ticks=3))
+            self.assertEqual(child.process.wait(GUARD), 0, read(child))
+            self.assertRegex(read(child), r'lockstep: /rate takes part with roscpp 1\.\d+\.\d+ and glibc 2\.\d+; '
+                                          r'what fits: roscpp 1\.\d+ \(built with 1')
 
     def test_bad_parameters_are_refused_by_name(self):
         with Loopback() as ros:

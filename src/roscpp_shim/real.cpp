@@ -1,0 +1,53 @@
+#include "real.h"
+
+#include <dlfcn.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+namespace move_base_abstract::shim {
+namespace {
+
+/**
+ * Versions of glibc's symbols, newest first: where libc has an old function of the same name too,
+ * dlsym() may find that one. Which of them a machine has is looked up.
+ */
+constexpr const char* kVersions[] = {"GLIBC_2.34", "GLIBC_2.30", "GLIBC_2.17", "GLIBC_2.3.2",
+                                     "GLIBC_2.2.5"};
+
+constexpr const char* kSymbols[] = {
+#define REPLACED(library, since, name, symbol, why) #symbol,
+#include "replaced.def"
+#undef REPLACED
+};
+
+}  // namespace
+
+void* findReal(const char* symbol) {
+  const bool is_cpp = std::strncmp(symbol, "_Z", 2) == 0;
+  for (const char* version : kVersions) {
+    void* const found = is_cpp ? nullptr : ::dlvsym(RTLD_NEXT, symbol, version);
+    if (found != nullptr) {
+      return found;
+    }
+  }
+  return ::dlsym(RTLD_NEXT, symbol);
+}
+
+void* realOrAbort(const char* symbol) {
+  bool is_listed = false;
+  for (const char* one : kSymbols) {
+    is_listed = is_listed || std::strcmp(one, symbol) == 0;
+  }
+  void* const found = is_listed ? findReal(symbol) : nullptr;
+  if (found == nullptr) {
+    std::fprintf(stderr, "lockstep: %s %s\n",
+                 is_listed ? "this program's libraries have no" : "replaced.def does not list",
+                 symbol);
+    std::abort();
+  }
+  return found;
+}
+
+}  // namespace move_base_abstract::shim

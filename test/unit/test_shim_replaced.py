@@ -1,0 +1,30 @@
+"""What the preloaded library replaces: the table in its sources, and the page that shows it to people."""
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SHIM = ROOT / 'src' / 'roscpp_shim'
+ROW = re.compile(r'^REPLACED\((\w+), "([^"]+)",\s+"([^"]+)",\s+(\w+),\s+"([^"]+)"\)$', re.MULTILINE)
+
+
+def rows():
+    """Return [(library, since, name, symbol, why), ...]."""
+    text = (SHIM / 'replaced.def').read_text(encoding='utf-8')
+    found = ROW.findall(text)
+    assert len(found) == text.count('\nREPLACED(')
+    return found
+
+
+def test_the_page_has_the_table():
+    page = (ROOT / 'docs' / 'lockstep_roscpp_replaced.md').read_text(encoding='utf-8')
+    shown = re.findall(r'^\| `([^`]+)` \| (\w+) (\S+) \| (.+) \|$', page, re.MULTILINE)
+    assert shown == [(name, library, since, why) for library, since, name, _symbol, why in rows()]
+
+
+def test_each_symbol_is_there_once_and_is_asked_for_somewhere():
+    symbols = [row[3] for row in rows()]
+    assert len(set(symbols)) == len(symbols)
+    text = ''.join(path.read_text(encoding='utf-8') for path in sorted(SHIM.glob('*.cpp')))
+    asked = {re.sub(r'"\s+"', '', one)[1:-1] for one in re.findall(r'\breal<[\w:]+>\(\s*((?:"\w+"\s*)+)\)', text)}
+    # usleep() and sleep() are nanosleep() here; a pass through roscpp's own processPublishQueues() is replaced whole.
+    assert asked == set(symbols) - {'usleep', 'sleep', '_ZN3ros12TopicManager20processPublishQueuesEv'}
