@@ -107,7 +107,7 @@ def send_goals(clock):
     clock.step(UNTIL)
 
 
-def shoot(ros, output, topics=('/robot_markers', '/map')):
+def shoot(ros, output, topics=('/move_base_abstract/markers', '/map')):
     """Write the screen to ``output`` when RViz listens to ``topics``, has drawn them and nothing moves any more."""
     for topic in topics:
         wait_for_subscriber(topic, '/rviz')

@@ -30,7 +30,7 @@ def main():
             rospy.init_node('picture', disable_signals=True)
             TimeMasterClient().run_until(UNTIL)
             rospy.wait_for_message('/soil_coordinator/prediction', OccupancyGrid)
-            take_picture.shoot(ros, output, topics=('/robot_markers', '/soil_coordinator/prediction'))
+            take_picture.shoot(ros, output, topics=('/move_base_abstract/markers', '/soil_coordinator/prediction'))
         finally:
             rospy.signal_shutdown('the picture is taken')
             screen.close()

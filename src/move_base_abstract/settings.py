@@ -65,7 +65,7 @@ TABLE = (
     Parameter('max_pose_rate', 50.0, number(0.1, 1000.0), 'a number in 0.1..1000 [Hz, wall]'),
     Parameter('tf_heartbeat_freq', 10.0, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
     Parameter('backend', 'builtin', text, 'the name of a backend'),
-    Parameter('marker_topic', 'robot_markers', name, 'a topic name'),
+    Parameter('marker_topic', 'move_base_abstract/markers', name, 'a topic name'),
     Parameter('marker_size', 1.0, number(above=0.0), _POSITIVE + " [m], the length of a robot's arrow"),
     Parameter('stage_offset_x', 0.0, number(), _FINITE + " [m], the global frame's origin in Stage's world"),
     Parameter('stage_offset_y', 0.0, number(), _FINITE + " [m], the global frame's origin in Stage's world"),

@@ -152,7 +152,15 @@ class TimeMasterNode {
     return state;
   }
 
+  /** @brief What an existing study sets; in lockstep it is to slow nothing down unasked. */
   void onFactor(const ros::MessageEvent<std_msgs::Float64 const>& event) {
+    if (mode_->name() == std::string_view("lockstep") && !parameters_.sim_time_factor_is_limit) {
+      ROS_INFO_ONCE(
+          "/sim_time_factor from %s has no effect in lockstep, which goes as fast as it can; the "
+          "parameter sim_time_factor_is_limit makes it a speed limit (told once)",
+          shown(event.getPublisherName()).c_str());
+      return;
+    }
     try {
       mode_->setFactor(event.getMessage()->data);
       changed_ = true;

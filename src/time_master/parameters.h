@@ -224,6 +224,7 @@ struct NodeParameters {
   TimeMaster::Settings master;
   double state_rate = 2.0;   // state messages per wall second, 0.1 to 100; also one on each change
   bool in_lockstep = false;  // mode at the start
+  bool sim_time_factor_is_limit = false;  // whether /sim_time_factor counts in lockstep
   LockstepSettings lockstep;
   int lockstep_port = 0;  // 0: any free one
   std::string event_log;  // path, .jsonl or .csv; '': none
@@ -280,6 +281,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("max_microsteps", max_microsteps);
   reader.read("end_when_idle", lockstep.end_when_idle);
   reader.read("log_messages", lockstep.log_messages);
+  reader.read("sim_time_factor_is_limit", parameters.sim_time_factor_is_limit);
   reader.read("lockstep_port", parameters.lockstep_port);
   reader.read("event_log", parameters.event_log);
   std::string secret, secret_file;

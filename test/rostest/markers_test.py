@@ -15,7 +15,7 @@ from move_base_abstract.srv import AddRobot, RemoveRobot
 from move_base_abstract_ros import marker_builder
 from move_base_abstract_ros.marker_builder import ARROW, GOAL, LEG, NAME, Look, View
 
-TOPIC = '/robot_markers'
+TOPIC = '/move_base_abstract/markers'
 LOOK = Look('robot_7', 7, 'map', 2.0)
 ROBOTS = {'robot_0', 'robot_1', 'robot_2'}
 
@@ -126,6 +126,19 @@ class Markers(Looks, unittest.TestCase):
     def test_5_one_node_publishes_for_all(self):
         published = dict(rosgraph.Master('/test').getSystemState()[0])
         self.assertEqual(published[TOPIC], ['/fleet'])
+
+    def test_6_what_is_no_robots_lies_under_a_name_of_its_own(self):
+        """Programs of others take what begins with the robots' names for robots: '/robot_*', split at '_' and '/'."""
+        master = rosgraph.Master('/test')
+        publishers, subscribers, services = master.getSystemState()
+        named = [name for group in (publishers, subscribers, services) for name, nodes in group
+                 if set(nodes) & {'/fleet', '/time_master'}]
+        first = {name.split('/')[1] for name in named + master.getParamNames() if name.count('/') > 1}
+        self.assertLessEqual(ROBOTS, first)
+        self.assertEqual(first - ROBOTS - {'late_9'}, {'fleet', 'move_base_abstract', 'rosdistro', 'roslaunch',
+                                                       'time_master'} & first)
+        at_the_root = {name for name in named if name.count('/') == 1}
+        self.assertEqual(at_the_root, {'/clock', '/rosout', '/sim_time_factor', '/tf'} & at_the_root)
 
 
 if __name__ == '__main__':

@@ -139,7 +139,7 @@ class LockstepTest(LockstepCase):
         answer = self.call('run_until', RunUntil, rospy.Time(1))
         self.assertFalse(answer.success)
 
-    def test_the_speed_limit_is_set_by_parameter_service_and_topic(self):
+    def test_the_speed_limit_is_set_by_parameter_and_service(self):
         self.start(participants=['/a'], speed_limit=10.0)
         client = self.join('/a')
         client.turn(next_ns=2 * SECOND)
@@ -152,11 +152,39 @@ class LockstepTest(LockstepCase):
         answer = self.call('set_factor', SetFactor, 0.0)
         self.assertEqual((answer.success, answer.message), (True, 'no speed limit'))
         self.assertEqual(client.turn().time_ns, 10 ** 6 * SECOND)
-        publisher = rospy.Publisher('/sim_time_factor', Float64, queue_size=1, latch=True)
-        publisher.publish(20.0)
-        self.state.wait('the limit', lambda state: state.wanted_factor == 20.0)
-        publisher.unregister()
         self.assertFalse(self.call('set_factor', SetFactor, -1.0).success)
+
+    def publisher_of_factors(self):
+        """Return a publisher on /sim_time_factor, as an existing study has it, once the time master listens."""
+        publisher = rospy.Publisher('/sim_time_factor', Float64, queue_size=10)
+        self.addCleanup(publisher.unregister)
+        wait_for('the time master to listen', publisher.get_num_connections)
+        return publisher
+
+    def test_a_studys_sim_time_factor_is_noted_once_and_limits_nothing(self):
+        self.start(participants=['/a'])
+        client = self.join('/a')
+        publisher = self.publisher_of_factors()
+        for factor in (1.0, 1.0, float('nan')):
+            publisher.publish(factor)
+        self.wait_for_output(f'/sim_time_factor from {rospy.get_name()} has no effect in lockstep')
+        client.turn(next_ns=10 ** 6 * SECOND)
+        self.assertEqual(client.turn().time_ns, 10 ** 6 * SECOND)  # at 1x it would take eleven days
+        client.leave()
+        self.state.wait('nobody', lambda state: not state.participants)
+        self.assertTrue(self.call('set_mode', SetMode, 'scaled').success)
+        publisher.publish(33.0)  # there it has its effect, and the messages before it have been handled
+        self.state.wait('the factor', lambda state: state.wanted_factor == 33.0)
+        limits = {state.wanted_factor for state in self.state.all() if state.mode == 'lockstep'}
+        self.assertEqual(limits, {0.0})
+        notes = [line for line in self.output().splitlines() if '/sim_time_factor' in line]
+        self.assertEqual(len(notes), 1, notes)
+        self.assertIn('sim_time_factor_is_limit', notes[0])
+
+    def test_sim_time_factor_sets_the_speed_limit_where_a_parameter_says_so(self):
+        self.start(participants=['/a'], sim_time_factor_is_limit=True)
+        self.publisher_of_factors().publish(20.0)
+        self.state.wait('the limit', lambda state: state.wanted_factor == 20.0)
 
     def test_holds_are_refused_and_the_answer_says_what_serves_instead(self):
         self.start()

@@ -15,7 +15,7 @@ TIMEOUT_S = 20.0  # wall
 POLL_S = 0.05  # wall
 LAST_WORDS_S = 0.3  # wall; what rospy has queued reaches the recorder by then
 ACTION = ('goal', 'cancel', 'status', 'feedback', 'result')
-COMMON = ('/clock', '/tf', '/tf_static', '/rosout', '/robot_markers', '/time_master/state')
+COMMON = ('/clock', '/tf', '/tf_static', '/rosout', '/move_base_abstract/markers', '/time_master/state')
 VIEWS = ('prediction', 'variance', 'truth', 'markers', 'legend', 'rmse', 'mean_variance')
 
 
