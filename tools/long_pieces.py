@@ -1,13 +1,34 @@
-"""Name the Python files of more than 400 lines and the functions of more than 40 (exit 1 if there are any).
+"""Name the Python and C++ files of more than 400 lines, functions of more than 40, lines of more than 120 characters.
 
-usage: long_pieces.py FILE_OR_FOLDER...
+usage: long_pieces.py FILE_OR_FOLDER...    (exit 1 if there are any; ruff looks at the length of Python's lines)
+
+C++ is read as far as clang-format has brought it into its form: what stands before a brace tells what the brace opens.
 """
 import ast
+import re
 import sys
 from pathlib import Path
 
 FILE_LINES = 400
 FUNCTION_LINES = 40
+LINE_CHARACTERS = 120
+
+#: files that are still too long, or have functions that are; each is to become one that is not
+EXCEPTIONS = (
+    'src/lockstep/wire.cpp',
+    'src/participant/core.cpp',
+    'src/participant/topics.cpp',
+    'src/roscpp_shim/node.cpp',
+    'src/roscpp_shim/waits.cpp',
+    'test/cpp_nodes/shim_threads.cpp',
+)
+
+_CPP = ('.cpp', '.h')
+#: comments, texts and characters, directives: what may contain braces that open nothing
+_HIDDEN = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<!\w)\'(?:\\.[^\'\n]*|[^\'\\\n])\''
+                     r'|^[ \t]*#(?:\\\n|[^\n])*', re.DOTALL | re.MULTILINE)
+_NO_FUNCTION = re.compile(r'\s*(?:\w+\s+)*(?:namespace|class|struct|union|enum|extern)\b|.*=\s*$', re.DOTALL)
+_NAME = re.compile(r'([~\w:]+|operator\s*\S+)\s*\(')
 
 
 def complaints(path):
@@ -16,19 +37,78 @@ def complaints(path):
     lines = text.count('\n')
     if lines > FILE_LINES:
         yield f'{path}: {lines} lines, more than {FILE_LINES}'
-    for node in ast.walk(ast.parse(text, str(path))):
+    if path.suffix in _CPP:
+        for number, line in enumerate(text.split('\n'), 1):
+            if len(line) > LINE_CHARACTERS:
+                yield f'{path}:{number}: {len(line)} characters, more than {LINE_CHARACTERS}'
+    for number, name, lines in (cpp_functions if path.suffix in _CPP else python_functions)(text):
+        if lines > FUNCTION_LINES:
+            yield f'{path}:{number} {name}: {lines} lines, more than {FUNCTION_LINES}'
+
+
+def python_functions(text):
+    """Return (line, name, lines) of each function."""
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            lines = node.end_lineno - node.lineno + 1
-            if lines > FUNCTION_LINES:
-                yield f'{path}:{node.lineno} {node.name}: {lines} lines, more than {FUNCTION_LINES}'
+            yield node.lineno, node.name, node.end_lineno - node.lineno + 1
+
+
+def cpp_functions(text):
+    """Return (line, name, lines) of each function that is not inside another."""
+    text = _HIDDEN.sub(_blank, text)
+    at = begin = 0  # of what may be the head of a function
+    while at < len(text):
+        letter = text[at]
+        if letter in ';}' or letter == ':' and re.search(r'\b(?:public|private|protected)\s*$', text[begin:at]):
+            begin = at + 1
+        elif letter == '{':
+            head = text[begin:at]
+            if _opens_list(head):
+                at = _end_of_block(text, at)
+            elif _NO_FUNCTION.match(head) or '(' not in head:
+                begin = at + 1
+            else:
+                at = _end_of_block(text, at)
+                first = begin + len(head) - len(head.lstrip())
+                yield text.count('\n', 0, first) + 1, _name(head), text.count('\n', first, at) + 1
+                begin = at + 1
+        at += 1
+
+
+def _blank(match):
+    return re.sub(r'[^\n]', ' ', match.group())
+
+
+def _opens_list(head):
+    """Whether the brace begins a value: of a member that a constructor initialises, or of a variable."""
+    return bool(re.search(r'\)\s*:.*[\w>]$', head, re.DOTALL)) or bool(re.search(r'[\w\]>]$', head)) and '(' not in head
+
+
+def _end_of_block(text, at):
+    depth = 0
+    for match in re.compile('[{}]').finditer(text, at):
+        depth += 1 if match.group() == '{' else -1
+        if depth == 0:
+            return match.start()
+    return len(text)
+
+
+def _name(head):
+    names = _NAME.findall(head)
+    return names[0] if names else '?'
 
 
 def main():
     """Check the files and folders of the command line."""
-    found = []
+    found, long_ones = [], set()
     for name in map(Path, sys.argv[1:]):
-        for path in sorted(name.rglob('*.py')) if name.is_dir() else [name]:
-            found += complaints(path)
+        for path in sorted(name.rglob('*')) if name.is_dir() else [name]:
+            if path.suffix in ('.py', *_CPP):
+                what = list(complaints(path))
+                if what:
+                    long_ones.add(str(path))
+                found += [] if str(path) in EXCEPTIONS else what
+    found += [f'{name}: is no exception any more' for name in EXCEPTIONS if name not in long_ones]
     print('\n'.join(found))
     return 1 if found else 0
 

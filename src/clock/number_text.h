@@ -1,9 +1,11 @@
-// Numbers and times as texts of the event-driven clock's errors and messages.
+// Numbers, times and names as texts of the event-driven clock's errors and messages.
 #ifndef MOVE_BASE_ABSTRACT_CLOCK_NUMBER_TEXT_H
 #define MOVE_BASE_ABSTRACT_CLOCK_NUMBER_TEXT_H
 
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "scaled_clock.h"
 
@@ -31,6 +33,18 @@ inline std::string secondsText(Nanoseconds time) {
 /** @return "1 message", "3 messages". */
 inline std::string countText(std::size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+/** @return @p name within quotation marks. */
+inline std::string quote(std::string_view name) { return "'" + std::string(name) + "'"; }
+
+/** @return @p parts with commas between. */
+inline std::string joined(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& part : parts) {
+    text += (text.empty() ? "" : ", ") + part;
+  }
+  return text;
 }
 
 }  // namespace move_base_abstract

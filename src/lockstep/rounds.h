@@ -7,88 +7,16 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "clock/scaled_clock.h"
+#include "order.h"
+#include "rules.h"
+#include "settings.h"
 #include "wire.h"
 
 namespace move_base_abstract {
-
-/** @brief A participant's number: from 1 on, never reused. */
-using MemberId = std::uint32_t;
-
-/** @brief Whether @p a comes before @p b where runs of digits count as numbers (2 before 10). */
-bool naturalLess(std::string_view a, std::string_view b);
-
-/**
- * @brief The rules of lockstep, one by one (docs/lockstep_protocol.md, "Rounds" and the sections
- * after it, says them in full).
- *
- * All of them hold. A build of the tests can switch each off, to see that a test misses it; in any
- * other build they are constants.
- */
-#ifdef MOVE_BASE_ABSTRACT_MUTANTS
-#define LOCKSTEP_RULE bool
-#else
-#define LOCKSTEP_RULE static constexpr bool
-#endif
-struct LockstepRules {
-  LOCKSTEP_RULE barrier = true;  // nothing is decided while a granted participant works
-  LOCKSTEP_RULE grant_only_concerned = true;  // neither mail nor a due time: no grant
-  LOCKSTEP_RULE deliver_before_leap = true;   // mail first, then time
-  LOCKSTEP_RULE later_than_sent = true;       // delivered in a later microstep
-  LOCKSTEP_RULE leap_to_smallest = true;      // no wake-up is skipped
-  LOCKSTEP_RULE time_never_back = true;       // a wake-up in the past is due now
-  LOCKSTEP_RULE microstep_bound = true;       // a zero-delay loop is stopped and named
-  LOCKSTEP_RULE sort_by_rank = true;
-  LOCKSTEP_RULE sort_by_sub = true;
-  LOCKSTEP_RULE natural_order = true;  // robot_2 before robot_10
-  LOCKSTEP_RULE fifo_within_sender = true;
-  LOCKSTEP_RULE apply_in_order = true;       // by (rank, name), not by arrival
-  LOCKSTEP_RULE links_are_mail = true;       // a new link is confirmed before time moves
-  LOCKSTEP_RULE replace = true;              // the newer of two of one name counts
-  LOCKSTEP_RULE calls_in_next_round = true;  // a call waits for no wake-up of its server
-  LOCKSTEP_RULE knock_counts = true;         // input from outside gets a grant
-  LOCKSTEP_RULE dead_not_awaited = true;
-  LOCKSTEP_RULE dead_delivers = true;  // what a dead one had reported is delivered
-  LOCKSTEP_RULE dead_cancels_calls = true;
-  LOCKSTEP_RULE silence_named = true;
-  LOCKSTEP_RULE deadlock_named = true;
-  LOCKSTEP_RULE gate_pause = true;
-  LOCKSTEP_RULE gate_target = true;
-  LOCKSTEP_RULE gate_limit = true;
-  LOCKSTEP_RULE start_waits_for_named = true;
-};
-#undef LOCKSTEP_RULE
-
-enum class OnDeath { kGoOn, kEnd };
-enum class OnSilence { kWait, kDrop };
-
-struct LockstepSettings {
-  double start_time = 1.0;                // s simulated, 1e-6 to 2e9
-  std::vector<std::string> participants;  // the clock starts when all of these are there
-  double settle =
-      2.0;  // wall s without a new participant until it starts where none is named, 0-3600
-  double limit = 0.0;  // simulated s per wall s at most, 0.01 to 1e6; 0: none
-  bool start_paused = false;
-  std::uint32_t max_microsteps = 100'000;  // at one instant, at least 1
-  double silence_limit = 10.0;             // wall s that a report may take, 0.001 to 86400; 0: any
-  OnDeath on_death = OnDeath::kGoOn;
-  OnSilence on_silence = OnSilence::kWait;
-  bool end_when_idle = false;
-  bool log_messages = false;  // messages and calls between participants go into the log too
-  std::string secret;         // that a HELLO must have; empty: none
-};
-
-/** @brief Where a thing comes among those of its round: rank, robot, name, the sender's count. */
-struct MailOrder {
-  std::int32_t rank = 0;
-  std::uint32_t sub = 0;
-  std::uint32_t place = 0;   // of the sender's name among all members' names in natural order
-  std::uint64_t number = 0;  // of the action among all those of its sender
-};
 
 /** @brief Something to hand over with a receiver's next grant. */
 struct Mail {
@@ -229,7 +157,6 @@ class LockstepRounds {
   MemberState& at(MemberId id);
   void makeReady(MemberId id, MemberState& member);
   bool mayStart(Nanoseconds wall) const;
-  void orderNames() const;
   void setNext(MemberId id, MemberState& member, Nanoseconds next);
   std::vector<Grant> start(Nanoseconds wall);
   std::vector<Grant> nextMicrostep(Nanoseconds wall);
@@ -245,8 +172,7 @@ class LockstepRounds {
   LockstepSettings settings_;
   LockstepRules rules_;
   std::map<MemberId, MemberState> members_;
-  mutable std::map<MemberId, std::uint32_t> places_;  // of names; put in order when asked for
-  mutable bool names_changed_ = false;
+  NamePlaces places_;
   std::set<std::pair<Nanoseconds, MemberId>> due_;  // of those that have a finite wake-up
   std::vector<MemberId> ready_;                     // with mail, knocked, joined, or due now
   std::vector<MemberId> granted_;                   // of the latest round

@@ -568,6 +568,8 @@ std::string encodeGrant(const Grant& head, std::string_view items) {
   return closed(std::move(out));
 }
 
+bool isReport(std::string_view frame) { return !frame.empty() && frame[0] == kReport; }
+
 ParticipantFrame decodeFromParticipant(std::string_view frame) {
   auto [reader, type] = open(frame, kHello, 4, kFrameNames);
   switch (type) {

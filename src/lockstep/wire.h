@@ -243,6 +243,9 @@ void append(std::string& items, const GrantItem& item);
 std::string encodeReport(const Report& head, std::string_view items);
 std::string encodeGrant(const Grant& head, std::string_view items);
 
+/** @return whether the frame (type and body) is a REPORT, well-formed or not. */
+bool isReport(std::string_view frame);
+
 /**
  * @param frame type and body, without the length (see FrameBuffer).
  * @throws MalformedFrame where it is not exactly one frame of that direction.

@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "descriptor.h"
+
 namespace move_base_abstract {
 namespace {
 
@@ -211,23 +213,6 @@ std::string onOneLine(std::string_view text) {
 
 constexpr std::string_view kHead = "{\"event_log\":1,";  // of the first line; in CSV behind "# "
 constexpr std::string_view kCsvMark = "# ";
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) {
-      close(fd_);
-    }
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-  int release() { return std::exchange(fd_, -1); }
-
- private:
-  int fd_;
-};
 
 /** @param part whether it may have been cut off, even before its first byte, by a full disk. */
 bool isEventLog(int fd, bool part) {

@@ -1,8 +1,5 @@
 #include "lockstep_server.h"
 
-#include <netdb.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
@@ -15,10 +12,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <memory>
 #include <stdexcept>
-
-#include "participant/local_address.h"
 
 namespace move_base_abstract {
 namespace {
@@ -43,75 +37,24 @@ Nanoseconds wallNow() {
       .count();
 }
 
-[[noreturn]] void fail(const std::string& what, int error) {
-  throw std::runtime_error("lockstep: " + what + ": " + std::strerror(error));
-}
-
-Descriptor checked(int fd, const char* what) {
-  if (fd < 0) {
-    fail(what, errno);
-  }
-  return Descriptor(fd);
-}
-
-template <typename Value>
-void setOption(int fd, int level, int option, Value value) {
-  setsockopt(fd, level, option, &value, sizeof(value));
-}
-
-/** @brief Small frames go out at once; a computer that has lost its power is noticed. */
-void tune(int fd) {
-  setOption(fd, IPPROTO_TCP, TCP_NODELAY, 1);
-  setOption(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
-  setOption(fd, IPPROTO_TCP, TCP_KEEPIDLE, 10);  // s
-  setOption(fd, IPPROTO_TCP, TCP_KEEPINTVL, 5);  // s
-  setOption(fd, IPPROTO_TCP, TCP_KEEPCNT, 4);
-  setOption(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, 30'000U);  // ms
-}
-
-using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
-
-Addresses addressesOf(const std::string& host, int port) {
-  addrinfo wanted{};
-  wanted.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  const int error = getaddrinfo(host.c_str(), std::to_string(port).c_str(), &wanted, &found);
-  if (error != 0) {
-    throw std::runtime_error("lockstep: the host name '" + host + "' is not known (" +
-                             gai_strerror(error) + "); set ROS_IP to an address of this computer");
-  }
-  return {found, &freeaddrinfo};
-}
-
-int portOf(int fd) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof(address);
-  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
-  return ntohs(address.ss_family == AF_INET6
-                   ? reinterpret_cast<const sockaddr_in6*>(&address)->sin6_port
-                   : reinterpret_cast<const sockaddr_in*>(&address)->sin_port);
-}
-
 }  // namespace
-
-Descriptor::~Descriptor() {
-  if (fd_ >= 0) {
-    close(fd_);
-  }
-}
 
 LockstepServer::LockstepServer(const LockstepSettings& settings, const std::string& host, int port,
                                Listeners listeners)
     : session_(settings, wallNow()),
       listeners_(std::move(listeners)),
+      listener_(listenOn(host, port)),
+      address_(host + ":" + std::to_string(portOf(listener_))),
+      local_listener_(listenLocally(address_)),
       epoll_(checked(epoll_create1(EPOLL_CLOEXEC), "epoll")),
       event_(checked(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd")),
       timer_(checked(timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK), "timerfd")),
       last_id_(kFirstConnection),
       buffer_(kBufferSize) {
-  listen(host, port);
-  listenLocally();
   watch(listener_.get(), kListener, EPOLLIN, EPOLL_CTL_ADD);
+  if (local_listener_.get() >= 0) {
+    watch(local_listener_.get(), kLocalListener, EPOLLIN, EPOLL_CTL_ADD);
+  }
   watch(event_.get(), kEvent, EPOLLIN, EPOLL_CTL_ADD);
   watch(timer_.get(), kTimer, EPOLLIN, EPOLL_CTL_ADD);
   wake();  // so that the session's first wake-up is asked for
@@ -119,40 +62,6 @@ LockstepServer::LockstepServer(const LockstepSettings& settings, const std::stri
 }
 
 LockstepServer::~LockstepServer() { finish("the time master ends"); }
-
-void LockstepServer::listen(const std::string& host, int port) {
-  const Addresses addresses = addressesOf(host, port);
-  int error = EADDRNOTAVAIL;
-  for (const addrinfo* one = addresses.get(); one != nullptr; one = one->ai_next) {
-    Descriptor fd(socket(one->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-    setOption(fd.get(), SOL_SOCKET, SO_REUSEADDR, 1);
-    if (fd.get() >= 0 && bind(fd.get(), one->ai_addr, one->ai_addrlen) == 0 &&
-        ::listen(fd.get(), SOMAXCONN) == 0) {
-      address_ = host + ":" + std::to_string(portOf(fd.get()));
-      listener_ = std::move(fd);
-      return;
-    }
-    error = errno;
-  }
-  fail("cannot listen on " + host + ":" + std::to_string(port) +
-           " (lockstep_port; ROS_IP and ROS_HOSTNAME say which address)",
-       error);
-}
-
-/** @brief Take participants of this computer by a Unix socket too, where there can be one. */
-void LockstepServer::listenLocally() {
-  const LocalAddress local = localAddressOf(address_);
-  if (local.size == 0) {
-    return;  // they come by TCP
-  }
-  local_listener_ =
-      checked(socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0), "socket");
-  if (bind(local_listener_.get(), local.get(), local.size) != 0 ||
-      ::listen(local_listener_.get(), SOMAXCONN) != 0) {
-    fail("cannot listen on the Unix socket @" + std::string(local.name.sun_path + 1), errno);
-  }
-  watch(local_listener_.get(), kLocalListener, EPOLLIN, EPOLL_CTL_ADD);
-}
 
 void LockstepServer::watch(int fd, std::uint64_t id, std::uint32_t events, int operation) {
   epoll_event event{};
@@ -326,7 +235,7 @@ bool LockstepServer::accept(const Descriptor& listener, Nanoseconds wall) {
     }
     return errno == ECONNABORTED || errno == EINTR;
   }
-  tune(fd.get());
+  tuneConnection(fd);
   const ConnectionId id = ++last_id_;
   watch(fd.get(), id, EPOLLIN, EPOLL_CTL_ADD);
   connections_[id].socket = std::move(fd);

@@ -13,24 +13,9 @@
 #include <vector>
 
 #include "lockstep/session.h"
+#include "sockets.h"
 
 namespace move_base_abstract {
-
-/** @brief A file descriptor that is closed with its owner. */
-class Descriptor {
- public:
-  explicit Descriptor(int fd = -1) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  ~Descriptor();
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 /**
  * @brief Listens on a TCP port and hands bytes to a session and back, with one wait, one receive,
@@ -102,14 +87,12 @@ class LockstepServer {
     bool awaits_space = false;  // asked to be told when it takes bytes again
   };
 
-  void listen(const std::string& host, int port);
   void watch(int fd, std::uint64_t id, std::uint32_t events, int operation);
   void wake() const;
   void run();
   void arm(Nanoseconds due);
   void work();
   void handle(std::uint64_t id, std::uint32_t events, Nanoseconds wall);
-  void listenLocally();
   bool awaitLast() const;
   void acceptAll(const Descriptor& listener, Nanoseconds wall);
   bool accept(const Descriptor& listener, Nanoseconds wall);
@@ -126,9 +109,10 @@ class LockstepServer {
   mutable std::mutex mutex_;
   LockstepSession session_;
   Listeners listeners_;
-  std::string address_;
   Descriptor listener_;
-  Descriptor local_listener_;  // for participants on this computer
+  const std::string address_;
+  Descriptor
+      local_listener_;  // for participants on this computer; none where there is no such socket
   Descriptor epoll_;
   Descriptor event_;
   Descriptor timer_;

@@ -9,8 +9,8 @@
 #include <cstdio>
 #include <optional>
 #include <string>
-#include <vector>
 
+#include "clock/number_text.h"
 #include "clock/scaled_clock.h"
 
 namespace move_base_abstract {
@@ -38,15 +38,6 @@ inline std::string text(double value) {
   char buffer[40];
   std::snprintf(buffer, sizeof(buffer), "%.12g", value);
   return buffer;
-}
-
-/** @return @p names with commas between. */
-inline std::string joined(const std::vector<std::string>& names) {
-  std::string all;
-  for (const std::string& name : names) {
-    all += (all.empty() ? "" : ", ") + name;
-  }
-  return all;
 }
 
 /**

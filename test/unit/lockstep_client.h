@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -138,6 +139,46 @@ class Stage {
   std::map<ConnectionId, std::deque<std::string>> grants_;
   std::map<ConnectionId, std::uint64_t> round_;
 };
+
+/** @brief Two participants that have got their first grants. */
+struct Pair : Stage {
+  explicit Pair(LockstepSettings settings = named({"/a", "/b"})) : Stage(settings) {
+    join(1, "/a");
+    join(2, "/b");
+    grant(1);
+    grant(2);
+  }
+};
+
+/** @return what the call says that is refused. */
+template <typename Call>
+std::string refusal(Call call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "was not refused";
+}
+
+/** @brief One participant that has started and reported that it wants to wake up at @p next. */
+struct Alone : Stage {
+  explicit Alone(Nanoseconds next, LockstepSettings settings = named({"/a"})) : Stage(settings) {
+    join(1, "/a");
+    grant(1);
+    report(1, next);
+  }
+};
+
+/** @return the lines of the event log since the last call, their times in ms. */
+inline std::vector<std::string> lines(LockstepSession& session) {
+  std::vector<std::string> lines;
+  for (const LockstepLogEntry& entry : session.takeLog()) {
+    lines.push_back(std::to_string(entry.time / 1'000'000) + " " + entry.robot + " " + entry.kind +
+                    " " + entry.values);
+  }
+  return lines;
+}
 
 inline wire::Advertise advertise(std::uint32_t topic, std::string_view name,
                                  std::string_view md5 = "md5", bool latched = false) {

@@ -1,0 +1,74 @@
+// The connections of a session: bytes that come in pieces, bytes to be sent. No sockets.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_CONNECTIONS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_CONNECTIONS_H
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "clock/scaled_clock.h"
+#include "order.h"
+#include "wire.h"
+
+namespace move_base_abstract {
+
+/** @brief A connection's number, chosen by the caller and never reused. */
+using ConnectionId = std::uint64_t;
+
+/** @brief What a connection is to be sent. */
+struct ConnectionOutput {
+  ConnectionId connection;
+  std::string bytes;
+  bool close;  // after the bytes are sent; the connection is known no more
+};
+
+/** @brief A connection, as far as a session knows it. */
+struct Connection {
+  wire::FrameBuffer buffer;
+  MemberId member = 0;  // 0: no HELLO yet
+  std::string out;
+  bool close = false;
+  bool listed = false;  // has something to be sent
+};
+
+/** @brief All connections, what each is to be sent, and until when strangers must say HELLO. */
+class Connections {
+ public:
+  /** @param hello_due wall ns; until then it must have said HELLO. */
+  void add(ConnectionId id, Nanoseconds hello_due);
+  /** @brief It is lost. @return whose it was; 0: nobody's. */
+  MemberId remove(ConnectionId id);
+  /** @brief It has said HELLO. */
+  void greeted(ConnectionId id, MemberId member);
+
+  /** @return the connection, unless it is unknown or about to be closed. */
+  Connection* open(ConnectionId id);
+  bool contains(ConnectionId id) const { return connections_.count(id) != 0; }
+
+  void send(ConnectionId id, std::string_view bytes);
+  /** @brief Tell it the end, and close it then. */
+  void close(ConnectionId id, const std::string& reason);
+  void closeAll(const std::string& reason);
+  /** @return what is to be sent since the last call, one entry per connection. */
+  std::vector<ConnectionOutput> flush();
+
+  /** @return how many have said no HELLO yet. */
+  std::size_t strangers() const { return hello_due_.size(); }
+  /** @return one that should have said HELLO by @p wall [ns]; 0: there is none. */
+  ConnectionId silentStranger(Nanoseconds wall) const;
+  /** @return the wall instant [ns] at which the next stranger is silent for too long, or kNever. */
+  Nanoseconds helloDue() const { return hello_due_.empty() ? kNever : hello_due_.begin()->second; }
+  bool hasOutput() const { return !outgoing_.empty(); }
+
+ private:
+  std::map<ConnectionId, Connection> connections_;
+  std::map<ConnectionId, Nanoseconds> hello_due_;  // wall; in the order of connecting
+  std::vector<ConnectionId> outgoing_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_CONNECTIONS_H

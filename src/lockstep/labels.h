@@ -1,0 +1,38 @@
+// What is to be known of a run as a whole: why it is not repeatable, or degraded.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_LABELS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_LABELS_H
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "message.h"
+
+namespace move_base_abstract {
+
+/** @brief Whether ROS made the name unique with the time, and perhaps a process number:
+ * "_123_1600000000000". */
+bool isAnonymous(std::string_view name);
+
+/** @brief The labels of a run. Each is kept and said once; of either kind there are a hundred at
+ * most. */
+class RunLabels {
+ public:
+  /** @param messages gets a message of each new label; outlives this. */
+  explicit RunLabels(MessageList& messages) : messages_(messages) {}
+
+  void addNotRepeatable(const std::string& why);
+  void addDegraded(const std::string& why);
+
+  const std::vector<std::string>& notRepeatable() const { return not_repeatable_; }
+  const std::vector<std::string>& degraded() const { return degraded_; }
+
+ private:
+  MessageList& messages_;
+  std::vector<std::string> not_repeatable_;
+  std::vector<std::string> degraded_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_LABELS_H

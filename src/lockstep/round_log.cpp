@@ -1,0 +1,86 @@
+#include "round_log.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <string_view>
+#include <utility>
+
+namespace move_base_abstract {
+namespace {
+
+std::string jsonText(std::string_view text) {
+  std::string json = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      json += '\\';
+      json += c;
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      char escape[8];
+      std::snprintf(escape, sizeof(escape), "\\u%04x", static_cast<unsigned>(c));
+      json += escape;
+    } else {
+      json += c;
+    }
+  }
+  return json + '"';
+}
+
+/** @return FNV-1a, 64 bits, in hex. */
+std::string hashText(std::string_view bytes) {
+  std::uint64_t hash = 0xCBF29CE484222325U;
+  for (const char byte : bytes) {
+    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3U;
+  }
+  char text[20];
+  std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+}  // namespace
+
+void RoundLog::add(const MailOrder& order, const wire::Log& log) {
+  round_.push_back(
+      {order,
+       {rounds_.now(), std::string(log.robot), std::string(log.kind), std::string(log.values)}});
+}
+
+void RoundLog::add(const MessageRouter::Delivery& delivery, const NameOf& name_of) {
+  using Kind = MessageRouter::Delivery::Kind;
+  std::vector<std::string> receivers;
+  for (const MemberId id : delivery.receivers) {
+    receivers.push_back(name_of(id));
+  }
+  std::sort(receivers.begin(), receivers.end(), naturalLess);
+  std::string values = "[" + jsonText(delivery.sender == 0 ? "" : name_of(delivery.sender));
+  for (const std::string& receiver : receivers) {
+    values += "," + jsonText(receiver);
+  }
+  if (delivery.kind == Kind::kResponse) {
+    values += "," + std::to_string(static_cast<int>(delivery.status));
+  }
+  values += "," + std::to_string(delivery.bytes.size()) + ",\"" + hashText(delivery.bytes) + "\"]";
+  const char* kind = delivery.kind == Kind::kMessage ? "message"
+                     : delivery.kind == Kind::kCall  ? "call"
+                                                     : "response";
+  round_.push_back(
+      {delivery.order, {rounds_.now(), std::string(delivery.name), kind, std::move(values)}});
+}
+
+void RoundLog::closeRound() {
+  std::stable_sort(round_.begin(), round_.end(), [this](const Line& a, const Line& b) {
+    if (rounds_.before(a.order, b.order)) {
+      return true;
+    }
+    // Of one action (who dies cancels several calls) by what they say.
+    return !rounds_.before(b.order, a.order) && a.entry.values < b.entry.values;
+  });
+  for (Line& line : round_) {
+    log_.push_back(std::move(line.entry));
+  }
+  round_.clear();
+}
+
+std::vector<LockstepLogEntry> RoundLog::take() { return std::exchange(log_, {}); }
+
+}  // namespace move_base_abstract

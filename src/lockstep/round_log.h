@@ -1,0 +1,54 @@
+// The lines of the event log that one round adds, in their stated order.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUND_LOG_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUND_LOG_H
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "clock/scaled_clock.h"
+#include "order.h"
+#include "rounds.h"
+#include "router.h"
+
+namespace move_base_abstract {
+
+/** @brief A line of the event log. */
+struct LockstepLogEntry {
+  Nanoseconds time;    // simulated
+  std::string robot;   // of a message or call: the topic's or service's name
+  std::string kind;    // with log_messages also "message", "call", "response"
+  std::string values;  // a JSON array
+};
+
+/** @brief Collects the lines of a round, and puts them in order at its end. */
+class RoundLog {
+ public:
+  using NameOf = std::function<std::string(MemberId)>;
+
+  /** @param rounds says when it is, and what the order is; outlives this. */
+  explicit RoundLog(const LockstepRounds& rounds) : rounds_(rounds) {}
+
+  /** @brief A participant's own line. */
+  void add(const MailOrder& order, const wire::Log& log);
+  /** @brief A message, call or response between participants. */
+  void add(const MessageRouter::Delivery& delivery, const NameOf& name_of);
+  void closeRound();
+
+  /** @return the lines of the rounds closed since the last call. */
+  std::vector<LockstepLogEntry> take();
+
+ private:
+  struct Line {
+    MailOrder order;
+    LockstepLogEntry entry;
+  };
+
+  const LockstepRounds& rounds_;
+  std::vector<Line> round_;
+  std::vector<LockstepLogEntry> log_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUND_LOG_H

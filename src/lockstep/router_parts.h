@@ -1,0 +1,25 @@
+// What both halves of the router share.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_PARTS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_PARTS_H
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "order.h"
+
+namespace move_base_abstract::router {
+
+// What opens comes before, what closes after all that the same participant sent in the round.
+constexpr std::uint32_t kFirstSub = 0;
+constexpr std::uint32_t kLastSub = std::numeric_limits<std::uint32_t>::max();
+
+template <typename Entries>
+auto findMember(Entries& entries, MemberId id) {
+  return std::find_if(entries.begin(), entries.end(),
+                      [id](const auto& entry) { return entry.member == id; });
+}
+
+}  // namespace move_base_abstract::router
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_PARTS_H

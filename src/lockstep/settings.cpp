@@ -1,0 +1,60 @@
+#include "settings.h"
+
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "clock/number_text.h"
+#include "clock/time_master.h"
+
+namespace move_base_abstract {
+namespace {
+
+[[noreturn]] void refuse(const std::string& text) { throw std::invalid_argument(text); }
+
+/** @brief Refuse a value outside [low, high]; written so that NaN is refused too. */
+double checked(const char* name, double value, double low, double high, const char* unit) {
+  if (!(value >= low && value <= high)) {
+    refuse(std::string(name) + " must be from " + numberText(low) + " to " + numberText(high) +
+           unit + ", got " + numberText(value));
+  }
+  return value;
+}
+
+}  // namespace
+
+Nanoseconds toNanoseconds(double seconds) {
+  return std::llround(seconds * static_cast<double>(kNanosecondsPerSecond));
+}
+
+FactorUnits checkedLimit(double factor) {
+  if (factor == 0.0) {
+    return 0;
+  }
+  return std::llround(checked("limit", factor, TimeMaster::kSmallestFactor,
+                              TimeMaster::kLargestFactor,
+                              " simulated seconds per wall second (or 0 for none)") *
+                      static_cast<double>(kFactorUnit));
+}
+
+LockstepSettings checkedSettings(LockstepSettings settings) {
+  checked("start_time", settings.start_time, 1e-6, 2e9, " s");
+  checked("settle", settings.settle, 0.0, 3600.0, " s of wall time");
+  if (settings.silence_limit != 0.0) {
+    checked("silence_limit", settings.silence_limit, 0.001, 86400.0,
+            " s of wall time (or 0 for any)");
+  }
+  if (settings.max_microsteps < 1) {
+    refuse("max_microsteps must be at least 1, got 0");
+  }
+  std::set<std::string> names;
+  for (const std::string& name : settings.participants) {
+    if (name.empty() || !names.insert(name).second) {
+      refuse("participants must be names that differ, got '" + name + "'" +
+             (name.empty() ? "" : " twice"));
+    }
+  }
+  return settings;
+}
+
+}  // namespace move_base_abstract

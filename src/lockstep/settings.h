@@ -1,0 +1,46 @@
+// What a run of the event-driven clock can be told beforehand.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_SETTINGS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_SETTINGS_H
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "clock/scaled_clock.h"
+
+namespace move_base_abstract {
+
+enum class OnDeath { kGoOn, kEnd };
+enum class OnSilence { kWait, kDrop };
+
+struct LockstepSettings {
+  double start_time = 1.0;                // s simulated, 1e-6 to 2e9
+  std::vector<std::string> participants;  // the clock starts when all of these are there
+  double settle =
+      2.0;  // wall s without a new participant until it starts where none is named, 0-3600
+  double limit = 0.0;  // simulated s per wall s at most, 0.01 to 1e6; 0: none
+  bool start_paused = false;
+  std::uint32_t max_microsteps = 100'000;  // at one instant, at least 1
+  double silence_limit = 10.0;             // wall s that a report may take, 0.001 to 86400; 0: any
+  OnDeath on_death = OnDeath::kGoOn;
+  OnSilence on_silence = OnSilence::kWait;
+  bool end_when_idle = false;
+  bool log_messages = false;  // messages and calls between participants go into the log too
+  std::string secret;         // that a HELLO must have; empty: none
+};
+
+/** @return @p settings. @throws std::invalid_argument if one is out of its range. */
+LockstepSettings checkedSettings(LockstepSettings settings);
+
+/**
+ * @return a speed limit in billionths; 0: none.
+ * @throws std::invalid_argument unless @p factor is from 0.01 to 1e6, or 0.
+ */
+FactorUnits checkedLimit(double factor);
+
+/** @return @p seconds in whole nanoseconds. */
+Nanoseconds toNanoseconds(double seconds);
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_SETTINGS_H

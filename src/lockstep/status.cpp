@@ -1,0 +1,105 @@
+#include "status.h"
+
+#include <algorithm>
+
+namespace move_base_abstract {
+
+std::string StatusText::at() const { return " at " + secondsText(rounds_.now()); }
+
+std::string StatusText::nameOf(MemberId id) const {
+  const auto found = members_.find(id);
+  return found == members_.end() ? "" : found->second.name;
+}
+
+std::string StatusText::owed(const LockstepRounds::MemberState& member) const {
+  std::vector<std::string> parts;
+  if (member.granted_mail > 0) {
+    parts.push_back(countText(member.granted_mail, "message"));
+  }
+  if (member.granted_due) {
+    parts.push_back("wake-up due");
+  }
+  return "the report of round " + std::to_string(member.round) +
+         (parts.empty() ? "" : " (" + joined(parts) + ")");
+}
+
+/** @return who has threads that wait without end, and what for. */
+std::string StatusText::stuck() const {
+  std::vector<std::string> names;
+  for (const LockstepStatus::Participant& member : participants()) {
+    if (member.open > 0) {
+      names.push_back(quote(member.name) + " has " + countText(member.open, "waiting thread") +
+                      (member.waits_for.empty() ? "" : " (" + member.waits_for + ")"));
+    }
+  }
+  return joined(names);
+}
+
+std::string StatusText::latestRound() const {
+  std::vector<std::string> names;
+  for (const MemberId id : rounds_.latestRound()) {
+    if (members_.count(id) != 0) {
+      names.push_back(quoted(id));
+    }
+  }
+  return joined(names);
+}
+
+std::vector<LockstepStatus::Waiting> StatusText::waitingFor(Nanoseconds began) const {
+  std::vector<LockstepStatus::Waiting> waiting;
+  if (!rounds_.started()) {
+    for (const std::string& name : rounds_.missing()) {
+      waiting.push_back({name, began, "its HELLO"});
+    }
+    return waiting;
+  }
+  for (const MemberId id : rounds_.latestRound()) {
+    const LockstepRounds::MemberState* member = rounds_.find(id);
+    if (member && member->owes) {
+      waiting.push_back({member->name, member->granted_wall, owed(*member)});
+    }
+  }
+  return waiting;
+}
+
+std::vector<LockstepStatus::Participant> StatusText::participants() const {
+  std::vector<MemberId> ids;
+  for (const auto& [id, member] : members_) {
+    if (!member.departing) {
+      ids.push_back(id);
+    }
+  }
+  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return rounds_.before(a, b); });
+  std::vector<LockstepStatus::Participant> participants;
+  for (const MemberId id : ids) {
+    const SessionMember& member = members_.at(id);
+    const LockstepRounds::MemberState& state = *rounds_.find(id);
+    participants.push_back({id, member.name, member.node_uri, state.rank,
+                            state.next == kNever ? std::nullopt : std::optional(state.next),
+                            state.open, member.waits_for, state.knocked, state.mail.size(),
+                            state.owes});
+  }
+  return participants;
+}
+
+std::string StatusText::standstill(LockstepPhase phase) const {
+  switch (phase) {
+    case LockstepPhase::kDeadlock:
+      return "deadlock" + at() + ": nobody wants to wake up, but " + stuck();
+    case LockstepPhase::kZeroDelayLoop:
+      return "zero-delay loop" + at() + ": " + std::to_string(rounds_.microstep()) +
+             " microsteps at one instant, the last of them by " + latestRound();
+    default:
+      return "";
+  }
+}
+
+std::string StatusText::missing() const {
+  std::vector<std::string> names;
+  for (const std::string& name : rounds_.missing()) {
+    names.push_back(quote(name));
+  }
+  return joined(names) + " (" + countText(members_.size(), "participant") + " there)";
+}
+
+}  // namespace move_base_abstract

@@ -1,0 +1,85 @@
+// What a session says of itself, in state messages and in words.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_STATUS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_STATUS_H
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clock/number_text.h"
+#include "clock/scaled_clock.h"
+#include "labels.h"
+#include "member.h"
+#include "rounds.h"
+
+namespace move_base_abstract {
+
+/** @brief All that a state message tells. */
+struct LockstepStatus {
+  struct Waiting {
+    std::string name;
+    Nanoseconds since;  // wall ns; before the start: since the session began to wait
+    std::string owes;   // "its HELLO", "the report of round 17 (3 messages, wake-up due)"
+  };
+  struct Participant {
+    MemberId id;
+    std::string name;
+    std::string node_uri;
+    std::int32_t rank;
+    std::optional<Nanoseconds> next;  // simulated; nothing: never
+    std::uint32_t open;               // application threads that wait without end
+    std::string waits_for;            // its own words
+    bool knocked;
+    std::size_t mail;  // waiting for its next grant
+    bool owes;
+  };
+  LockstepPhase phase;
+  Nanoseconds time;  // simulated
+  std::uint32_t microstep;
+  bool paused;
+  std::vector<Waiting> waiting_for;
+  std::vector<Participant> participants;    // by rank, then name
+  std::vector<std::string> not_repeatable;  // why; empty: the run is repeatable
+  std::vector<std::string> degraded;        // why
+  std::string reason;                       // of deadlock, zero-delay loop and end: who and why
+  double limit;                             // 0: none
+  std::optional<Nanoseconds> run_until;     // simulated
+  std::uint64_t rounds;
+  std::uint64_t leaps;
+  std::uint64_t messages;  // delivered between participants, one for each receiver
+};
+
+/** @brief Says what is so, of rounds and their members, which outlive it. */
+class StatusText {
+ public:
+  StatusText(const LockstepRounds& rounds, const SessionMembers& members)
+      : rounds_(rounds), members_(members) {}
+
+  /** @return " at 12.5 s". */
+  std::string at() const;
+  /** @return '' of one that is not there. */
+  std::string nameOf(MemberId id) const;
+  std::string quoted(MemberId id) const { return quote(nameOf(id)); }
+  /** @return what the member owes: "the report of round 17 (3 messages, wake-up due)". */
+  std::string owed(const LockstepRounds::MemberState& member) const;
+  /** @return of a deadlock and a zero-delay loop: who and why; else ''. */
+  std::string standstill(LockstepPhase phase) const;
+  /** @return the names that the start waits for, and how many participants are there. */
+  std::string missing() const;
+  /** @param began wall ns; when the session began to wait. */
+  std::vector<LockstepStatus::Waiting> waitingFor(Nanoseconds began) const;
+  std::vector<LockstepStatus::Participant> participants() const;
+
+ private:
+  std::string stuck() const;
+  std::string latestRound() const;
+
+  const LockstepRounds& rounds_;
+  const SessionMembers& members_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_STATUS_H

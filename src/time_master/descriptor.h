@@ -1,0 +1,35 @@
+// A file descriptor that is closed with its owner. No ROS.
+#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_DESCRIPTOR_H
+#define MOVE_BASE_ABSTRACT_TIME_MASTER_DESCRIPTOR_H
+
+#include <unistd.h>
+
+#include <utility>
+
+namespace move_base_abstract {
+
+/** @brief The owner of a file descriptor; -1: of none. */
+class Descriptor {
+ public:
+  explicit Descriptor(int fd = -1) : fd_(fd) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~Descriptor() {
+    if (fd_ >= 0) {
+      close(fd_);
+    }
+  }
+  int get() const { return fd_; }
+  /** @brief Leave it to the caller to close it. */
+  int release() { return std::exchange(fd_, -1); }
+
+ private:
+  int fd_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_DESCRIPTOR_H

@@ -1,0 +1,141 @@
+// The gate of the event-driven clock: pause, step, run until, limit.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "clock/time_master.h"
+#include "lockstep/rounds.h"
+#include "lockstep_client.h"
+
+namespace move_base_abstract {
+namespace {
+
+TEST(Gate, PauseFinishesTheInstantAndResumeGoesOn) {
+  Alone alone(2 * kOne);
+  alone.grant(1);
+  alone.session.pause();
+  alone.report(1, 2 * kOne);
+  EXPECT_EQ(alone.point(1), "2000+1");
+  alone.report(1, 3 * kOne);
+  EXPECT_EQ(alone.point(1), "none");
+  EXPECT_EQ(alone.phase(), "paused");
+  EXPECT_EQ(alone.session.now(), 2 * kOne);
+  alone.session.resume();
+  EXPECT_LE(alone.session.nextWake(), alone.wall);  // there is something to decide
+  alone.poll();
+  EXPECT_EQ(alone.point(1), "3000+0");
+}
+
+TEST(Gate, StartPausedGrantsTheFirstInstantOnly) {
+  LockstepSettings settings = named({"/a"});
+  settings.start_paused = true;
+  Stage stage(settings);
+  stage.join(1, "/a");
+  EXPECT_EQ(stage.point(1), "1000+0");
+  stage.report(1, 2 * kOne);
+  EXPECT_EQ(stage.phase(), "paused");
+}
+
+TEST(Gate, RunUntilStopsAtExactlyItsTargetWithoutGrantingAnybody) {
+  Alone alone(2 * kOne);
+  alone.grant(1);
+  alone.session.runUntil(2'500'000'000);
+  alone.report(1, 3 * kOne);
+  EXPECT_EQ(alone.point(1), "none");
+  EXPECT_EQ(alone.session.now(), 2'500'000'000);
+  EXPECT_EQ(alone.phase(), "paused");
+  EXPECT_EQ(alone.session.status().run_until, std::nullopt);
+  EXPECT_TRUE(alone.said("reached 2.5 s, paused"));
+  alone.session.resume();
+  alone.poll();
+  EXPECT_EQ(alone.point(1), "3000+0");
+}
+
+TEST(Gate, RunUntilAWakeUpGrantsItAndFinishesThatInstant) {
+  Alone alone(2 * kOne);
+  alone.grant(1);
+  alone.session.runUntil(3 * kOne);
+  alone.report(1, 3 * kOne);
+  EXPECT_EQ(alone.point(1), "3000+0");
+  alone.report(1, 3 * kOne);
+  EXPECT_EQ(alone.point(1), "3000+1");
+  alone.report(1, 4 * kOne);
+  EXPECT_EQ(alone.phase(), "paused");
+  EXPECT_EQ(alone.session.now(), 3 * kOne);
+}
+
+TEST(Gate, ATargetIsReachedAlsoWhenEverybodyIsIdle) {
+  Alone alone(kNever);
+  alone.session.runUntil(2 * kOne);
+  alone.poll();
+  EXPECT_EQ(alone.session.now(), 2 * kOne);
+  EXPECT_EQ(alone.phase(), "paused");
+  alone.frame(1, wire::Knock{});
+  EXPECT_EQ(alone.point(1), "2000+1");  // input from outside while it is paused
+}
+
+TEST(Gate, StepsAddUpFromTheTargetOfOneThatIsUnderWay) {
+  Alone alone(2 * kOne);
+  EXPECT_EQ(alone.session.step(5 * kOne), 6 * kOne + 1 * kOne);
+  EXPECT_EQ(alone.session.step(kOne), 8 * kOne);
+  alone.grant(1);
+  alone.report(1, kNever);
+  EXPECT_EQ(alone.session.now(), 8 * kOne);
+  EXPECT_EQ(alone.session.step(kOne), 9 * kOne);
+}
+
+TEST(Gate, RefusalsSayWhatIsAllowedAndChangeNothing) {
+  Alone alone(kNever);
+  EXPECT_EQ(refusal([&] { alone.session.step(0); }),
+            "step: duration must be more than 0 and at most 2147483646 s from 1 s on, got 0 s");
+  EXPECT_EQ(refusal([&] { alone.session.runUntil(kOne - 1); }),
+            "run_until: target must be from the present, 1 s, to 2147483647 s, got 0.999999999 s");
+  EXPECT_NE(refusal([&] { alone.session.setLimit(1e7); }).find("got 10000000"), std::string::npos);
+  EXPECT_FALSE(alone.session.status().paused);
+  EXPECT_EQ(alone.session.status().run_until, std::nullopt);
+  alone.session.end("enough");
+  EXPECT_EQ(refusal([&] { alone.session.resume(); }), "resume: the run has ended, at 1 s");
+}
+
+TEST(Gate, ALimitIsNeverExceededAndNothingIsCaughtUp) {
+  LockstepSettings settings = named({"/a"});
+  settings.limit = 10.0;
+  Alone alone(2 * kOne, settings);
+  EXPECT_EQ(alone.phase(), "limited");
+  EXPECT_EQ(alone.session.nextWake(), kOne / 10);
+  alone.wall = kOne / 10 - 1;
+  alone.poll();
+  EXPECT_EQ(alone.point(1), "none");
+  alone.wall = 5 * kOne;  // somebody polls late
+  alone.poll();
+  EXPECT_EQ(alone.point(1), "2000+0");
+  alone.report(1, 2'000'000'001);
+  EXPECT_EQ(alone.session.nextWake(), 5 * kOne + 1);  // 0.1 ns, rounded up
+  alone.wall += 1;
+  alone.poll();
+  EXPECT_TRUE(alone.grant(1));
+  alone.report(1, 12'000'000'001);
+  EXPECT_EQ(alone.session.nextWake(), 6 * kOne + 1);
+  alone.session.setLimit(0.0);
+  alone.poll();
+  EXPECT_TRUE(alone.grant(1));
+}
+
+TEST(Gate, ALimitHoldsForTheWayToATargetToo) {
+  LockstepSettings settings = named({"/a"});
+  settings.limit = 1.0;
+  Alone alone(kNever, settings);
+  alone.session.runUntil(3 * kOne);
+  alone.poll();
+  EXPECT_EQ(alone.session.now(), kOne);
+  EXPECT_EQ(alone.session.nextWake(), 2 * kOne);
+  alone.wall = 2 * kOne;
+  alone.poll();
+  EXPECT_EQ(alone.session.now(), 3 * kOne);
+  EXPECT_EQ(alone.phase(), "paused");
+}
+
+}  // namespace
+}  // namespace move_base_abstract

@@ -1,0 +1,44 @@
+// Items of a grant as texts.
+#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_ITEMS_H
+#define MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_ITEMS_H
+
+#include <cstdint>
+#include <string>
+
+#include "lockstep/wire.h"
+#include "lockstep_script.h"
+
+namespace move_base_abstract {
+
+/** @brief An item of a grant as text; `who` turns ids into places in the list of participants. */
+template <typename Who>
+std::string itemText(const wire::GrantItem& item, const Who& who) {
+  const auto s = [](std::uint64_t number) { return std::to_string(number); };
+  if (const auto* a = std::get_if<wire::Publisher>(&item)) {
+    return "publisher " + s(topicOf(a->topic)) + " " + s(who(a->sender));
+  }
+  if (const auto* a = std::get_if<wire::NoPublisher>(&item)) {
+    return "no publisher " + s(topicOf(a->topic)) + " " + s(who(a->sender));
+  }
+  if (const auto* a = std::get_if<wire::Subscriber>(&item)) {
+    return "subscriber " + s(topicOf(a->topic)) + " " + s(who(a->receiver));
+  }
+  if (const auto* a = std::get_if<wire::NoSubscriber>(&item)) {
+    return "no subscriber " + s(topicOf(a->topic)) + " " + s(who(a->receiver));
+  }
+  if (const auto* a = std::get_if<wire::Deliver>(&item)) {
+    return "deliver " + s(topicOf(a->topic)) + " " + s(who(a->sender)) + " " +
+           std::string(a->payload);
+  }
+  if (const auto* a = std::get_if<wire::CallIn>(&item)) {
+    return "call " + s(topicOf(a->service)) + " " + s(who(a->caller)) + " " + s(a->number);
+  }
+  if (const auto* a = std::get_if<wire::Answer>(&item)) {
+    return "answer " + s(a->number) + " " + s(static_cast<std::uint64_t>(a->status));
+  }
+  return "found " + std::string(std::get<wire::Found>(item).service);
+}
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_ITEMS_H
