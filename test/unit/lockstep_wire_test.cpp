@@ -170,7 +170,7 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
             std::string::npos);
   EXPECT_NE(patched(Response{}, items + 9, '\x02').find("ok must be from 0 to 1, got 2"),
             std::string::npos);
-  EXPECT_NE(patched(Unserve{1}, 4 + 1 + 8, '\x02').find("flags must be from 0 to 1, got 2"),
+  EXPECT_NE(patched(Unserve{1}, 4 + 1 + 8, '\x02').find("leaving must be from 0 to 1, got 2"),
             std::string::npos);
   EXPECT_NE(patched(Unserve{1}, 4 + 1 + 8 + 1 + 7, '\x80').find("next_ns must not be negative"),
             std::string::npos);

@@ -17,7 +17,7 @@ def grant(*items, number=7, time_ns=1_500_000_000, microstep=3):
 
 def test_a_frame_is_its_length_its_type_and_its_body():
     assert wire.frame(wire.KNOCK) == b'\x01\0\0\0\x03'
-    assert wire.frame(wire.LEAVE, wire.text('ab')) == b'\x07\0\0\0\x04\x02\0\0\0ab'
+    assert wire.leave('ab') == b'\x07\0\0\0\x04\x02\0\0\0ab'
 
 
 def test_texts_are_utf_8_and_counted_in_bytes():
@@ -26,15 +26,15 @@ def test_texts_are_utf_8_and_counted_in_bytes():
 
 
 def test_hello():
-    body = (u32(2) + wire.text('/a') + wire.text('http://h:1/') + struct.pack('<i', -2) + b'\x01'
+    body = (u32(wire.PROTOCOL) + wire.text('/a') + wire.text('http://h:1/') + struct.pack('<i', -2) + b'\x01'
             + struct.pack('<Q', 2 ** 64 - 1) + wire.payload(b'\xff'))
     assert wire.hello('/a', 'http://h:1/', -2, True, 2 ** 64 - 1, b'\xff') == u32(len(body) + 1) + b'\x01' + body
 
 
 def test_a_report_has_round_flags_next_and_open_waits_before_its_items():
     items = [wire.send(1, 2, 3, b'abc'), wire.watch('/s')]
-    body = struct.pack('<QBqI', 9, wire.LEAVING, wire.NEVER, 4) + b''.join(items)
-    assert wire.report(9, wire.LEAVING, wire.NEVER, 4, items) == u32(len(body) + 1) + b'\x02' + body
+    body = struct.pack('<QBqI', 9, True, wire.NEVER, 4) + b''.join(items)
+    assert wire.report(9, True, wire.NEVER, 4, items) == u32(len(body) + 1) + b'\x02' + body
 
 
 def test_never_is_the_largest_time():
@@ -44,17 +44,17 @@ def test_never_is_the_largest_time():
 @pytest.mark.parametrize('item, expected', [
     (wire.advertise(1, 2, '/t', 'a/B', 'md5', True, 'def'),
      b'\x01' + u32(1) + u32(2) + wire.text('/t') + wire.text('a/B') + wire.text('md5') + b'\x01' + wire.text('def')),
-    (wire.end_of(wire.UNADVERTISE, 5), b'\x02' + u32(5)),
+    (wire.unadvertise(5), b'\x02' + u32(5)),
     (wire.subscribe(1, 2, '/t', '*'), b'\x03' + u32(1) + u32(2) + wire.text('/t') + wire.text('*')),
-    (wire.end_of(wire.UNSUBSCRIBE, 5), b'\x04' + u32(5)),
+    (wire.unsubscribe(5), b'\x04' + u32(5)),
     (wire.send(1, 2, 0, b'xyz'), b'\x05' + u32(1) + u32(2) + u32(0) + u32(3) + b'xyz'),
     (wire.serve(1, 2, '/s'), b'\x06' + u32(1) + u32(2) + wire.text('/s')),
-    (wire.end_of(wire.UNSERVE, 5), b'\x07' + u32(5)),
+    (wire.unserve(5), b'\x07' + u32(5)),
     (wire.call(8, 2, '/s', b''), b'\x08' + u32(8) + u32(2) + wire.text('/s') + u32(0)),
     (wire.response(3, 8, 1, b'r'), b'\x09' + u32(3) + u32(8) + b'\x01' + u32(1) + b'r'),
     (wire.log(2, 'robot_2', 'goal', '[1]'),
      b'\x0a' + u32(2) + wire.text('robot_2') + wire.text('goal') + wire.text('[1]')),
-    (wire.note(wire.NOT_REPEATABLE, 'because'), b'\x0b\x02' + wire.text('because')),
+    (wire.note(wire.NoteKind.NOT_REPEATABLE, 'because'), b'\x0b\x02' + wire.text('because')),
     (wire.watch('/s'), b'\x0c' + wire.text('/s')),
 ], ids=['advertise', 'unadvertise', 'subscribe', 'unsubscribe', 'send', 'serve', 'unserve', 'call', 'response', 'log',
         'note', 'watch'])
@@ -69,11 +69,11 @@ ITEMS = [
     (b'\x03' + u32(1) + u32(2), (wire.SUBSCRIBER, 1, 2)),
     (b'\x04' + u32(1) + u32(2), (wire.NO_SUBSCRIBER, 1, 2)),
     (b'\x05' + u32(1) + u32(2) + u32(3) + b'xyz', (wire.DELIVER, 1, 2, b'xyz')),
-    (b'\x06' + u32(1) + u32(2) + u32(3) + u32(1) + b'q', (wire.CALLED, 1, 2, 3, b'q')),
-    (b'\x07' + u32(3) + b'\x02' + u32(0), (wire.ANSWERED, 3, wire.ANSWER_UNKNOWN, b'')),
+    (b'\x06' + u32(1) + u32(2) + u32(3) + u32(1) + b'q', (wire.CALL_IN, 1, 2, 3, b'q')),
+    (b'\x07' + u32(3) + b'\x02' + u32(0), (wire.ANSWER, 3, wire.CallStatus.NO_SERVER, b'')),
     (b'\x08' + wire.text('/s'), (wire.FOUND, '/s')),
 ]
-IDS = ['publisher', 'no_publisher', 'subscriber', 'no_subscriber', 'deliver', 'called', 'answered', 'found']
+IDS = ['publisher', 'no_publisher', 'subscriber', 'no_subscriber', 'deliver', 'call_in', 'answer', 'found']
 
 
 @pytest.mark.parametrize('data, expected', ITEMS, ids=IDS)

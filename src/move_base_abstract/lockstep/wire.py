@@ -1,52 +1,42 @@
 """The bytes between a participant and the time master: frames, report items out, grant items in.
 
-docs/lockstep_protocol.md describes them. All numbers are little endian; a frame is its length (u32), its type (u8) and
-its body; a text or a payload is its length (u32) and its bytes.
+Made of the table in :mod:`.wire_format`; docs/lockstep_protocol.md describes it. All numbers are little endian; a frame is
+its length (u32), its type (u8) and its body. A function that makes an item or a body takes the fields' values in the
+table's order.
 """
 import struct
+from enum import IntEnum
 
-PROTOCOL = 2
-NEVER = 2 ** 63 - 1
+from . import wire_format
+from .wire_format import LARGEST_FRAME, NEVER, PROTOCOL
+
+__all__ = ['LARGEST_FRAME', 'NEVER', 'PROTOCOL']
 MAX_RANK = 2 ** 31 - 1  # a rank has 32 bits with its sign
 
-HELLO, REPORT, KNOCK, LEAVE = 1, 2, 3, 4
-WELCOME, MEMBER, GONE, GRANT, END = 16, 17, 18, 19, 20
+FRAMES = {layout.name: layout for layout in wire_format.PARTICIPANT_FRAMES + wire_format.MASTER_FRAMES}
+ITEMS = {layout.name: layout for layout in wire_format.REPORT_ITEMS + wire_format.GRANT_ITEMS}
+NoteKind, CallStatus = (IntEnum(name, [(value, number) for number, value in wire_format.CHOICES[name]])
+                        for name in ('NoteKind', 'CallStatus'))
 
-LEAVING = 1  # flag of a report: it is the last one
 
-# kinds of items in a report
-ADVERTISE, UNADVERTISE, SUBSCRIBE, UNSUBSCRIBE, SEND, SERVE, UNSERVE, CALL, RESPONSE, LOG, NOTE, WATCH = range(1, 13)
-# kinds of items in a grant
-PUBLISHER, NO_PUBLISHER, SUBSCRIBER, NO_SUBSCRIBER, DELIVER, CALLED, ANSWERED, FOUND = range(1, 9)
-# what a NOTE says
-WAITS_FOR, NOT_REPEATABLE, DEGRADED = 1, 2, 3
-# how a call was answered
-ANSWER_ERROR, ANSWER_OK, ANSWER_UNKNOWN, ANSWER_GONE = 0, 1, 2, 3
+def _numbers(layouts, names):
+    return (layouts[name].number for name in names.split())
 
+
+HELLO, REPORT, KNOCK, LEAVE = _numbers(FRAMES, 'HELLO REPORT KNOCK LEAVE')
+WELCOME, MEMBER, GONE, GRANT, END = _numbers(FRAMES, 'WELCOME MEMBER GONE GRANT END')
+# Of items, those that somebody asks for: the first byte of an item.
+SEND, CALL, RESPONSE = _numbers(ITEMS, 'SEND CALL RESPONSE')
+PUBLISHER, NO_PUBLISHER, SUBSCRIBER, NO_SUBSCRIBER = _numbers(ITEMS, 'PUBLISHER NO_PUBLISHER SUBSCRIBER NO_SUBSCRIBER')
+DELIVER, CALL_IN, ANSWER, FOUND = _numbers(ITEMS, 'DELIVER CALL_IN ANSWER FOUND')
+
+_CODES = {'u8': 'B', 'u32': 'I', 'u64': 'Q', 'i32': 'i', 'flag': '?', 'instant': 'q', 'NoteKind': 'B', 'CallStatus': 'B'}
 _U32 = struct.Struct('<I')
 _FRAME = struct.Struct('<IB')
-_REPORT = struct.Struct('<IBQBqI')
-_GRANT = struct.Struct('<QqI')
-_SEND = struct.Struct('<BIIII')
-_TWO = struct.Struct('<II')
-_DELIVER = struct.Struct('<III')
-_CALLED = struct.Struct('<IIII')
-_ANSWERED = struct.Struct('<IBI')
 
 
 class WireError(ValueError):
     """What came is no frame of this protocol."""
-
-
-def text(value):
-    """Return a text as bytes."""
-    data = value.encode('utf-8')
-    return _U32.pack(len(data)) + data
-
-
-def payload(data):
-    """Return bytes with their length before them."""
-    return _U32.pack(len(data)) + data
 
 
 def frame(kind, body=b''):
@@ -54,74 +44,174 @@ def frame(kind, body=b''):
     return _FRAME.pack(len(body) + 1, kind) + body
 
 
+def _names_and_kinds(fields):
+    """Return (name, type) of each field; items, which are appended, are left out."""
+    pairs = [field.split()[:2] for field in fields]
+    return [(name, kind) for kind, name in pairs if kind not in ('ReportItem', 'GrantItem')]
+
+
+def _kinds(layout):
+    return [kind for _, kind in _names_and_kinds(layout.fields)]
+
+
+# --- writing --------------------------------------------------------------------------------------------------------
+
+def text(value):
+    """Return a text as bytes."""
+    return payload(value.encode('utf-8'))
+
+
+def payload(data):
+    """Return bytes with their length before them."""
+    return _U32.pack(len(data)) + data
+
+
+def _texts(values):
+    return b''.join([text(value) for value in values])
+
+
+def _writer(name, fields, head=()):
+    """Return the function of the fields' values that returns their bytes, after those of ``head``, ((code, number), ...).
+
+    Its source is made here, as collections.namedtuple does it: it is called for each message, with no loop in it.
+    """
+    kinds = _names_and_kinds(fields)
+    lines, terms, names = [], [], {'text': text, '_texts': _texts}
+    codes, values = ''.join(code for code, _ in head), [str(number) for _, number in head]
+
+    def end_of_run():
+        nonlocal codes, values
+        if codes:
+            pack = '_pack{}'.format(len(names))
+            names[pack] = struct.Struct('<' + codes).pack
+            terms.append('{}({})'.format(pack, ', '.join(values)))
+        codes, values = '', []
+
+    for field, kind in kinds:
+        if kind == 'text':
+            lines.append("    {0} = {0}.encode('utf-8')\n".format(field))
+        codes += _CODES.get(kind, 'I')
+        values.append(field if kind in _CODES else 'len({})'.format(field))
+        if kind not in _CODES:
+            end_of_run()
+            terms.append('_texts({})'.format(field) if kind == 'texts' else field)
+    end_of_run()
+    source = 'def {}({}):\n{}    return {}\n'.format(name, ', '.join(field for field, _ in kinds), ''.join(lines),
+                                                  ' + '.join(terms) or "b''")
+    exec(source, names)
+    return names[name]
+
+
+def _item(name):
+    """Return the function that makes an item of a report."""
+    layout = ITEMS[name]
+    return _writer(name.lower(), layout.fields, (('B', layout.number),))
+
+
+advertise, unadvertise = _item('ADVERTISE'), _item('UNADVERTISE')
+subscribe, unsubscribe = _item('SUBSCRIBE'), _item('UNSUBSCRIBE')
+serve, unserve = _item('SERVE'), _item('UNSERVE')
+send, call, response = _item('SEND'), _item('CALL'), _item('RESPONSE')
+log, note, watch = _item('LOG'), _item('NOTE'), _item('WATCH')
+
+_hello = _writer('hello', FRAMES['HELLO'].fields)
+_report = _writer('report', ('u32 length', 'u8 type') + FRAMES['REPORT'].fields)
+_REPORT_HEAD = len(_report(0, 0, 0, False, 0, 0)) - 4  # bytes behind the length
+
+
 def hello(name, uri, rank, rank_declared, incarnation, secret=b''):
     """Return the frame by which a participant presents itself; ``secret`` (bytes) is the run's, if it has one."""
-    return frame(HELLO, _U32.pack(PROTOCOL) + text(name) + text(uri)
-                 + struct.pack('<iBQ', rank, rank_declared, incarnation) + payload(secret))
+    return frame(HELLO, _hello(PROTOCOL, name, uri, rank, rank_declared, incarnation, secret))
 
 
-def report(round_number, flags, next_ns, open_waits, items):
+def report(round_number, is_leaving, next_ns, open_waits, items):
     """Return a report; ``items`` is a list of bytes, ``next_ns`` [ns] may be NEVER."""
     body = b''.join(items)
-    return _REPORT.pack(len(body) + 22, REPORT, round_number, flags, next_ns, open_waits) + body
+    return _report(len(body) + _REPORT_HEAD, REPORT, round_number, is_leaving, next_ns, open_waits) + body
 
 
-def advertise(topic, sub, name, type_name, md5, latched, definition):
-    """Return the item that says: I publish this."""
-    return (struct.pack('<BII', ADVERTISE, topic, sub) + text(name) + text(type_name) + text(md5)
-            + struct.pack('<B', latched) + text(definition))
+def leave(reason):
+    """Return the frame by which a participant leaves without a grant."""
+    return frame(LEAVE, text(reason))
 
 
-def subscribe(topic, sub, name, md5):
-    """Return the item that says: I listen to this."""
-    return struct.pack('<BII', SUBSCRIBE, topic, sub) + text(name) + text(md5)
-
-
-def end_of(kind, number):
-    """Return the item UNADVERTISE, UNSUBSCRIBE or UNSERVE."""
-    return struct.pack('<BI', kind, number)
-
-
-def send(topic, sub, target, data):
-    """Return the item with a message; ``target`` 0 means all who listen."""
-    return _SEND.pack(SEND, topic, sub, target, len(data)) + data
-
-
-def serve(service, sub, name):
-    """Return the item that says: I offer this service."""
-    return struct.pack('<BII', SERVE, service, sub) + text(name)
-
-
-def call(number, sub, service, request):
-    """Return the item with a service call."""
-    return struct.pack('<BII', CALL, number, sub) + text(service) + payload(request)
-
-
-def response(caller, number, is_ok, data):
-    """Return the item with the answer to a service call."""
-    return struct.pack('<BIIB', RESPONSE, caller, number, is_ok) + payload(data)
-
-
-def log(sub, robot, kind, values):
-    """Return the item with a line of the event log; ``values`` is a JSON array."""
-    return struct.pack('<BI', LOG, sub) + text(robot) + text(kind) + text(values)
-
-
-def note(what, value):
-    """Return the item NOTE."""
-    return struct.pack('<BB', NOTE, what) + text(value)
-
-
-def watch(service):
-    """Return the item that asks to be told when a service is offered."""
-    return struct.pack('<B', WATCH) + text(service)
-
+# --- reading --------------------------------------------------------------------------------------------------------
 
 def read_text(body, at):
     """Return (text, position after it)."""
+    data, at = _read_bytes(body, at)
+    return data.decode('utf-8'), at
+
+
+def _read_bytes(body, at):
     length, = _U32.unpack_from(body, at)
     at += 4
-    return bytes(body[at:at + length]).decode('utf-8'), at + length
+    if len(body) - at < length:
+        raise IndexError('{} bytes of {}'.format(length, len(body) - at))
+    return bytes(body[at:at + length]), at + length
+
+
+def _read_texts(body, at):
+    count, = _U32.unpack_from(body, at)
+    at += 4
+    values = []
+    for _ in range(count):
+        value, at = read_text(body, at)
+        values.append(value)
+    return values, at
+
+
+def _reader_of_one(code):
+    layout = struct.Struct('<' + code)
+
+    def read(body, at):
+        return layout.unpack_from(body, at)[0], at + layout.size
+    return read
+
+
+_READERS = {'text': read_text, 'bytes': _read_bytes, 'texts': _read_texts}
+_READERS.update((kind, _reader_of_one(code)) for kind, code in _CODES.items())
+
+
+def _reader(kinds, head=''):
+    """Return a function (body, at) -> (tuple of the fields' values, position after them); ``head`` as of a writer."""
+    layout = struct.Struct('<' + head + ''.join(_CODES.get(kind, '') for kind in kinds) + 'I' * (kinds[-1:] == ['bytes']))
+    unpack_from, size = layout.unpack_from, layout.size
+    if all(kind in _CODES for kind in kinds):
+        return lambda body, at: (unpack_from(body, at), at + size)
+    if kinds[-1] == 'bytes' and all(kind in _CODES for kind in kinds[:-1]):  # what comes often
+
+        def read(body, at):
+            values = unpack_from(body, at)
+            begin = at + size
+            end = begin + values[-1]
+            return values[:-1] + (body[begin:end],), end
+        return read
+    readers = [_reader_of_one(code) for code in head] + [_READERS[kind] for kind in kinds]
+
+    def read_each(body, at):
+        values = []
+        for read_one in readers:
+            value, at = read_one(body, at)
+            values.append(value)
+        return tuple(values), at
+    return read_each
+
+
+_read_grant = _reader(_kinds(FRAMES['GRANT']))
+_READ_ITEM = {layout.number: _reader(_kinds(layout), 'B') for layout in wire_format.GRANT_ITEMS}
+_READ_FRAME = {layout.number: _reader(_kinds(layout)) for layout in wire_format.MASTER_FRAMES}
+
+
+def read_frame(kind, body):
+    """Return the values of the fields of a frame from the time master, as a tuple; of a grant, those before its items.
+
+    :raises WireError: if it is no such frame.
+    """
+    try:
+        return _READ_FRAME[kind](body, 0)[0]
+    except (struct.error, IndexError, KeyError, UnicodeDecodeError) as error:
+        raise WireError('a frame of type {} and {} bytes is none: {!r}'.format(kind, len(body), error)) from None
 
 
 def read_grant(body):
@@ -131,56 +221,14 @@ def read_grant(body):
     """
     at = 0
     try:
-        round_number, time_ns, microstep = _GRANT.unpack_from(body, 0)
-        at, end, items = _GRANT.size, len(body), []
+        head, at = _read_grant(body, 0)
+        end, items = len(body), []
         while at < end:
-            item, at = _READERS[body[at]](body, at)
+            item, at = _READ_ITEM[body[at]](body, at)
             items.append(item)
     except (struct.error, IndexError, KeyError, UnicodeDecodeError) as error:
         raise WireError('a grant of {} bytes has something else at byte {}: {!r}'.format(
             len(body), at, error)) from None
     if at != end:
         raise WireError('a grant of {} bytes ends within an item'.format(end))
-    return round_number, time_ns, microstep, items
-
-
-# Each reads the item at ``at``, its kind included, and returns it and the position after it.
-
-def _read_publisher(body, at):
-    topic, sender = _TWO.unpack_from(body, at + 1)
-    type_name, at = read_text(body, at + 9)
-    md5, at = read_text(body, at)
-    latched = body[at]
-    definition, at = read_text(body, at + 1)
-    return (PUBLISHER, topic, sender, type_name, md5, bool(latched), definition), at
-
-
-def _read_two(body, at):
-    return (body[at],) + _TWO.unpack_from(body, at + 1), at + 9
-
-
-def _read_deliver(body, at):
-    topic, sender, length = _DELIVER.unpack_from(body, at + 1)
-    at += 13 + length
-    return (DELIVER, topic, sender, bytes(body[at - length:at])), at
-
-
-def _read_called(body, at):
-    service, caller, number, length = _CALLED.unpack_from(body, at + 1)
-    at += 17 + length
-    return (CALLED, service, caller, number, bytes(body[at - length:at])), at
-
-
-def _read_answered(body, at):
-    number, status, length = _ANSWERED.unpack_from(body, at + 1)
-    at += 10 + length
-    return (ANSWERED, number, status, bytes(body[at - length:at])), at
-
-
-def _read_found(body, at):
-    name, at = read_text(body, at + 1)
-    return (FOUND, name), at
-
-
-_READERS = {PUBLISHER: _read_publisher, NO_PUBLISHER: _read_two, SUBSCRIBER: _read_two, NO_SUBSCRIBER: _read_two,
-            DELIVER: _read_deliver, CALLED: _read_called, ANSWERED: _read_answered, FOUND: _read_found}
+    return head + (items,)

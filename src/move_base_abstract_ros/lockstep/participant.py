@@ -61,8 +61,8 @@ class Participant:
         self.services = Services(self)
         self._handlers = {wire.PUBLISHER: self.topics.on_publisher, wire.NO_PUBLISHER: self.topics.on_no_publisher,
                           wire.SUBSCRIBER: self.topics.on_subscriber, wire.NO_SUBSCRIBER: self.topics.on_no_subscriber,
-                          wire.DELIVER: self.topics.on_deliver, wire.CALLED: self.services.on_called,
-                          wire.ANSWERED: self.services.on_answered, wire.FOUND: self.services.on_found}
+                          wire.DELIVER: self.topics.on_deliver, wire.CALL_IN: self.services.on_called,
+                          wire.ANSWER: self.services.on_answered, wire.FOUND: self.services.on_found}
 
     # --- what users call --------------------------------------------------------------------------------------------
 
@@ -77,7 +77,7 @@ class Participant:
 
     def label(self, text):
         """Have the run called not repeatable, because of ``text``."""
-        self.add(wire.note(wire.NOT_REPEATABLE, text))
+        self.add(wire.note(wire.NoteKind.NOT_REPEATABLE, text))
 
     def constant(self, topic):
         """Take what non-participants publish on ``topic`` as there from the beginning.
@@ -123,9 +123,9 @@ class Participant:
                 return
         try:
             if holds_turn and self._is_granted:
-                self.connection.send(wire.report(self._round, wire.LEAVING, wire.NEVER, 0, self._take_items()))
+                self.connection.send(wire.report(self._round, True, wire.NEVER, 0, self._take_items()))
             else:
-                self.connection.send(wire.frame(wire.LEAVE, wire.text(reason)))
+                self.connection.send(wire.leave(reason))
         except Closed:
             pass
         self.scheduler.close()
@@ -219,10 +219,10 @@ class Participant:
             told = ''
         if told != self._told:
             self._told = told
-            self._items.append(wire.note(wire.WAITS_FOR, told))
+            self._items.append(wire.note(wire.NoteKind.WAITS_FOR, told))
         self._is_granted = self.is_starting = False
         try:
-            self.connection.send(wire.report(self._round, 0, next_ns, len(waits), self._take_items()))
+            self.connection.send(wire.report(self._round, False, next_ns, len(waits), self._take_items()))
         except Closed as error:
             self._lost(str(error))
 
@@ -253,15 +253,15 @@ class Participant:
 
     def _told_of_members(self, kind, body):
         if kind == wire.END:
-            self._give_up('the time master has ended lockstep: {}'.format(wire.read_text(body, 0)[0]), rospy.loginfo)
-        number = int.from_bytes(body[:4], 'little')
+            self._give_up('the time master has ended lockstep: {}'.format(wire.read_frame(kind, body)[0]), rospy.loginfo)
         if kind == wire.WELCOME:
+            number, = wire.read_frame(kind, body)
             self.names[number] = self.names[0]
             self.uris[self.names[0]] = rospy.get_node_uri()
         elif kind == wire.MEMBER:
-            name, at = wire.read_text(body, 4)
+            number, name, uri = wire.read_frame(kind, body)
             self.names[number] = name
-            self.uris[name] = wire.read_text(body, at)[0]
+            self.uris[name] = uri
             self.topics.drop_connections_to(name)
         # GONE: what there is to do comes in a grant. Until its process has ended, at some moment of the wall clock,
         # it is still to be told from nodes that do not take part.
@@ -274,7 +274,7 @@ class Participant:
         if not self.scheduler.is_closed:
             self.scheduler.close()
             try:
-                self.connection.send(wire.frame(wire.LEAVE, wire.text(reason)))
+                self.connection.send(wire.leave(reason))
             except Closed:
                 pass
             self.connection.close()

@@ -55,7 +55,7 @@ class Services:
         """A service is gone."""
         number = getattr(service, '_lockstep_number', None)
         if self._offered.pop(number, None) is not None:
-            self._participant.add(wire.end_of(wire.UNSERVE, number))
+            self._participant.add(wire.unserve(number))
 
     def on_called(self, number, caller, call, data):
         """A participant calls."""
@@ -220,7 +220,7 @@ def _replace_calling(services, scheduler):
                 status, answer = services.call(self.resolved_name, buffer.getvalue())
             except TurnLost:
                 raise rospy.ROSInterruptException('node shutdown interrupted service call') from None
-            if status != wire.ANSWER_UNKNOWN:
+            if status != wire.CallStatus.NO_SERVER:
                 return _answer(self, status, answer)
             if services.is_offered_outside(self.resolved_name):
                 return call(self, request)
@@ -232,9 +232,9 @@ def _replace_calling(services, scheduler):
 
 def _answer(proxy, status, data):
     """Return the response, or raise what rospy raises."""
-    if status == wire.ANSWER_OK:
+    if status == wire.CallStatus.OK:
         return proxy.response_class().deserialize(data)
-    if status == wire.ANSWER_GONE:
+    if status == wire.CallStatus.SERVER_GONE:
         raise rospy.ServiceException('transport error completing service call: the server of {} is gone'.format(
             proxy.resolved_name))
     raise rospy.ServiceException('service [{}] responded with an error: {}'.format(proxy.resolved_name, data))

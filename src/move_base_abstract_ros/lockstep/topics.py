@@ -227,11 +227,11 @@ class Topics:
         if number is None:
             return
         if reg_type == Registration.SUB:
-            self._participant.add(wire.end_of(wire.UNSUBSCRIBE, number))
+            self._participant.add(wire.unsubscribe(number))
             for key in [key for key in self._publisher_links if key[0] == number]:
                 del self._publisher_links[key]
         else:
-            self._participant.add(wire.end_of(wire.UNADVERTISE, number))
+            self._participant.add(wire.unadvertise(number))
             self._links.pop(number, None)
 
     # --- what the time master tells ---------------------------------------------------------------------------------
