@@ -33,7 +33,8 @@ ROOMS = {
 }
 
 #: headers that the build makes, and of what: (maker, table)
-MADE = {'lockstep/wire_format.h': ('src/lockstep/make_wire_format.py', 'src/move_base_abstract/lockstep/wire_format.py')}
+MADE = {'lockstep/wire_format.h': ('src/lockstep/make_wire_format.py',
+                                   'src/move_base_abstract/lockstep/wire_format.py')}
 
 #: where the compiler's and libc's own headers lie, below /usr/include or such
 _LIBC = re.compile(r'(?:[\w.-]+-linux-gnu[\w.-]*/)?(?:[\w.-]+\.h|(?:bits|sys|gnu|asm|asm-generic|linux)/.+)$')

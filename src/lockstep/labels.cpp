@@ -9,7 +9,6 @@ namespace move_base_abstract {
 namespace {
 
 constexpr std::size_t kMostLabels = 100;  // of a kind
-constexpr std::size_t kTimeDigits = 13;  // of the wall time in ms (rospy); in ns (roscpp) it has 19
 
 /** @brief Add a label that is not there yet. @return what is to be said of it; '' if nothing. */
 std::string addLabel(std::vector<std::string>& labels, const std::string& text) {
@@ -23,12 +22,6 @@ std::string addLabel(std::vector<std::string>& labels, const std::string& text) 
 }
 
 }  // namespace
-
-bool isAnonymous(std::string_view name) {
-  const std::size_t before = name.find_last_not_of("0123456789");
-  return before != std::string_view::npos && name[before] == '_' &&
-         name.size() - before - 1 >= kTimeDigits;
-}
 
 void RunLabels::addNotRepeatable(const std::string& why) {
   const std::string added = addLabel(not_repeatable_, why);

@@ -3,16 +3,11 @@
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_LABELS_H
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "message.h"
 
 namespace move_base_abstract {
-
-/** @brief Whether ROS made the name unique with the time, and perhaps a process number:
- * "_123_1600000000000". */
-bool isAnonymous(std::string_view name);
 
 /** @brief The labels of a run. Each is kept and said once; of either kind there are a hundred at
  * most. */

@@ -16,7 +16,7 @@ _FRAMES = {'ParticipantFrame': 'PARTICIPANT_FRAMES', 'MasterFrame': 'MASTER_FRAM
 #: what a visitor is told of fields whose type does not say it
 _MARKS = {'text': 'Text', 'texts': 'Texts', 'instant': 'Instant'}
 
-_HEAD = '''\
+_HEAD = """\
 // Made of src/move_base_abstract/lockstep/wire_format.py by src/lockstep/make_wire_format.py; not to be edited.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_FORMAT_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_FORMAT_H
@@ -30,9 +30,9 @@ _HEAD = '''\
 
 namespace move_base_abstract::wire {
 
-'''
+"""
 
-_MARKED = '''\
+_MARKED = """\
 // What a visitor of fields is told where the type of a field does not say enough.
 struct Text {
   std::string_view& value;
@@ -51,13 +51,13 @@ struct Range;
 template <typename Structure>
 constexpr int kTypeOf = 0;
 
-'''
+"""
 
-_TAIL = '''\
+_TAIL = """\
 }  // namespace move_base_abstract::wire
 
 #endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_FORMAT_H
-'''
+"""
 
 
 def header(table):
@@ -83,14 +83,16 @@ def _constants(table):
     if table['NEVER'] != 2 ** 63 - 1:
         raise ValueError('NEVER must be the largest i64, got {}'.format(table['NEVER']))
     return ''.join('constexpr std::uint32_t k{} = {}U;\n'.format(_camel(name), table[name])
-                   for name in ('PROTOCOL', 'LARGEST_FRAME', 'LARGEST_HELLO')) + '\n'
+                   for name in ('PROTOCOL', 'LARGEST_FRAME', 'LARGEST_HELLO', 'CONNECT_RETRY_MS',
+                                'CONNECT_REMINDER_MS')) + '\n'
 
 
 def _choice(name, values):
     _check_row(name, [number for number, _ in values], values[0][0])
     lines = ''.join('  k{} = {},\n'.format(_camel(value), number) for number, value in values)
-    return ('enum class {0} : std::uint8_t {{\n{1}}};\ntemplate <>\nstruct Range<{0}> {{\n  static constexpr int kLow = {2};'
-            '\n  static constexpr int kHigh = {3};\n}};\n\n').format(name, lines, values[0][0], values[-1][0])
+    return ('enum class {0} : std::uint8_t {{\n{1}}};\ntemplate <>\nstruct Range<{0}> {{\n'
+            '  static constexpr int kLow = {2};\n  static constexpr int kHigh = {3};\n}};\n\n'
+            ).format(name, lines, values[0][0], values[-1][0])
 
 
 def _structure(layout):
@@ -113,7 +115,8 @@ def _declaration(field):
 def _variant(variant, layouts):
     """The type that is one of the layouts, the number of its first, and the names of all."""
     _check_row(variant, [layout.number for layout in layouts], layouts[0].number)
-    return ('using {0} = std::variant<{1}>;\nconstexpr int kFirst{0} = {2};\nconstexpr const char* k{0}Names[] = {{{3}}};\n\n'
+    return ('using {0} = std::variant<{1}>;\nconstexpr int kFirst{0} = {2};\n'
+            'constexpr const char* k{0}Names[] = {{{3}}};\n\n'
             .format(variant, ', '.join(_camel(layout.name) for layout in layouts), layouts[0].number,
                     ', '.join('"{}"'.format(layout.name) for layout in layouts)))
 

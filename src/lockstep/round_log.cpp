@@ -6,25 +6,10 @@
 #include <string_view>
 #include <utility>
 
+#include "clock/json_text.h"
+
 namespace move_base_abstract {
 namespace {
-
-std::string jsonText(std::string_view text) {
-  std::string json = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      json += '\\';
-      json += c;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      char escape[8];
-      std::snprintf(escape, sizeof(escape), "\\u%04x", static_cast<unsigned>(c));
-      json += escape;
-    } else {
-      json += c;
-    }
-  }
-  return json + '"';
-}
 
 /** @return FNV-1a, 64 bits, in hex. */
 std::string hashText(std::string_view bytes) {
@@ -52,9 +37,11 @@ void RoundLog::add(const MessageRouter::Delivery& delivery, const NameOf& name_o
     receivers.push_back(name_of(id));
   }
   std::sort(receivers.begin(), receivers.end(), naturalLess);
-  std::string values = "[" + jsonText(delivery.sender == 0 ? "" : name_of(delivery.sender));
+  std::string values = "[";
+  appendJson(values, delivery.sender == 0 ? "" : name_of(delivery.sender));
   for (const std::string& receiver : receivers) {
-    values += "," + jsonText(receiver);
+    values += ",";
+    appendJson(values, receiver);
   }
   if (delivery.kind == Kind::kResponse) {
     values += "," + std::to_string(static_cast<int>(delivery.status));

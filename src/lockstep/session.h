@@ -82,7 +82,7 @@ class LockstepSession {
   void take(ConnectionId id, const Connection& connection, std::string_view frame);
   void checkHello(const wire::Hello& hello) const;
   void hello(ConnectionId id, const wire::Hello& hello);
-  void introduce(MemberId id);
+  void introduce(MemberId id, const std::string& welcome);
   void replaceOlder(std::string_view name);
   MemberId freshId(std::string_view name);
   void labelJoin(std::string_view name, bool rank_declared);

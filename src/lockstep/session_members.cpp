@@ -6,6 +6,7 @@
 #include "clock/number_text.h"
 #include "clock/shown_text.h"
 #include "session.h"
+#include "welcome.h"
 
 namespace move_base_abstract {
 namespace {
@@ -156,18 +157,18 @@ void LockstepSession::hello(ConnectionId id, const wire::Hello& hello) {
   member.connection = id;
   member.name = hello.name;
   member.node_uri = hello.node_uri;
-  rounds_.add(own, member.name, hello.rank, wall_);
+  rounds_.add(own, member.name, rankOf(hello), wall_);
   router_.add(own, member.name);
   labelJoin(hello.name, hello.rank_declared);
-  introduce(own);
+  introduce(own, encodeWelcome(own, hello, settings_));
   messages_.say(Level::kInfo,
                 quote(hello.name) + " takes part" + (rounds_.started() ? text_.at() : ""));
 }
 
 /** @brief The newcomer hears of all others, and they of it. */
-void LockstepSession::introduce(MemberId id) {
+void LockstepSession::introduce(MemberId id, const std::string& welcome) {
   const Member& newcomer = members_.at(id);
-  connections_.send(newcomer.connection, wire::encode(wire::MasterFrame(wire::Welcome{id})));
+  connections_.send(newcomer.connection, welcome);
   const std::string news =
       wire::encode(wire::MasterFrame(wire::Member{id, newcomer.name, newcomer.node_uri}));
   for (const auto& [other, member] : members_) {
@@ -212,7 +213,10 @@ void LockstepSession::labelJoin(std::string_view name, bool rank_declared) {
     labels_.addNotRepeatable(quote(name) + " takes part but is not named in 'participants'");
   }
   if (isAnonymous(name) && !rank_declared) {
-    labels_.addNotRepeatable(quote(name) + " has a name of this run only, and no declared rank");
+    labels_.addNotRepeatable(
+        quote(name) +
+        " has a name of this run only, and no declared rank: its place among equal events differs "
+        "from run to run; give it ~lockstep_rank or a name");
   }
 }
 

@@ -26,7 +26,8 @@ struct LockstepSettings {
   OnSilence on_silence = OnSilence::kWait;
   bool end_when_idle = false;
   bool log_messages = false;  // messages and calls between participants go into the log too
-  std::string secret;         // that a HELLO must have; empty: none
+  std::vector<std::string> excluded_topics;  // that do not go through the time master
+  std::string secret;                        // that a HELLO must have; empty: none
 };
 
 /** @return @p settings. @throws std::invalid_argument if one is out of its range. */

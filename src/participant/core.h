@@ -70,7 +70,7 @@ class Core : public Program, public std::enable_shared_from_this<Core> {
 
   Nanoseconds now() const { return membership_.now(); }
   std::uint32_t microstep() const { return membership_.microstep(); }
-  std::int32_t rank() const { return membership_.presence().rank; }
+  std::int32_t rank() const { return membership_.rank(); }
   OutsideQueue& userQueue() { return *user_queue_; }
   const std::string& name() const { return membership_.name(); }
 

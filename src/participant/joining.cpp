@@ -10,9 +10,7 @@
 #include <ros/xmlrpc_manager.h>
 
 #include <random>
-#include <regex>
 #include <stdexcept>
-#include <vector>
 
 #include "move_base_abstract/lockstep_participant.h"
 #include "secret_parameter.h"
@@ -20,12 +18,9 @@
 namespace move_base_abstract::lockstep::internal {
 namespace {
 
-constexpr double kRetrySeconds = 0.05;  // wall
-constexpr double kWarningSeconds = 10;  // wall
+constexpr double kRetrySeconds = wire::kConnectRetryMs * 1e-3;        // wall
+constexpr double kReminderSeconds = wire::kConnectReminderMs * 1e-3;  // wall
 const char* const kAddressParameter = "/time_master/lockstep_address";
-const char* const kExcludedParameter = "/time_master/excluded_topics";
-/** Time itself, and what all nodes publish for people. */
-const char* const kNeverShared[] = {"/clock", "/rosout", "/rosout_agg", "/statistics"};
 
 void readRank(Presence* presence) {
   const std::string parameter = ros::names::resolve("~lockstep_rank");
@@ -38,7 +33,6 @@ void readRank(Presence* presence) {
                 "; allowed: a whole number");
   }
   presence->rank = static_cast<int>(value);
-  presence->rank_declared = true;
 }
 
 void checkCharge() {
@@ -64,24 +58,16 @@ Presence readPresence(const std::optional<std::int32_t>& rank) {
   Presence presence;
   presence.name = ros::this_node::getName();
   presence.uri = ros::XMLRPCManager::instance()->getServerURI();
-  if (rank) {
-    presence.rank = *rank;
-    presence.rank_declared = true;
-  } else {
+  presence.rank = rank;
+  if (!rank) {
     readRank(&presence);
   }
   checkCharge();
-  std::vector<std::string> names;
-  ros::param::get(kExcludedParameter, names);
-  names.insert(names.end(), std::begin(kNeverShared), std::end(kNeverShared));
-  for (const std::string& name : names) {
-    presence.excluded.insert(ros::names::resolve(name));
-  }
   return presence;
 }
 
 bool connectToTimeMaster(const std::string& name, Link* link) {
-  ros::WallTime warn_at = ros::WallTime::now() + ros::WallDuration(kWarningSeconds);
+  ros::WallTime warn_at = ros::WallTime::now() + ros::WallDuration(kReminderSeconds);
   while (ros::ok() && !ros::isShuttingDown()) {
     checkMode(name);
     std::string address;
@@ -91,7 +77,7 @@ bool connectToTimeMaster(const std::string& name, Link* link) {
     if (ros::WallTime::now() > warn_at) {
       ROS_WARN("lockstep: %s waits for the time master (%s is %s)", name.c_str(), kAddressParameter,
                address.empty() ? "not set" : (address + ", where nobody listens").c_str());
-      warn_at += ros::WallDuration(kWarningSeconds);
+      warn_at += ros::WallDuration(kReminderSeconds);
     }
     ros::WallDuration(kRetrySeconds).sleep();
   }
@@ -109,15 +95,11 @@ std::string helloOf(const Presence& presence) {
   wire::Hello hello;
   hello.name = presence.name;
   hello.node_uri = presence.uri;
-  hello.rank = presence.rank;
-  hello.rank_declared = presence.rank_declared;
+  hello.rank = presence.rank.value_or(0);
+  hello.rank_declared = presence.rank.has_value();
   hello.incarnation = (static_cast<std::uint64_t>(random()) << 32) | random();
   hello.secret = secret;
   return wire::encode(wire::ParticipantFrame(hello));
-}
-
-bool isAnonymous(const std::string& name) {
-  return std::regex_search(name, std::regex("_[0-9]{19}$"));
 }
 
 }  // namespace move_base_abstract::lockstep::internal

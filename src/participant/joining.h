@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "link.h"
@@ -15,17 +14,15 @@ namespace move_base_abstract::lockstep::internal {
 constexpr const char* kModeParameter = "/time_master/mode";
 constexpr const char* kLockstepMode = "lockstep";
 
-/** @brief How a node presents itself, and what it leaves to roscpp. */
+/** @brief How a node presents itself. */
 struct Presence {
   std::string name;
-  std::string uri;           // of the node's XML-RPC server
-  std::int32_t rank = 1000;  // robots have 0
-  bool rank_declared = false;
-  std::set<std::string> excluded;  // topics that roscpp alone carries
+  std::string uri;                   // of the node's XML-RPC server
+  std::optional<std::int32_t> rank;  // nothing: none is declared, and the time master gives one
 };
 
 /**
- * @brief Read what the node's own parameters and the time master's say.
+ * @brief Read what the node's own parameters say.
  * @param rank of the node if its program says so; else ~lockstep_rank does.
  * @throws Error where a parameter is bad.
  */
@@ -40,9 +37,6 @@ bool connectToTimeMaster(const std::string& name, Link* link);
 
 /** @return HELLO as a whole frame. @throws Error where the run's secret cannot be read. */
 std::string helloOf(const Presence& presence);
-
-/** @return whether @p name was made by ros::init_options::AnonymousName. */
-bool isAnonymous(const std::string& name);
 
 }  // namespace move_base_abstract::lockstep::internal
 

@@ -18,11 +18,6 @@
 #include "move_base_abstract/lockstep_participant.h"
 
 namespace move_base_abstract::lockstep::internal {
-namespace {
-
-constexpr int kGoodbyeTimeout = 2000;  // ms, wall; a stopped time master must not hold us up
-
-}  // namespace
 
 Bell::Bell() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (descriptor_ < 0) {
@@ -113,7 +108,7 @@ Link::Event Link::wait(const Bell& bell, int timeout_ms, std::string* buffer) {
   return got < 0 && errno == EINTR ? Event::kNothing : Event::kClosed;
 }
 
-void Link::finish() {
+void Link::finish(int patience_ms) {
   if (!isOpen()) {
     return;
   }
@@ -121,8 +116,7 @@ void Link::finish() {
   ::shutdown(socket_, SHUT_WR);
   std::array<char, 4096> rest;
   pollfd polled{socket_, POLLIN, 0};
-  while (::poll(&polled, 1, kGoodbyeTimeout) > 0 &&
-         ::recv(socket_, rest.data(), rest.size(), 0) > 0) {
+  while (::poll(&polled, 1, patience_ms) > 0 && ::recv(socket_, rest.data(), rest.size(), 0) > 0) {
   }
   close();
 }

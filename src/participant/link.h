@@ -47,8 +47,9 @@ class Link {
   /** @brief Wait for at most @p timeout_ms of wall time; what comes is appended to @p buffer. */
   Event wait(const Bell& bell, int timeout_ms, std::string* buffer);
 
-  /** @brief Tell the peer that nothing more comes, wait until it has read all, and close. */
-  void finish();
+  /** @brief Tell the peer that nothing more comes, wait until it has read all, for at most
+   * @p patience_ms of wall time, and close. */
+  void finish(int patience_ms);
   void close();
 
  private:

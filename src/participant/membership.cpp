@@ -5,6 +5,7 @@
 #include <ros/param.h>
 
 #include <algorithm>
+#include <limits>
 #include <mutex>
 #include <variant>
 
@@ -40,11 +41,6 @@ void Membership::join() {
   }
   if (!ros::param::param("/use_sim_time", false)) {
     ROS_WARN("lockstep: %s takes part, but /use_sim_time is not true", name().c_str());
-  }
-  if (!presence_.rank_declared && isAnonymous(name())) {
-    label("the name " + name() +
-          " is made of a time, so its place among equal events differs from run to run; give it "
-          "~lockstep_rank or a name");
   }
   awaitGrant();
 }
@@ -136,7 +132,7 @@ void Membership::awaitGrant() {
     }
   }
   if (isOver()) {
-    link_.finish();
+    finish();
   }
 }
 
@@ -167,6 +163,11 @@ void Membership::handle(const wire::Welcome& frame) {
   const Lock lock(program_);
   members_[frame.own_id] = {presence_.name, presence_.uri};
   names_.insert(presence_.name);
+  rank_ = frame.rank;
+  excluded_.insert(frame.excluded_topics.begin(), frame.excluded_topics.end());
+  constexpr Nanoseconds kMillisecond = kNanosecondsPerSecond / 1000;
+  leave_limit_ms_ = static_cast<int>(
+      std::min<Nanoseconds>(frame.leave_limit_ns / kMillisecond, std::numeric_limits<int>::max()));
 }
 
 void Membership::handle(const wire::Member& frame) {

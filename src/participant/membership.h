@@ -86,7 +86,7 @@ class Membership {
    */
   bool leave(const std::string& reason, State as = State::kLeft);
   /** @brief Close the connection when the time master has read all. */
-  void finish() { link_.finish(); }
+  void finish() { link_.finish(leave_limit_ms_); }
   void ring() { bell_->ring(); }
 
   // ---- rounds
@@ -98,7 +98,7 @@ class Membership {
   State state() const { return state_; }
   const std::string& endReason() const { return end_reason_; }
 
-  const Presence& presence() const { return presence_; }
+  std::int32_t rank() const { return rank_; }
   const std::string& name() const { return presence_.name; }
   Nanoseconds now() const { return now_; }
   std::uint32_t microstep() const { return microstep_; }
@@ -124,7 +124,8 @@ class Membership {
   bool isMemberAt(const std::string& uri);
   std::string nameOf(std::uint32_t member);
   std::string uriOf(std::uint32_t member);
-  bool isExcluded(const std::string& topic) const { return presence_.excluded.count(topic) > 0; }
+  /** @return whether roscpp alone carries @p topic: the time master has said so. */
+  bool isExcluded(const std::string& topic) const { return excluded_.count(topic) > 0; }
 
  private:
   struct Other {
@@ -163,6 +164,11 @@ class Membership {
   std::map<std::uint32_t, Other> members_;
   std::multiset<std::string> names_;  // of members
   bool has_knocked_ = false;
+
+  // As WELCOME has said, before the first grant.
+  std::int32_t rank_ = 0;
+  std::set<std::string> excluded_;
+  int leave_limit_ms_ = 0;  // wall
 
   std::string end_reason_;
   std::uint64_t round_ = 0;

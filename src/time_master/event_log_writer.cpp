@@ -6,19 +6,19 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
 
+#include "clock/json_text.h"
 #include "descriptor.h"
+#include "json_array.h"
 
 namespace move_base_abstract {
 namespace {
 
 constexpr std::size_t kLargestBuffer = 1 << 23;  // bytes; more than a second of any run
-constexpr int kDeepestNesting = 100;
 
 bool endsWith(std::string_view text, std::string_view end) {
   return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
@@ -26,157 +26,7 @@ bool endsWith(std::string_view text, std::string_view end) {
 
 bool isControl(char letter) { return static_cast<unsigned char>(letter) < 0x20; }
 
-/** @brief A check of JSON (RFC 8259) by recursive descent; builds nothing. */
-class JsonCheck {
- public:
-  explicit JsonCheck(std::string_view text) : text_(text) {}
-
-  bool wholeArray() {
-    space();
-    return peek() == '[' && value(0) && at_ == text_.size();
-  }
-
- private:
-  char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
-
-  bool take(char letter) {
-    if (peek() != letter || at_ == text_.size()) {
-      return false;
-    }
-    ++at_;
-    return true;
-  }
-
-  bool take(std::string_view word) {
-    if (text_.substr(at_, word.size()) != word) {
-      return false;
-    }
-    at_ += word.size();
-    return true;
-  }
-
-  void space() {
-    while (take(' ') || take('\t') || take('\n') || take('\r')) {
-    }
-  }
-
-  bool digits() {
-    const std::size_t begin = at_;
-    while (std::isdigit(static_cast<unsigned char>(peek()))) {
-      ++at_;
-    }
-    return at_ > begin;
-  }
-
-  bool number() {
-    take('-');
-    if (!take('0') && !digits()) {
-      return false;
-    }
-    if (take('.') && !digits()) {
-      return false;
-    }
-    if (take('e') || take('E')) {
-      take('+') || take('-');
-      return digits();
-    }
-    return true;
-  }
-
-  bool escape() {
-    if (!take('u')) {
-      const char letter = peek();
-      ++at_;
-      return letter != '\0' && std::strchr("\"\\/bfnrt", letter) != nullptr;
-    }
-    for (int count = 0; count < 4; ++count, ++at_) {
-      if (!std::isxdigit(static_cast<unsigned char>(peek()))) {
-        return false;
-      }
-    }
-    return true;
-  }
-
-  bool string() {
-    if (!take('"')) {
-      return false;
-    }
-    while (at_ < text_.size()) {
-      if (take('"')) {
-        return true;
-      }
-      if (take('\\')) {
-        if (!escape()) {
-          return false;
-        }
-      } else if (static_cast<unsigned char>(text_[at_++]) < 0x20) {
-        return false;
-      }
-    }
-    return false;
-  }
-
-  bool member(int depth) {
-    space();
-    if (!string()) {
-      return false;
-    }
-    space();
-    return take(':') && value(depth);
-  }
-
-  bool container(char close, bool named, int depth) {
-    space();
-    if (take(close)) {
-      return true;
-    }
-    do {
-      if (!(named ? member(depth) : value(depth))) {
-        return false;
-      }
-    } while (take(','));
-    return take(close);
-  }
-
-  bool bare(int depth) {
-    if (take('[')) {
-      return container(']', false, depth + 1);
-    }
-    if (take('{')) {
-      return container('}', true, depth + 1);
-    }
-    return peek() == '"' ? string() : take("true") || take("false") || take("null") || number();
-  }
-
-  bool value(int depth) {
-    space();
-    const bool good = depth < kDeepestNesting && bare(depth);
-    space();
-    return good;
-  }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
-};
-
-void appendJson(std::string& out, std::string_view text) {
-  out += '"';
-  for (const char letter : text) {
-    if (letter == '"' || letter == '\\') {
-      out += '\\';
-      out += letter;
-    } else if (isControl(letter)) {
-      char code[8];
-      std::snprintf(code, sizeof(code), "\\u%04x", static_cast<unsigned char>(letter));
-      out += code;
-    } else {
-      out += letter;
-    }
-  }
-  out += '"';
-}
-
-void appendJson(std::string& out, const std::vector<std::string>& texts) {
+void appendJsonArray(std::string& out, const std::vector<std::string>& texts) {
   out += '[';
   for (std::size_t index = 0; index < texts.size(); ++index) {
     out += index == 0 ? "" : ",";
@@ -276,8 +126,6 @@ std::FILE* create(const std::string& path) {
 
 }  // namespace
 
-bool isJsonArray(std::string_view text) { return JsonCheck(text).wholeArray(); }
-
 EventLogWriter::EventLogWriter(const std::string& path, std::int64_t start_ns)
     : path_(path), csv_(endsWith(path, ".csv")) {
   if (!csv_ && !endsWith(path, ".jsonl")) {
@@ -296,7 +144,7 @@ void EventLogWriter::add(std::int64_t time_ns, std::string_view robot, std::stri
   if (isJsonArray(values)) {
     json = onOneLine(values);
   } else {
-    appendJson(json, std::vector<std::string>{std::string(values)});
+    appendJsonArray(json, {std::string(values)});
   }
   std::unique_lock<std::mutex> lock(buffer_mutex_);
   ++events_;
@@ -354,9 +202,9 @@ std::string EventLogWriter::finish(const End& end) {
     buffer_ += std::string(csv_ ? "# " : "") + "{\"end\":{\"events\":" + std::to_string(events_) +
                ",\"repeatable\":" + (end.not_repeatable_because.empty() ? "true" : "false") +
                ",\"not_repeatable_because\":";
-    appendJson(buffer_, end.not_repeatable_because);
+    appendJsonArray(buffer_, end.not_repeatable_because);
     buffer_ += ",\"degraded_because\":";
-    appendJson(buffer_, end.degraded_because);
+    appendJsonArray(buffer_, end.degraded_because);
     buffer_ += ",\"reason\":";
     appendJson(buffer_, end.reason);
     buffer_ += "}}\n";

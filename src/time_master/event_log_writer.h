@@ -12,9 +12,6 @@
 
 namespace move_base_abstract {
 
-/** @return whether @p text is one JSON array and nothing else. */
-bool isJsonArray(std::string_view text);
-
 /**
  * @brief One event log: JSON lines where the path ends in .jsonl, CSV where it ends in .csv.
  *

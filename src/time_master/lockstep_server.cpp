@@ -14,6 +14,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "lockstep/welcome.h"
+
 namespace move_base_abstract {
 namespace {
 
@@ -28,7 +30,6 @@ constexpr int kMostReceives = 64;             // of one connection in a row
 constexpr std::size_t kMostStrangers = 256;   // connections without a HELLO
 constexpr std::size_t kMostConnections = 4096;
 constexpr int kLastPatience = 1;                             // ms, wall; see awaitLast()
-constexpr Nanoseconds kCloseLimit = kNanosecondsPerSecond;   // wall, for the last bytes
 constexpr Nanoseconds kFinishLimit = kNanosecondsPerSecond;  // wall, for everybody's last bytes
 
 Nanoseconds wallNow() {
@@ -286,7 +287,7 @@ void LockstepServer::send(LockstepSession::Output& output) {
   }
   if (output.close) {
     connection.closing = true;
-    connection.close_due = wallNow() + kCloseLimit;
+    connection.close_due = wallNow() + kLeaveLimit;
     closing_.push_back(output.connection);
   }
   sendMore(output.connection, connection);

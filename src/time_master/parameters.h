@@ -205,8 +205,8 @@ class ParameterReader {
   std::set<std::string> known_;
 };
 
-/** @brief Topics that participants leave to ROS's own connections; checked, and made a list. */
-inline void settleExcludedTopics(ParameterReader& reader) {
+/** @return topics that participants leave to ROS's own connections; checked, and made a list. */
+inline std::vector<std::string> readExcludedTopics(ParameterReader& reader) {
   const char* const key = "excluded_topics";
   std::vector<std::string> topics;
   reader.read(key, topics);
@@ -218,6 +218,7 @@ inline void settleExcludedTopics(ParameterReader& reader) {
     }
   }
   reader.replaceText(key, topics);
+  return topics;
 }
 
 struct NodeParameters {
@@ -288,7 +289,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("lockstep_secret", secret);
   reader.read("lockstep_secret_file", secret_file);
   lockstep.secret = runSecret(secret, secret_file);
-  settleExcludedTopics(reader);
+  lockstep.excluded_topics = readExcludedTopics(reader);
   lockstep.participants = absoluteNames(lockstep.participants);
   checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
   if (lockstep.limit != 0.0) {

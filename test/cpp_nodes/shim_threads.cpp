@@ -79,16 +79,14 @@ void queue(Teller& teller) {
   boost::thread second([&] { take("second"); });
   for (int k = 0; k < 12; ++k) {
     ros::Duration(k % 4 == 3 ? 1.0 : 0.1).sleep();
-    {
-      const std::lock_guard<std::mutex> lock(mutex);
-      work.push_back(k);
-    }
+    mutex.lock();
+    work.push_back(k);
+    mutex.unlock();
     changed.notify_one();
   }
-  {
-    const std::lock_guard<std::mutex> lock(mutex);
-    done = true;
-  }
+  mutex.lock();
+  done = true;
+  mutex.unlock();
   changed.notify_all();
   first.join();
   second.join();

@@ -14,7 +14,7 @@ import time
 from typing import NamedTuple
 
 GUARD = 30.0
-PROTOCOL = 2
+PROTOCOL = 3
 NEVER = 2 ** 63 - 1
 
 HELLO, REPORT, KNOCK, LEAVE = 1, 2, 3, 4
@@ -122,6 +122,7 @@ class RawClient:
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._buffer = b''
         self.own_id = None
+        self.rank = None
         self.members = {}  # id: name
 
     def close(self):
@@ -134,7 +135,8 @@ class RawClient:
                                   + struct.pack('<iBQ', rank, rank_declared, incarnation) + text(secret)))
         kind, reader = self.receive()
         assert kind == WELCOME, (kind, reader.text() if kind == END else None)
-        self.own_id = reader.number('I')
+        self.own_id, self.rank, self.leave_limit_ns = reader.fields('Iiq')
+        self.excluded_topics = [reader.text() for _ in range(reader.number('I'))]
         return self
 
     def receive(self, timeout=GUARD):

@@ -13,6 +13,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "time_master/json_array.h"
+
 using move_base_abstract::EventLogWriter;
 using move_base_abstract::isJsonArray;
 

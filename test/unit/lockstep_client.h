@@ -116,7 +116,10 @@ class Stage {
   std::map<ConnectionId, bool> closed;
   std::map<ConnectionId, std::string> end;                   // the reason that END gave
   std::map<ConnectionId, std::vector<std::string>> members;  // of MEMBER, "-id" of GONE
-  std::map<ConnectionId, MemberId> ids;                      // of WELCOME
+  // of WELCOME
+  std::map<ConnectionId, MemberId> ids;
+  std::map<ConnectionId, std::int32_t> ranks;
+  std::map<ConnectionId, std::vector<std::string>> excluded;
   std::vector<LockstepMessage> messages;
 
  private:
@@ -128,6 +131,8 @@ class Stage {
       end[id] = bye->reason;
     } else if (const auto* welcome = std::get_if<wire::Welcome>(&decoded)) {
       ids[id] = welcome->own_id;
+      ranks[id] = welcome->rank;
+      excluded[id].assign(welcome->excluded_topics.begin(), welcome->excluded_topics.end());
     } else if (const auto* member = std::get_if<wire::Member>(&decoded)) {
       members[id].push_back(std::to_string(member->id) + " " + std::string(member->name));
     } else if (const auto* gone = std::get_if<wire::Gone>(&decoded)) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lockstep/session.h"
+#include "lockstep/welcome.h"
 #include "lockstep_client.h"
 
 namespace move_base_abstract {
@@ -71,12 +72,51 @@ TEST(Members, ALabelTellsOfNamesThatAreNeverTheSame) {
   int anonymous = 0;
   for (const std::string& label : stage.session.status().not_repeatable) {
     anonymous += label ==
-                 "'/a_4711_1700000000000' has a name of this run only, and no declared "
-                 "rank";
+                 "'/a_4711_1700000000000' has a name of this run only, and no declared rank: its "
+                 "place among equal events differs from run to run; give it ~lockstep_rank or a "
+                 "name";
     EXPECT_EQ(label.find("'/robot_10' has"), std::string::npos);
     EXPECT_EQ(label.find("'/b_4711_1700000000000' has"), std::string::npos);
   }
   EXPECT_EQ(anonymous, 1);
+}
+
+TEST(Members, ThoseThatDeclareNoRankComeAfterTheRobotsWhateverTheySay) {
+  Stage stage(named({"/a", "/robot_1", "/robot_2"}));
+  stage.join(1, "/a", -7, false);
+  stage.join(2, "/robot_1", 0, true);
+  stage.join(3, "/robot_2", -1, true);
+  EXPECT_EQ(stage.ranks[1], 1000);
+  EXPECT_EQ(stage.ranks[3], -1);
+  const auto participants = stage.session.status().participants;
+  ASSERT_EQ(participants.size(), 3U);
+  EXPECT_EQ(participants[0].name + participants[1].name + participants[2].name,
+            "/robot_2/robot_1/a");
+  EXPECT_EQ(participants[2].rank, 1000);
+}
+
+TEST(Members, AreToldWhichTopicsDoNotCountAsTheirNamespaceHasThem) {
+  LockstepSettings settings = named({"/robot_1/driver", "/a"});
+  settings.excluded_topics = {"/map", "debug", "~trace"};
+  Stage stage(settings);
+  stage.join(1, "/robot_1/driver");
+  stage.join(2, "/a");
+  const Texts own{"/clock", "/rosout", "/rosout_agg", "/statistics", "/map"};
+  Texts first = own;
+  first.insert(first.end(), {"/robot_1/debug", "/robot_1/driver/trace"});
+  Texts second = own;
+  second.insert(second.end(), {"/debug", "/a/trace"});
+  EXPECT_EQ(stage.excluded[1], first);
+  EXPECT_EQ(stage.excluded[2], second);
+}
+
+TEST(Members, AreAnonymousWithAWallTimeAtTheEndOfTheirName) {
+  EXPECT_TRUE(isAnonymous("/rostopic_4711_1600000000000"));
+  EXPECT_TRUE(isAnonymous("/play_1600000000000000000"));
+  EXPECT_FALSE(isAnonymous("/robot_160000000000"));
+  EXPECT_FALSE(isAnonymous("/1600000000000"));
+  EXPECT_FALSE(isAnonymous("1600000000000"));
+  EXPECT_FALSE(isAnonymous("/robot_1600000000000x"));
 }
 
 TEST(Members, TheNewerOfOneNameReplacesTheOlder) {
@@ -235,7 +275,7 @@ TEST(Malformed, GreetingsAreChecked) {
   EXPECT_EQ(stage.end[1], "the first frame must be HELLO, got another type");
   stage.session.connect(2, stage.wall);
   stage.frame(2, wire::Hello{9, "/a", "", 0, false, 0, ""});
-  EXPECT_NE(stage.end[2].find("protocol must be 2, got 9 from '/a'"), std::string::npos);
+  EXPECT_NE(stage.end[2].find("protocol must be 3, got 9 from '/a'"), std::string::npos);
   stage.session.connect(3, stage.wall);
   stage.frame(3, wire::Hello{wire::kProtocol, "", "", 0, false, 0, ""});
   EXPECT_EQ(stage.end[3], "HELLO must have a name, got an empty one");

@@ -112,7 +112,8 @@ TEST(Wire, TheOtherFramesComeBack) {
     const std::string bytes = encode(frame);
     EXPECT_EQ(encode(decodeFromParticipant(body(bytes))), bytes);
   }
-  const std::vector<MasterFrame> down{Welcome{3}, Member{4, "/b", "uri"}, Gone{4}, End{"over"}};
+  const std::vector<MasterFrame> down{Welcome{3, -1, kNever, {"/clock", ""}},
+                                      Member{4, "/b", "uri"}, Gone{4}, End{"over"}};
   for (const MasterFrame& frame : down) {
     const std::string bytes = encode(frame);
     EXPECT_EQ(encode(decodeFromMaster(body(bytes))), bytes);

@@ -32,8 +32,8 @@ def columns():
 def test_the_page_of_the_protocol_lists_every_frame_and_item_with_its_fields():
     told = []
     for number, name, rest in columns():
-        rest = re.sub(r' ?\([^)]*\)', '', rest).split(';')[0].strip()
-        told.append((int(number), name, [field for field in rest.split(', ') if field]))
+        fields = re.sub(r' ?\([^)]*\)', '', rest).split(';')[0].strip()
+        told.append((int(number), name, [field for field in fields.split(', ') if field]))
     assert sorted(told) == sorted(
         (layout.number, layout.name, ['items to the end' if field.endswith('Item items') else field.partition(' =')[0]
                                       for field in layout.fields]) for layout in LAYOUTS)
@@ -95,7 +95,7 @@ def changed(**tables):
 
 @pytest.mark.parametrize('table, what', [
     (changed(GRANT_ITEMS=wire_format.GRANT_ITEMS[1:] + wire_format.GRANT_ITEMS[:1]), 'the numbers of GrantItem'),
-    (changed(MASTER_FRAMES=wire_format.MASTER_FRAMES[:1] + wire_format.MASTER_FRAMES[2:]), 'the numbers of MasterFrame'),
+    (changed(MASTER_FRAMES=wire_format.MASTER_FRAMES[:1] + wire_format.MASTER_FRAMES[2:]), 'numbers of MasterFrame'),
     (changed(CHOICES={'NoteKind': ((1, 'A'), (3, 'B'))}), 'the numbers of NoteKind'),
     (changed(REPORT_ITEMS=wire_format.REPORT_ITEMS + (wire_format.Layout(13, 'FOUND', ()),)), 'there twice'),
     (changed(NEVER=0), 'NEVER must be'),

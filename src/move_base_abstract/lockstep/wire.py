@@ -1,8 +1,8 @@
 """The bytes between a participant and the time master: frames, report items out, grant items in.
 
-Made of the table in :mod:`.wire_format`; docs/lockstep_protocol.md describes it. All numbers are little endian; a frame is
-its length (u32), its type (u8) and its body. A function that makes an item or a body takes the fields' values in the
-table's order.
+Made of the table in :mod:`.wire_format`; docs/lockstep_protocol.md describes it. All numbers are little endian; a frame
+is its length (u32), its type (u8) and its body. A function that makes an item or a body takes the fields' values in
+the table's order.
 """
 import struct
 from enum import IntEnum
@@ -30,7 +30,8 @@ SEND, CALL, RESPONSE = _numbers(ITEMS, 'SEND CALL RESPONSE')
 PUBLISHER, NO_PUBLISHER, SUBSCRIBER, NO_SUBSCRIBER = _numbers(ITEMS, 'PUBLISHER NO_PUBLISHER SUBSCRIBER NO_SUBSCRIBER')
 DELIVER, CALL_IN, ANSWER, FOUND = _numbers(ITEMS, 'DELIVER CALL_IN ANSWER FOUND')
 
-_CODES = {'u8': 'B', 'u32': 'I', 'u64': 'Q', 'i32': 'i', 'flag': '?', 'instant': 'q', 'NoteKind': 'B', 'CallStatus': 'B'}
+_CODES = {'u8': 'B', 'u32': 'I', 'u64': 'Q', 'i32': 'i', 'flag': '?', 'instant': 'q'}
+_CODES.update((name, 'B') for name in wire_format.CHOICES)
 _U32 = struct.Struct('<I')
 _FRAME = struct.Struct('<IB')
 
@@ -71,7 +72,7 @@ def _texts(values):
 
 
 def _writer(name, fields, head=()):
-    """Return the function of the fields' values that returns their bytes, after those of ``head``, ((code, number), ...).
+    """Return the function of the fields' values that returns their bytes, after ``head``: ((code, number), ...).
 
     Its source is made here, as collections.namedtuple does it: it is called for each message, with no loop in it.
     """
@@ -175,7 +176,8 @@ _READERS.update((kind, _reader_of_one(code)) for kind, code in _CODES.items())
 
 def _reader(kinds, head=''):
     """Return a function (body, at) -> (tuple of the fields' values, position after them); ``head`` as of a writer."""
-    layout = struct.Struct('<' + head + ''.join(_CODES.get(kind, '') for kind in kinds) + 'I' * (kinds[-1:] == ['bytes']))
+    codes = '<' + head + ''.join(_CODES.get(kind, '') for kind in kinds)
+    layout = struct.Struct(codes + ('I' if kinds[-1:] == ['bytes'] else ''))
     unpack_from, size = layout.unpack_from, layout.size
     if all(kind in _CODES for kind in kinds):
         return lambda body, at: (unpack_from(body, at), at + size)

@@ -1,25 +1,29 @@
-"""The wire format of lockstep: the one table of which both sides are made. Data only; docs/lockstep_protocol.md explains it.
+"""The wire format of lockstep: the one table of which both sides are made. Data only.
 
-Python's :mod:`.wire` reads it when it is imported. For C++ the build makes a header of it
-(``src/lockstep/make_wire_format.py``), with a structure for each frame and item. Numbers of the frames of one direction,
-of items and of the values of a choice follow on each other.
+docs/lockstep_protocol.md explains it. Python's :mod:`.wire` reads it when it is imported. For C++ the build makes a
+header of it (``src/lockstep/make_wire_format.py``), with a structure for each frame and item. Numbers of the frames of
+one direction, of items and of the values of a choice follow on each other.
 
-A field is ``'TYPE name'`` or ``'TYPE name = DEFAULT'``. Types: ``u32``, ``u64``, ``i32``; ``flag``, a byte that is 0 or 1;
-``instant``, an i64 [ns] that is not negative, NEVER = never; ``text``, a u32 length and as many bytes of UTF-8; ``bytes``,
-the same of any bytes; ``texts``, a u32 number and as many texts; the name of a choice, a byte; ``ReportItem`` and
-``GrantItem``, items to the end of the frame.
+A field is ``'TYPE name'`` or ``'TYPE name = DEFAULT'``. Types: ``u32``, ``u64``, ``i32``; ``flag``, a byte that is 0
+or 1; ``instant``, an i64 [ns] that is not negative, NEVER = never; ``text``, a u32 length and as many bytes of UTF-8;
+``bytes``, the same of any bytes; ``texts``, a u32 number and as many texts; the name of a choice, a byte;
+``ReportItem`` and ``GrantItem``, items to the end of the frame.
 """
 from collections import namedtuple
 
 #: one frame or item: its number on the wire, its name, its fields in their order
 Layout = namedtuple('Layout', 'number name fields')
 
-PROTOCOL = 2
+PROTOCOL = 3
 NEVER = 2 ** 63 - 1
 #: of a frame without its length field [bytes]; what is longer is refused before it is stored
 LARGEST_FRAME = 256 * 1024 * 1024
 #: the same before HELLO, when anybody may be at the other end
 LARGEST_HELLO = 4096
+
+# Before WELCOME says anything: a participant waits for the time master as long as ROS is there.
+CONNECT_RETRY_MS = 50  # wall
+CONNECT_REMINDER_MS = 10000  # wall; it says so that often
 
 #: what a byte may say: name of the choice, (number, name) of its values
 CHOICES = {
@@ -43,7 +47,10 @@ PARTICIPANT_FRAMES = (
 )
 
 MASTER_FRAMES = (
-    Layout(16, 'WELCOME', ('u32 own_id',)),
+    Layout(16, 'WELCOME', ('u32 own_id',
+                           'i32 rank',  # the one declared, or that of all who declare none
+                           'instant leave_limit_ns',  # wall; for how long, at its end, it waits until all is taken
+                           'texts excluded_topics')),  # that do not go through the time master
     Layout(17, 'MEMBER', ('u32 id', 'text name', 'text node_uri')),
     Layout(18, 'GONE', ('u32 id',)),
     Layout(19, 'GRANT', ('u64 round',
@@ -53,8 +60,8 @@ MASTER_FRAMES = (
     Layout(20, 'END', ('text reason',)),
 )
 
-#: what a report contains; `topic` and `service` are the participant's own numbers, one for each name, `sub` is the index of
-#: the robot within a fleet (0 for others)
+#: what a report contains; `topic` and `service` are the participant's own numbers, one for each name, `sub` is the
+#: index of the robot within a fleet (0 for others)
 REPORT_ITEMS = (
     Layout(1, 'ADVERTISE', ('u32 topic', 'u32 sub', 'text name', 'text type', 'text md5', 'flag latched',
                             'text definition')),

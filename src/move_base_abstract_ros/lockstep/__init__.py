@@ -5,7 +5,6 @@ From then on ``rospy.sleep``, ``Rate``, ``Timer``, ``spin``, topics, services, `
 docs/lockstep.md says what counts and what does not.
 """
 import os
-import re
 import time
 from types import SimpleNamespace
 
@@ -17,21 +16,14 @@ from move_base_abstract.parameter_table import Parameter, checked, integer
 
 from .. import replaced
 from . import finish, fork, looks, threads, waits
-from .participant import DEFAULT_RANK, Participant, connect
+from .participant import Participant, connect, is_lockstep
 from .topics import sender
 
 __all__ = ['Participant', 'is_lockstep', 'join', 'participant', 'sender']
 
-_ANONYMOUS = re.compile(r'_[0-9]+_[0-9]{13}$')
-_CONNECT_SECONDS = 30.0
 RANK = Parameter('lockstep_rank', None, integer(-MAX_RANK - 1, MAX_RANK),
                  'a whole number in {}..{}'.format(-MAX_RANK - 1, MAX_RANK))
 _state = SimpleNamespace(joined=None)
-
-
-def is_lockstep():
-    """Return whether the time master works, or will work, in lockstep (parameter ``/time_master/mode``)."""
-    return rospy.get_param('/time_master/mode', 'scaled') == 'lockstep'
 
 
 def participant():
@@ -43,11 +35,12 @@ def join(rank=None, own_threads=True):
     """Take part in lockstep; return the :class:`Participant`, or None where the time master is not in lockstep.
 
     To be called after ``rospy.init_node``, before topics, threads and locks are made (topics that are there already
-    are taken over; locks are not). Returns when the clock has started. ``rank`` orders messages of the same instant,
-    lowest first; without it and without the private parameter ``lockstep_rank`` nodes come after the robots, in the
-    order of their names. ``own_threads=False`` leaves Python's threads and locks alone: for a node without its own.
+    are taken over; locks are not). Returns when the clock has started, and waits for that as long as it takes. ``rank``
+    orders messages of the same instant, lowest first; without it and without the private parameter ``lockstep_rank``
+    nodes come after the robots, in the order of their names. ``own_threads=False`` leaves Python's threads and locks
+    alone: for a node without its own.
 
-    :raises ConfigurationError: for a bad parameter, or if there is no time master.
+    :raises ConfigurationError: for a bad parameter, or if the time master leaves lockstep meanwhile.
     """
     if _state.joined is not None or not is_lockstep():
         return _state.joined
@@ -55,13 +48,11 @@ def join(rank=None, own_threads=True):
     if declared is not None:
         declared = checked(declared, 'lockstep_rank', RANK, rospy.resolve_name('~'))
     charge = make_charge(rospy.get_param('~lockstep_charge', 'none'), time.perf_counter_ns, time.process_time_ns)
-    joining = Participant(connect(_CONNECT_SECONDS), DEFAULT_RANK if declared is None else declared, charge)
-    for topic in rospy.get_param('/time_master/excluded_topics', []):
-        joining.topics.excluded.add(rospy.resolve_name(str(topic)))
+    joining = Participant(connect(), charge)
     _listen_to_clock_no_more()
     # After the hooks of the application, which may still publish.
     rospy.core.add_preshutdown_hook(lambda _reason: joining.leave('its node shuts down'))
-    joining.present(rospy.get_name(), rospy.get_node_uri(), declared is not None)
+    joining.present(rospy.get_name(), rospy.get_node_uri(), declared)
     joining.topics.install()
     joining.services.install()
     waits.install(joining)
@@ -69,7 +60,7 @@ def join(rank=None, own_threads=True):
     threads.install(joining, own_threads)
     finish.install(joining)
     fork.install(joining)
-    _warn(joining, declared)
+    _warn(joining)
     _state.joined = joining
     return joining
 
@@ -82,14 +73,11 @@ def _listen_to_clock_no_more():
     replaced.replace('rospy.impl.simtime._set_rostime', lambda _original: lambda _time: None)
 
 
-def _warn(joined, declared):
+def _warn(joined):
     if replaced.unknown():
         rospy.logwarn('%s: %s', rospy.get_name(), replaced.unknown())
     if not rospy.get_param('/use_sim_time', False):
         rospy.logwarn('%s takes part in lockstep, but /use_sim_time is not true', rospy.get_name())
-    if declared is None and _ANONYMOUS.search(rospy.get_name()):
-        joined.label('the name {} is made of a process id and a time, so its place among equal events differs from run '
-                     'to run; give it ~lockstep_rank or a name'.format(rospy.get_name()))
     if not joined.charge.is_repeatable:
         joined.label('{} charges what it measures; replay the record to repeat the run'.format(rospy.get_name()))
     if os.environ.get('PYTHONHASHSEED', 'random') == 'random':

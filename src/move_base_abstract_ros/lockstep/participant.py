@@ -8,7 +8,7 @@ import time
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.lockstep import wire
+from move_base_abstract.lockstep import wire, wire_format
 from move_base_abstract.lockstep.charge import NoCharge
 from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_lock
 from move_base_abstract.lockstep.secret import run_secret
@@ -18,12 +18,7 @@ from .connection import Closed, Connection
 from .services import Services
 from .topics import Topics
 
-#: topics that never go through the time master
-EXCLUDED = ('/clock', '/rosout', '/rosout_agg', '/statistics')
 _SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
-_LEAVE_SECONDS = 0.5
-#: the rank of nodes that declare none; robots have 0
-DEFAULT_RANK = 1000
 
 
 _encode = json.JSONEncoder(separators=(',', ':')).encode
@@ -42,10 +37,11 @@ def _set_rostime(now_ns):
 class Participant:
     """Made by :func:`join`. Whoever calls it holds the participant's turn, unless said otherwise."""
 
-    def __init__(self, connection, rank, charge):
+    def __init__(self, connection, charge):
         self.scheduler = Scheduler(self)
         self.connection = connection
-        self.rank = rank
+        self.rank = 0
+        self._leave_seconds = 0.0  # wall
         self.names = {}
         self.uris = {}
         self.sub = 0
@@ -57,7 +53,7 @@ class Participant:
         self._is_granted = False
         self.is_starting = True
         self._told = ''
-        self.topics = Topics(self, EXCLUDED)
+        self.topics = Topics(self)
         self.services = Services(self)
         self._handlers = {wire.PUBLISHER: self.topics.on_publisher, wire.NO_PUBLISHER: self.topics.on_no_publisher,
                           wire.SUBSCRIBER: self.topics.on_subscriber, wire.NO_SUBSCRIBER: self.topics.on_no_subscriber,
@@ -141,7 +137,7 @@ class Participant:
             self.leave(reason)
             over.release()
         self.scheduler.from_outside(leave)
-        over.acquire(True, _LEAVE_SECONDS)
+        over.acquire(True, self._leave_seconds)
 
     # --- what the other parts call ----------------------------------------------------------------------------------
 
@@ -165,12 +161,12 @@ class Participant:
 
     # --- rounds -----------------------------------------------------------------------------------------------------
 
-    def present(self, name, uri, rank_declared):
-        """Say hello and wait for the first grant, in which the calling thread gets the turn."""
+    def present(self, name, uri, rank):
+        """Say hello and wait for the first grant, in which the calling thread gets the turn; ``rank``: None if none."""
         incarnation = (os.getpid() << 32) ^ (time.time_ns() & 0xffffffff)
         secret = run_secret(rospy.get_param('/time_master/lockstep_secret', ''),
                             rospy.get_param('/time_master/lockstep_secret_file', ''))
-        self.connection.send(wire.hello(name, uri, self.rank, rank_declared, incarnation, secret))
+        self.connection.send(wire.hello(name, uri, rank or 0, rank is not None, incarnation, secret))
         self.names[0] = name
         self._await_grant()
         self.scheduler.adopt_caller(threading.current_thread().name)
@@ -253,9 +249,12 @@ class Participant:
 
     def _told_of_members(self, kind, body):
         if kind == wire.END:
-            self._give_up('the time master has ended lockstep: {}'.format(wire.read_frame(kind, body)[0]), rospy.loginfo)
+            reason, = wire.read_frame(kind, body)
+            self._give_up('the time master has ended lockstep: {}'.format(reason), rospy.loginfo)
         if kind == wire.WELCOME:
-            number, = wire.read_frame(kind, body)
+            number, self.rank, leave_limit_ns, excluded = wire.read_frame(kind, body)
+            self._leave_seconds = leave_limit_ns * 1e-9
+            self.topics.excluded.update(excluded)
             self.names[number] = self.names[0]
             self.uris[self.names[0]] = rospy.get_node_uri()
         elif kind == wire.MEMBER:
@@ -286,13 +285,16 @@ class Participant:
         raise TurnLost()
 
 
-def connect(timeout):
-    """Return a :class:`Connection` to the time master that the parameter names, waiting for it.
+def connect():
+    """Return a :class:`Connection` to the time master that the parameter names; wait for it as long as ROS is there.
 
-    :raises ConfigurationError: if there is none within ``timeout`` [s, wall].
+    :raises ConfigurationError: if the time master is not in lockstep any more.
     """
-    deadline = time.monotonic() + timeout
+    warn_at = time.monotonic() + wire_format.CONNECT_REMINDER_MS * 1e-3
     while not rospy.is_shutdown():
+        if not is_lockstep():
+            raise ConfigurationError("{}: parameter /time_master/mode: got {!r}; allowed, for a node that takes part: "
+                                     "'lockstep'".format(rospy.get_name(), rospy.get_param('/time_master/mode', '')))
         address = str(rospy.get_param('/time_master/lockstep_address', ''))
         host, _, port = address.rpartition(':')
         if host and port.isdigit():
@@ -300,9 +302,14 @@ def connect(timeout):
                 return Connection(host, int(port), 1.0)
             except OSError:
                 pass  # left there by one that died; another will come
-        if time.monotonic() > deadline:
-            raise ConfigurationError(
-                '{}: no time master answers at {} (parameter /time_master/lockstep_address) after {:g} s'.format(
-                    rospy.get_name(), address or 'any address', timeout))
-        time.sleep(0.05)
+        if time.monotonic() > warn_at:
+            rospy.logwarn('lockstep: %s waits for the time master (/time_master/lockstep_address is %s)',
+                          rospy.get_name(), address + ', where nobody listens' if address else 'not set')
+            warn_at += wire_format.CONNECT_REMINDER_MS * 1e-3
+        time.sleep(wire_format.CONNECT_RETRY_MS * 1e-3)
     raise rospy.ROSInterruptException('ROS shutdown request')
+
+
+def is_lockstep():
+    """Return whether the time master works, or will work, in lockstep (parameter ``/time_master/mode``)."""
+    return rospy.get_param('/time_master/mode', 'scaled') == 'lockstep'

@@ -174,9 +174,9 @@ class PublisherLink(MemberLinks):
 class Topics:
     """The topics of a participant, by numbers."""
 
-    def __init__(self, participant, excluded):
+    def __init__(self, participant):
         self._participant = participant
-        self.excluded = set(excluded)
+        self.excluded = set()
         self.constants = set()
         self._numbers = {}
         self._names = []

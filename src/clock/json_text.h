@@ -1,0 +1,33 @@
+// A text as JSON. Written by hand, since the bytes of event logs must be those of earlier versions
+// (libraries write some control characters in other forms) and a busy run writes thousands a
+// second.
+#ifndef MOVE_BASE_ABSTRACT_CLOCK_JSON_TEXT_H
+#define MOVE_BASE_ABSTRACT_CLOCK_JSON_TEXT_H
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+namespace move_base_abstract {
+
+/** @brief Append @p text [UTF-8] as a JSON string, within quotation marks, to @p json. */
+inline void appendJson(std::string& json, std::string_view text) {
+  json += '"';
+  for (const char letter : text) {
+    if (letter == '"' || letter == '\\') {
+      json += '\\';
+      json += letter;
+    } else if (static_cast<unsigned char>(letter) < 0x20) {
+      char code[8];
+      std::snprintf(code, sizeof(code), "\\u%04x", static_cast<unsigned>(letter));
+      json += code;
+    } else {
+      json += letter;
+    }
+  }
+  json += '"';
+}
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_CLOCK_JSON_TEXT_H
