@@ -3,8 +3,7 @@
 Nothing is integrated, so nothing accumulates: :meth:`Leg.pose_at` may be asked for any instant, in any order.
 """
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 
 from .geometry import Pose2D, normalize_angle
 from .units import NS_PER_S, seconds_to_ns
@@ -61,29 +60,26 @@ class SpeedProfile:
     distance: float
     max_speed: float
     acceleration: float = math.inf
+    #: the highest speed that is reached [m/s]
+    peak_speed: float = field(init=False, repr=False, compare=False)
+    #: how long speeding up takes, and slowing down [s]
+    ramp_seconds: float = field(init=False, repr=False, compare=False)
+    #: how long the trip takes [s]
+    seconds: float = field(init=False, repr=False, compare=False)
 
-    @cached_property
-    def peak_speed(self):
-        """The highest speed that is reached [m/s]."""
+    def __post_init__(self):
+        peak = self._peak()
+        ramp = 0.0 if math.isinf(self.acceleration) else peak / self.acceleration
+        seconds = 0.0 if self.distance <= 0.0 or peak <= 0.0 else self.distance / peak + ramp
+        self.__dict__.update(peak_speed=peak, ramp_seconds=ramp, seconds=seconds)  # past the class being frozen
+
+    def _peak(self):
         if math.isinf(self.acceleration):
             return self.max_speed
         product = self.acceleration * self.distance
         # The product of two tiny numbers is 0, and a robot that never starts would be there at once.
         peak = math.sqrt(product) if product else math.sqrt(self.acceleration) * math.sqrt(self.distance)
         return min(self.max_speed, peak)
-
-    @cached_property
-    def ramp_seconds(self):
-        """How long speeding up takes, and slowing down [s]."""
-        return 0.0 if math.isinf(self.acceleration) else self.peak_speed / self.acceleration
-
-    @cached_property
-    def seconds(self):
-        """How long the trip takes [s]."""
-        peak = self.peak_speed
-        if self.distance <= 0.0 or peak <= 0.0:
-            return 0.0
-        return self.distance / peak + self.ramp_seconds
 
     def covered(self, elapsed):
         """Return the distance [m] covered ``elapsed`` [s] after the start, clamped to the trip."""

@@ -45,6 +45,8 @@ class Robot:
 
         :raises TimeError: if that lies further back than the robot remembers.
         """
+        if now_ns >= self._motion.depart_ns:  # as nearly always
+            return self._motion.pose_at(now_ns)
         for motion in reversed(self._past):
             if now_ns >= motion.depart_ns:
                 return motion.pose_at(now_ns)

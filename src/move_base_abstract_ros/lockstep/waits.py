@@ -40,21 +40,22 @@ def _install_actionlib(waits, scheduler):
              lambda: not scheduler.is_mine())
 
 
-def replace(function, hook, is_foreign, with_original=False):
-    """Have ``function`` do what ``hook`` does, except in threads for which ``is_foreign()``.
+def replace(function, hook, is_foreign):
+    """Have ``function`` do what ``hook`` does, except in threads for which ``is_foreign()``."""
+    def make(original):
+        def call(*args, **kwds):
+            return original(*args, **kwds) if is_foreign() else hook(*args, **kwds)
+        return call
+    replace_within(function, make)
 
-    ``with_original``: the hook's first argument is the function as it was.
-    """
+
+def replace_within(function, make):
+    """Have ``function`` do what ``make(original)`` does; it stays the same object, whoever has imported it."""
     replaced.note(replaced.name_of(function), function)
     original = type(function)(function.__code__, function.__globals__, function.__name__, function.__defaults__)
     original.__kwdefaults__ = function.__kwdefaults__
     key = '_lockstep_{}'.format(function.__name__)
-
-    def call(*args, **kwds):
-        if is_foreign():
-            return original(*args, **kwds)
-        return hook(original, *args, **kwds) if with_original else hook(*args, **kwds)
-    function.__globals__[key] = call
+    function.__globals__[key] = make(original)
     namespace = {}
     exec(compile('def {}(*args, **kwds):\n    return {}(*args, **kwds)\n'.format(function.__name__, key),
                  __file__, 'exec'), function.__globals__, namespace)
