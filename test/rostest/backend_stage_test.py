@@ -11,7 +11,7 @@ import tf2_ros
 from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
-from robot_harness import GUARD, Record, go, pose_stamped, simple_client
+from robot_harness import GUARD, Record, go, pose_stamped, simple_client, to_transform
 from rosgraph_msgs.msg import Clock, Log
 
 from move_base_abstract.geometry import Pose2D
@@ -56,7 +56,7 @@ class Stage:
 
     def _tell(self, stamp_ns):
         odom, base = f'{self.name}/odom', f'{self.name}/base_link'
-        self._tf.sendTransform([conversions.to_transform(self.ODOMETRY, odom, base, stamp_ns)])
+        self._tf.sendTransform([to_transform(self.ODOMETRY, odom, base, stamp_ns)])
         for publisher, frame, pose in ((self._odom, odom, self.ODOMETRY), (self._truth, '/truth', self._pose)):
             message = Odometry(header=conversions.to_header(frame, stamp_ns))
             message.pose.pose = conversions.to_pose(pose)
@@ -120,7 +120,7 @@ class StageBackend(unittest.TestCase):
     def test_5_an_offset_by_tf_is_used_once_it_is_known(self):
         self.assertEqual(self.commands[1].messages, [])
         tf = tf2_ros.StaticTransformBroadcaster()
-        tf.sendTransform(conversions.to_transform(Pose2D(100.0, 50.0), 'map', 'stage_world', 1))
+        tf.sendTransform(to_transform(Pose2D(100.0, 50.0), 'map', 'stage_world', 1))
         self.assert_at(self.commands[1].wait_for(), -97.0, -50.0, 0.0)
         self.wait_for_tf('robot_1/base_link', 3.0, 0.0)
         self.assertTrue(self.stages[1].follows)

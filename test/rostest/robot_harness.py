@@ -13,9 +13,11 @@ import nav_msgs.srv
 import rosgraph
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
-from geometry_msgs.msg import PoseStamped, Quaternion
+from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseActionResult, MoveBaseGoal
 from rospy.impl.registration import get_topic_manager
+
+from move_base_abstract_ros import conversions
 
 GUARD = 30.0
 SPEED = 2.0  # m/s, as in the .test files
@@ -184,3 +186,13 @@ def active_since_ns(client, goal_id):
     """Return when ``goal_id`` became active [ns], from the stamp of the first status that shows it so."""
     array, _ = client.wait_for_state(goal_id, GoalStatus.ACTIVE)
     return array.header.stamp.to_nsec()
+
+
+def to_transform(pose, parent, child, stamp_ns):
+    """Return the transform by which frame ``child`` stands at ``pose`` in frame ``parent``."""
+    transform = TransformStamped(header=conversions.to_header(parent, stamp_ns), child_frame_id=child)
+    placed = conversions.to_pose(pose)
+    for axis in 'xyz':
+        setattr(transform.transform.translation, axis, getattr(placed.position, axis))
+    transform.transform.rotation = placed.orientation
+    return transform

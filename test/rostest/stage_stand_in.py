@@ -14,6 +14,7 @@ import rospy
 import tf2_ros
 from geometry_msgs.msg import Pose
 from nav_msgs.msg import Odometry
+from robot_harness import to_transform
 from rosgraph_msgs.msg import Clock
 
 from move_base_abstract.geometry import Pose2D
@@ -42,7 +43,7 @@ class Robot:
         message.pose.pose = conversions.to_pose(self._pose)
         self._odom.publish(message)
         self._truth.publish(message)
-        return conversions.to_transform(self._pose, frame, f'{self._name}/base_link', stamp_ns)
+        return to_transform(self._pose, frame, f'{self._name}/base_link', stamp_ns)
 
 
 def main():

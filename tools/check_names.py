@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""Tell which names of our own modules are used, in the product, its tests or benchmarks, and do not exist.
+
+usage: check_names.py FOLDER...    (files below them are read; src/ is where our modules are)
+
+Needs neither ROS nor any import: a name exists where its module binds it at the top level.
+"""
+import ast
+import pathlib
+import sys
+
+SOURCE = pathlib.Path('src')
+
+
+def bound_names(tree):
+    """Return the names that a module binds at its top level, below if, try and with too."""
+    names, waiting = set(), list(tree.body)
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            names.add(node.name)
+        elif isinstance(node, (ast.Import, ast.ImportFrom)):
+            names.update((alias.asname or alias.name).split('.')[0] for alias in node.names)
+        elif isinstance(node, (ast.If, ast.Try, ast.With, ast.For)):
+            waiting += [child for child in ast.walk(node) if isinstance(child, ast.stmt) and child is not node]
+        else:
+            names.update(child.id for child in ast.walk(node)
+                         if isinstance(child, ast.Name) and isinstance(child.ctx, ast.Store))
+    return names | {'__name__', '__file__', '__doc__'}
+
+
+def our_modules():
+    """Return the top-level names of each of our modules, and of each package the modules in it, by dotted name."""
+    modules = {}
+    for path in sorted(SOURCE.rglob('*.py')):
+        parts = path.relative_to(SOURCE).with_suffix('').parts
+        parts = parts[:-1] if parts[-1] == '__init__' else parts
+        modules.setdefault('.'.join(parts), set()).update(bound_names(ast.parse(path.read_text())))
+        if len(parts) > 1:
+            modules.setdefault('.'.join(parts[:-1]), set()).add(parts[-1])
+    return modules
+
+
+def missing_names(tree, modules):
+    """Yield (line, module, name) of every name of ``modules`` that ``tree`` imports or looks up in vain."""
+    here = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.level == 0 and node.module in modules:
+            for alias in node.names:
+                if alias.name not in modules[node.module]:
+                    yield node.lineno, node.module, alias.name
+                here[alias.asname or alias.name] = f'{node.module}.{alias.name}'
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            module = here.get(node.value.id)
+            if module in modules and isinstance(node.ctx, ast.Load) and node.attr not in modules[module]:
+                yield node.lineno, module, node.attr
+
+
+def main():
+    """Check all files below the folders named; the exit status is 1 if a name is missing."""
+    modules, bad = our_modules(), False
+    for folder in sys.argv[1:]:
+        for path in sorted(pathlib.Path(folder).rglob('*.py')):
+            for line, module, name in missing_names(ast.parse(path.read_text()), modules):
+                print(f'{path}:{line}: {module} has no {name}')
+                bad = True
+    return 1 if bad else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
