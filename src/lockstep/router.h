@@ -76,6 +76,9 @@ class MessageRouter {
 
   std::uint64_t messages() const { return messages_; }  // delivered, one for each receiver
   std::size_t topics() const { return topics_.size(); }
+  std::size_t openCalls() const { return calls_.size(); }
+  /** @return how many wait to be told of services that nobody serves. */
+  std::size_t watches() const;
 
  private:
   using Index = std::uint32_t;

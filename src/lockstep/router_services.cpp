@@ -166,6 +166,14 @@ void MessageRouter::act(const Action& by, const wire::Watch& item) {
   }
 }
 
+std::size_t MessageRouter::watches() const {
+  std::size_t count = 0;
+  for (const Service& service : services_) {
+    count += service.watchers.size();
+  }
+  return count;
+}
+
 // ---- departures ------------------------------------------------------------------------------
 
 void MessageRouter::remove(MemberId id, std::uint64_t number) {

@@ -50,6 +50,25 @@ TEST(EventLog, CanHaveEveryMessageAndCallWithAHashOfItsBytes) {
                    "1000 /no\"body response [\"\",\"/b\",2,0,\"cbf29ce484222325\"]"}));
 }
 
+TEST(EventLog, NamesAreWrittenAsJson) {
+  LockstepSettings settings = named({"/a\\b\"c", "/d"});
+  settings.log_messages = true;
+  Stage stage(settings);
+  stage.join(1, "/a\\b\"c");
+  stage.join(2, "/d");
+  stage.grant(1);
+  stage.grant(2);
+  stage.report(1, kNever, {advertise(1, "/x\\"), wire::Call{0, 0, "/nobody", ""}});
+  stage.report(2, kNever, {subscribe(1, "/x\\")});
+  stage.grant(1);
+  stage.grant(2);
+  stage.report(1, kNever, {wire::Send{1, 0, 0, ""}});
+  stage.report(2, kNever);
+  EXPECT_EQ(lines(stage.session),
+            (Texts{R"(1000 /nobody response ["","/a\\b\"c",2,0,"cbf29ce484222325"])",
+                   R"(1000 /x\ message ["/a\\b\"c","/d",0,"cbf29ce484222325"])"}));
+}
+
 TEST(EventLog, NotesLabelTheRun) {
   Pair pair;
   pair.report(1, kNever,

@@ -57,11 +57,13 @@ class Routing : public testing::Test {
   MessageRouter router_;
   std::vector<std::string> traced_;
   std::vector<std::string> definitions_;  // in the PUBLISHER items so far
+  std::vector<bool> latched_;             // the same
 
  private:
   void take(MemberId id, const Mail& mail) {
     if (const auto* publisher = std::get_if<wire::Publisher>(&mail.item)) {
       definitions_.emplace_back(publisher->definition);
+      latched_.push_back(publisher->latched);
     }
     mail_[id].push_back(itemText(mail.item, [](std::uint32_t other) { return other; }));
   }
@@ -220,6 +222,57 @@ TEST_F(Routing, AWatcherHearsOnceOfAService) {
   EXPECT_EQ(got(1), Items{});
   act(1, wire::Watch{"/s"});
   EXPECT_EQ(got(1), Items{"found /s"});
+}
+
+TEST_F(Routing, AReAdvertiseThatLatchesAnewIsALinkAnew) {
+  act(1, advertise(5, "/x", "md5", false));
+  act(2, subscribe(6, "/x"));
+  EXPECT_EQ(got(2), Items{"publisher 6 1"});
+  act(1, advertise(5, "/x", "md5", true));
+  EXPECT_EQ(got(2), Items{"publisher 6 1"});
+  act(1, advertise(5, "/x", "md5", true));
+  EXPECT_EQ(got(2), Items{});
+  act(1, advertise(5, "/x", "md5", false));
+  EXPECT_EQ(got(1), Items{"subscriber 5 2"});
+  EXPECT_EQ(latched_, (std::vector<bool>{false, true, false}));
+}
+
+TEST_F(Routing, AnAnswerCountsFromTheServerThatWasAskedOnly) {
+  act(2, wire::Serve{9, 0, "/s"});
+  act(1, wire::Call{0, 0, "/s", "request"});
+  act(3, wire::Response{1, 0, true, "of a stranger"});
+  act(1, wire::Response{1, 0, true, "of the caller"});
+  EXPECT_EQ(got(1), Items{});
+  EXPECT_EQ(router_.openCalls(), 1U);
+  act(3, wire::Serve{4, 0, "/s"});  // who serves now was not asked
+  act(3, wire::Response{1, 0, true, "of the next server"});
+  EXPECT_EQ(got(1), Items{});
+  act(2, wire::Response{1, 0, true, "response"});
+  EXPECT_EQ(got(1), Items{"answer 0 1"});
+}
+
+TEST_F(Routing, WatchesAndCallsEndWithThoseThatWaitForThem) {
+  act(1, wire::Watch{"/s"});
+  act(2, wire::Watch{"/s"});
+  act(2, wire::Watch{"/t"});
+  EXPECT_EQ(router_.watches(), 3U);
+  router_.remove(2, 99);
+  EXPECT_EQ(router_.watches(), 1U);
+  act(3, wire::Serve{9, 0, "/s"});
+  EXPECT_EQ(got(1), Items{"found /s"});
+  EXPECT_EQ(router_.watches(), 0U);
+  act(1, wire::Call{0, 0, "/s", ""});
+  act(1, wire::Call{1, 0, "/s", ""});
+  act(3, wire::Response{1, 1, true, ""});
+  EXPECT_EQ(router_.openCalls(), 1U);
+  act(3, wire::Unserve{9});
+  EXPECT_EQ(router_.openCalls(), 0U);
+  act(1, wire::Watch{"/s"});  // once more, after it was found and lost
+  act(3, wire::Serve{9, 0, "/s"});
+  EXPECT_EQ(got(1), (Items{"answer 1 1", "answer 0 3", "found /s"}));
+  act(1, wire::Call{2, 0, "/s", ""});
+  router_.remove(1, 99);
+  EXPECT_EQ(router_.openCalls(), 0U);
 }
 
 TEST_F(Routing, ADepartureEndsLinksAndCallsOfBothDirections) {

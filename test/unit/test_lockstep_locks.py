@@ -149,6 +149,34 @@ def test_conditions_wake_in_the_order_of_waiting_and_time_out_exactly(program):
     assert program.run(main) == [('b', False, 4), ('a', True, 5), ('c', True, 6), ('d', True, 6)]
 
 
+def test_a_condition_gives_a_lock_that_was_taken_twice_whole_and_takes_it_back_twice(program):
+    lock = CooperativeRLock()
+    condition = threading.Condition(lock)
+
+    def notify():
+        with condition:
+            program.say('has it')
+            condition.notify()
+
+    def main():
+        with lock:
+            with lock:
+                program.thread('notify', notify)
+                assert condition.wait()
+                program.say('has it back')
+                program.thread('other', other)
+            program.sleep(2)
+            program.say('gives it')
+        with pytest.raises(RuntimeError, match='un-acquired'):
+            lock.release()
+        program.sleep(1)
+
+    def other():
+        with lock:
+            program.say('other')
+    assert program.run(main) == [('has it', 0), ('has it back', 0), ('gives it', 2), ('other', 2)]
+
+
 def test_events(program):
     event = threading.Event()
 

@@ -247,19 +247,6 @@ def test_the_end_of_a_thread_is_seen_at_once_and_the_others_go_on():
     assert program.run(main) == [('joined', 4)]
 
 
-def test_a_round_of_the_same_instant_can_be_waited_for():
-    program = Program((5, [lambda: program.say('mail')]))
-
-    def main():
-        program.thread('other', program.sleep, 3)
-        program.scheduler.wait_round()
-        program.say('a round later')
-        program.sleep(5)
-        program.say('main')
-    assert program.run(main) == [('a round later', 0), ('mail', 5), ('main', 5)]
-    assert program.master.asked[:2] == [0, 3]
-
-
 def test_when_the_main_thread_ends_others_and_messages_go_on():
     program = Program((7, [lambda: program.say('mail')]))
 
@@ -269,20 +256,6 @@ def test_when_the_main_thread_ends_others_and_messages_go_on():
         program.sleep(5)
         program.say('other')
     assert program.run(lambda: program.thread('other', other)) == [('other', 5), ('mail', 7), ('other', 10)]
-
-
-def test_what_comes_from_outside_knocks_and_enters_after_the_mail_of_the_next_round():
-    program = Program()
-
-    def main():
-        outside = threading.Thread(target=program.scheduler.from_outside, args=(program.sayer('outside'),))
-        outside.start()
-        outside.join(GUARD)
-        assert program.master.knocks == 1
-        assert program.trace == []
-        program.sleep(5)
-        program.say('main')
-    assert program.run(main) == [('outside', 0), ('main', 5)]
 
 
 def test_an_event_that_waits_does_not_spoil_the_wait_of_the_thread_in_whose_turn_it_happened():

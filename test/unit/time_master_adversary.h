@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,17 @@
 #include "time_master_model.h"
 
 namespace move_base_abstract {
+
+/** @return what the call says that is refused. */
+template <typename Call>
+std::string refusal(Call call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "was not refused";
+}
 
 inline TimeMaster::Settings with(double factor, double busy_factor = 1.0) {
   TimeMaster::Settings settings;
