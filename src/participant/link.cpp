@@ -90,7 +90,7 @@ bool Link::send(std::string_view bytes) {
   return true;
 }
 
-Link::Event Link::wait(const Bell& bell, int timeout_ms, std::string* buffer) {
+Link::Event Link::wait(const Bell& bell, int timeout_ms, wire::FrameBuffer* frames) {
   std::array<pollfd, 2> polled{{{socket_, POLLIN, 0}, {bell.descriptor(), POLLIN, 0}}};
   if (::poll(polled.data(), polled.size(), timeout_ms) <= 0) {
     return Event::kNothing;
@@ -102,7 +102,7 @@ Link::Event Link::wait(const Bell& bell, int timeout_ms, std::string* buffer) {
   std::array<char, 1 << 16> chunk;
   const ssize_t got = ::recv(socket_, chunk.data(), chunk.size(), 0);
   if (got > 0) {
-    buffer->append(chunk.data(), static_cast<std::size_t>(got));
+    frames->append({chunk.data(), static_cast<std::size_t>(got)});
     return Event::kBytes;
   }
   return got < 0 && errno == EINTR ? Event::kNothing : Event::kClosed;

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "lockstep/wire.h"
+
 namespace move_base_abstract::lockstep::internal {
 
 /** @brief Rings in one thread, is heard in a poll of another; any number of rings is one. */
@@ -44,8 +46,8 @@ class Link {
   /** @return false if there is nobody to take it. */
   bool send(std::string_view bytes);
 
-  /** @brief Wait for at most @p timeout_ms of wall time; what comes is appended to @p buffer. */
-  Event wait(const Bell& bell, int timeout_ms, std::string* buffer);
+  /** @brief Wait for at most @p timeout_ms of wall time; what comes is appended to @p frames. */
+  Event wait(const Bell& bell, int timeout_ms, wire::FrameBuffer* frames);
 
   /** @brief Tell the peer that nothing more comes, wait until it has read all, for at most
    * @p patience_ms of wall time, and close. */

@@ -115,7 +115,7 @@ void Membership::report(const Wish& wish) {
 void Membership::awaitGrant() {
   while (state_ == State::kReported || state_ == State::kJoining) {
     knockIfNeeded();
-    switch (link_.wait(*bell_, kPollMilliseconds, &received_)) {
+    switch (link_.wait(*bell_, kPollMilliseconds, &frames_)) {
       case Link::Event::kBytes:
         readFrames();
         break;
@@ -146,8 +146,6 @@ void Membership::knockIfNeeded() {
 }
 
 void Membership::readFrames() {
-  frames_.append(received_);
-  received_.clear();
   try {
     for (auto frame = frames_.next(); frame && !isOver(); frame = frames_.next()) {
       std::visit([this](const auto& decoded) { handle(decoded); }, wire::decodeFromMaster(*frame));

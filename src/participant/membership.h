@@ -155,7 +155,6 @@ class Membership {
   Link link_;
   std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
   wire::FrameBuffer frames_;
-  std::string received_;
 
   // Under the program's lock: the state where it changes, and what follows.
   std::atomic<State> state_{State::kNew};

@@ -1,6 +1,7 @@
 // In front of roscpp: where programs advertise, publish and subscribe, and where messages come in.
 #include <ros/advertise_options.h>
 #include <ros/names.h>
+#include <ros/poll_set.h>
 #include <ros/publication.h>
 #include <ros/subscribe_options.h>
 #include <ros/topic_manager.h>
@@ -15,6 +16,21 @@
 
 namespace shim = move_base_abstract::shim;
 namespace participant = move_base_abstract::lockstep::internal;
+
+namespace {
+
+/** @brief While it lives, what the thread queues with roscpp is taken out by this library. */
+class Publishing {
+ public:
+  explicit Publishing(bool is_app) { is_under_way = is_app; }
+  ~Publishing() { is_under_way = false; }
+  Publishing(const Publishing&) = delete;
+  Publishing& operator=(const Publishing&) = delete;
+  static thread_local bool is_under_way;
+};
+thread_local bool Publishing::is_under_way = false;
+
+}  // namespace
 
 namespace ros {
 
@@ -57,7 +73,10 @@ void TopicManager::publish(const std::string& name,
       "_ZN3ros12TopicManager7publishERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN5"
       "boost8functionIFNS_17SerializedMessageEvEEERSB_");
   const bool is_app = shim::turn().enter() && shim::isManaged(name);
-  function(this, name, serialize, message);
+  {
+    const Publishing publishing(is_app);  // roscpp's thread has nothing to do
+    function(this, name, serialize, message);
+  }
   if (!is_app) {
     return;
   }
@@ -70,6 +89,14 @@ void TopicManager::publish(const std::string& name,
     shim::topics().is_sent = false;
     publication->processPublishQueue();
     shim::topics().broadcast = nullptr;
+  }
+}
+
+void PollSet::signal() {
+  using Signal = void(PollSet*);
+  static Signal* const function = shim::real<Signal>("_ZN3ros7PollSet6signalEv");
+  if (!Publishing::is_under_way) {
+    function(this);
   }
 }
 

@@ -131,6 +131,15 @@ ros::SubscriptionPtr subscriptionTo(const std::string& topic) {
   return nullptr;
 }
 
+ros::SubscriptionPtr subscriptionTo(Topic& topic) {
+  ros::SubscriptionPtr found = topic.subscription.lock();
+  if (!found || found->isDropped()) {
+    found = subscriptionTo(topic.name);
+    topic.subscription = found;
+  }
+  return found;
+}
+
 HandleMessage* handleMessage() {
   static HandleMessage* const function = real<HandleMessage>(
       "_ZN3ros12Subscription13handleMessageERKNS_17SerializedMessageEbbRKN5boost10shared_"
@@ -205,7 +214,7 @@ void handle(const wire::NoSubscriber& item) {
 
 void handle(const wire::Publisher& item) {
   Topic* const topic = topics().of(item.topic);
-  const auto subscription = topic == nullptr ? nullptr : subscriptionTo(topic->name);
+  const auto subscription = topic == nullptr ? nullptr : subscriptionTo(*topic);
   if (!subscription || topic->senders.count(item.sender) > 0) {
     return;
   }
@@ -225,7 +234,7 @@ void handle(const wire::Publisher& item) {
 
 void handle(const wire::NoPublisher& item) {
   Topic* const topic = topics().of(item.topic);
-  const auto subscription = topic == nullptr ? nullptr : subscriptionTo(topic->name);
+  const auto subscription = topic == nullptr ? nullptr : subscriptionTo(*topic);
   if (topic != nullptr && topic->senders.count(item.sender) > 0) {
     if (subscription) {
       subscription->removePublisherLink(topic->senders.at(item.sender));
@@ -236,11 +245,13 @@ void handle(const wire::NoPublisher& item) {
 
 void handle(const wire::Deliver& item) {
   Topic* const topic = topics().of(item.topic);
-  const auto subscription = topic == nullptr ? nullptr : subscriptionTo(topic->name);
-  if (!subscription || topic->senders.count(item.sender) == 0) {
+  const auto subscription = topic == nullptr ? nullptr : subscriptionTo(*topic);
+  const auto sender =
+      topic == nullptr ? decltype(topic->senders.find(0))() : topic->senders.find(item.sender);
+  if (!subscription || sender == topic->senders.end()) {
     return;  // unsubscribed when it was under way
   }
-  const auto& link = topic->senders.at(item.sender);
+  const auto& link = sender->second;
   link->count(item.payload.size());
   handleMessage()(subscription.get(), lockstep::internal::messageOf(item.payload), true, false,
                   link->values(), link);

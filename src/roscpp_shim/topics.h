@@ -19,6 +19,7 @@ class MemberSubscriber;
 class MemberPublisher;
 
 struct Topic : lockstep::internal::SharedTopic {
+  boost::weak_ptr<ros::Subscription> subscription;                         // as found last
   std::map<std::uint32_t, boost::shared_ptr<MemberSubscriber>> receivers;  // by participant
   std::map<std::uint32_t, boost::shared_ptr<MemberPublisher>> senders;     // by participant
 };
@@ -44,6 +45,7 @@ class Topics : public lockstep::internal::TopicTable<Topic> {
 Topics& topics();
 /** @return the program's subscription to @p topic, if there is one. */
 ros::SubscriptionPtr subscriptionTo(const std::string& topic);
+ros::SubscriptionPtr subscriptionTo(Topic& topic);
 /** @return whether @p link leads to a participant through the time master. */
 bool isMemberLink(const ros::SubscriberLinkPtr& link);
 

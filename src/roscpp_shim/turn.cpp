@@ -122,20 +122,20 @@ void* Turn::run(Task* task) {
 
 void Turn::finish(Task* task) {
   task->is_done = true;
-  const Inside inside;
-  while (isActive() && !task->is_loose) {
-    if (Task* const next = firstReady()) {
-      handOver(next);
-      return;
-    }
-    const Lock lock(mutex_);
-    ++activity_;
-    // Somebody else must report, since this thread goes; or who comes back next (see regain).
-    holder_ = waiting_.empty() ? nullptr : waiting_.front();
-    if (holder_ != nullptr) {
-      sem_post(&holder_->go);
-    }
+  if (!isActive() || task->is_loose) {
     return;
+  }
+  const Inside inside;
+  if (Task* const next = firstReady()) {
+    handOver(next);
+    return;
+  }
+  const Lock lock(mutex_);
+  ++activity_;
+  // Somebody else must report, since this thread goes; or who comes back next (see regain).
+  holder_ = waiting_.empty() ? nullptr : waiting_.front();
+  if (holder_ != nullptr) {
+    sem_post(&holder_->go);
   }
 }
 
@@ -286,7 +286,10 @@ Task* Turn::firstReady() {
     if (isReady(*task, &by_activity)) {
       const Lock lock(mutex_);
       activity_ += by_activity ? 0 : 1;
-      return task;
+      // Of a pool the one that is here: no other thread need be woken.
+      const bool is_ours = task->wait.pool != nullptr && t_task != nullptr && t_task->is_waiting &&
+                           t_task->wait.pool == task->wait.pool && isReady(*t_task, &by_activity);
+      return is_ours ? t_task : task;
     }
   }
   return nullptr;

@@ -30,6 +30,7 @@ struct Wait {
   Nanoseconds until = kNever;     // simulated
   std::function<bool()> is_over;  // looked at by whoever has the turn
   const void* object = nullptr;   // a condition, which somebody may signal
+  const void* pool = nullptr;     // threads that wait for the same and do the same: any will do
   bool next_round = false;        // until the next grant, which is asked for at this instant
   bool activity = false;          // until another thread has run,
   Nanoseconds activity_from = 0;  // and this instant has come; at once where a thread is waited for

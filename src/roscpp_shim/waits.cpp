@@ -86,7 +86,7 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
                    const void* caller) {
   Task& me = *Turn::self();
   if (OpenQueue::first(queue) != nullptr) {
-    me.idle_polls = me.empty_polls = 0;
+    me.empty_polls = 0;
     return true;
   }
   if (timeout.isZero()) {
@@ -103,23 +103,31 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
   wait.is_over = [&queue, stops = spinner_stops] {
     return OpenQueue::first(queue) != nullptr || spinner_stops != stops;
   };
+  wait.pool = me.in_spinner ? &queue : nullptr;
   const Woken woken = turn().wait(wait);
-  me.idle_polls = woken == Woken::kReady ? 0 : me.idle_polls + 1;
+  me.idle_polls += woken == Woken::kReady ? 0 : 1;
   me.has_acted = false;
   return woken == Woken::kReady;
 }
 
-/** @brief While callbacks run, the thread's waits are the program's again. */
+/** @brief While callbacks run, the thread's waits are the program's again, not its loop's. */
 class InCallbacks {
  public:
-  explicit InCallbacks(Task& task) : task_(task), was_(task.in_spinner) { task.in_spinner = false; }
-  ~InCallbacks() { task_.in_spinner = was_; }
+  explicit InCallbacks(Task& task)
+      : task_(task), was_(task.in_spinner), has_acted_(task.has_acted) {
+    task.in_spinner = false;
+  }
+  ~InCallbacks() {
+    task_.in_spinner = was_;
+    task_.has_acted = has_acted_;
+  }
   InCallbacks(const InCallbacks&) = delete;
   InCallbacks& operator=(const InCallbacks&) = delete;
 
  private:
   Task& task_;
   bool was_;
+  bool has_acted_;
 };
 
 /** @brief Marks the waits of a spinner's loop. */

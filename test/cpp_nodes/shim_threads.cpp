@@ -111,6 +111,63 @@ void spinners(Teller& teller, int threads) {
   spinner.stop();
 }
 
+/** Callbacks that wait for nothing, in the threads of an AsyncSpinner. */
+void pool(Teller& teller) {
+  ros::NodeHandle node;
+  std::thread::id last;
+  int changes = 0;
+  const boost::function<void(const std_msgs::String::ConstPtr&)> callback =
+      [&](const std_msgs::String::ConstPtr&) {
+        changes += std::this_thread::get_id() == last ? 0 : 1;
+        last = std::this_thread::get_id();
+        teller.tell("heard in thread " + std::to_string(changes));
+      };
+  const auto subscriber = node.subscribe<std_msgs::String>("ticks", 3, callback);
+  ros::AsyncSpinner spinner(3);
+  spinner.start();
+  ros::Duration(20).sleep();
+  spinner.stop();
+}
+
+/** Two AsyncSpinners of one queue, each with a thread; the second ends first. */
+void two_spinners(Teller& teller) {
+  ros::NodeHandle node;
+  const boost::function<void(const std_msgs::String::ConstPtr&)> callback =
+      [&teller](const std_msgs::String::ConstPtr& message) {
+        teller.tell("heard " + message->data);
+      };
+  const auto subscriber = node.subscribe<std_msgs::String>("ticks", 3, callback);
+  ros::AsyncSpinner first(1);
+  first.start();
+  ros::AsyncSpinner second(1);
+  second.start();
+  ros::Duration(0.55).sleep();
+  second.stop();
+  teller.tell("second has ended");
+  ros::Duration(1.0).sleep();
+  first.stop();
+}
+
+/** Hears messages in a loop that looks at a flag, beside a thread with ticks of its own. */
+void hears(Teller& teller) {
+  ros::CallbackQueue queue;
+  ros::NodeHandle node;
+  node.setCallbackQueue(&queue);
+  std::atomic<bool> is_set{false};
+  const boost::function<void(const std_msgs::String::ConstPtr&)> callback =
+      [&](const std_msgs::String::ConstPtr& message) { teller.tell("heard " + message->data); };
+  const auto subscriber = node.subscribe<std_msgs::String>("ticks", 3, callback);
+  std::thread looker([&] {
+    while (!is_set) {
+      queue.callAvailable(ros::WallDuration(0.13));
+    }
+    teller.tell("ends");
+  });
+  ros::Duration(30).sleep();
+  is_set = true;
+  looker.join();
+}
+
 /** Waits that end by the wall clock, for a subscriber, and polls without any wait. */
 void polls(Teller& teller) {
   ros::NodeHandle node;
@@ -233,6 +290,12 @@ int main(int argc, char** argv) {
     queue(teller);
   } else if (what == "spinners") {
     spinners(teller, own.param("threads", 3));
+  } else if (what == "pool") {
+    pool(teller);
+  } else if (what == "two_spinners") {
+    two_spinners(teller);
+  } else if (what == "hears") {
+    hears(teller);
   } else if (what == "polls") {
     polls(teller);
   } else if (what == "queues") {

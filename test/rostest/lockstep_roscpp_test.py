@@ -52,6 +52,11 @@ class LockstepRoscppTest(unittest.TestCase):
         run = RUNS.run([rate(frequency=40.0, ticks=10000, quiet=True)])
         self.assertEqual(run.parameters['off'], 0)
 
+    def test_roscpps_own_thread_is_not_woken_for_messages_between_participants(self):
+        run = RUNS.run([rate(frequency=40.0, ticks=1000), recorder('/ticks')])
+        self.assertEqual(len(run.printed(1)), 1000)
+        self.assertLess(run.parameters['writes'], 100)  # else one into roscpp's pipe for each message
+
     def test_relay_and_a_callback_that_sleeps(self):
         run = self.same([rate(ticks=20), recorder('/heard', '/relayed'),
                          Program('listener', own('shim_listener'), work=0.25),

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Unmodified roscpp programs with threads of their own in lockstep: one runs at a time, in the same order always."""
 
+import re
 import unittest
 
 import rostest
 from lockstep_roscpp_run import Program, Runs, own, recorder
 
 RUNS = Runs()
+SECOND = 10 ** 9
 
 
 def rate(name='rate', frequency=10.0, ticks=100, topic=None):
@@ -62,6 +64,23 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
                                     (1100000000, 'heard 1 1100000000')])
         self.assertEqual(told[-7:], [(1300000000, '/recorder listens'), *(
             (at * 10000000, 'fired') for at in (155, 205, 255, 355, 455, 555))])
+
+    def test_callbacks_that_wait_for_nothing_stay_in_one_thread_of_an_async_spinner(self):
+        told = self.told('pool', rate())
+        self.assertEqual([text for _at, text in told], ['heard in thread 1'] * 100)
+
+    def test_of_two_async_spinners_one_ends_and_the_other_goes_on(self):
+        told = self.told('two_spinners', rate(ticks=10))
+        ticks = [(SECOND + k * SECOND // 10, f'heard {k} {SECOND + k * SECOND // 10}') for k in range(1, 11)]
+        self.assertEqual(told, ticks[:5] + [(1550000000, 'second has ended')] + ticks[5:])
+
+    def test_a_loop_that_hears_messages_and_only_looks_asks_for_no_instants_between_them(self):
+        program = Program('threads', own('shim_threads'), what='hears')
+        run = RUNS.run([program, recorder('/told'), rate(frequency=2.0, ticks=50)], ask_why=True)
+        told = [line.split(' ', 3)[3] for line in run.printed(1)]
+        self.assertEqual(told, [f'heard {k} {SECOND + k * SECOND // 2}' for k in range(1, 51)] + ['ends'])
+        # 50 ticks, its end, and the looks before it is known to do nothing else; 3 looks after each message else.
+        self.assertLess(int(re.search(r'(\d+) leaps', run.why).group(1)), 60, run.why)
 
     def test_threads_that_look_at_a_flag_see_it_in_their_time_out_and_at_once_where_they_are_joined(self):
         told = self.told('looks')
