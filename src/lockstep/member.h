@@ -3,9 +3,11 @@
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_MEMBER_H
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "connections.h"
 #include "order.h"
@@ -13,21 +15,23 @@
 
 namespace move_base_abstract {
 
-/** @brief A report that waits for the end of its round, and the bytes that it points into. */
-struct PendingReport {
-  std::unique_ptr<const std::string> frame;
-  wire::Report report;
+/** @brief What was done in a turn and waits for its round's end, and the bytes that it points into.
+ */
+struct PendingTurn {
+  std::shared_ptr<const std::string> frame;
+  std::vector<wire::ReportItem> items;
 };
 
 struct SessionMember {
   ConnectionId connection = 0;
   std::string name;
   std::string node_uri;
-  std::string waits_for;      // its own words
-  std::uint64_t actions = 0;  // so far
-  PendingReport report;       // none where `frame` is null
-  bool departing = false;     // goes when the round is over
-  bool dead = false;          // ... without having left
+  std::string waits_for;             // its own words
+  std::uint64_t actions = 0;         // so far
+  PendingTurn turn;                  // none where `frame` is null
+  std::deque<PendingTurn> foreseen;  // those that its latest report told beforehand
+  bool departing = false;            // goes when the round is over
+  bool dead = false;                 // ... without having left
   std::string how;
   bool input_told = false;
   bool listed = false;  // has a report or departs

@@ -40,6 +40,7 @@ void LockstepRounds::gone(MemberId id) {
   }
   member.present = false;
   setNext(id, member, kNever);
+  member.foreseen.clear();
   member.open = 0;
   if (member.owes && rules_.dead_not_awaited) {
     member.owes = false;
@@ -62,7 +63,8 @@ void LockstepRounds::knock(MemberId id) {
   }
 }
 
-void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, Nanoseconds wall) {
+void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, Nanoseconds wall,
+                            std::deque<Nanoseconds> foreseen) {
   MemberState& member = at(id);
   if (member.silence_told) {
     member.silence_told = false;
@@ -72,7 +74,10 @@ void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, N
   --owing_;
   member.open = open;
   // Beyond the end of simulated time nothing can be due.
-  setNext(id, member, next > kLastInstant ? kNever : next);
+  member.after_foreseen = next > kLastInstant ? kNever : next;
+  member.happened = foreseen.empty() ? std::nullopt : std::optional<std::uint32_t>(0);
+  member.foreseen = std::move(foreseen);
+  setNext(id, member, member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
   if (next <= time_ && rules_.time_never_back) {
     makeReady(id, member);
   }
@@ -256,25 +261,17 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
   idle_ = false;
   std::vector<Grant> grants;
   grants.reserve(ids.size());
+  granted_.clear();
   for (const MemberId id : ids) {
     MemberState& member = at(id);
-    member.granted_due = member.next <= time_;
-    member.granted_mail = static_cast<std::uint32_t>(member.mail.size());
-    member.granted_wall = wall;
-    member.round = rounds_;
-    member.ready = false;
-    member.knocked = false;
-    owing_ += member.owes ? 0 : 1;
-    member.owes = true;
-    setNext(id, member, kNever);
-    mail_waiting_ -= member.mail.size();
-    std::vector<Mail> mail;
-    mail.swap(member.mail);
-    std::stable_sort(mail.begin(), mail.end(),
-                     [this](const Mail& a, const Mail& b) { return before(a.order, b.order); });
-    grants.push_back({id, rounds_, time_, microstep_, std::move(mail)});
+    if (isForeseen(member)) {
+      takeForeseen(id, member);
+      grants.push_back({id, rounds_, time_, microstep_, {}, true, {}});
+    } else {
+      grants.push_back(grantOne(id, member, wall));
+      granted_.push_back(id);
+    }
   }
-  granted_ = std::move(ids);
   ready_.erase(std::remove_if(ready_.begin(), ready_.end(),
                               [this](MemberId id) {
                                 const MemberState* member = find(id);
@@ -284,6 +281,43 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
   const Nanoseconds limit = toNanoseconds(settings_.silence_limit);
   silence_check_ = limit == 0 ? kNever : addSaturated(wall, limit);
   return grants;
+}
+
+LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member, Nanoseconds wall) {
+  member.granted_due = member.next <= time_;
+  member.granted_mail = static_cast<std::uint32_t>(member.mail.size());
+  member.granted_wall = wall;
+  member.round = rounds_;
+  member.ready = false;
+  member.knocked = false;
+  owing_ += member.owes ? 0 : 1;
+  member.owes = true;
+  setNext(id, member, kNever);
+  member.foreseen.clear();  // what comes now may change all that was to come
+  mail_waiting_ -= member.mail.size();
+  std::vector<Mail> mail;
+  mail.swap(member.mail);
+  std::stable_sort(mail.begin(), mail.end(),
+                   [this](const Mail& a, const Mail& b) { return before(a.order, b.order); });
+  return {id,
+          rounds_,
+          time_,
+          microstep_,
+          std::move(mail),
+          false,
+          std::exchange(member.happened, std::nullopt)};
+}
+
+/** @return whether the turn that the member is to have now is one that it has told already. */
+bool LockstepRounds::isForeseen(const MemberState& member) const {
+  return !member.ready && !member.owes && !member.foreseen.empty() &&
+         member.foreseen.front() <= time_;
+}
+
+void LockstepRounds::takeForeseen(MemberId id, MemberState& member) {
+  member.foreseen.pop_front();
+  ++*member.happened;
+  setNext(id, member, member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
 }
 
 void LockstepRounds::becomeIdle() {

@@ -3,6 +3,7 @@
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_H
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -54,6 +55,9 @@ class LockstepRounds {
     Nanoseconds time;
     std::uint32_t microstep;
     std::vector<Mail> mail;  // in the order in which it is to be handled
+    bool foreseen = false;  // a turn that the member's report has told already: it is not to report
+    std::optional<std::uint32_t>
+        happened;  // so many of the turns that it had foreseen; no more will
   };
 
   struct Event {
@@ -85,7 +89,10 @@ class LockstepRounds {
     std::uint32_t granted_mail = 0;
     bool granted_due = false;  // its wake-up was due with its latest grant
     std::vector<Mail> mail;
-    bool ready = false;  // is in ready_
+    bool ready = false;                     // is in ready_
+    std::deque<Nanoseconds> foreseen;       // turns that its latest report told, still to come
+    Nanoseconds after_foreseen = kNever;    // its wake-up after these
+    std::optional<std::uint32_t> happened;  // of these; nothing if it told none
   };
 
   /** @throws std::invalid_argument if a setting is out of its range. */
@@ -98,8 +105,14 @@ class LockstepRounds {
   void remove(MemberId id);
   void knock(MemberId id);
 
-  /** @brief The report of its latest grant is in. @pre owes */
-  void report(MemberId id, Nanoseconds next, std::uint32_t open, Nanoseconds wall);
+  /**
+   * @brief The report of its latest grant is in. @pre owes
+   *
+   * @param foreseen instants, ascending, after the present and before @p next, of turns whose
+   * actions it has told. They come as granted ones do, unless another grant comes before.
+   */
+  void report(MemberId id, Nanoseconds next, std::uint32_t open, Nanoseconds wall,
+              std::deque<Nanoseconds> foreseen = {});
   /** @brief Hand @p mail over with the next grant of @p id; nothing if it is not there. */
   void post(MemberId id, Mail mail);
 
@@ -162,6 +175,9 @@ class LockstepRounds {
   std::vector<Grant> nextMicrostep(Nanoseconds wall);
   std::vector<Grant> leap(Nanoseconds wall);
   std::vector<Grant> grant(std::vector<MemberId> ids, Nanoseconds wall);
+  Grant grantOne(MemberId id, MemberState& member, Nanoseconds wall);
+  bool isForeseen(const MemberState& member) const;
+  void takeForeseen(MemberId id, MemberState& member);
   Nanoseconds leapWall(Nanoseconds to) const;
   void moveTo(Nanoseconds to, Nanoseconds wall);
   Nanoseconds nextTime() const;

@@ -44,18 +44,25 @@ std::vector<LockstepSession::Output> LockstepSession::poll(Nanoseconds wall) {
     rounds_.watch(wall_);
     handleEvents();
     if (rounds_.settled()) {
-      applyRound();
-      if (!death_.empty()) {
-        end(death_);
-      }
-      sendGrants(rounds_.decide(wall_));
-      sayGone();
-      handleEvents();
+      finishRound();
     }
     nameMissing();
     dropSilentStrangers();
   }
   return connections_.flush();
+}
+
+/** @brief ... and those after it of which all turns have been told beforehand. */
+void LockstepSession::finishRound() {
+  do {
+    applyRound();
+    if (!death_.empty()) {
+      end(death_);
+    }
+    sendGrants(rounds_.decide(wall_));
+    sayGone();
+    handleEvents();
+  } while (!changed_.empty() && rounds_.settled());
 }
 
 void LockstepSession::applyRound() {
@@ -71,8 +78,8 @@ void LockstepSession::applyRound() {
     Member& member = members_.at(id);
     member.listed = false;
     const bool cancelled = member.dead && !rules_.dead_delivers;
-    if (member.report.frame && !cancelled) {
-      applyReport(id, member);
+    if (member.turn.frame && !cancelled) {
+      applyTurn(id, member);
     }
     if (member.departing) {
       applyDeparture(id);
@@ -86,11 +93,10 @@ void LockstepSession::applyRound() {
   }
 }
 
-void LockstepSession::applyReport(MemberId id, Member& member) {
-  PendingReport pending = std::move(member.report);
-  member.report = PendingReport();
+void LockstepSession::applyTurn(MemberId id, Member& member) {
+  PendingTurn pending = std::exchange(member.turn, PendingTurn());
   try {
-    for (const wire::ReportItem& item : pending.report.items) {
+    for (const wire::ReportItem& item : pending.items) {
       applyItem(id, member, item);
     }
   } catch (const MessageRouter::BadAction& error) {
@@ -140,25 +146,39 @@ void LockstepSession::applyDeparture(MemberId id) {
 }
 
 void LockstepSession::sendGrants(const std::vector<LockstepRounds::Grant>& grants) {
-  std::string items;
   if (!grants.empty()) {
     granted_.clear();
   }
   for (const LockstepRounds::Grant& grant : grants) {
-    items.clear();
-    granted_.push_back(grant.member);
-    for (const Mail& mail : grant.mail) {
-      wire::append(items, mail.item);
-    }
     const auto member = members_.find(grant.member);
-    if (member != members_.end()) {
-      connections_.send(member->second.connection,
-                        wire::encodeGrant({grant.round, grant.time, grant.microstep, {}}, items));
+    if (member == members_.end()) {
+      continue;
+    }
+    if (grant.foreseen) {
+      member->second.turn = std::move(member->second.foreseen.front());
+      member->second.foreseen.pop_front();
+      listChanged(grant.member);
+    } else {
+      sendGrant(grant, member->second);
     }
   }
   if (!rounds_.mailWaiting()) {
     applied_.clear();
   }
+}
+
+void LockstepSession::sendGrant(const LockstepRounds::Grant& grant, Member& member) {
+  std::string items;
+  if (grant.happened) {
+    wire::append(items, wire::Happened{*grant.happened});
+  }
+  for (const Mail& mail : grant.mail) {
+    wire::append(items, mail.item);
+  }
+  granted_.push_back(grant.member);
+  member.foreseen.clear();
+  connections_.send(member.connection,
+                    wire::encodeGrant({grant.round, grant.time, grant.microstep, {}}, items));
 }
 
 ConnectionId LockstepSession::lastAwaited() {

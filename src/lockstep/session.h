@@ -98,11 +98,13 @@ class LockstepSession {
   bool goesOnWithout(MemberId id) const;
 
   void applyRound();
-  void applyReport(MemberId id, Member& member);
+  void applyTurn(MemberId id, Member& member);
   void applyItem(MemberId id, Member& member, const wire::ReportItem& item);
   void applyNote(Member& member, const wire::Note& note);
   void applyDeparture(MemberId id);
+  void finishRound();
   void sendGrants(const std::vector<LockstepRounds::Grant>& grants);
+  void sendGrant(const LockstepRounds::Grant& grant, Member& member);
   void sayGone();
   void handleEvents();
   void handle(const LockstepRounds::Event& event);
@@ -127,12 +129,12 @@ class LockstepSession {
   StatusText text_;
   MessageList messages_;
   RunLabels labels_;
-  std::vector<MemberId> granted_;       // of this round, in this order
-  std::vector<MemberId> changed_;       // have a report or depart, in the order of arrival
-  std::vector<PendingReport> applied_;  // kept while mail points into them
-  std::vector<MemberId> gone_;          // GONE is due after the next grants
-  std::string death_;                   // on_death says that the run ends with it
-  std::string reason_;                  // of the end
+  std::vector<MemberId> granted_;     // of this round, in this order
+  std::vector<MemberId> changed_;     // have a report or depart, in the order of arrival
+  std::vector<PendingTurn> applied_;  // kept while mail points into them
+  std::vector<MemberId> gone_;        // GONE is due after the next grants
+  std::string death_;                 // on_death says that the run ends with it
+  std::string reason_;                // of the end
   bool poll_due_ = false;
 };
 

@@ -5,6 +5,7 @@
 
 #include "clock/number_text.h"
 #include "clock/shown_text.h"
+#include "foreseen.h"
 #include "session.h"
 #include "welcome.h"
 
@@ -224,22 +225,21 @@ void LockstepSession::labelJoin(std::string_view name, bool rank_declared) {
 
 void LockstepSession::takeReport(MemberId id, std::string_view frame) {
   Member& member = members_.at(id);
-  PendingReport pending;
-  pending.frame = std::make_unique<const std::string>(frame);
-  pending.report = std::get<wire::Report>(wire::decodeFromParticipant(*pending.frame));
+  const auto bytes = std::make_shared<const std::string>(frame);
+  auto report = std::get<wire::Report>(wire::decodeFromParticipant(*bytes));
   const LockstepRounds::MemberState& state = *rounds_.find(id);
-  const wire::Report& report = pending.report;
   if (!state.owes || state.round != report.round) {
     throw wire::MalformedFrame("REPORT must be of the round that was granted, " +
                                (state.owes ? std::to_string(state.round) : "none") + ", got " +
                                std::to_string(report.round));
   }
+  Foreseen foreseen = takeForeseen(report, bytes, rounds_.now());
   rounds_.report(id, report.leaving ? kNever : report.next_ns, report.leaving ? 0 : report.open,
-                 wall_);
-  const bool leaving = report.leaving;
-  member.report = std::move(pending);
+                 wall_, std::move(foreseen.instants));
+  member.foreseen = std::move(foreseen.turns);
+  member.turn = {bytes, std::move(report.items)};
   listChanged(id);
-  if (leaving) {
+  if (report.leaving) {
     depart(id, "left");
   }
 }

@@ -86,7 +86,8 @@ class Navigator:
         """Tell where the robot is ``frequency`` times a simulated second while it has a goal; 0 = never."""
         if self._feedback is not None:
             self._feedback.stop()
-        self._feedback = self._simulation.series(self.robot.index, frequency, self._tell_position)
+        self._feedback = self._simulation.series(self.robot.index, frequency, self._tell_position,
+                                                 only_tells=True)
         if self._feedback is not None and self._ledger.active is not None:
             self._feedback.start(self._simulation.now_ns)
 

@@ -40,8 +40,26 @@ class Simulation:
         """Return when the next event is due [ns], or None."""
         return self.queue.next_due_ns()
 
-    def series(self, robot_index, frequency, action):
+    def foresee(self, before_ns, most):
+        """As :meth:`EventQueue.foresee`."""
+        return self.queue.foresee(before_ns, most)
+
+    def tell(self, due_ns, series):
+        """Do beforehand what is foreseen for ``due_ns`` [ns], at which :attr:`now_ns` stands meanwhile."""
+        present_ns, self._now_ns = self._now_ns, due_ns
+        try:
+            for one in series:
+                one.tell(due_ns)
+        finally:
+            self._now_ns = present_ns
+
+    def skip(self, until_ns):
+        """Go on at ``until_ns`` [ns]: what was foreseen up to then has happened."""
+        self.queue.skip(until_ns)
+        self._now_ns = until_ns
+
+    def series(self, robot_index, frequency, action, only_tells=False):
         """Return a :class:`Series` of ``frequency`` [Hz, simulated], not started; None if the frequency is 0."""
         if frequency <= 0.0:
             return None
-        return Series(self.queue, robot_index, max(1, round(1e9 / frequency)), action)
+        return Series(self.queue, robot_index, max(1, round(1e9 / frequency)), action, only_tells)

@@ -43,7 +43,8 @@ class TimedTaskRunner:
         self._durations = durations
         self._on_begin = on_begin
         self._on_progress = on_progress
-        self._progress = simulation.series(robot_index, progress_frequency, self._tell_progress)
+        self._progress = simulation.series(robot_index, progress_frequency, self._tell_progress,
+                                           only_tells=True)
         self._end = None  # the event
         self._began_ns = 0
         self._duration_ns = 0

@@ -80,7 +80,7 @@ class Host:
     def tf_heartbeat(self, frequency, rate_cap):
         """Return the heartbeat of tf with ``frequency`` [Hz, simulated] and at most ``rate_cap`` [Hz, wall]."""
         if (frequency, rate_cap) not in self._tf_heartbeats:
-            self._tf_heartbeats[frequency, rate_cap] = Heartbeat(self, frequency, rate_cap)
+            self._tf_heartbeats[frequency, rate_cap] = Heartbeat(self, frequency, rate_cap, only_tells=True)
         return self._tf_heartbeats[frequency, rate_cap]
 
     def throttle(self, rate):
@@ -95,13 +95,13 @@ class Host:
 class Heartbeat:
     """Calls all its members ``frequency`` times a simulated second, at most ``rate_cap`` times a wall second."""
 
-    def __init__(self, host, frequency, rate_cap):
+    def __init__(self, host, frequency, rate_cap, only_tells=False):
         self._clock = host.clock
         self._batch = host.timing.batch
         self._members = []
         self._throttle = host.throttle(rate_cap)
         with self._clock.lock:
-            series = self._clock.simulation.series(_SHARED_INDEX, frequency, self._beat)
+            series = self._clock.simulation.series(_SHARED_INDEX, frequency, self._beat, only_tells)
             if series is not None:
                 series.start(self._clock.now_ns())
 

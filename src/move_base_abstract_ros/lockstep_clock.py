@@ -7,6 +7,8 @@ import threading
 
 from move_base_abstract.simulation import Simulation
 
+from . import beforehand
+
 
 class LockstepClock:
     """Drives one :class:`Simulation` by the time master's grants. It is the participant's source of events.
@@ -45,7 +47,8 @@ class LockstepClock:
         So what the robots do by themselves comes before what they are told at the same instant, as in the plain
         Python fleet.
         """
-        self.simulation.advance(self.participant.now_ns)
+        if not beforehand.is_now():
+            self.simulation.advance(self.participant.now_ns)
         return self.simulation.now_ns
 
     def look_ns(self):
@@ -71,6 +74,21 @@ class LockstepClock:
     def next_due_ns(self):
         """Return when the next event is due [ns], or None."""
         return self.simulation.next_due_ns()
+
+    def foresee(self, before_ns, most):
+        """As :meth:`EventQueue.foresee`."""
+        with self.lock:
+            return self.simulation.foresee(before_ns, most)
+
+    def tell(self, due_ns, series):
+        """Do beforehand what is foreseen for ``due_ns`` [ns]."""
+        with self.lock:
+            self.simulation.tell(due_ns, series)
+
+    def skip(self, until_ns):
+        """Take what was foreseen up to ``until_ns`` [ns] as having happened."""
+        with self.lock:
+            self.simulation.skip(until_ns)
 
     def run(self, now_ns):
         """Let everything happen that is due up to ``now_ns`` [ns]."""

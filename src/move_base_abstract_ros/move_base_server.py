@@ -8,7 +8,7 @@ from move_base_abstract.recovery import RecoveryPolicy
 from move_base_abstract.robot_parts import make_robot_parts
 from move_base_abstract.robot_trace import RobotTrace
 
-from . import backends, lockstep, robot_markers, tf_watch
+from . import backends, beforehand, lockstep, robot_markers, tf_watch
 from .costmap_topics import CostmapTopics
 from .goal_server import GoalServer
 from .packing import InFrame
@@ -158,6 +158,7 @@ class MoveBaseServer(NavigatorListener):
             return self._clock.wall_to_ns(_DEAF_SECONDS)
         told = (record.goal_id, stamp_ns)
         if self._feedback_throttle.ready() or (is_last and told != self._told):
+            beforehand.changes(self, '_told')
             self._told = told
             self._goal_server.publish_feedback(
                 record, self._in_global_frame.pose_stamped(0, pose, stamp_ns), stamp_ns)

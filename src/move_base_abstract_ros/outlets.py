@@ -7,6 +7,8 @@ import threading
 
 import rospy
 
+from . import beforehand
+
 
 class _Header:
     """What rospy writes a message's number into."""
@@ -53,10 +55,13 @@ class Outlet:
         try:
             connections = impl.connections
             if len(connections) == 1 and hasattr(connections[0], 'write_message') and not impl.closed:
+                beforehand.changes(impl, 'seq')
                 impl.seq += 1
                 data = pack(impl.seq)
                 impl.message_data_sent += len(data)
                 connections[0].write_message(data)
+            elif beforehand.is_now():
+                raise beforehand.NotForeseeable(impl.resolved_name)
             else:
                 impl.publish(Packed(pack))
         finally:
@@ -89,12 +94,15 @@ class LatchedOutlet(rospy.SubscribeListener):
 
     def show(self, *shown):
         """Send ``make(*shown)`` if anybody listens, and keep it for those who come later."""
+        beforehand.changes(self, '_shown')
+        beforehand.changes(self, '_sent')
         self._shown, self._sent = shown, None
         if self.is_heard():
             self._outlet.send(self._make(*shown))
 
     def send(self, pack):
         """Send what ``pack`` makes, and keep it for those who come later."""
+        beforehand.changes(self, '_sent')
         self._sent = pack
         self._outlet.send(pack)
 
@@ -121,6 +129,7 @@ class LatchedOutlets:
 
     def show(self, *shown):
         """Send what was shown to those who listen, in the order in which the topics came, and keep it for others."""
+        beforehand.changes(self, '_shown')
         self._shown = shown
         if self._is_heard:
             for outlet in self._outlets:

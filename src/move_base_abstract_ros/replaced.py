@@ -64,6 +64,8 @@ _ROWS = (
         'has what comes from outside wait for the next grant', ('8edd5c500e8a',)),
     Row('rospy.topics._PublisherImpl.add_connection', LOCKSTEP,
         'refuses connections among participants: their messages go through the time master', ('11f18204b563',)),
+    Row('rospy.topics._PublisherImpl.publish', LOCKSTEP,
+        'counts the messages of participants only, so that no onlooker changes a header', ('9486c44240ef',)),
     Row('rospy.impl.tcpros_pubsub.TCPROSHandler.create_transport', LOCKSTEP,
         'makes no connections to participants', ('d7554043c626',)),
     Row('rospy.topics._TopicImpl.get_num_connections', LOCKSTEP,

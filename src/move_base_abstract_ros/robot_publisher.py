@@ -23,7 +23,8 @@ class RobotPublisher:
         self._current_goal = Outlet(names.own('current_goal'), PoseStamped, queue_size=0)
         self._cmd_vel = Outlet(names.topic('cmd_vel'), Twist, queue_size=10)
         self._recovery = rospy.Publisher(names.action('recovery_status'), RecoveryStatus, queue_size=1)
-        self._updates = simulation.series(robot.index, settings.values['pose_update_freq'], self._update)
+        self._updates = simulation.series(robot.index, settings.values['pose_update_freq'], self._update,
+                                          only_tells=True)
         self._updates_beat = settings.values['pose_update_freq'] >= settings.values['tf_heartbeat_freq']
         self._heartbeat = host.tf_heartbeat(settings.values['tf_heartbeat_freq'], settings.values['max_pose_rate'])
         self._heartbeat.add(self._beat)

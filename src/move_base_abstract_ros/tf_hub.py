@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import rospy
 from tf2_msgs.msg import TFMessage
 
-from . import packing
+from . import beforehand, packing
 from .outlets import Outlet, Packed
 
 
@@ -26,6 +26,7 @@ class _Hub(rospy.SubscribeListener):
     def send(self, key, make):
         with self._lock:
             if self._latest is not None:
+                beforehand.changes_entry(self._latest, key)
                 self._latest[key] = make
             if self._collected is None:
                 self._publish([make])

@@ -144,6 +144,7 @@ class Membership {
   void handle(const wire::End& frame);
   void take(const wire::Answer& item);
   void take(const wire::Found& item);
+  void take(const wire::Happened&) {}  // it foresees nothing
   template <class Item>
   void take(const Item& item) {
     program_.handle(item);

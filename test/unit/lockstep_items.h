@@ -36,6 +36,9 @@ std::string itemText(const wire::GrantItem& item, const Who& who) {
   if (const auto* a = std::get_if<wire::Answer>(&item)) {
     return "answer " + s(a->number) + " " + s(static_cast<std::uint64_t>(a->status));
   }
+  if (const auto* a = std::get_if<wire::Happened>(&item)) {
+    return "happened " + s(a->count);
+  }
   return "found " + std::string(std::get<wire::Found>(item).service);
 }
 

@@ -95,6 +95,7 @@ class Script {
     stir(item.number + static_cast<std::uint64_t>(item.status));
   }
   void take(const wire::Found&) {}
+  void take(const wire::Happened&) {}
 
   void act(bool first) {
     for (std::uint32_t k = first ? 4 : below(2) * below(4); k > 0; --k) {

@@ -40,17 +40,19 @@ Report richReport() {
                   Response{4, 5, true, ""},
                   Log{2, "robot_2", "arrived", "[1.5]"},
                   Note{NoteKind::kDegraded, "\xC3\xA9t\xC3\xA9 \xF0\x9F\x98\x80"},
-                  Watch{"/s"}};
+                  Watch{"/s"},
+                  At{2}};
   return report;
 }
 
 Grant richGrant() {
-  return {17,
-          kNever,
-          3,
-          {Publisher{1, 2, "a/Type", "0123", true, "string data"}, NoPublisher{1, 2},
-           Subscriber{1, 3}, NoSubscriber{1, 3}, Deliver{1, 2, "payload"},
-           CallIn{4, 2, 9, "request"}, Answer{9, CallStatus::kServerGone, ""}, Found{"/s"}}};
+  return {
+      17,
+      kNever,
+      3,
+      {Publisher{1, 2, "a/Type", "0123", true, "string data"}, NoPublisher{1, 2}, Subscriber{1, 3},
+       NoSubscriber{1, 3}, Deliver{1, 2, "payload"}, CallIn{4, 2, 9, "request"},
+       Answer{9, CallStatus::kServerGone, ""}, Found{"/s"}, Happened{5}}};
 }
 
 TEST(Wire, BytesOfAReportAreAsDescribed) {
@@ -164,7 +166,7 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
     return up(frame.substr(4));
   };
   const std::size_t items = 4 + 1 + 8 + 1 + 8 + 4;
-  EXPECT_NE(patched(Unserve{1}, items, '\x0D').find("kind of item must be from 1 to 12, got 13"),
+  EXPECT_NE(patched(Unserve{1}, items, '\x0E').find("kind of item must be from 1 to 13, got 14"),
             std::string::npos);
   EXPECT_NE(patched(Unserve{1}, items, '\0').find("got 0"), std::string::npos);
   EXPECT_NE(patched(Note{}, items + 1, '\x04').find("NOTE: what must be from 1 to 3, got 4"),

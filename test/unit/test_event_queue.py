@@ -212,3 +212,58 @@ def test_any_leaps_give_one_call_each_on_the_first_multiple_still_due(period_ns,
     trace = SeriesTrace(period_ns, first_ns)
     assert trace.run(*sorted(instants)) == expected
     assert trace.queue.next_due_ns() == multiple
+
+
+# ---- what is foreseen
+
+SERIES = st.lists(st.tuples(st.integers(1, 9), st.integers(0, 3), st.integers(0, 12)), min_size=1, max_size=6)
+OTHERS = st.lists(st.tuples(TIMES, st.integers(0, 3)), max_size=4)
+
+
+def told_by(series, others):
+    """Return a trace with telling series (period, robot, first) and other events (due, robot)."""
+    trace = Trace()
+    for number, (period_ns, robot_index, first_ns) in enumerate(series):
+        def tell(due, now, number=number):
+            trace.lines.append((due, now, number))
+        Series(trace.queue, robot_index, period_ns, tell, only_tells=True).start(first_ns)
+    for due_ns, robot_index in others:
+        trace.schedule(due_ns, robot_index, 'other')
+    return trace
+
+
+def instant_by_instant(trace, until_ns):
+    while trace.queue.next_due_ns() is not None and trace.queue.next_due_ns() <= until_ns:
+        trace.queue.run_until(trace.queue.next_due_ns())
+
+
+@given(SERIES, OTHERS, st.integers(0, 60), st.integers(1, 20), st.data())
+def test_what_is_foreseen_is_what_happens_whatever_part_of_it_comes_to_pass(series, others, before_ns, most, data):
+    live, foreseeing = told_by(series, others), told_by(series, others)
+    instants, after_ns = foreseeing.queue.foresee(before_ns, most)
+    assert all(due_ns < after_ns <= before_ns for due_ns, _ in instants)
+    assert len(instants) <= most
+    assert all(due_ns < min([before_ns, *(due for due, _robot in others)]) for due_ns, _ in instants)
+    for due_ns, tellers in instants:
+        for teller in tellers:
+            teller.tell(due_ns)
+    told, foreseeing.lines = foreseeing.lines, []
+    passed = data.draw(st.integers(0, len(instants)))
+    if passed:
+        until_ns = instants[passed - 1][0]
+        foreseeing.lines = [line for line in told if line[0] <= until_ns]
+        foreseeing.queue.skip(until_ns)
+    instant_by_instant(live, 60)
+    instant_by_instant(foreseeing, 60)
+    assert foreseeing.lines == live.lines
+    assert live.lines[:len(told)] == told
+
+
+def test_foreseeing_goes_on_up_to_the_first_event_of_another_kind():
+    trace = told_by([(10, 1, 10), (20, 0, 20)], [(40, 5)])
+    for before_ns, most, foreseen in ((1000, 100, ([10, 20, 30], 40)), (30, 100, ([10, 20], 30)), (1000, 1, ([10], 20)),
+                                      (10, 100, ([], 10))):
+        instants, after_ns = trace.queue.foresee(before_ns, most)
+        assert ([due_ns for due_ns, _ in instants], after_ns) == foreseen
+    assert [len(series) for _, series in trace.queue.foresee(1000, 100)[0]] == [1, 2, 1]
+    assert trace.lines == []

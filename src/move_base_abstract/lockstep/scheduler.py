@@ -211,12 +211,21 @@ class Scheduler:
 
     def next_ns(self):
         """Return the earliest instant at which somebody wants to go on [ns], or NEVER."""
+        return min(self.next_besides_source_ns(), self._source_due_ns())
+
+    def next_besides_source_ns(self):
+        """Return the same of all but the source of events."""
         if self._next_round:
             return self.now_ns
         sleepers = self._sleepers
         while sleepers and not _is_current(sleepers[0]):
             heapq.heappop(sleepers)
-        return min(sleepers[0][0] if sleepers else NEVER, self._source_due_ns())
+        return sleepers[0][0] if sleepers else NEVER
+
+    @property
+    def can_foresee(self):
+        """Whether the source of events is all that has something to do by itself, and is at rest."""
+        return not (self._is_source_busy or self._outside or self._next_round)
 
     # --- passing the turn -------------------------------------------------------------------------------------------
 

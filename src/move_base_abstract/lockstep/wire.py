@@ -28,7 +28,7 @@ WELCOME, MEMBER, GONE, GRANT, END = _numbers(FRAMES, 'WELCOME MEMBER GONE GRANT 
 # Of items, those that somebody asks for: the first byte of an item.
 SEND, CALL, RESPONSE = _numbers(ITEMS, 'SEND CALL RESPONSE')
 PUBLISHER, NO_PUBLISHER, SUBSCRIBER, NO_SUBSCRIBER = _numbers(ITEMS, 'PUBLISHER NO_PUBLISHER SUBSCRIBER NO_SUBSCRIBER')
-DELIVER, CALL_IN, ANSWER, FOUND = _numbers(ITEMS, 'DELIVER CALL_IN ANSWER FOUND')
+DELIVER, CALL_IN, ANSWER, FOUND, HAPPENED = _numbers(ITEMS, 'DELIVER CALL_IN ANSWER FOUND HAPPENED')
 
 _CODES = {'u8': 'B', 'u32': 'I', 'u64': 'Q', 'i32': 'i', 'flag': '?', 'instant': 'q'}
 _CODES.update((name, 'B') for name in wire_format.CHOICES)
@@ -113,7 +113,7 @@ advertise, unadvertise = _item('ADVERTISE'), _item('UNADVERTISE')
 subscribe, unsubscribe = _item('SUBSCRIBE'), _item('UNSUBSCRIBE')
 serve, unserve = _item('SERVE'), _item('UNSERVE')
 send, call, response = _item('SEND'), _item('CALL'), _item('RESPONSE')
-log, note, watch = _item('LOG'), _item('NOTE'), _item('WATCH')
+log, note, watch, at = _item('LOG'), _item('NOTE'), _item('WATCH'), _item('AT')
 
 _hello = _writer('hello', FRAMES['HELLO'].fields)
 _report = _writer('report', ('u32 length', 'u8 type') + FRAMES['REPORT'].fields)

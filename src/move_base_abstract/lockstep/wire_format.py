@@ -86,6 +86,7 @@ REPORT_ITEMS = (
                        'text values')),  # a JSON array
     Layout(11, 'NOTE', ('NoteKind what', 'text text')),
     Layout(12, 'WATCH', ('text service',)),  # its name
+    Layout(13, 'AT', ('instant time_ns',)),  # simulated; of the turn in which what follows is sent
 )
 
 #: what a grant contains; `topic` and `service` are the numbers of the participant that gets the grant
@@ -104,4 +105,5 @@ GRANT_ITEMS = (
                           'bytes request')),
     Layout(7, 'ANSWER', ('u32 number', 'CallStatus status', 'bytes bytes')),
     Layout(8, 'FOUND', ('text service',)),  # its name
+    Layout(9, 'HAPPENED', ('u32 count',)),  # so many of the turns that the latest report told beforehand
 )

@@ -4,7 +4,7 @@ from nav_msgs.msg import Odometry
 
 from move_base_abstract.geometry import Pose2D
 
-from .. import tf_hub
+from .. import beforehand, tf_hub
 from ..outlets import LatchedOutlets
 from ..packing import InFrame
 
@@ -43,6 +43,8 @@ class BuiltinBackend:
             if pose == self._tf_pose:
                 return
             stamp_ns = self._tf_stamp_ns + 1
+        beforehand.changes(self, '_tf_stamp_ns')
+        beforehand.changes(self, '_tf_pose')
         self._tf_stamp_ns, self._tf_pose = stamp_ns, pose
         tf_hub.send(self._base_frame, lambda: self._transforms(pose, stamp_ns))
 

@@ -16,8 +16,9 @@ from move_base_abstract.lockstep.secret import run_secret
 from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
 from .connection import Closed, Connection
+from .foresight import Foresight
 from .services import Services
-from .topics import Topics
+from .topics import Topics, sender
 
 _SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
 
@@ -63,6 +64,7 @@ class Participant:
         self._items = []
         self.charge = charge
         self._is_charged = type(charge) is not NoCharge
+        self._foresight = None
         self._is_granted = False
         self.is_starting = True
         self._told = ''
@@ -71,7 +73,8 @@ class Participant:
         self._handlers = {wire.PUBLISHER: self.topics.on_publisher, wire.NO_PUBLISHER: self.topics.on_no_publisher,
                           wire.SUBSCRIBER: self.topics.on_subscriber, wire.NO_SUBSCRIBER: self.topics.on_no_subscriber,
                           wire.DELIVER: self.topics.on_deliver, wire.CALL_IN: self.services.on_called,
-                          wire.ANSWER: self.services.on_answered, wire.FOUND: self.services.on_found}
+                          wire.ANSWER: self.services.on_answered, wire.FOUND: self.services.on_found,
+                          wire.HAPPENED: self._on_happened}
 
     # --- what users call --------------------------------------------------------------------------------------------
 
@@ -114,8 +117,13 @@ class Participant:
             raise rospy.ROSInterruptException('lockstep has ended') from None
 
     def set_source(self, source):
-        """Have events driven by the grants: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``."""
+        """Have events driven by the grants: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``.
+
+        One that can tell some of them beforehand has what :class:`.Foresight` asks for.
+        """
         self.scheduler.set_source(source)
+        if not self._is_charged and hasattr(source, 'foresee') and rospy.get_param('~foresee', True) is not False:
+            self._foresight = Foresight(source)
 
     def serve(self):
         """Let callbacks and events go on without the calling thread, which does nothing more by itself."""
@@ -187,7 +195,7 @@ class Participant:
     def exchange(self):
         """Report and wait for the next grant; return what is to be done in it, in order (for the scheduler)."""
         deferred = self.let_time_pass()
-        self._report(self.now_ns if deferred else self.scheduler.next_ns())
+        self._report(self.now_ns if deferred else self.scheduler.next_ns(), may_foresee=not deferred)
         return deferred + self._await_grant()
 
     def let_time_pass(self):
@@ -220,7 +228,7 @@ class Participant:
         self._items.clear()
         return items
 
-    def _report(self, next_ns):
+    def _report(self, next_ns, may_foresee=False):
         waits = self.scheduler.open_waits
         if waits and next_ns == wire.NEVER:
             told = ', '.join('{} waits for {}'.format(task.name, task.waits_for or 'another thread') for task in waits)
@@ -230,6 +238,9 @@ class Participant:
             self._told = told
             self._items.append(wire.note(wire.NoteKind.WAITS_FOR, told))
         self._is_granted = self.is_starting = False
+        if may_foresee and self._foresight is not None and self.scheduler.can_foresee and next_ns > self.now_ns:
+            with sender(None):
+                next_ns = self._foresight.tell(self.scheduler.next_besides_source_ns(), self._items)
         try:
             self.connection.send(wire.report(self._round, False, next_ns, len(waits), self._take_items()))
         except Closed as error:
@@ -259,6 +270,10 @@ class Participant:
             if action is not None:
                 actions.append(action)
         return actions
+
+    def _on_happened(self, count):
+        """At once, before all else: what was told beforehand, and has not happened, is taken back."""
+        self._foresight.came_to_pass(count)
 
     def _told_of_members(self, kind, body):
         if kind == wire.END:

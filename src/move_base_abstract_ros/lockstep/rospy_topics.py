@@ -50,6 +50,19 @@ def _replace_connecting(topics):
             return add_connection(self, connection)
         return _add_connection
 
+    def publishing(publish):
+        def _publish(self, message, connection_override=None):
+            receivers = self.connections if connection_override is None else (connection_override,)
+            if any(map(topics.is_link, receivers)):
+                return publish(self, message, connection_override)
+            with self.publock:
+                number = self.seq
+                try:
+                    return publish(self, message, connection_override)
+                finally:
+                    self.seq = number
+        return _publish
+
     def creating(create_transport):
         def _create_transport(self, resolved_name, pub_uri, protocol_params):
             if resolved_name not in topics.excluded and pub_uri in participant.uris.values():
@@ -58,6 +71,7 @@ def _replace_connecting(topics):
         return _create_transport
 
     replace('rospy.topics._PublisherImpl.add_connection', adding)
+    replace('rospy.topics._PublisherImpl.publish', publishing)
     replace('rospy.impl.tcpros_pubsub.TCPROSHandler.create_transport', creating)
 
 
