@@ -33,7 +33,9 @@ LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds w
       missing_due_(settings.participants.empty() ? kNever : wall + kMissingGap),
       last_id_(static_cast<MemberId>(settings.participants.size())),
       text_(rounds_, members_),
-      labels_(messages_) {}
+      labels_(messages_) {
+  keepEnd();
+}
 
 // ---- the end of a round ----------------------------------------------------------------------
 
@@ -58,6 +60,8 @@ void LockstepSession::finishRound() {
     applyRound();
     if (!death_.empty()) {
       end(death_);
+    } else if (!left_.empty()) {
+      endAsWished(left_);
     }
     sendGrants(rounds_.decide(wall_));
     sayGone();
@@ -136,6 +140,13 @@ void LockstepSession::applyDeparture(MemberId id) {
   if (!member.dead) {
     messages_.say(Level::kInfo,
                   text_.quoted(id) + " " + member.how + (rounds_.started() ? text_.at() : ""));
+  }
+  const auto& last = settings_.end_with;
+  if (rounds_.started() && std::find(last.begin(), last.end(), member.name) != last.end()) {
+    std::string& why = member.dead ? death_ : left_;
+    why = why.empty()
+              ? text_.quoted(id) + " " + member.how + text_.at() + ", and the run ends with it"
+              : why;
   }
   router_.remove(id, member.actions);
   if (!member.dead || rules_.dead_not_awaited) {
@@ -231,6 +242,9 @@ void LockstepSession::handle(const LockstepRounds::Event& event) {
       break;
     case Kind::kTargetReached:
       messages_.say(Level::kDebug, "reached " + secondsText(rounds_.now()) + ", paused");
+      if (settings_.end_at != 0.0 && rounds_.now() >= toNanoseconds(settings_.end_at)) {
+        endAsWished("the run was to end" + text_.at());
+      }
       break;
     case Kind::kIdle:
     case Kind::kDeadlock:
@@ -266,8 +280,10 @@ void LockstepSession::handleStandstill(const LockstepRounds::Event& event) {
   } else {
     messages_.say(event.kind == Kind::kDeadlock ? Level::kWarn : Level::kError, reason());
   }
-  if (settings_.end_when_idle && event.kind != Kind::kZeroDelayLoop) {
-    end(event.kind == Kind::kIdle ? "idle" + text_.at() + ": nobody wants to wake up" : reason());
+  if (settings_.end_when_idle && event.kind == Kind::kIdle) {
+    endAsWished("idle" + text_.at() + ": nobody wants to wake up");
+  } else if (settings_.end_when_idle && event.kind == Kind::kDeadlock) {
+    end(reason());
   }
 }
 
@@ -301,23 +317,39 @@ void LockstepSession::pause() {
 
 void LockstepSession::resume() {
   rounds_.resume();
+  keepEnd();
   poll_due_ = true;
 }
 
 Nanoseconds LockstepSession::step(Nanoseconds duration) {
   const Nanoseconds target = rounds_.step(duration);
+  keepEnd();
   poll_due_ = true;
   return target;
 }
 
 void LockstepSession::runUntil(Nanoseconds target) {
   rounds_.runUntil(target);
+  keepEnd();
   poll_due_ = true;
 }
 
 void LockstepSession::setLimit(double factor) {
   rounds_.setLimit(factor);
   poll_due_ = true;
+}
+
+/** @brief Time does not leap over end_at, whatever else the gate is told. */
+void LockstepSession::keepEnd() {
+  const Nanoseconds end = toNanoseconds(settings_.end_at);
+  if (end != 0 && !rounds_.paused() && rounds_.target().value_or(kNever) > end) {
+    rounds_.runUntil(end);
+  }
+}
+
+void LockstepSession::endAsWished(const std::string& reason) {
+  ended_as_wished_ = !rounds_.ended();
+  end(reason);
 }
 
 void LockstepSession::end(const std::string& reason) {
@@ -349,6 +381,7 @@ LockstepStatus LockstepSession::status() const {
   status.not_repeatable = labels_.notRepeatable();
   status.degraded = labels_.degraded();
   status.reason = reason();
+  status.ended_as_wished = ended_as_wished_;
   status.limit = rounds_.limit();
   status.run_until = rounds_.target();
   status.rounds = rounds_.rounds();

@@ -111,6 +111,8 @@ class LockstepSession {
   void handleSilence(const LockstepRounds::Event& event);
   void handleStandstill(const LockstepRounds::Event& event);
   void nameMissing();
+  void keepEnd();
+  void endAsWished(const std::string& reason);
   std::string reason() const;
 
   const LockstepSettings settings_;
@@ -134,7 +136,9 @@ class LockstepSession {
   std::vector<PendingTurn> applied_;  // kept while mail points into them
   std::vector<MemberId> gone_;        // GONE is due after the next grants
   std::string death_;                 // on_death says that the run ends with it
-  std::string reason_;                // of the end
+  std::string left_;                  // end_with says that the run ends with who left
+  bool ended_as_wished_ = false;
+  std::string reason_;  // of the end
   bool poll_due_ = false;
 };
 

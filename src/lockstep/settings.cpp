@@ -40,6 +40,10 @@ FactorUnits checkedLimit(double factor) {
 LockstepSettings checkedSettings(LockstepSettings settings) {
   checked("start_time", settings.start_time, 1e-6, 2e9, " s");
   checked("settle", settings.settle, 0.0, 3600.0, " s of wall time");
+  if (settings.end_at != 0.0) {
+    checked("end_at", settings.end_at, settings.start_time, 1e-9 * TimeMaster::kLastInstant,
+            " s (or 0 for no end)");
+  }
   if (settings.silence_limit != 0.0) {
     checked("silence_limit", settings.silence_limit, 0.001, 86400.0,
             " s of wall time (or 0 for any)");

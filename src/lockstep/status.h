@@ -44,6 +44,7 @@ struct LockstepStatus {
   std::vector<std::string> not_repeatable;  // why; empty: the run is repeatable
   std::vector<std::string> degraded;        // why
   std::string reason;                       // of deadlock, zero-delay loop and end: who and why
+  bool ended_as_wished;                     // as end_when_idle, end_at or end_with say
   double limit;                             // 0: none
   std::optional<Nanoseconds> run_until;     // simulated
   std::uint64_t rounds;

@@ -157,9 +157,9 @@ void LockstepMode::lookForEnd(const LockstepStatus& status) {
   if (!gone.empty()) {
     ended_ = End{false, gone};
   } else if (status.phase == LockstepPhase::kEnded) {
-    // Nobody but the session itself ends it before finish(): idle as wished, else by a death or a
+    // Nobody but the session itself ends it before finish(): as wished, else by a death or a
     // deadlock.
-    ended_ = End{status.reason.rfind("idle", 0) == 0, status.reason};
+    ended_ = End{status.ended_as_wished, status.reason};
   }
 }
 

@@ -251,22 +251,33 @@ inline void checkRange(const char* key, double value, double low, double high, c
 }
 
 /** @return the names of nodes, those without a leading '/' below the root. */
-inline std::vector<std::string> absoluteNames(const std::vector<std::string>& names) {
+inline std::vector<std::string> absoluteNames(const std::string& key,
+                                              const std::vector<std::string>& names) {
   std::vector<std::string> absolute;
   for (const std::string& name : names) {
     std::string error;
     if (name.empty() || name == "/" || !ros::names::validate(name, error) || name[0] == '~') {
-      throw std::invalid_argument("participants must be a list of node names, got '" + shown(name) +
-                                  "'" + (error.empty() ? "" : " (" + shown(error) + ")"));
+      throw std::invalid_argument(key + " must be a list of node names, got '" + shown(name) + "'" +
+                                  (error.empty() ? "" : " (" + shown(error) + ")"));
     }
     const std::string full = ros::names::clean(name[0] == '/' ? name : "/" + name);
     if (std::find(absolute.begin(), absolute.end(), full) != absolute.end()) {
-      throw std::invalid_argument("participants must name each node once, got '" + full +
-                                  "' twice");
+      throw std::invalid_argument(key + " must name each node once, got '" + full + "' twice");
     }
     absolute.push_back(full);
   }
   return absolute;
+}
+
+inline void readEnd(ParameterReader& reader, NodeParameters& parameters) {
+  LockstepSettings& lockstep = parameters.lockstep;
+  reader.read("end_at", lockstep.end_at);
+  reader.read("end_with", lockstep.end_with);
+  lockstep.end_with = absoluteNames("end_with", lockstep.end_with);
+  if (lockstep.end_at != 0.0) {
+    checkRange("end_at", lockstep.end_at, parameters.master.start_time,
+               1e-9 * TimeMaster::kLastInstant, " s, not before start_time, or 0 for no end");
+  }
 }
 
 inline void readLockstepParameters(ParameterReader& reader, NodeParameters& parameters) {
@@ -281,6 +292,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.choose("on_death", {{"go_on", OnDeath::kGoOn}, {"end", OnDeath::kEnd}}, lockstep.on_death);
   reader.read("max_microsteps", max_microsteps);
   reader.read("end_when_idle", lockstep.end_when_idle);
+  readEnd(reader, parameters);
   reader.read("log_messages", lockstep.log_messages);
   reader.read("sim_time_factor_is_limit", parameters.sim_time_factor_is_limit);
   reader.read("lockstep_port", parameters.lockstep_port);
@@ -290,7 +302,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("lockstep_secret_file", secret_file);
   lockstep.secret = runSecret(secret, secret_file);
   lockstep.excluded_topics = readExcludedTopics(reader);
-  lockstep.participants = absoluteNames(lockstep.participants);
+  lockstep.participants = absoluteNames("participants", lockstep.participants);
   checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
   if (lockstep.limit != 0.0) {
     checkRange("speed_limit", lockstep.limit, TimeMaster::kSmallestFactor,

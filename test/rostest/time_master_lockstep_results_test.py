@@ -175,6 +175,15 @@ class LockstepResultsTest(LockstepCase):
         self.assertIn('idle', end['reason'])
         self.assertFalse(self.master.hasParam('/time_master/lockstep_address'))
 
+    def test_the_run_ends_at_its_end_or_with_who_leaves(self):
+        self.start(participants=['/a'], end_at=2.5)
+        self.join('/a').turn(next_ns=3 * START)
+        self.assertEqual(self.process.wait(GUARD), 0, self.output())
+        self.launch(mode='lockstep', participants=['/a'], end_with=['a'])
+        self.address = self.address_now()
+        self.join('/a').turn(leaving=True)
+        self.assertEqual(self.process.wait(GUARD), 0, self.output())
+
     def test_a_deadlock_is_no_good_end(self):
         self.start(participants=['/a'], end_when_idle=True)
         client = self.join('/a')

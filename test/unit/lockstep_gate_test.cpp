@@ -76,6 +76,28 @@ TEST(Gate, ATargetIsReachedAlsoWhenEverybodyIsIdle) {
   EXPECT_EQ(alone.point(1), "2000+1");  // input from outside while it is paused
 }
 
+TEST(Gate, TheRunEndsAtItsEndWhateverElseTheGateIsTold) {
+  LockstepSettings settings = named({"/a"});
+  settings.end_at = 2.5;
+  Alone alone(2 * kOne, settings);
+  alone.session.pause();
+  alone.session.resume();
+  alone.session.runUntil(100 * kOne);
+  alone.grant(1);
+  alone.session.step(50 * kOne);
+  alone.report(1, 3 * kOne);
+  EXPECT_EQ(alone.phase(), "ended");
+  EXPECT_EQ(alone.session.now(), 2'500'000'000);
+  EXPECT_EQ(alone.end[1], "the run was to end at 2.5 s");
+  EXPECT_TRUE(alone.session.status().ended_as_wished);
+}
+
+TEST(Gate, AnEndBeforeTheStartIsRefused) {
+  LockstepSettings settings = named({"/a"});
+  settings.end_at = 0.5;
+  EXPECT_THROW(Stage stage(settings), std::invalid_argument);
+}
+
 TEST(Gate, StepsAddUpFromTheTargetOfOneThatIsUnderWay) {
   Alone alone(2 * kOne);
   EXPECT_EQ(alone.session.step(5 * kOne), 6 * kOne + 1 * kOne);

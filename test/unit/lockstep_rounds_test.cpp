@@ -265,6 +265,51 @@ TEST(Standstill, IdleEndsTheRunIfSoConfigured) {
   EXPECT_EQ(alone.phase(), "ended");
   EXPECT_EQ(alone.end[1], "idle at 1 s: nobody wants to wake up");
   EXPECT_TRUE(alone.closed[1]);
+  EXPECT_TRUE(alone.session.status().ended_as_wished);
+}
+
+class EndWith : public Stage {
+ public:
+  EndWith() : Stage(settings()) {
+    join(1, "/a");
+    join(2, "/b");
+    grant(1);
+    grant(2);
+  }
+
+ private:
+  static LockstepSettings settings() {
+    LockstepSettings settings = named({"/a", "/b"});
+    settings.end_with = {"/b"};
+    return settings;
+  }
+};
+
+TEST(Standstill, TheRunEndsWithTheRoundInWhichANamedParticipantLeaves) {
+  EndWith stage;
+  stage.leave(2);
+  EXPECT_EQ(stage.phase(), "running");  // the other one's report of this round counts
+  stage.report(1, 2 * kOne, {wire::Log{0, "r", "done", "[]"}});
+  EXPECT_EQ(stage.phase(), "ended");
+  EXPECT_EQ(stage.end[1], "'/b' left at 1 s, and the run ends with it");
+  EXPECT_EQ(stage.session.takeLog().size(), 1U);
+  EXPECT_TRUE(stage.session.status().ended_as_wished);
+}
+
+TEST(Standstill, TheDeathOfANamedParticipantIsNoGoodEnd) {
+  EndWith stage;
+  stage.report(1, 2 * kOne);
+  stage.cut(2);
+  stage.poll();
+  EXPECT_EQ(stage.phase(), "ended");
+  EXPECT_FALSE(stage.session.status().ended_as_wished);
+}
+
+TEST(Standstill, AnotherParticipantThatLeavesEndsNothing) {
+  EndWith stage;
+  stage.leave(1);
+  stage.report(2, 2 * kOne);
+  EXPECT_EQ(stage.point(2), "2000+0");
 }
 
 }  // namespace

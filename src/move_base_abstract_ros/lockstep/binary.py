@@ -3,8 +3,10 @@
 docs/lockstep_roscpp.md says what is exact then.
 """
 import os
+import shutil
 import stat
 import struct
+import subprocess
 import sys
 
 SHIM = 'libmove_base_abstract_roscpp_shim.so'
@@ -38,7 +40,7 @@ def prepare(path, rank, sleep, environment):
     needed = needed_libraries(path)
     if any(name.startswith(_PARTICIPANT) for name in needed):
         return dict(environment)  # it takes part by itself
-    if not any(name.startswith(_ROSCPP) for name in needed):
+    if not links_to_roscpp(path):
         raise ValueError("'{}' is no roscpp program: it needs {}, but not {}; programs that it starts can be given "
                          'themselves'.format(path, ', '.join(needed) or 'no library (it is static)', _ROSCPP))
     if os.stat(path).st_mode & (stat.S_ISUID | stat.S_ISGID):
@@ -68,6 +70,19 @@ def find_shim(environment):
             return path
     raise ValueError('{} is in none of {}; source the setup.sh of the workspace that has move_base_abstract'.format(
         SHIM, ', '.join(folders)))
+
+
+def links_to_roscpp(path):
+    """Return whether a program needs roscpp, by itself or by way of the libraries that it needs.
+
+    :raises ValueError: as :func:`needed_libraries`.
+    """
+    needed = needed_libraries(path)
+    loader = shutil.which('ldd')
+    if needed and loader and not any(name.startswith(_ROSCPP) for name in needed):
+        listed = subprocess.run([loader, path], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)
+        needed = [line.strip() for line in listed.stdout.decode('utf-8', 'replace').splitlines()]
+    return any(name.startswith(_ROSCPP) for name in needed)
 
 
 def needed_libraries(path):

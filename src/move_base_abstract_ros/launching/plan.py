@@ -1,0 +1,189 @@
+"""What a launch file becomes in lockstep: roslaunch's own configuration of it, with our launcher and a time master."""
+from typing import NamedTuple
+
+import rosgraph
+import roslaunch.config
+import roslaunch.core
+from roslaunch import substitution_args
+
+from move_base_abstract.errors import ConfigurationError
+
+from ..loopback import PACKAGE, find_executable
+from . import roles
+
+TIME_MASTER = '/time_master'
+
+
+class Wishes(NamedTuple):
+    """What a run is asked for; ``parameters`` are those of the time master that stand above the launch file's."""
+
+    parameters: dict
+    launcher: tuple = ()  # options of the launcher of unmodified programs
+    forced: tuple = ()  # names of nodes that shall take part
+    kept_out: tuple = ()  # names of nodes that shall look on
+    left_out: tuple = ()  # names of nodes that are not started
+    replaced: tuple = ()  # ((package, type), (package, type)): what is started in the place of what
+    with_respawned: bool = False
+    environment: tuple = ()  # (name, value) for each node that takes part
+    own_environment: tuple = ()  # (name, value) for this package's own nodes
+    parts: int = 0  # processes that a fleet is split into; 0: as the file says
+
+
+class Plan(NamedTuple):
+    """A configuration to be launched; who takes part, looks on, is not started; what else was changed, as texts."""
+
+    config: object
+    roles: list
+    left_out: list
+    notes: list
+
+    @property
+    def participants(self):
+        """Names of those who take part."""
+        return [role.name for role in self.roles if role.takes_part]
+
+
+def make_plan(files, wishes):
+    """Read launch files and plan their run. ``files``: as roslaunch takes them, [path or (path, arguments)].
+
+    :raises ConfigurationError: if the files cannot be run like this; :raises roslaunch.core.RLException: its own.
+    """
+    config = roslaunch.config.load_config_default(files, None, verbose=False)
+    return plan_of(config, wishes)
+
+
+def plan_of(config, wishes):
+    """Change a roslaunch configuration into one of a run in lockstep, and return it as a Plan."""
+    _check_names(config, wishes)
+    left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in wishes.left_out]
+    config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
+    notes = _replace(config, wishes.replaced)
+    _refuse_other_clocks(config)
+    notes += _split_fleets(config, wishes.parts)
+    launcher = [find_executable('lockstep'), *wishes.launcher]
+    found = []
+    for node in config.nodes:
+        if not roles.is_time_master(node):
+            role = roles.role_of(node, wishes.forced, wishes.kept_out, wishes.with_respawned)
+            found.append(role)
+            _prepare(node, role, launcher, wishes)
+    if not any(role.takes_part for role in found):
+        raise ConfigurationError('no node of this launch file can take part in lockstep: {}'.format(
+            '; '.join('{}: {}'.format(role.name, role.why) for role in found) or 'there is none'))
+    notes += _add_time_master(config, found, wishes)
+    return Plan(config, found, left_out, notes)
+
+
+def name_anonymous_ones_alike():
+    """Have $(anon NAME) give the same names in each run: on a ROS master of one's own nobody else can have them."""
+    counts = {}
+
+    def anonymous_name(name):
+        counts[name] = counts.get(name, 0) + 1
+        return '{}_anonymous_{}'.format(name, counts[name])
+
+    # roslaunch's module asks for the name in the module it comes from, and nobody else does in this process.
+    substitution_args.rosgraph.names.anonymous_name = anonymous_name
+
+
+def _check_names(config, wishes):
+    names = [roles.name_of(node) for node in config.nodes]
+    for option, given in (('--participant', wishes.forced), ('--onlooker', wishes.kept_out),
+                          ('--leave-out', wishes.left_out)):
+        for name in given:
+            if name not in names:
+                raise ConfigurationError('{} {}: the launch file has no node of this name; it has {}'.format(
+                    option, name, ', '.join(names) or 'none'))
+
+
+def _replace(config, replaced):
+    notes = []
+    for (package, kind), (new_package, new_kind) in replaced:
+        found = [node for node in config.nodes if (node.package, node.type) == (package, kind)]
+        if not found:
+            raise ConfigurationError('--replace {}/{}: the launch file has no node of this kind; it has {}'.format(
+                package, kind, ', '.join(sorted({'{}/{}'.format(node.package, node.type) for node in config.nodes}))))
+        for node in found:
+            node.package, node.type = new_package, new_kind
+        notes.append('{} {}/{} in the place of {}/{}'.format(len(found), new_package, new_kind, package, kind))
+    return notes
+
+
+def _refuse_other_clocks(config):
+    for node in config.nodes:
+        if roles.has_clock(node):
+            raise ConfigurationError(
+                "'{}' ({}/{}) publishes /clock itself, as a simulator does; in lockstep that is the time master's: "
+                'leave it out (--leave-out {}), with what only it needs'.format(
+                    roles.name_of(node), node.package, node.type, roles.name_of(node)))
+
+
+def _prepare(node, role, launcher, wishes):
+    if role.takes_part:
+        node.env_args = [*node.env_args, *wishes.environment]
+        if role.kind == 'itself':
+            node.env_args = [*node.env_args, *wishes.own_environment]
+        else:
+            node.launch_prefix = roles.prefix_of(node, launcher)
+            node.respawn = False
+
+
+def _split_fleets(config, parts):
+    """Give each fleet that lives in one process to several."""
+    notes = []
+    for node in list(config.nodes) if parts > 1 else ():
+        name = roles.name_of(node)
+        if (node.package, node.type) != (PACKAGE, 'fleet') or _value(config, name + '/parts', 1) != 1:
+            continue
+        config.nodes.remove(node)
+        below = {key: param.value for key, param in config.params.items() if key.startswith(name + '/')}
+        for part in range(parts):
+            twin = _copy(node, '{}_part_{}'.format(node.name, part))
+            config.nodes.append(twin)
+            for key, value in dict(below, **{name + '/part': part, name + '/parts': parts}).items():
+                _set(config, roles.name_of(twin) + key[len(name):], value)
+        notes.append('{} in {} processes'.format(name, parts))
+    return notes
+
+
+def _copy(node, name):
+    twin = roslaunch.core.Node(
+        node.package, node.type, name=name, namespace=node.namespace, machine_name=node.machine_name, args=node.args,
+        respawn=node.respawn, respawn_delay=node.respawn_delay, remap_args=node.remap_args, env_args=node.env_args,
+        output=node.output, cwd=node.cwd, launch_prefix=node.launch_prefix, required=node.required,
+        filename=node.filename)
+    twin.machine = node.machine
+    return twin
+
+
+def _add_time_master(config, found, wishes):
+    """Have one time master, in lockstep, that waits for all who take part; return what was changed, as texts."""
+    notes = []
+    own = [node for node in config.nodes if roles.is_time_master(node)]
+    if own and roles.name_of(own[0]) != TIME_MASTER:
+        raise ConfigurationError("the time master must be '{}', got '{}'".format(TIME_MASTER, roles.name_of(own[0])))
+    if not own:
+        node = roslaunch.core.Node(PACKAGE, 'time_master', name='time_master', output='screen')
+        node.machine = config.machines['']
+        config.nodes.insert(0, node)
+    elif _value(config, TIME_MASTER + '/mode', 'scaled') != 'lockstep':
+        notes.append("the file's time master works in lockstep")
+    if _value(config, '/use_sim_time', None) is False:
+        notes.append('/use_sim_time is true, not false')
+    named = [rosgraph.names.ns_join('/', name) for name in _value(config, TIME_MASTER + '/participants', [])]
+    taking = [role.name for role in found if role.takes_part]
+    required = [roles.name_of(node) for node in config.nodes if node.required and roles.name_of(node) in taking]
+    _set(config, '/use_sim_time', True)
+    for key, value in dict({'mode': 'lockstep', 'participants': taking + [name for name in named if name not in taking],
+                            'end_with': required}, **wishes.parameters).items():
+        _set(config, '{}/{}'.format(TIME_MASTER, key), value)
+    return notes
+
+
+def _value(config, key, default):
+    param = config.params.get(key)
+    return default if param is None else param.value
+
+
+def _set(config, key, value):
+    config.params[key] = roslaunch.core.Param(key, value)

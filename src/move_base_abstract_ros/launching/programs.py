@@ -1,0 +1,80 @@
+"""What kind of program a file is: whether it is a rospy or a roscpp one, and so can take part in lockstep."""
+import os
+import re
+import sys
+from importlib.machinery import PathFinder
+
+from ..lockstep.binary import links_to_roscpp
+from ..nodes import lockstep_launcher
+
+_RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space
+_IMPORT = re.compile(rb'^[ \t]*(?:from|import)[ \t]+([A-Za-z_][\w.]*(?:[ \t]*,[ \t]*[A-Za-z_][\w.]*)*)', re.MULTILINE)
+_ROSPY = ('rospy', 'rostopic', 'rosservice')
+_LARGEST = 1 << 20  # bytes of a source that are looked at
+_MOST_FILES = 300
+
+
+def kind_of(path):
+    """Return 'rospy' or 'roscpp', or None and why the program at ``path`` cannot take part: a pair."""
+    try:
+        kind, path, _ = lockstep_launcher.find([path])
+        if kind == 'binary':
+            return ('roscpp', '') if links_to_roscpp(path) else (None, 'it is a binary without roscpp')
+    except ValueError as error:
+        return None, str(error)
+    return ('rospy', '') if uses_rospy(path) else (None, 'nothing in it, or in what it imports, imports rospy')
+
+
+def uses_rospy(path):
+    """Return whether a script, or a module that it imports, imports rospy; found by reading, without running it."""
+    path = _behind_relay(path)
+    folders = [os.path.dirname(os.path.realpath(path)), *sys.path[1:]]
+    waiting, seen = [path], {path}
+    while waiting and len(seen) < _MOST_FILES:
+        for name in _imports(_read(waiting.pop(0))):
+            if name.split('.')[0] in _ROSPY:
+                return True
+            for found in _files_of(name, folders):
+                if found not in seen:
+                    seen.add(found)
+                    waiting.append(found)
+    return False
+
+
+def _behind_relay(path):
+    found = _RELAY.search(_read(path))
+    return os.fsdecode(found.group(1)) if found else path
+
+
+def _read(path):
+    try:
+        with open(path, 'rb') as stream:
+            return stream.read(_LARGEST)
+    except OSError:
+        return b''
+
+
+def _imports(source):
+    for words in _IMPORT.findall(source):
+        for name in words.decode('ascii', 'ignore').split(','):
+            yield name.strip()
+
+
+def _files_of(name, folders):
+    """Yield the files of a module and of the packages around it, but not those of Python's own library."""
+    for part in name.split('.'):
+        try:
+            spec = PathFinder.find_spec(part, folders)
+        except (ImportError, ValueError):
+            return
+        if spec is None:
+            return
+        if spec.origin and spec.origin.endswith('.py') and not _is_of_python(spec.origin):
+            yield spec.origin
+        if not spec.submodule_search_locations:
+            return
+        folders = list(spec.submodule_search_locations)
+
+
+def _is_of_python(path):
+    return path.startswith(os.path.dirname(os.__file__) + os.sep) and '-packages' + os.sep not in path

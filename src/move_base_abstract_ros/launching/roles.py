@@ -1,0 +1,103 @@
+"""Who of a launch file's nodes takes part in lockstep, and who is left to look on, and why."""
+import os
+import shlex
+from typing import NamedTuple
+
+from rosgraph.names import ns_join
+from roslib import packages
+
+from ..loopback import PACKAGE
+from . import programs
+
+_BY_ITSELF = ('move_base', 'fleet', 'task_server', 'move_base_abstract_actionserver', 'soil_coordinator')
+_LOOK_ON = {
+    'nodelet': 'nodelets are not followed', 'rviz': 'it only shows', 'rosbag': 'it only records or plays',
+    'rqt_gui': 'it only shows', 'image_view': 'it only shows', 'plotjuggler': 'it only shows'}
+_CLOCKS = (('stage_ros', 'stageros'), ('gazebo_ros', 'gazebo'), ('gazebo_ros', 'gzserver'), ('gazebo_ros', 'debug'),
+           ('flatland_server', 'flatland_server'), ('mvsim', 'mvsim_node'), ('mvsim', 'mvsim'))
+_DEBUGGERS = ('gdb', 'valgrind', 'strace', 'ltrace', 'perf', 'rr', 'lldb', 'ddd')
+_OWN_PREFIX = 'move_base_abstract lockstep'
+
+
+class Role(NamedTuple):
+    """What a node does in the run. ``kind``: 'rospy', 'roscpp' or 'itself' takes part; None looks on, and why."""
+
+    name: str
+    kind: str
+    why: str
+
+    @property
+    def takes_part(self):
+        """Whether simulated time waits for it."""
+        return self.kind is not None
+
+
+def name_of(node):
+    """Return the full name of a roslaunch Node."""
+    return ns_join(node.namespace, node.name or node.type)
+
+
+def is_time_master(node):
+    """Whether a roslaunch Node is our time master."""
+    return (node.package, node.type) == (PACKAGE, 'time_master')
+
+
+def has_clock(node):
+    """Whether a node is a simulator that publishes /clock, as far as is known by its name."""
+    return (node.package, node.type) in _CLOCKS or (
+        (node.package, node.type) == ('rosbag', 'play') and '--clock' in (node.args or '').split())
+
+
+def role_of(node, forced=(), kept_out=(), with_respawned=False):
+    """Return the Role of a roslaunch Node.
+
+    :param forced, kept_out: full names of nodes that shall take part, or look on, whatever they are.
+    """
+    name = name_of(node)
+    if name in kept_out:
+        return Role(name, None, 'as it was asked for')
+    reason = None if name in forced else _outside(node, with_respawned)
+    if reason:
+        return Role(name, None, reason)
+    if _is_by_itself(node):
+        return Role(name, 'itself', '')
+    path = _program(node)
+    if path is None:
+        return Role(name, None, 'there is no program {}/{}'.format(node.package, node.type))
+    kind, why = programs.kind_of(path)
+    if kind is None and name in forced:
+        kind = 'rospy'
+    return Role(name, kind, why)
+
+
+def _is_by_itself(node):
+    return node.package == PACKAGE and node.type in _BY_ITSELF or _OWN_PREFIX in (node.launch_prefix or '')
+
+
+def _outside(node, with_respawned):
+    """Return why a node cannot take part whatever its program is, or None."""
+    if node.package in _LOOK_ON:
+        return _LOOK_ON[node.package]
+    if node.machine_name and node.machine_name not in ('localhost', 'local'):
+        return "it belongs on the machine '{}'".format(node.machine_name)
+    if node.respawn and not with_respawned and not _is_by_itself(node):
+        return 'it is respawned (--no-respawn lets it take part, and be started once)'
+    words = shlex.split(node.launch_prefix or '')
+    if words and os.path.basename(words[0]) in _DEBUGGERS:
+        return "it runs under '{}'".format(words[0])
+    return None
+
+
+def _program(node):
+    try:
+        found = packages.find_node(node.package, node.type)
+    except Exception:  # roslaunch says it in its own words when it starts the node
+        return None
+    return found[0] if found else None
+
+
+def prefix_of(node, launcher):
+    """Return the launch prefix with the words of our launcher in it: before a Python, behind anything else."""
+    words = shlex.split(node.launch_prefix or '')
+    at = next((k for k, word in enumerate(words) if os.path.basename(word).startswith('python')), len(words))
+    return ' '.join(shlex.quote(word) for word in [*words[:at], *launcher, *words[at:]])

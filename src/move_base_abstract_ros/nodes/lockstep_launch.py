@@ -1,0 +1,173 @@
+"""Run an unchanged launch file in lockstep: our launcher before each rospy and roscpp node, and a time master.
+
+    rosrun move_base_abstract lockstep_launch [options] FILE [ARG:=VALUE ...]
+    rosrun move_base_abstract lockstep_launch [options] PACKAGE FILE [ARG:=VALUE ...]
+
+Nodes that cannot take part are named and left to look on. It has a ROS master of its own on 127.0.0.1 unless told
+otherwise.
+
+Exit codes: 0 the run came to its end, or was ended by a signal; 1 it did not; 2 it cannot be run like this.
+"""
+import argparse
+import math
+import os
+import sys
+from contextlib import contextmanager
+
+from move_base_abstract.errors import SimulatorError
+from move_base_abstract.shown import shown, shown_text
+
+from ..loopback import Loopback, LoopbackError
+
+_CANNOT = 2
+
+
+def main(words=None):
+    """Run the launch file and exit with the code."""
+    options, files = parse(sys.argv[1:] if words is None else words)
+    sys.argv[1:] = []  # roslaunch would take arguments of its files from there
+    from roslaunch.core import RLException  # only now: it takes a while
+    try:
+        with _ros_master(options.use_master):
+            code = _run(options, files)
+    except (RLException, SimulatorError, LoopbackError) as error:
+        print('lockstep_launch: {}'.format(error), file=sys.stderr)
+        code = _CANNOT
+    sys.exit(code)
+
+
+def parse(words):
+    """Return the options and the files, as roslaunch takes them, of a command line."""
+    parser = argparse.ArgumentParser(
+        prog='lockstep_launch', description='Run an unchanged launch file in lockstep.',
+        usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
+        epilog='exit codes: 0 the run came to its end, 1 it did not, 2 it cannot be run like this')
+    add_plan_options(parser)
+    parser.add_argument('--event-log', metavar='PATH', help="file for the run's events, .jsonl or .csv")
+    parser.add_argument('--log-messages', action='store_true', help='messages and calls are events too')
+    parser.add_argument('--speed-limit', type=_factor, default=None, metavar='F',
+                        help='at most so many simulated seconds per wall second')
+    parser.add_argument('--end-when-idle', action='store_true', help='end when nobody has anything left to do')
+    parser.add_argument('--use-master', action='store_true', help='use the ROS master of ROS_MASTER_URI, no own one')
+    parser.add_argument('--list', action='store_true', help='say who takes part, and start nothing')
+    options = parser.parse_args(words)
+    return options, files_of(parser, options.command)
+
+
+def add_plan_options(parser):
+    """Add what `lockstep_launch` and `verify` share: what the run is."""
+    parser.add_argument('--until', type=_instant, default=0.0, metavar='S', help='end at this simulated instant [s]')
+    parser.add_argument('--participant', action='append', default=[], type=_name, metavar='NODE',
+                        help='this node takes part, whatever it looks like')
+    parser.add_argument('--onlooker', action='append', default=[], type=_name, metavar='NODE',
+                        help='this node does not take part')
+    parser.add_argument('--leave-out', action='append', default=[], type=_name, metavar='NODE',
+                        help='this node is not started')
+    parser.add_argument('--replace', action='append', default=[], type=_kinds, metavar='PACKAGE/TYPE=PACKAGE/TYPE',
+                        help='start nodes of another kind in the place of these, under their names')
+    parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
+    parser.add_argument('--sleep', choices=('wall', 'simulated'), default='wall',
+                        help='what sleeps of the wall clock take (default: %(default)s, while simulated time stands)')
+    parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
+    parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+
+
+def files_of(parser, words):
+    """Return [(path, arguments)] of FILE or PACKAGE FILE, and ARG:=VALUE words."""
+    from roslaunch import rlutil
+    from roslaunch.core import RLException
+    arguments = [word for word in words if ':=' in word]
+    names = [word for word in words if ':=' not in word]
+    if not 1 <= len(names) <= 2:
+        parser.error('a launch file is wanted: FILE, or PACKAGE FILE; got {}'.format(shown(' '.join(names))))
+    try:
+        found = rlutil.resolve_launch_arguments(names)
+    except RLException as error:
+        parser.error(str(error))
+    if len(found) != 1 or found[0] == '-':
+        parser.error('one launch file is wanted, got {}'.format(shown(' '.join(names))))
+    return [(os.path.abspath(found[0]), arguments)]
+
+
+def wishes_of(options, parameters, **others):
+    """Return what the options ask of a plan; ``parameters``: of the time master."""
+    from ..launching.plan import Wishes
+    return Wishes(parameters=dict({'end_at': options.until} if options.until else {}, **parameters),
+                  launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
+                  kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
+                  replaced=tuple(options.replace), with_respawned=options.no_respawn, **others)
+
+
+def _run(options, files):
+    from roslaunch import configure_logging, rlutil
+
+    from ..launching import plan, runner
+    if not options.use_master:
+        plan.name_anonymous_ones_alike()
+    parameters = {key: value for key, value in (
+        ('event_log', options.event_log and os.path.abspath(options.event_log)), ('speed_limit', options.speed_limit),
+        ('log_messages', options.log_messages or None), ('end_when_idle', options.end_when_idle or None))
+        if value is not None}
+    made = plan.make_plan(files, wishes_of(options, parameters))
+    for line in _lines(made):
+        print(line, flush=True)
+    if options.list:
+        return 0
+    run_id = rlutil.get_or_generate_uuid(None, False)
+    configure_logging(run_id)
+    parent = runner.Parent(run_id, made, show_summary=False)
+    parent.start()
+    parent.spin()
+    return parent.code
+
+
+def _lines(made):
+    taking = [role for role in made.roles if role.takes_part]
+    yield 'lockstep_launch: {} of {} nodes take part: {}'.format(
+        len(taking), len(made.roles), ', '.join(shown_text(role.name) for role in taking))
+    for role in made.roles:
+        if not role.takes_part:
+            yield 'lockstep_launch: {} looks on: {}'.format(shown_text(role.name), shown_text(role.why))
+    for name in made.left_out:
+        yield 'lockstep_launch: {} is not started'.format(shown_text(name))
+    for note in made.notes:
+        yield 'lockstep_launch: {}'.format(shown_text(note))
+
+
+@contextmanager
+def _ros_master(is_given):
+    """Have this process, and what it starts, use a ROS master of its own on 127.0.0.1, unless one is given."""
+    if is_given:
+        yield
+        return
+    with Loopback() as ros:
+        os.environ.update(ROS_MASTER_URI=ros.uri, ROS_IP='127.0.0.1')
+        os.environ.pop('ROS_HOSTNAME', None)
+        yield
+
+
+def _instant(text):
+    value = float(text)
+    if not 0.0 < value <= 2147483647.0:
+        raise argparse.ArgumentTypeError('must be more than 0 and at most 2147483647 s, got {}'.format(shown(text)))
+    return value
+
+
+def _factor(text):
+    value = float(text)
+    if not (0.01 <= value <= 1e6 or value == 0.0) or math.isnan(value):
+        raise argparse.ArgumentTypeError('must be 0.01 to 1e6, or 0 for no limit, got {}'.format(shown(text)))
+    return value
+
+
+def _name(text):
+    if not text.strip('/'):
+        raise argparse.ArgumentTypeError("must be a node's name, got {}".format(shown(text)))
+    return '/' + text.strip('/')
+
+
+def _kinds(text):
+    old, equals, new = text.partition('=')
+    if not equals or old.count('/') != 1 or new.count('/') != 1:
+        raise argparse.ArgumentTypeError('must be PACKAGE/TYPE=PACKAGE/TYPE, got {}'.format(shown(text)))
+    return tuple(old.split('/')), tuple(new.split('/'))

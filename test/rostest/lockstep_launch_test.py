@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""Unchanged launch files in lockstep, by lockstep_launch: who takes part, who looks on, and how a run ends."""
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import rostest
+
+from move_base_abstract.event_log import EventLog
+from move_base_abstract_ros.loopback import find_executable
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SYSTEM = os.path.join(HERE, 'foreign', 'system.launch')  # its prefix is left empty here
+GUARD = 120.0  # s, wall; only ends what would never end
+KINDS = """<launch>
+  <group ns="one">
+    <node pkg="move_base_abstract" type="shim_listener" name="relay" args="/a /b"/>
+    <node pkg="move_base_abstract" type="move_base" name="move_base" respawn="true"/>
+    <node pkg="move_base_abstract" type="fleet" name="fleet" launch-prefix="nice -n 3"/>
+  </group>
+  <node pkg="study_of_others" type="flags.py" name="flags" launch-prefix="nice -n 3"/>
+  <node pkg="study_of_others" type="asker.py" name="asker" launch-prefix="/usr/bin/python3 -u"/>
+  <node pkg="rostopic" type="rostopic" name="echo" args="echo /a"/>
+  <node pkg="study_of_others" type="answerer.py" name="$(anon answerer)"/>
+  <node pkg="rosbag" type="record" name="recorder" args="-a"/>
+  <node pkg="move_base_abstract" type="shim_listener" name="again" args="/a /c" respawn="true"/>
+  <node pkg="move_base_abstract" type="shim_listener" name="elsewhere" args="/a /d" machine="robot"/>
+  <node pkg="move_base_abstract" type="shim_listener" name="watched" args="/a /e" launch-prefix="gdb -ex run --args"/>
+  <node pkg="study_of_others" type="run_tests.py" name="no_node"/>
+  <node pkg="move_base_abstract" type="no_such_program" name="missing"/>
+  <machine name="robot" address="192.0.2.1" env-loader="/opt/env.sh"/>
+</launch>
+"""
+TICKING = """<launch>
+  <node pkg="study_of_others" type="ticks.py" name="walk"/>
+  {more}
+</launch>
+"""
+PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
+<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
+
+
+class LaunchTest(unittest.TestCase):
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix='lockstep_launch_')
+        self.addCleanup(shutil.rmtree, self.folder)
+        with open(self.path('package.xml'), 'w') as stream:
+            stream.write(PACKAGE)
+        scripts = [os.path.join(HERE, 'unmodified', name) for name in
+                   ('answerer.py', 'asker.py', 'flags.py', 'ticks.py')]
+        for path in [*scripts, os.path.join(HERE, os.pardir, os.pardir, 'tools', 'run_tests.py')]:
+            shutil.copy(path, self.folder)
+            os.chmod(self.path(os.path.basename(path)), 0o755)
+        self.environment = dict(os.environ, ROSCONSOLE_STDOUT_LINE_BUFFERED='1',
+                                ROS_PACKAGE_PATH=os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']]))
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def file(self, text):
+        with open(self.path('system.launch'), 'w') as stream:
+            stream.write(text)
+        return self.path('system.launch')
+
+    def command(self, *words):
+        return [find_executable('lockstep_launch'), *words]
+
+    def run_it(self, *words):
+        return subprocess.run(self.command(*words), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              env=self.environment, timeout=GUARD, check=False)
+
+    def log(self, name):
+        with open(self.path(name)) as stream:
+            log = EventLog(stream.readlines(), name)
+        return log, [event.compared for event in log]
+
+    def test_a_whole_system_runs_as_its_launch_file_is_and_twice_the_same(self):
+        logs = []
+        for name in ('a.jsonl', 'b.jsonl'):
+            done = self.run_it('--log-messages', '--event-log', self.path(name), SYSTEM, 'bag:=' + self.path('bag'),
+                               'tasks:=12')
+            self.assertEqual(done.returncode, 0, done.stdout)
+            self.assertIn('8 of 9 nodes take part', done.stdout)
+            self.assertIn('/recorder looks on', done.stdout)
+            log, events = self.log(name)
+            logs.append(events)
+        self.assertEqual(log.end['not_repeatable_because'] + log.end['degraded_because'], [])
+        self.assertIn("'/coordinator' left", log.end['reason'])  # the required node: no tail of the others
+        self.assertGreater(len(logs[0]), 100)
+        self.assertEqual(*logs)
+
+    def test_who_takes_part_and_why_others_do_not(self):
+        done = self.run_it('--list', self.file(KINDS))
+        self.assertEqual(done.returncode, 0, done.stdout)
+        first, *others = done.stdout.splitlines()
+        self.assertEqual(first.partition(': ')[2], '7 of 13 nodes take part: /one/relay, /one/move_base, /one/fleet, '
+                         '/flags, /asker, /echo, /answerer_anonymous_1')
+        for name, why in (('/recorder', 'only records'), ('/again', 'it is respawned'), ('/watched', "under 'gdb'"),
+                          ('/elsewhere', "machine 'robot'"), ('/no_node', 'imports rospy'),
+                          ('/missing', 'there is no program')):
+            line, = [line for line in others if line.startswith('lockstep_launch: {} looks on'.format(name))]
+            self.assertIn(why, line)
+
+    def test_options_say_otherwise(self):
+        done = self.run_it('--list', '--no-respawn', '--onlooker', 'flags', '--leave-out', '/one/relay',
+                           '--participant', '/no_node', '--replace', 'rosbag/record=move_base_abstract/shim_listener',
+                           self.file(KINDS))
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertIn('/again', done.stdout.splitlines()[0])
+        self.assertIn('/recorder', done.stdout.splitlines()[0])
+        self.assertIn('/no_node', done.stdout.splitlines()[0])
+        self.assertIn('/flags looks on', done.stdout)
+        self.assertIn('/one/relay is not started', done.stdout)
+
+    def test_what_cannot_be_run_is_refused_with_the_reason(self):
+        simulator = '<launch><node pkg="stage_ros" type="stageros" name="stage"/></launch>'
+        nobody = '<launch><node pkg="rosbag" type="record" name="recorder"/></launch>'
+        for words, text in (((self.path('none.launch'),), 'none.launch'), ((), 'a launch file is wanted'),
+                            (('--until', '-1', SYSTEM), 'more than 0'),
+                            (('--onlooker', '/x', SYSTEM), 'no node of this'),
+                            (('--replace', 'a/b=c', SYSTEM), 'PACKAGE/TYPE=PACKAGE/TYPE')):
+            done = self.run_it(*words, 'bag:=x')
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn(text, done.stdout)
+        for text, why in ((simulator, 'publishes /clock itself'), (nobody, 'no node of this launch file can'),
+                          ('<launch><node/></launch>', 'node')):
+            done = self.run_it(self.file(text))
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn(why, done.stdout)
+
+    def test_the_run_ends_at_the_instant_that_was_asked_for(self):
+        log = self.path('a.jsonl')
+        done = self.run_it('--until', '50', '--log-messages', '--event-log', log, self.file(TICKING.format(more='')))
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual(self.log('a.jsonl')[0].name, 'a.jsonl')
+        with open(log) as stream:
+            end = json.loads(stream.readlines()[-1])['end']
+        self.assertEqual((end['reason'], end['repeatable']), ('the run was to end at 50 s', True))
+
+    def test_a_node_that_ends_before_it_takes_part_ends_the_run_and_is_named(self):
+        early = '<node pkg="study_of_others" type="run_tests.py" name="early" args="--help"/>'
+        done = self.run_it('--participant', '/early', self.file(TICKING.format(more=early)))
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn('/early ended', done.stdout)
+        self.assertIn('--onlooker /early', done.stdout)
+
+    def test_an_interrupt_ends_the_run_in_order(self):
+        log = self.path('a.jsonl')
+        process = subprocess.Popen(
+            self.command('--event-log', log, '--speed-limit', '10', self.file(TICKING.format(more=''))),
+            env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(process.stdout.close)
+        for line in process.stdout:
+            if 'the clock starts' in line:
+                break
+        time.sleep(0.5)  # somewhere in the run; nothing depends on where
+        process.send_signal(signal.SIGINT)
+        rest = process.stdout.read()
+        self.assertEqual(process.wait(GUARD), 0, rest)
+        with open(log) as stream:
+            end = json.loads(stream.readlines()[-1])['end']
+        self.assertTrue(end['repeatable'], end)
+        self.assertEqual(end['degraded_because'], [])
+        self.assertFalse(re.search('Traceback', rest), rest)
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_launch', LaunchTest, sysargs=sys.argv)
