@@ -348,7 +348,7 @@ void LockstepSession::keepEnd() {
 }
 
 void LockstepSession::endAsWished(const std::string& reason) {
-  ended_as_wished_ = !rounds_.ended();
+  ended_as_wished_ = ended_as_wished_ || !rounds_.ended();
   end(reason);
 }
 

@@ -33,6 +33,7 @@ std::string Reply::why() const {
 // ---- joining and leaving ---------------------------------------------------------------------
 
 void Membership::join() {
+  delay_.prepare(name());
   const std::string hello = helloOf(presence_);
   state_ = State::kJoining;
   if (!link_.send(hello)) {
@@ -89,6 +90,7 @@ void Membership::exchange(const Wish& wish) {
 }
 
 void Membership::report(const Wish& wish) {
+  delay_.wait();
   wire::Report head;
   head.round = round_;
   head.next_ns = wish.next;

@@ -15,6 +15,7 @@
 #include "joining.h"
 #include "link.h"
 #include "lockstep/wire.h"
+#include "report_delay.h"
 
 namespace move_base_abstract::lockstep::internal {
 
@@ -153,6 +154,7 @@ class Membership {
 
   Program& program_;
   Presence presence_;
+  ReportDelay delay_;
   Link link_;
   std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
   wire::FrameBuffer frames_;

@@ -92,6 +92,15 @@ TEST(Gate, TheRunEndsAtItsEndWhateverElseTheGateIsTold) {
   EXPECT_TRUE(alone.session.status().ended_as_wished);
 }
 
+TEST(Gate, AnIdleRunWithAnEndEndsAsWished) {
+  LockstepSettings settings = named({"/a"});
+  settings.end_at = 2.5;
+  settings.end_when_idle = true;
+  Alone alone(kNever, settings);
+  EXPECT_EQ(alone.phase(), "ended");
+  EXPECT_TRUE(alone.session.status().ended_as_wished);
+}
+
 TEST(Gate, AnEndBeforeTheStartIsRefused) {
   LockstepSettings settings = named({"/a"});
   settings.end_at = 0.5;

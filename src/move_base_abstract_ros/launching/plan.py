@@ -36,6 +36,7 @@ class Plan(NamedTuple):
     roles: list
     left_out: list
     notes: list
+    fleets: list  # names of fleets that live in one process, and could be split
 
     @property
     def participants(self):
@@ -59,7 +60,8 @@ def plan_of(config, wishes):
     config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
     notes = _replace(config, wishes.replaced)
     _refuse_other_clocks(config)
-    notes += _split_fleets(config, wishes.parts)
+    fleets = _fleets(config)
+    notes += _split(config, fleets, wishes.parts)
     launcher = [find_executable('lockstep'), *wishes.launcher]
     found = []
     for node in config.nodes:
@@ -71,7 +73,7 @@ def plan_of(config, wishes):
         raise ConfigurationError('no node of this launch file can take part in lockstep: {}'.format(
             '; '.join('{}: {}'.format(role.name, role.why) for role in found) or 'there is none'))
     notes += _add_time_master(config, found, wishes)
-    return Plan(config, found, left_out, notes)
+    return Plan(config, found, left_out, notes, [roles.name_of(node) for node in fleets])
 
 
 def name_anonymous_ones_alike():
@@ -128,13 +130,16 @@ def _prepare(node, role, launcher, wishes):
             node.respawn = False
 
 
-def _split_fleets(config, parts):
+def _fleets(config):
+    return [node for node in config.nodes if (node.package, node.type) == (PACKAGE, 'fleet')
+            and _value(config, roles.name_of(node) + '/parts', 1) == 1]
+
+
+def _split(config, fleets, parts):
     """Give each fleet that lives in one process to several."""
     notes = []
-    for node in list(config.nodes) if parts > 1 else ():
+    for node in fleets if parts > 1 else ():
         name = roles.name_of(node)
-        if (node.package, node.type) != (PACKAGE, 'fleet') or _value(config, name + '/parts', 1) != 1:
-            continue
         config.nodes.remove(node)
         below = {key: param.value for key, param in config.params.items() if key.startswith(name + '/')}
         for part in range(parts):

@@ -17,6 +17,7 @@ from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
 from .connection import Closed, Connection
 from .foresight import Foresight
+from .report_delays import make_delay
 from .services import Services
 from .topics import Topics, sender
 
@@ -68,6 +69,7 @@ class Participant:
         self._is_granted = False
         self.is_starting = True
         self._told = ''
+        self._delay = None
         self.topics = Topics(self)
         self.services = Services(self)
         self._handlers = {wire.PUBLISHER: self.topics.on_publisher, wire.NO_PUBLISHER: self.topics.on_no_publisher,
@@ -187,6 +189,7 @@ class Participant:
         incarnation = (os.getpid() << 32) ^ (time.time_ns() & 0xffffffff)
         secret = run_secret(rospy.get_param('/time_master/lockstep_secret', ''),
                             rospy.get_param('/time_master/lockstep_secret_file', ''))
+        self._delay = make_delay(name)
         self.connection.send(wire.hello(name, uri, rank or 0, rank is not None, incarnation, secret))
         self.names[0] = name
         self._await_grant()
@@ -241,6 +244,8 @@ class Participant:
         if may_foresee and self._foresight is not None and self.scheduler.can_foresee and next_ns > self.now_ns:
             with sender(None):
                 next_ns = self._foresight.tell(self.scheduler.next_besides_source_ns(), self._items)
+        if self._delay is not None:
+            self._delay()
         try:
             self.connection.send(wire.report(self._round, False, next_ns, len(waits), self._take_items()))
         except Closed as error:

@@ -49,6 +49,9 @@ def parse(words):
                         help='at most so many simulated seconds per wall second')
     parser.add_argument('--end-when-idle', action='store_true', help='end when nobody has anything left to do')
     parser.add_argument('--use-master', action='store_true', help='use the ROS master of ROS_MASTER_URI, no own one')
+    # From `verify`: conditions that must not matter.
+    parser.add_argument('--own-hash-seed', type=int, default=None, help=argparse.SUPPRESS)
+    parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
     parser.add_argument('--list', action='store_true', help='say who takes part, and start nothing')
     options = parser.parse_args(words)
     return options, files_of(parser, options.command)
@@ -70,6 +73,19 @@ def add_plan_options(parser):
                         help='what sleeps of the wall clock take (default: %(default)s, while simulated time stands)')
     parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+
+
+def words_of(options):
+    """Return the words of a command line that say what add_plan_options has read, without the files."""
+    words = ['--sleep', options.sleep, '--seed', str(options.seed)]
+    words += ['--until', repr(options.until)] if options.until else []
+    words += ['--no-respawn'] if options.no_respawn else []
+    for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
+                          ('--leave-out', options.leave_out)):
+        words += [word for name in names for word in (option, name)]
+    for old, new in options.replace:
+        words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(new))]
+    return words
 
 
 def files_of(parser, words):
@@ -108,7 +124,8 @@ def _run(options, files):
         ('event_log', options.event_log and os.path.abspath(options.event_log)), ('speed_limit', options.speed_limit),
         ('log_messages', options.log_messages or None), ('end_when_idle', options.end_when_idle or None))
         if value is not None}
-    made = plan.make_plan(files, wishes_of(options, parameters))
+    seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)
+    made = plan.make_plan(files, wishes_of(options, parameters, own_environment=seed, parts=options.parts))
     for line in _lines(made):
         print(line, flush=True)
     if options.list:
@@ -130,6 +147,8 @@ def _lines(made):
             yield 'lockstep_launch: {} looks on: {}'.format(shown_text(role.name), shown_text(role.why))
     for name in made.left_out:
         yield 'lockstep_launch: {} is not started'.format(shown_text(name))
+    if made.fleets:
+        yield 'lockstep_launch: fleets: {}'.format(', '.join(shown_text(name) for name in made.fleets))
     for note in made.notes:
         yield 'lockstep_launch: {}'.format(shown_text(note))
 

@@ -1,0 +1,98 @@
+"""The first difference of two runs, told so that its cause can be looked for.
+
+Two event logs with messages in them (the time master's ``log_messages``) are equal up to an event. Of that event: its
+instant, who sent what, both versions; and of the nodes that are in it, what they had been told last, which is the same
+in both runs.
+"""
+import collections
+import json
+from typing import NamedTuple, Optional
+
+from . import event_log
+from .event_log import EventLog
+
+LAST = 10  # things that a node had been told
+MESSAGES = ('message', 'call', 'response')  # kinds of events that participants send each other
+_STATUS = {'response': 1}  # values between the receivers and the length
+
+
+class Comparison(NamedTuple):
+    """Two logs side by side. ``difference`` is None if they are equal."""
+
+    events: int  # of the first, without messages
+    messages: int
+    difference: Optional['Difference']
+
+
+class Difference(NamedTuple):
+    """Where two logs go different ways."""
+
+    time_ns: int
+    place: int  # among the events of this instant, from 1 on
+    first: object  # Event, or None: that run's log has ended
+    second: object
+    told: dict  # node: its last LAST events, the newest last
+
+
+def compare(first_path, second_path, with_messages=True):
+    """Compare two event logs; without messages only what participants wrote themselves counts.
+
+    :raises EventLogError: if one cannot be read.
+    """
+    with event_log.open_text(first_path) as one, event_log.open_text(second_path) as other:
+        return _compare(_events(EventLog(one, first_path), with_messages),
+                        _events(EventLog(other, second_path), with_messages))
+
+
+def _events(log, with_messages):
+    return (event for event in log if with_messages or event.kind not in MESSAGES)
+
+
+def _compare(first, second):
+    counts = [0, 0]
+    told = collections.defaultdict(lambda: collections.deque(maxlen=LAST))
+    instant, place = None, 0
+    for mine in first:
+        its = next(second, None)
+        instant, place = (instant, place + 1) if mine.time_ns == instant else (mine.time_ns, 1)
+        if its is None or its.compared != mine.compared:
+            return Comparison(*counts, _difference(place, mine, its, told))
+        counts[mine.kind in MESSAGES] += 1
+        for node in receivers(mine):
+            told[node].append(mine)
+    its = next(second, None)
+    if its is None:
+        return Comparison(*counts, None)
+    return Comparison(*counts, _difference(place + 1 if its.time_ns == instant else 1, None, its, told))
+
+
+def _difference(place, mine, its, told):
+    nodes = []
+    for event in (mine, its):
+        nodes += [node for node in ([sender(event)] if event else []) if node and node not in nodes]
+    times = [event.time_ns for event in (mine, its) if event]
+    return Difference(min(times), place, mine, its, {node: list(told[node]) for node in nodes if node in told})
+
+
+def sender(event):
+    """Return the node that sent a message, call or response; of another event the name that it carries."""
+    values = json.loads(event.values)
+    return values[0] if event.kind in MESSAGES and values else event.robot
+
+
+def receivers(event):
+    """Return the nodes that a message, call or response went to."""
+    if event.kind not in MESSAGES:
+        return []
+    values = json.loads(event.values)
+    return values[1:len(values) - 2 - _STATUS.get(event.kind, 0)]
+
+
+def told_lines(event):
+    """Return an event as a line for people."""
+    at = '{:.9f} s'.format(event.time_ns * 1e-9)
+    if event.kind not in MESSAGES:
+        return "{}: {} '{}' {}".format(at, event.robot, event.kind, event.values)
+    values = json.loads(event.values)
+    return '{}: {} {} from {} to {}, {} bytes, hash {}'.format(
+        at, event.kind, event.robot, values[0] or 'nobody', ', '.join(receivers(event)) or 'nobody', *values[-2:])

@@ -1,0 +1,70 @@
+"""Conditions that must not matter to a run: what `verify` changes from one run to the next."""
+import os
+import subprocess
+import sys
+from contextlib import contextmanager
+from typing import NamedTuple
+
+from ..lockstep.report_delays import VARIABLE as DELAY
+
+LAYOUT = 'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT'  # read by the launcher of unmodified programs
+LIMIT = 50.0  # times real time
+_LONGEST_LIMITED = 60.0  # s, wall
+_DELAY = '1:20'  # seed, ms
+_HASH_SEED = '1'
+# Ends by itself when the process that started it is gone.
+_BUSY = 'import os\nparent = os.getppid()\nwhile os.getppid() == parent:\n    for _ in range(100000): pass\n'
+
+
+class Condition(NamedTuple):
+    """One way to run a system. ``points_at``: what is likely if a run differs in this one and not in those before."""
+
+    name: str
+    what: str
+    points_at: str
+    options: tuple = ()  # of lockstep_launch
+    environment: tuple = ()  # (name, value)
+    is_busy: bool = False
+    is_limited: bool = False
+    with_messages: bool = True  # whether messages are compared: not where senders have other names
+
+
+_FAST = 'the result depends on how fast the machine is: a program reads the wall clock, or waits by it'
+CONDITIONS = (
+    Condition('plain', 'as it is', ''),
+    Condition('again', 'as it is, once more', 'chance or time from outside: random numbers, the wall clock, addresses '
+              '(sets of objects), process ids, files of the run before'),
+    Condition('busy', 'every core busy', _FAST, is_busy=True),
+    Condition('limited', 'limited to {:g} times real time'.format(LIMIT), _FAST, is_limited=True),
+    Condition('delays', 'random wall delays before reports',
+              'the order of arrival matters somewhere: nodes talk past lockstep (files, sockets, parameters)',
+              environment=((DELAY, _DELAY),)),
+    Condition('hash', "other hash seed of this package's own nodes",
+              'an error of this package: its bookkeeping has an order that nobody stated; please report it',
+              options=('--own-hash-seed', _HASH_SEED)),
+    Condition('addresses', 'another address layout',
+              'an order by addresses: sets or dicts of objects that are iterated, id(), pointers that are compared',
+              environment=((LAYOUT, 'random'),)),
+    Condition('split', 'the fleet in two processes; messages are not compared',
+              'an error of this package, or a node that depends on names of processes',
+              options=('--parts', '2'), with_messages=False),
+)
+NAMES = tuple(condition.name for condition in CONDITIONS)
+
+
+def limit_for(simulated):
+    """Return the speed limit for a run of so many simulated seconds: it is not to take longer than a minute."""
+    return max(LIMIT, simulated / _LONGEST_LIMITED)
+
+
+@contextmanager
+def every_core_busy():
+    """Keep every core busy meanwhile."""
+    processes = [subprocess.Popen([sys.executable, '-c', _BUSY]) for _ in range(os.cpu_count() or 1)]
+    try:
+        yield
+    finally:
+        for process in processes:
+            process.kill()
+        for process in processes:
+            process.wait()

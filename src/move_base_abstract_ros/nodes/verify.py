@@ -1,0 +1,123 @@
+"""Verify that a launch file runs the same whatever the machine does.
+
+    rosrun move_base_abstract verify [options] FILE [ARG:=VALUE ...]
+    rosrun move_base_abstract verify [options] PACKAGE FILE [ARG:=VALUE ...]
+
+Runs it in lockstep, as lockstep_launch does: twice as it is, then with every core busy, at a limited speed, with random
+delays, other hash seeds, other addresses, the fleet in two processes. Says `identical`, or the first difference.
+
+Exit codes: 0 identical, and called repeatable; 1 different; 2 it cannot be run like this; 3 a run did not come to its
+end; 4 identical, but labelled: not called repeatable, or degraded.
+"""
+import argparse
+import math
+import os
+import shutil
+import sys
+import tempfile
+
+from move_base_abstract.errors import SimulatorError
+from move_base_abstract.own_files import FolderKind
+from move_base_abstract.shown import shown
+
+from ..launching import conditions, verification
+from ..loopback import LoopbackError
+from . import lockstep_launch
+
+_FOLDER = FolderKind('verification')
+
+
+def main(words=None):
+    """Verify and exit with the code."""
+    words = sys.argv[1:] if words is None else words
+    options, launch_words = _parse(words)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors='backslashreplace')  # a log may hold bytes that are no text
+    try:
+        code = _verify(options, launch_words)
+    except verification.Unfinished as error:
+        print('verify: {}'.format(error), file=sys.stderr)
+        code = error.code
+    except (SimulatorError, LoopbackError) as error:
+        print('verify: {}'.format(error), file=sys.stderr)
+        code = verification.CANNOT
+    sys.exit(code)
+
+
+def _verify(options, launch_words):
+    """Return the exit code. A folder of our own goes again where all is well."""
+    folder = options.output
+    if folder is None:
+        folder = tempfile.mkdtemp(prefix='move_base_abstract_verify_')
+    else:
+        if os.path.isdir(folder) and os.listdir(folder):
+            parser_error = "{}: is not empty (it holds '{}'); name a new folder, or an empty one"
+            raise verification.Unfinished(parser_error.format(folder, sorted(os.listdir(folder))[0]),
+                                          verification.CANNOT)
+        os.close(_FOLDER.make(folder))
+    code = None
+    try:
+        run = verification.Verification(launch_words, folder, options.time_limit, _say)
+        code = run.verify(_names(options))
+        return code
+    finally:
+        if options.output is None and code in (verification.IDENTICAL, verification.CANNOT):
+            shutil.rmtree(folder)  # made above, by this process
+        else:
+            print('verify: logs and outputs are in {}'.format(folder), flush=True)
+
+
+def _say(line):
+    print('verify: {}'.format(line) if not line.startswith('  ') else line, flush=True)
+
+
+def _names(options):
+    if options.conditions is not None:
+        return options.conditions
+    return [name for k, name in enumerate(conditions.NAMES) if options.runs is None or k < options.runs]
+
+
+def _parse(words):
+    """Return the options, and the words for lockstep_launch."""
+    parser = argparse.ArgumentParser(
+        prog='verify', description='Verify that a launch file runs the same whatever the machine does.',
+        usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
+        epilog='exit codes: 0 identical, 1 different, 2 it cannot be run like this, 3 a run did not come to its end, '
+        '4 identical, but labelled')
+    lockstep_launch.add_plan_options(parser)
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument('--runs', type=_count, metavar='N', help='the first N conditions only, 2 to {} (default: all)'
+                       .format(len(conditions.NAMES)))
+    which.add_argument('--conditions', type=_conditions, metavar='A,B', help='these only: {}'.format(
+        ', '.join(conditions.NAMES)))
+    parser.add_argument('--time-limit', type=_seconds, default=600.0, metavar='S',
+                        help='s, wall, that a run may take (default: %(default)g)')
+    parser.add_argument('--output', metavar='FOLDER', help='where logs and outputs go: a new or an empty folder '
+                        '(default: a temporary one, which stays where something is wrong)')
+    options = parser.parse_args(words)
+    lockstep_launch.files_of(parser, options.command)
+    return options, lockstep_launch.words_of(options) + options.command
+
+
+def _count(text):
+    value = int(text)
+    if not 2 <= value <= len(conditions.NAMES):
+        raise argparse.ArgumentTypeError('must be 2 to {}, got {}'.format(len(conditions.NAMES), shown(text)))
+    return value
+
+
+def _conditions(text):
+    names = text.split(',')
+    for name in names:
+        if name not in conditions.NAMES:
+            raise argparse.ArgumentTypeError('must be of {}, got {}'.format(', '.join(conditions.NAMES), shown(name)))
+    if len(set(names)) < 2:
+        raise argparse.ArgumentTypeError('two are wanted at least, got {}'.format(shown(text)))
+    return names
+
+
+def _seconds(text):
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError('must be a finite number > 0, got {}'.format(shown(text)))
+    return value

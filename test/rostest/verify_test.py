@@ -1,0 +1,161 @@
+#!/usr/bin/env python3
+"""Verify: runs that are the same, a program whose runs differ, a run without an end, and what it leaves behind."""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import rostest
+
+from move_base_abstract_ros.loopback import find_executable
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SYSTEM = os.path.join(HERE, 'foreign', 'system.launch')
+GUARD = 300.0  # s, wall; only ends what would never end
+PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
+<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
+NODE = '<node pkg="study_of_others" type="{0}.py" name="{0}"/>'
+CHANCE = """#!/usr/bin/env python3
+import time
+import rospy
+from std_msgs.msg import Float64, Int32
+rospy.init_node('chance')
+pub = rospy.Publisher('chosen', Float64, queue_size=5)
+rospy.Subscriber('ticks', Int32, lambda tick: pub.publish(time.time() if tick.data == 12 else tick.data))
+rospy.spin()
+"""
+QUIET = """#!/usr/bin/env python3
+import rospy
+from std_msgs.msg import Float64, Int32
+rospy.init_node('quiet')
+rospy.Subscriber('ticks', Int32, lambda tick: None)
+rospy.Subscriber('chosen', Float64, lambda tick: None)
+rospy.spin()
+"""
+FLEET = """<launch>
+  <node pkg="move_base_abstract" type="fleet" name="fleet">
+    <rosparam>{robots: [{name: robot_1, start_x: 0.0}, {name: robot_2, start_x: 5.0}]}</rosparam>
+  </node>
+  <node pkg="study_of_others" type="sender.py" name="sender"/>
+</launch>
+"""
+SENDER = """#!/usr/bin/env python3
+import actionlib
+import rospy
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+rospy.init_node('sender')
+clients = [actionlib.SimpleActionClient('/robot_%d/move_base' % k, MoveBaseAction) for k in (1, 2)]
+for client in clients:
+    client.wait_for_server()
+for x in (3.0, 8.0):
+    for client in clients:
+        goal = MoveBaseGoal()
+        goal.target_pose.header.frame_id = 'map'
+        goal.target_pose.pose.position.x = x
+        goal.target_pose.pose.orientation.w = 1.0
+        client.send_goal(goal)
+    for client in clients:
+        client.wait_for_result()
+"""
+
+
+class VerifyTest(unittest.TestCase):
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix='verify_test_')
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.write('package.xml', PACKAGE)
+        self.write('chance.py', CHANCE, 0o755)
+        self.write('quiet.py', QUIET, 0o755)
+        self.write('sender.py', SENDER, 0o755)
+        shutil.copy(os.path.join(HERE, 'unmodified', 'ticks.py'), self.folder)
+        os.chmod(self.path('ticks.py'), 0o755)
+        os.mkdir(self.path('tmp'))
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def write(self, name, text, mode=0o644):
+        with open(self.path(name), 'w') as stream:
+            stream.write(text)
+        os.chmod(self.path(name), mode)
+        return self.path(name)
+
+    def launch_file(self, *nodes):
+        return self.write('system.launch', '<launch>{}</launch>'.format(''.join(nodes)))
+
+    def verify(self, *words, **environment):
+        environment = dict(os.environ, TMPDIR=self.path('tmp'), **environment)
+        environment['ROS_PACKAGE_PATH'] = os.pathsep.join([self.folder, environment['ROS_PACKAGE_PATH']])
+        done = subprocess.run([find_executable('verify'), *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              text=True, env=environment, timeout=GUARD, check=False)
+        return done.returncode, done.stdout
+
+    def test_a_whole_system_is_identical_and_nothing_stays(self):
+        code, said = self.verify('--conditions', 'plain,busy,limited,delays', '--leave-out', '/recorder', SYSTEM,
+                                 'bag:=x', 'tasks:=6')
+        self.assertEqual(code, 0, said)
+        self.assertIn('verify: identical: 4 runs (plain, busy, limited, delays), ', said)
+        self.assertEqual(os.listdir(self.path('tmp')), [])
+
+    def test_a_program_that_reads_the_wall_clock_differs_and_the_place_is_named(self):
+        code, said = self.verify('--runs', '2', '--until', '30', self.launch_file(
+            NODE.format('ticks'), NODE.format('chance'), NODE.format('quiet')))
+        self.assertEqual(code, 1, said)
+        self.assertIn('first difference: at 13.000000000 s, event', said)
+        self.assertEqual(said.count('message /chosen from /chance to /quiet'), 2, said)
+        self.assertIn('what /chance had been told before, in both runs:', said)
+        told = said.partition('what /chance')[2].partition('likely causes')[0]
+        self.assertEqual(told.count('message /ticks from /ticks to /chance'), 10, said)
+        self.assertRegex(said, r'/chance: time.time in \S+chance.py, line 7: reads the wall clock')
+        folder = said.partition('logs and outputs are in ')[2].strip()
+        self.assertEqual(sorted(os.listdir(folder)), ['1_plain', '2_again'])
+        self.assertEqual(set(os.listdir(os.path.join(folder, '1_plain'))), {'events.jsonl', 'output.txt', 'ros_log'})
+
+    def test_a_fleet_in_two_processes_does_the_same(self):
+        code, said = self.verify('--conditions', 'plain,hash,split', self.write('fleet.launch', FLEET))
+        self.assertEqual(code, 0, said)
+        self.assertIn('identical: 3 runs (plain, hash, split)', said)
+        self.assertNotIn(', 0 events', said)
+
+    def test_what_is_not_called_repeatable_is_said(self):
+        code, said = self.verify('--runs', '2', '--until', '10', self.launch_file(
+            NODE.format('ticks'), NODE.format('quiet'), '<param name="quiet/lockstep_charge" value="measured"/>'))
+        self.assertEqual(code, 4, said)  # it sends nothing, so that nothing is charged
+        self.assertIn('labelled: ', said)
+        self.assertIn('but not called repeatable: ', said)
+
+    def test_a_run_without_an_end_is_ended_and_said(self):
+        code, said = self.verify('--time-limit', '8', self.launch_file(NODE.format('ticks')))
+        self.assertEqual(code, 3, said)
+        self.assertIn('--until S', said)
+
+    def test_what_cannot_be_run_is_refused(self):
+        for words, text in (((self.path('none.launch'),), 'none.launch'), (('--runs', '1', SYSTEM), 'must be 2 to'),
+                            (('--conditions', 'plain,fast', SYSTEM), "got 'fast'"),
+                            (('--conditions', 'plain', SYSTEM), 'two are wanted'),
+                            ((self.launch_file(),), 'no node of this launch file')):
+            code, said = self.verify(*words)
+            self.assertEqual(code, 2, said)
+            self.assertIn(text, said)
+
+    def test_a_folder_with_something_in_it_stays_as_it_is(self):
+        os.mkdir(self.path('mine'))
+        self.write(os.path.join('mine', 'thesis.txt'), 'all my work')
+        code, said = self.verify('--output', self.path('mine'), SYSTEM, 'bag:=x')
+        self.assertEqual(code, 2, said)
+        self.assertIn('thesis.txt', said)
+        self.assertEqual(os.listdir(self.path('mine')), ['thesis.txt'])
+
+    def test_delays_are_asked_for_by_a_variable_that_python_and_cpp_check(self):
+        for node in (NODE.format('ticks'), '<node pkg="move_base_abstract" type="shim_listener" name="listener"/>'):
+            code, said = self.verify('--time-limit', '10', self.launch_file(node),
+                                     MOVE_BASE_ABSTRACT_REPORT_DELAY='often')
+            self.assertIn(code, (1, 3), said)
+            self.assertIn('MOVE_BASE_ABSTRACT_REPORT_DELAY must be SEED:MILLISECONDS', said)
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'verify', VerifyTest, sysargs=sys.argv)
