@@ -12,7 +12,9 @@ programs do then, or when nobody has anything left to do. Each has a ROS master 
 import json
 import os
 import re
+import signal
 import sys
+import threading
 import time
 from types import SimpleNamespace
 
@@ -48,12 +50,13 @@ class Run:
 
 
 def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0, commands=None,
-                 onlookers=()):
+                 onlookers=(), others=None):
     """Run programs {name: words} in lockstep, and robots.
 
     parameters: {name: value} of ROS; clock: parameters of the time master; load: how many cores to keep busy; commands:
     whole command lines of programs that are started in another way; onlookers: topics of texts that a node hears which
-    takes no part.
+    takes no part; others: {name: (command line, s)} of programs that take no part and are stopped for so long (wall) as
+    soon as they have begun.
     """
     with Loopback() as ros:
         for name, value in (parameters or {}).items():
@@ -65,6 +68,8 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0,
              'state_rate': 50.0}, **(clock or {})))
         with busy(load):
             children = {}
+            for name, (words, pause) in (others or {}).items():
+                _stop_for(pause, ros.spawn(name, [*words, *remaps(name.strip('/'))]))
             for topic in onlookers:
                 ros.spawn('/onlooker', [sys.executable, os.path.join(HERE, 'onlooker.py'), topic])
             if fleet:
@@ -80,6 +85,13 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0,
                 GUARD, state, '\n'.join('{}: ...{}'.format(name, text[-500:]) for name, text in outputs.items())))
         with open(log, 'rb') as stream:
             return Run(stream.read(), outputs, codes, state)
+
+
+def _stop_for(pause, child):
+    """Stop a process at once, and let it go on after ``pause`` [s, wall]."""
+    if pause:
+        child.signal(signal.SIGSTOP)
+        threading.Timer(pause, child.signal, [signal.SIGCONT]).start()
 
 
 def _wait(ros, until):

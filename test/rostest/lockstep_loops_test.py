@@ -6,6 +6,7 @@ import unittest
 
 import rostest
 from lockstep_launcher_run import assert_same, run_programs, run_thrice
+from roslib.packages import find_node
 
 
 class LookingTest(unittest.TestCase):
@@ -41,6 +42,15 @@ class TalkingTest(unittest.TestCase):
         self.assertEqual(run.printed('ledger'), ['job %d took 0.000000000 s' % number for number in range(3)])
         self.assertEqual(run.state.degraded_because, [])
         self.assertNotEqual(run.state.phase, 'zero_delay_loop')
+
+    def test_it_does_not_matter_when_rosout_is_there(self):
+        rosout = find_node('rosout', 'rosout')[0]
+        runs = [run_programs({'accountant': ['accountant.py'], 'clerk': ['clerk.py']}, until=6.0, others=others,
+                             clock={'speed_limit': 2.0})
+                for others in ({'/rosout': ([rosout], 0.0)}, {'/rosout': ([rosout], 1.0)}, {})]
+        assert_same(self, runs)
+        self.assertEqual(runs[0].printed('accountant'), ['job %d took 0.000000000 s' % number for number in range(3)])
+        self.assertEqual(runs[0].outputs['accountant'].count('KeyError'), 0)
 
 
 if __name__ == '__main__':

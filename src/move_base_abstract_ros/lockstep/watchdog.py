@@ -34,8 +34,9 @@ _EVENTS = {
 _CLOCKS = ('time.time', 'time.time_ns', 'time.monotonic', 'time.monotonic_ns', 'time.perf_counter',
            'time.perf_counter_ns', 'uuid.uuid1')
 _READS = 'reads the wall clock; what it does with that differs from run to run'
-#: modules whose sleeps are not the program's
-_ROS = ('rospy.', 'rosgraph.')
+#: packages of ROS that sleep for their sockets, for the ROS master and as a courtesy, never for what another node does:
+#: their sleeps are not the program's. (actionlib and tools like rostopic poll: theirs count as the program's.)
+_ROS = frozenset(('rospy', 'rosgraph', 'roslib', 'genpy', 'genmsg'))
 _LONG_SLEEPS = 5.0  # s, wall, at one instant
 
 
@@ -106,10 +107,10 @@ class _Sleep:
 
 
 def _is_of_ros(frame):
-    """Whether rospy itself sleeps: a sleep of 0 after each message that is sent, also each line of the log."""
+    """Whether ROS's own code sleeps: rospy does, for 0 s, after each message that is sent, also each line of the log."""
     if frame.f_globals.get('__name__') == 'rospy.rostime':  # wallsleep, for whoever calls it
         frame = frame.f_back
-    return (frame.f_globals.get('__name__') or '').startswith(_ROS)
+    return (frame.f_globals.get('__name__') or '').partition('.')[0] in _ROS
 
 
 def _reading(clock, name):
