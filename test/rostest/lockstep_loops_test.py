@@ -1,12 +1,31 @@
 #!/usr/bin/env python3
 """Scripts that wait by looking, without sleeping, and scripts that talk much while they compute."""
 
+import os
 import sys
+import tempfile
 import unittest
 
 import rostest
-from lockstep_launcher_run import assert_same, run_programs, run_thrice
+from lockstep_launcher_run import FOLDER, assert_same, run_programs, run_thrice
 from roslib.packages import find_node
+
+# What catkin makes of a script in its devel space.
+RELAY = """#!/usr/bin/python3
+# creates a relay to a python script source file, acting as that file.
+import sys
+sys.path[0] = {0!r}.rpartition('/')[0]
+python_script = {0!r}
+with open(python_script, 'r') as fh:
+    context = {{
+        '__builtins__': __builtins__,
+        '__doc__': None,
+        '__file__': python_script,
+        '__name__': __name__,
+        '__package__': None,
+    }}
+    exec(compile(fh.read(), python_script, 'exec'), context)
+"""
 
 
 class LookingTest(unittest.TestCase):
@@ -30,6 +49,37 @@ class LookingTest(unittest.TestCase):
         self.assertAlmostEqual(state, flag + 2.0, places=9)
         self.assertTrue(state + 0.25 <= time <= state + 0.2511, (state, time))
         self.assertEqual(self.runs[0].printed('rival'), ["%.9f ['there', 'back']" % state])
+
+
+class ExplorerTest(unittest.TestCase):
+    """Loops that look at variables, in a script, in a module of its own, in a thread and in a relay of catkin's."""
+
+    def test_they_go_on_exactly_where_they_do_nothing_but_look(self):
+        with tempfile.TemporaryDirectory() as folder:
+            relay = os.path.join(folder, 'relay')
+            with open(relay, 'w') as script:
+                script.write(RELAY.format(os.path.join(FOLDER, 'explorer.py')))
+            runs = run_thrice({'explorer': ['explorer.py'], 'relay': [relay], 'finder': ['frontier_finder.py']},
+                              until=30.0)
+        assert_same(self, runs)
+        # 200 Hz from 2 s on, a word with each 300th; a thread that looks is seen by one that looks 10 ms later, or
+        # when something happens.
+        self.assertEqual(runs[0].printed('explorer'), [
+            '2.000000000 frontier 0.0', '3.495000000 come', '3.500000000 stopped', '16.995000000 heard'])
+        self.assertEqual(runs[0].printed('relay'), runs[0].printed('explorer'))
+        # It looks for ever, but ends with the run.
+        self.assertEqual(runs[0].codes, {'explorer': 1, 'relay': 1, 'finder': 0})
+
+    def test_they_go_on_with_a_label_where_they_may_compute(self):
+        run = run_programs({'explorer': ['explorer.py', '_asks:=true'], 'finder': ['frontier_finder.py']}, until=10.0)
+        self.assertEqual(run.printed('explorer')[-1], '4.995000000 come')
+        with open(os.path.join(FOLDER, 'partner.py')) as script:
+            line = 1 + script.read().splitlines().index('        while not self.ready():')
+        text = 'the loop in {}, line {}, went round 1,000,000 times without a wait'.format(
+            os.path.join(FOLDER, 'partner.py'), line)
+        self.assertEqual(len(run.state.not_repeatable_because), 1)
+        self.assertIn(text, run.state.not_repeatable_because[0])
+        self.assertEqual(len([warning for warning in run.logged('explorer', 'WARN') if text in warning]), 1)
 
 
 class TalkingTest(unittest.TestCase):

@@ -79,3 +79,38 @@ def test_who_does_something_has_all_its_looks_again():
             program.scheduler.acts()
         program.say('main')
     assert program.run(main) == [('main', 0)]
+
+
+def test_who_only_looks_once_in_each_message_is_not_held_up():
+    program = Program()
+    program.master.script = [(time, [lambda: (program.scheduler.look(STEP), program.say('heard'))])
+                             for time in range(1, 9)]
+    assert program.run(lambda: program.sleep(9)) == [('heard', time) for time in range(1, 9)]
+
+
+def test_turns_are_counted_until_something_is_done():
+    program = Program()
+    counts = []
+
+    def main():
+        for number in range(5):
+            task = program.scheduler.turn()
+            counts.append((task.turns, task.idle_turns))
+            if number == 2:
+                program.scheduler.acts()
+        program.sleep(1)
+        counts.append(program.scheduler.turn().turns)
+    program.run(main)
+    assert counts == [(1, 1), (2, 2), (3, 3), (1, 1), (2, 2), 1]
+
+
+def test_who_looks_away_goes_on_when_something_happens_or_a_step_later():
+    program = Program()
+    program.master.script = [(4, [lambda: None])]
+
+    def main():
+        for _ in range(2):
+            program.scheduler.turn()
+            program.scheduler.look_away(STEP)
+            program.say('looks', program.scheduler.turn().turns)
+    assert program.run(main) == [('looks', 1, 4), ('looks', 1, 14)]

@@ -16,7 +16,7 @@ import threading
 from collections import deque
 from threading import get_ident
 
-from .task import Task, _make_lock
+from .task import Task, _make_lock, is_current, release
 from .wire import NEVER
 
 #: so many looks in a row, without a wait, are a loop that waits for something by looking
@@ -111,7 +111,7 @@ class Scheduler:
         :raises TurnLost: if the participant leaves lockstep meanwhile.
         """
         task = self._tasks[get_ident()]
-        task.looks = 0
+        task.looks = task.turns = task.idle_turns = task.is_looking = 0
         self._happened += 1
         return self._wait(task, wake_ns, waits_for, is_open)
 
@@ -154,18 +154,33 @@ class Scheduler:
     def look(self, step_ns):
         """The calling thread looks at something that may change, without waiting for it.
 
-        After :data:`LOOKS` looks in a row it is taken for a loop that waits by looking: its turn is given away until
-        something else has happened in this process, or until ``step_ns`` [ns] later. What merely looks, too, is nothing
-        that happens.
+        After :data:`LOOKS` looks in a row it is taken for a loop that waits by looking.
 
         :raises TurnLost: as :meth:`wait`.
         """
         task = self._tasks[get_ident()]
         task.looks += 1
-        if task.looks % LOOKS:
-            return
-        if task.looks == LOOKS:
+        if task.looks >= LOOKS:
+            self.look_away(step_ns)
+
+    def turn(self):
+        """The calling thread goes once more round a loop that may wait by looking; return its task, which counts that."""
+        task = self._tasks[get_ident()]
+        task.turns += 1
+        task.idle_turns += 1
+        return task
+
+    def look_away(self, step_ns):
+        """Give the turn away until something else has happened in this process, or until ``step_ns`` [ns] later.
+
+        The calling thread waits by looking: what merely looks, too, is nothing that happens. Looks and turns are counted
+        anew: the next one after what it has waited for is the first.
+        """
+        task = self._tasks[get_ident()]
+        if not task.is_looking:
             self._happened += 1  # what it did before it began to look
+        task.is_looking = True
+        task.looks = task.turns = task.idle_turns = 0
         seen, wake_ns = self._happened, self.now_ns + step_ns
         entry = (lambda: self._happened != seen, task)
         self._conditions.append(entry)
@@ -179,7 +194,8 @@ class Scheduler:
         ident = get_ident()
         if self.turn_ident != ident or self.is_closed:
             return False
-        self._tasks[ident].looks = 0
+        task = self._tasks[ident]
+        task.looks = task.turns = task.idle_turns = task.is_looking = 0
         return True
 
     def wait_round(self):
@@ -218,7 +234,7 @@ class Scheduler:
         if self._next_round:
             return self.now_ns
         sleepers = self._sleepers
-        while sleepers and not _is_current(sleepers[0]):
+        while sleepers and not is_current(sleepers[0]):
             heapq.heappop(sleepers)
         return sleepers[0][0] if sleepers else NEVER
 
@@ -271,9 +287,9 @@ class Scheduler:
 
     def _next_sleeper(self):
         sleepers = self._sleepers
-        while sleepers and (sleepers[0][0] <= self.now_ns or not _is_current(sleepers[0])):
+        while sleepers and (sleepers[0][0] <= self.now_ns or not is_current(sleepers[0])):
             entry = heapq.heappop(sleepers)
-            if _is_current(entry):
+            if is_current(entry):
                 entry[3].is_waiting = False
                 entry[3].timed_out = True
                 return entry[3]
@@ -294,10 +310,10 @@ class Scheduler:
     def _park(self, task, other):
         """Give the turn to ``other`` and wait for it to come back."""
         if self.is_closed:
-            _release(other)
+            release(other)
             raise TurnLost()  # close() lets each thread go once, and this one may have gone already
         self.turn_ident = other.ident
-        _release(other)
+        release(other)
         task.parking.acquire()
         if self.is_closed:
             raise TurnLost()
@@ -327,7 +343,7 @@ class Scheduler:
         """Give the turn to a worker for good: the calling thread ends, or leaves the application."""
         worker = self._worker()
         self.turn_ident = worker.ident
-        _release(worker)
+        release(worker)
 
     def _work(self, task):
         """The life of a worker: handle messages while it has the turn, and pass it on."""
@@ -345,6 +361,7 @@ class Scheduler:
         while not self.is_closed:
             while mail:
                 self._happened += 1
+                task.looks = task.turns = task.idle_turns = task.is_looking = 0
                 _handle(mail.popleft())
             other = self._next_ready()
             if other is not None:
@@ -362,20 +379,7 @@ class Scheduler:
         """Let go of all threads: from now on they run as they like."""
         self.is_closed, self.turn_ident = True, 0
         for task in list(self._tasks.values()) + self._idle_workers + list(self._ready):
-            _release(task)
-
-
-def _release(task):
-    """Let a parked thread go. One may be let go twice: by who has the turn, and by the end of lockstep."""
-    try:
-        task.parking.release()
-    except RuntimeError:
-        pass
-
-
-def _is_current(entry):
-    """Whether a sleeper still sleeps, and in the same wait."""
-    return entry[3].is_waiting and entry[3].wake_token == entry[2]
+            release(task)
 
 
 def _holds(condition):

@@ -9,7 +9,8 @@ class Task:
     """What one thread waits for, and how it is let go."""
 
     __slots__ = ('name', 'ident', 'parking', 'is_waiting', 'wake_token', 'timed_out', 'waits_for', 'is_open',
-                 'is_finished', 'is_worker', 'looks')
+                 'is_finished', 'is_worker', 'looks', 'turns', 'idle_turns',
+                 'is_looking')
 
     def __init__(self, name, is_worker=False):
         self.name = name
@@ -23,4 +24,20 @@ class Task:
         self.is_open = False
         self.is_finished = False
         self.is_worker = is_worker
-        self.looks = 0
+        self.looks = 0  # since it has waited, sent, or looked away
+        self.is_looking = False
+        self.turns = 0  # of loops; since it has computed, too
+        self.idle_turns = 0  # since it has also called what may compute
+
+
+def release(task):
+    """Let a parked thread go. One may be let go twice: by who has the turn, and by the end of lockstep."""
+    try:
+        task.parking.release()
+    except RuntimeError:
+        pass
+
+
+def is_current(entry):
+    """Whether a sleeper still sleeps, and in the same wait."""
+    return entry[3].is_waiting and entry[3].wake_token == entry[2]

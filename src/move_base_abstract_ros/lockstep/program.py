@@ -12,7 +12,7 @@ from importlib.machinery import SourceFileLoader
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ..replaced import replace
-from . import queries, threads, watchdog
+from . import own_code, queries, threads, turns, watchdog
 
 _NAME, _NAMESPACE = '__name:=', '__ns:='
 
@@ -24,9 +24,16 @@ def run(kind, path, arguments, options):
     if _has_master(lockstep):
         threads.replace_locks()
         watchdog.install(options.sleep)
-        _join_after_init_node(lockstep, options)
+        own_code.install()
+        _join_after_init_node(lockstep, options, turns.install())
         _seed('{}:{}'.format(options.seed, _node_name(path, arguments)))
-    _execute(kind, path, arguments)
+        _execute(kind, path, arguments, own_code.compile_own, own_code.names_of_script)
+    else:
+        _execute(kind, path, arguments, _compile, lambda _source: {})
+
+
+def _compile(source, path):
+    return compile(source, path, 'exec', dont_inherit=True)
 
 
 def _has_master(lockstep):
@@ -38,13 +45,14 @@ def _has_master(lockstep):
         return False
 
 
-def _join_after_init_node(lockstep, options):
+def _join_after_init_node(lockstep, options, loops):
     def joining(init_node):
         def init_node_and_join(*args, **kwds):
             init_node(*args, **kwds)
             if lockstep.participant() is None:
                 joined = lockstep.join(options.rank)
                 watchdog.follow(joined)
+                loops.follow(joined)
                 queries.install(joined)
         return init_node_and_join
 
@@ -76,7 +84,7 @@ def _seed(text):
     numpy.random.seed(number)  # noqa: NPY002 - as above
 
 
-def _execute(kind, path, arguments):
+def _execute(kind, path, arguments, compile_script, names_of_script):
     """Be __main__, as Python itself would make it; the launcher's own folder is searched for modules no more."""
     module = types.ModuleType('__main__')
     module.__builtins__ = builtins
@@ -92,7 +100,8 @@ def _execute(kind, path, arguments):
     module.__file__ = os.path.abspath(path) if sys.version_info >= (3, 9) else path
     module.__loader__ = SourceFileLoader('__main__', path)
     module.__annotations__ = {}
-    _call(lambda: exec(compile(source, path, 'exec', dont_inherit=True), module.__dict__))
+    module.__dict__.update(names_of_script(source))
+    _call(lambda: exec(compile_script(source, path), module.__dict__))
 
 
 def _call(main):

@@ -3,24 +3,19 @@
 time.sleep and reads of the wall clock, sockets and other processes, generators of random numbers that the machine
 seeds. Only what the program's own code does is told, not what ROS or Python's library do.
 """
-import os
-import re
 import sys
-import sysconfig
 
 import rospy
 
-import move_base_abstract
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ..replaced import replace
 from . import source
+from .looks import STEP_NS
+from .own_code import is_library
 from .queries import settle
 
 _state = {'participant': None, 'told': set()}
-_LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
-_PACKAGES = re.compile(r'/(site|dist)-packages/')
-_OWN = (os.path.dirname(os.path.dirname(__file__)) + '/', os.path.dirname(move_base_abstract.__file__) + '/')
 _OTHER_PROCESS = 'starts another process, which does not take part in lockstep by itself'
 _OTHER_CONNECTION = 'opens a connection of its own: what comes over it is not part of lockstep'
 _EVENTS = {
@@ -62,7 +57,7 @@ def _files():
     while frame is not None:
         names.add(frame.f_code.co_filename)
         frame = frame.f_back
-    return sorted(name for name in names if name and not name.endswith('.so') and not _is_library(name))
+    return sorted(name for name in names if name and not name.endswith('.so') and not is_library(name))
 
 
 class _Sleep:
@@ -81,6 +76,9 @@ class _Sleep:
             self._wall_sleep(seconds)
             return
         try:
+            if not seconds:
+                participant.scheduler.look(STEP_NS)
+                return
             if not self._is_simulated:
                 _tell('time.sleep', 'sleeps in wall time while simulated time stands still (--sleep simulated turns '
                       'this into simulated time)')
@@ -133,11 +131,11 @@ def _tell(what, why):
         return
     frame = sys._getframe(2)
     if what in _EVENTS:
-        while frame is not None and _is_library(frame.f_code.co_filename):
+        while frame is not None and is_library(frame.f_code.co_filename):
             if 'rospy' in frame.f_code.co_filename or 'rosgraph' in frame.f_code.co_filename:
                 return
             frame = frame.f_back
-    if frame is None or _is_library(frame.f_code.co_filename):
+    if frame is None or is_library(frame.f_code.co_filename):
         return
     _tell_place('{}: {}'.format(what, why), frame.f_code.co_filename, frame.f_lineno)
 
@@ -147,7 +145,3 @@ def _tell_place(what, filename, line):
     if (name, filename, line) not in _state['told']:
         _state['told'].add((name, filename, line))
         rospy.logwarn('%s: %s in %s, line %d: %s', rospy.get_name(), name, filename, line, why)
-
-
-def _is_library(filename):
-    return filename.startswith(_LIBRARIES + _OWN) or bool(_PACKAGES.search(filename))

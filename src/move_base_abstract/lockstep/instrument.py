@@ -1,0 +1,187 @@
+"""Finds loops of a program that may wait by looking at variables, and has them say what their turns do.
+
+``while len(frontiers) < 1: pass`` calls nothing of ROS: nobody would know that it waits. So a loop that can go round
+without computing calls :data:`LOOK` in each turn, with its kind and its line, and :data:`ACT` before what does more
+than look. That is told by the text:
+
+- Tests, and calls of what is known to tell something and to change nothing, look.
+- Other calls may compute, or look: ``while not self.ready(): pass``.
+- What stores in objects (``self.x = ...``, ``a[i] = ...``), deletes, counts (``n += 1``), or stores in a name that goes
+  into itself (``node = node.parent``), computes.
+
+Knows Python's text only: no ROS, no threads, no clock.
+"""
+import ast
+
+#: kinds of loops: turns may do nothing but look; the same, and they look at the time; each turn calls what may compute
+WAITS, TIMES, CALLS = 0, 1, 2
+#: the names of what loops call, to be found among the builtins: ``LOOK(kind, line)``, ``ACT(computes)``
+LOOK, ACT = '__lockstep_look__', '__lockstep_act__'
+
+_FUNCTIONS = frozenset((
+    LOOK, ACT,
+    'abs', 'all', 'any', 'bool', 'dict', 'enumerate', 'float', 'getattr', 'hasattr', 'int', 'isinstance', 'len', 'list',
+    'max', 'min', 'print', 'range', 'repr', 'reversed', 'round', 'set', 'sorted', 'str', 'sum', 'tuple', 'type', 'zip'))
+_METHODS = frozenset((
+    'canTransform', 'can_transform', 'done', 'empty', 'endswith', 'format', 'frameExists', 'full', 'get',
+    'get_comm_state', 'get_goal_status', 'get_goal_status_text', 'get_nowait', 'get_num_connections', 'get_result',
+    'get_state', 'is_active', 'is_alive', 'is_new_goal_available', 'is_preempt_requested', 'is_set', 'is_shutdown',
+    'isSet', 'items', 'keys', 'locked', 'qsize', 'running', 'startswith', 'to_nsec', 'to_sec', 'total_seconds',
+    'values'))
+_NOT_OF_ROSPY = frozenset(('Publisher', 'Subscriber', 'Service', 'ServiceProxy', 'Timer', 'set_param', 'delete_param',
+                           'init_node', 'signal_shutdown', 'on_shutdown'))
+_TIMES = frozenset(('now', 'get_time', 'get_rostime'))
+_WITH_BLOCKS = (ast.If, ast.While, ast.For, ast.With, ast.Try)
+_SIMPLE = (ast.Pass, ast.Break, ast.Continue, ast.Return, ast.Raise, ast.Assert, ast.Expr, ast.Global, ast.Nonlocal)
+_ASSIGNMENTS = (ast.Assign, ast.AnnAssign)
+_COMPUTING = (ast.Await, ast.Yield, ast.YieldFrom)
+
+
+def instrument(tree):
+    """Have the waiting loops of a module's ``tree`` (of :func:`ast.parse`) call :data:`LOOK`; return it."""
+    for node in list(ast.walk(tree)):
+        if isinstance(node, ast.While):
+            _Loop(node).instrument()
+    return ast.fix_missing_locations(tree)
+
+
+def kind_of(loop):
+    """Return what kind of waiting a ``while`` loop is, or None: each turn computes."""
+    return _Loop(loop).kind
+
+
+class _Loop:
+    """What the turns of a loop may do. ``kind`` as of :func:`kind_of`."""
+
+    def __init__(self, loop):
+        self._loop = loop
+        self._flow = _flow(loop)
+        self._acts = []  # (list of statements, one of them, whether it computes)
+        self._times = False
+        calls = self._calls_unknown(loop.test)
+        is_idle = not _yields(loop.test) and self._block(loop.body)
+        self.kind = None if not is_idle else CALLS if calls else TIMES if self._times else WAITS
+
+    def instrument(self):
+        """Add the calls to the loop's text."""
+        if self.kind is None:
+            return
+        for block, statement, computes in self._acts:
+            block.insert(block.index(statement), _call(ACT, [computes], statement))
+        self._loop.body.insert(0, _call(LOOK, [self.kind, self._loop.lineno], self._loop))
+
+    def _block(self, block):
+        """Look at statements that come one after the other; return whether a turn may pass them without computing."""
+        for number, statement in enumerate(block):
+            if not self._statement(block, statement):
+                self._acts.append((block, statement, True))
+                return any(isinstance(part, ast.Continue) for earlier in block[:number] for part in ast.walk(earlier))
+        return True
+
+    def _statement(self, block, node):
+        """Return whether a turn may pass a statement of a block without computing."""
+        is_compound = isinstance(node, _WITH_BLOCKS)
+        heads = _heads(node) if is_compound else list(ast.iter_child_nodes(node))
+        if any(_yields(head) for head in heads) or not (is_compound or self._is_plain(node)):
+            return False
+        if isinstance(node, (ast.Return, ast.Raise)):
+            return True  # there is no next turn
+        if any([self._calls_unknown(head) for head in heads]):
+            self._acts.append((block, node, False))
+        return not is_compound or self._passes(node)
+
+    def _is_plain(self, node):
+        """Return whether a statement without others in it stores nothing that matters."""
+        if not isinstance(node, _ASSIGNMENTS):
+            return isinstance(node, _SIMPLE)
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        names = [name for target in targets for name in _names(target)]
+        return not any(name is None or _goes_into(self._flow, name, name) for name in names)
+
+    def _passes(self, node):
+        """Return whether a turn may pass a statement with others in it; look at all of them."""
+        body, orelse = self._block(node.body), self._block(getattr(node, 'orelse', []))
+        if isinstance(node, ast.Try):
+            handled = [self._block(handler.body) for handler in node.handlers]
+            return self._block(node.finalbody) and (body and orelse or any(handled))
+        if isinstance(node, ast.If):
+            return body or orelse
+        return body or not isinstance(node, ast.With)  # a loop may have no turn
+
+    def _calls_unknown(self, node):
+        """Return whether an expression calls what may compute."""
+        calls = [part for part in ast.walk(node) if isinstance(part, ast.Call)]
+        self._times = self._times or any(dotted(call.func)[-1:] and dotted(call.func)[-1] in _TIMES for call in calls)
+        return not all(_is_known(call) for call in calls)
+
+
+def _heads(node):
+    """Return the expressions of a statement with others in it that are its own."""
+    heads = [getattr(node, name) for name in ('test', 'iter') if hasattr(node, name)]
+    return heads + [item.context_expr for item in getattr(node, 'items', ())]
+
+
+def _yields(node):
+    return any(isinstance(part, _COMPUTING) for part in ast.walk(node))
+
+
+def _call(name, values, place):
+    call = ast.Call(func=ast.Name(id=name, ctx=ast.Load()), args=[ast.Constant(value=value) for value in values],
+                    keywords=[])
+    return ast.copy_location(ast.Expr(value=call), place)
+
+
+def _names(target):
+    """Return the names that an assignment's target stores in; None stands for anything else."""
+    if isinstance(target, (ast.Tuple, ast.List)):
+        return [name for part in target.elts for name in _names(part)]
+    return [target.id if isinstance(target, ast.Name) else None]
+
+
+def _flow(loop):
+    """Return {name that the loop stores: names that go into it}."""
+    flow = {}
+    for node in ast.walk(loop):
+        if isinstance(node, ast.NamedExpr):
+            targets, value = [node.target], node.value
+        elif isinstance(node, _ASSIGNMENTS) and node.value is not None:
+            targets, value = node.targets if isinstance(node, ast.Assign) else [node.target], node.value
+        else:
+            continue
+        used = {part.id for part in ast.walk(value) if isinstance(part, ast.Name)}
+        for name in (name for target in targets for name in _names(target) if name):
+            flow.setdefault(name, set()).update(used)
+    return flow
+
+
+def _goes_into(flow, name, target):
+    """Return whether what ``name`` says goes into ``target``, over any number of names."""
+    seen, todo = set(), [target]
+    while todo:
+        for other in flow.get(todo.pop(), ()):
+            if other == name:
+                return True
+            if other not in seen:
+                seen.add(other)
+                todo.append(other)
+    return False
+
+
+def _is_known(call):
+    """Return whether a call tells something, and changes nothing."""
+    name = dotted(call.func)
+    if len(name) == 1:
+        return name[0] in _FUNCTIONS
+    if name[:1] == ('rospy',):
+        return name[-1] not in _NOT_OF_ROSPY
+    return isinstance(call.func, ast.Attribute) and call.func.attr in _METHODS
+
+
+def dotted(node):
+    """Return the parts of a dotted name, or () if it is something else."""
+    if isinstance(node, ast.Name):
+        return (node.id,)
+    if isinstance(node, ast.Attribute):
+        before = dotted(node.value)
+        return before + (node.attr,) if before else ()
+    return ()

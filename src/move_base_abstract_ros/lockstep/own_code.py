@@ -1,0 +1,62 @@
+"""The program's own code, which is compiled with what lockstep must be told of it (``instrument``).
+
+Its own is what lies neither in Python's library nor in a folder of packages (site-packages, dist-packages). Nothing is
+kept of what is compiled here: Python's own files of compiled modules stay as they are.
+"""
+import ast
+import os
+import re
+import sys
+import sysconfig
+from importlib.machinery import (BYTECODE_SUFFIXES, EXTENSION_SUFFIXES, SOURCE_SUFFIXES, ExtensionFileLoader,
+                                 FileFinder, SourceFileLoader, SourcelessFileLoader)
+
+import move_base_abstract
+from move_base_abstract.lockstep.instrument import instrument
+
+_LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
+_PACKAGES = re.compile(r'/(site|dist)-packages(/|$)')
+_OWN = (os.path.dirname(os.path.dirname(__file__)) + '/', os.path.dirname(move_base_abstract.__file__) + '/')
+#: catkin's scripts in the devel space: they compile the source, by the name of `compile`
+_RELAY = b'exec(compile(fh.read(), python_script'
+
+
+def is_library(filename):
+    """Return whether a file is none of the program's."""
+    return filename.startswith(_LIBRARIES + _OWN) or bool(_PACKAGES.search(filename))
+
+
+def install():
+    """Compile modules of the program with what is added, from now on."""
+    sys.path_hooks.insert(0, _finder)
+    sys.path_importer_cache.clear()
+
+
+def _finder(path):
+    if not os.path.isdir(path or '.') or is_library(os.path.abspath(path) + '/'):
+        raise ImportError('only folders of the program', path=path)
+    return FileFinder(path, (ExtensionFileLoader, EXTENSION_SUFFIXES), (_Loader, SOURCE_SUFFIXES),
+                      (SourcelessFileLoader, BYTECODE_SUFFIXES))
+
+
+class _Loader(SourceFileLoader):
+    """Loads modules of the program from their source."""
+
+    def get_code(self, fullname):
+        """Return the code of a module."""
+        path = self.get_filename(fullname)
+        return compile_own(self.get_data(path), path)
+
+
+def compile_own(source, path):
+    """Return the code of a file of the program.
+
+    :raises SyntaxError: as compile.
+    """
+    tree = compile(source, path, 'exec', ast.PyCF_ONLY_AST, dont_inherit=True)
+    return compile(instrument(tree), path, 'exec', dont_inherit=True)
+
+
+def names_of_script(source):
+    """Return the names to be added to those of a script: of a relay of catkin's, which compiles the script itself."""
+    return {'compile': lambda text, path, mode: compile_own(text, path)} if _RELAY in source else {}

@@ -1,0 +1,15 @@
+#!/usr/bin/env python3
+"""Find frontiers at 200 Hz from 2 s on, and call a partner now and then."""
+import rospy
+from std_msgs.msg import Float64, String
+
+rospy.init_node('finder')
+frontiers = rospy.Publisher('/frontiers', Float64, queue_size=10)
+partner = rospy.Publisher('/partner', String, queue_size=10)
+rospy.sleep(1.0)
+rate = rospy.Rate(200)
+for number in range(3400):
+    frontiers.publish(0.5 * number)
+    if number % 300 == 299:
+        partner.publish('come')
+    rate.sleep()
