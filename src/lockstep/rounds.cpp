@@ -110,6 +110,25 @@ void LockstepRounds::makeReady(MemberId id, MemberState& member) {
   }
 }
 
+void LockstepRounds::rest(MemberId id) {
+  MemberState& member = at(id);
+  if (!member.resting) {
+    member.resting = true;
+    resting_.push_back(id);
+  }
+}
+
+/** @brief All who rest at this instant go on at once: none is to see what another makes of it. */
+void LockstepRounds::wakeResting() {
+  for (const MemberId id : resting_) {
+    const auto found = members_.find(id);
+    if (found != members_.end() && found->second.present && found->second.resting) {
+      makeReady(id, found->second);
+    }
+  }
+  resting_.clear();
+}
+
 void LockstepRounds::setNext(MemberId id, MemberState& member, Nanoseconds next) {
   if (member.next != kNever) {
     due_.erase({member.next, id});
@@ -136,6 +155,9 @@ std::vector<LockstepRounds::Grant> LockstepRounds::decide(Nanoseconds wall) {
   held_by_limit_ = false;
   if (!started_) {
     return mayStart(wall) ? start(wall) : std::vector<Grant>{};
+  }
+  if (ready_.empty()) {
+    wakeResting();
   }
   const bool leap_first = !rules_.deliver_before_leap && !due_.empty();
   if (ready_.empty() || leap_first) {
@@ -289,6 +311,7 @@ LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member,
   member.granted_wall = wall;
   member.round = rounds_;
   member.ready = false;
+  member.resting = false;
   member.knocked = false;
   owing_ += member.owes ? 0 : 1;
   member.owes = true;

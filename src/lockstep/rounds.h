@@ -90,6 +90,7 @@ class LockstepRounds {
     bool granted_due = false;  // its wake-up was due with its latest grant
     std::vector<Mail> mail;
     bool ready = false;                     // is in ready_
+    bool resting = false;                   // is in resting_
     std::deque<Nanoseconds> foreseen;       // turns that its latest report told, still to come
     Nanoseconds after_foreseen = kNever;    // its wake-up after these
     std::optional<std::uint32_t> happened;  // of these; nothing if it told none
@@ -104,6 +105,9 @@ class LockstepRounds {
   void gone(MemberId id);
   void remove(MemberId id);
   void knock(MemberId id);
+  /** @brief Grant it again when nobody has anything left to do at this instant, unless something
+   * else comes before. */
+  void rest(MemberId id);
 
   /**
    * @brief The report of its latest grant is in. @pre owes
@@ -169,6 +173,7 @@ class LockstepRounds {
 
   MemberState& at(MemberId id);
   void makeReady(MemberId id, MemberState& member);
+  void wakeResting();
   bool mayStart(Nanoseconds wall) const;
   void setNext(MemberId id, MemberState& member, Nanoseconds next);
   std::vector<Grant> start(Nanoseconds wall);
@@ -191,6 +196,7 @@ class LockstepRounds {
   NamePlaces places_;
   std::set<std::pair<Nanoseconds, MemberId>> due_;  // of those that have a finite wake-up
   std::vector<MemberId> ready_;                     // with mail, knocked, joined, or due now
+  std::vector<MemberId> resting_;                   // for the end of this instant
   std::vector<MemberId> granted_;                   // of the latest round
   std::size_t owing_ = 0;
   std::size_t mail_waiting_ = 0;

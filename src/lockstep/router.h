@@ -152,6 +152,7 @@ class MessageRouter {
   void act(const Action&, const wire::Log&) {}
   void act(const Action&, const wire::Note&) {}
   void act(const Action&, const wire::At&) {}  // taken out of the report before
+  void act(const Action&, const wire::Rest&) {}
 
   std::string_view keep(std::string_view text);
   LocalTopic& declare(MemberId id, std::uint32_t number, std::string_view name);

@@ -116,6 +116,8 @@ void LockstepSession::applyItem(MemberId id, Member& member, const wire::ReportI
     log_.add(rounds_.order(id, log->sub, number), *log);
   } else if (const auto* note = std::get_if<wire::Note>(&item)) {
     applyNote(member, *note);
+  } else if (std::holds_alternative<wire::Rest>(item)) {
+    rounds_.rest(id);
   } else {
     router_.apply(id, number, item);
   }

@@ -50,13 +50,13 @@ class Run:
 
 
 def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0, commands=None,
-                 onlookers=(), others=None):
+                 onlookers=(), others=None, guard=GUARD):
     """Run programs {name: words} in lockstep, and robots.
 
     parameters: {name: value} of ROS; clock: parameters of the time master; load: how many cores to keep busy; commands:
     whole command lines of programs that are started in another way; onlookers: topics of texts that a node hears which
     takes no part; others: {name: (command line, s)} of programs that take no part and are stopped for so long (wall) as
-    soon as they have begun.
+    soon as they have begun; guard [s, wall]: when a run is given up that does not end.
     """
     with Loopback() as ros:
         for name, value in (parameters or {}).items():
@@ -77,12 +77,12 @@ def run_programs(programs, until, fleet=(), parameters=None, clock=None, load=0,
                     'defaults': {'max_speed': 1.0}, 'robots': [dict(robot) for robot in fleet]})
             for name, words in programs.items():
                 children[name] = ros.spawn('/' + name, (commands or {}).get(name) or command(words, name))
-            state = _wait(ros, until)
+            state = _wait(ros, until, guard)
         ros.end(master)
         outputs, codes = _end(ros, children)
         if not state.is_over:
             raise AssertionError('the run has not ended within {} s: {}\n{}'.format(
-                GUARD, state, '\n'.join('{}: ...{}'.format(name, text[-500:]) for name, text in outputs.items())))
+                guard, state, '\n'.join('{}: ...{}'.format(name, text[-500:]) for name, text in outputs.items())))
         with open(log, 'rb') as stream:
             return Run(stream.read(), outputs, codes, state)
 
@@ -94,10 +94,10 @@ def _stop_for(pause, child):
         threading.Timer(pause, child.signal, [signal.SIGCONT]).start()
 
 
-def _wait(ros, until):
+def _wait(ros, until, guard):
     """Let the run go on to its end; return the time master's state then."""
     child = ros.spawn('/launcher_clock', [
-        sys.executable, os.path.join(HERE, 'lockstep_launcher_clock.py'), str(until), str(GUARD)])
+        sys.executable, os.path.join(HERE, 'lockstep_launcher_clock.py'), str(until), str(guard)])
     child.process.wait(2.0 * GUARD)
     with open(child.log_path) as output:
         text = output.read()

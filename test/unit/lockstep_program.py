@@ -18,6 +18,7 @@ class Master:
         self.script = list(script)
         self.asked = []
         self.knocks = 0
+        self.is_at_rest = False
         self.scheduler = Scheduler(self)
 
     def knock(self):
@@ -28,6 +29,10 @@ class Master:
         self.asked.append(scheduler.next_ns())
         if self.knocks:
             self.knocks = 0
+            return []
+        self.is_at_rest = scheduler.is_resting and scheduler.now_ns < min(
+            [scheduler.next_ns()] + [time_ns for time_ns, _ in self.script[:1]])
+        if self.is_at_rest:
             return []
         time_ns = min([scheduler.next_ns()] + [time_ns for time_ns, _ in self.script[:1]])
         if time_ns == NEVER:

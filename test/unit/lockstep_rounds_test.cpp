@@ -53,6 +53,63 @@ TEST(Settings, OutOfRangeAreRefusedWithWhatIsAllowed) {
             "participants must be names that differ, got '/a' twice");
 }
 
+// ---- the end of an instant --------------------------------------------------------------------
+
+LockstepRounds pairAtRest() {
+  LockstepSettings settings;
+  settings.settle = 0.0;
+  LockstepRounds rounds(settings);
+  rounds.add(1, "/a", 1000, 0);
+  rounds.add(2, "/b", 1000, 0);
+  rounds.decide(kOne);
+  return rounds;
+}
+
+TEST(Rest, IsGrantedWhenNobodyHasAnythingLeftToDoAtTheInstant) {
+  LockstepRounds rounds = pairAtRest();
+  rounds.rest(1);
+  rounds.report(1, kNever, 0, kOne);
+  rounds.report(2, rounds.now(), 0, kOne);  // once more at this instant
+  auto grants = rounds.decide(kOne);
+  ASSERT_EQ(grants.size(), 1U);
+  EXPECT_EQ(grants[0].member, 2U);
+  rounds.report(2, rounds.now() + 1, 0, kOne);
+  grants = rounds.decide(kOne);
+  ASSERT_EQ(grants.size(), 1U);
+  EXPECT_EQ(grants[0].member, 1U);
+  EXPECT_EQ(grants[0].time, kOne);
+  EXPECT_EQ(grants[0].microstep, 2U);
+  rounds.report(1, kNever, 0, kOne);  // once is enough
+  grants = rounds.decide(kOne);
+  ASSERT_EQ(grants.size(), 1U);
+  EXPECT_EQ(grants[0].time, kOne + 1);
+}
+
+TEST(Rest, OfAllComesAtOnceAndNotForThoseWhoHaveGone) {
+  LockstepRounds rounds = pairAtRest();
+  rounds.rest(2);
+  rounds.rest(1);
+  rounds.report(1, kNever, 0, kOne);
+  rounds.report(2, kNever, 0, kOne);
+  EXPECT_EQ(rounds.decide(kOne).size(), 2U);
+  rounds.rest(1);
+  rounds.rest(2);
+  rounds.report(1, kNever, 0, kOne);
+  rounds.gone(2);
+  rounds.remove(2);
+  EXPECT_EQ(rounds.decide(kOne).size(), 1U);
+}
+
+TEST(Rest, EndsWithAnyOtherGrant) {
+  LockstepRounds rounds = pairAtRest();
+  rounds.rest(1);
+  rounds.report(1, rounds.now(), 0, kOne);
+  rounds.report(2, kNever, 0, kOne);
+  EXPECT_EQ(rounds.decide(kOne).size(), 1U);
+  rounds.report(1, kNever, 0, kOne);
+  EXPECT_TRUE(rounds.decide(kOne).empty());
+}
+
 // ---- start -----------------------------------------------------------------------------------
 
 TEST(Start, WaitsForAllThatAreNamedAndNamesThoseThatAreMissing) {

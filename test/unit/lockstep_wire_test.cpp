@@ -41,7 +41,8 @@ Report richReport() {
                   Log{2, "robot_2", "arrived", "[1.5]"},
                   Note{NoteKind::kDegraded, "\xC3\xA9t\xC3\xA9 \xF0\x9F\x98\x80"},
                   Watch{"/s"},
-                  At{2}};
+                  At{2},
+                  Rest{}};
   return report;
 }
 
@@ -166,7 +167,7 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
     return up(frame.substr(4));
   };
   const std::size_t items = 4 + 1 + 8 + 1 + 8 + 4;
-  EXPECT_NE(patched(Unserve{1}, items, '\x0E').find("kind of item must be from 1 to 13, got 14"),
+  EXPECT_NE(patched(Unserve{1}, items, '\x0F').find("kind of item must be from 1 to 14, got 15"),
             std::string::npos);
   EXPECT_NE(patched(Unserve{1}, items, '\0').find("got 0"), std::string::npos);
   EXPECT_NE(patched(Note{}, items + 1, '\x04').find("NOTE: what must be from 1 to 3, got 4"),

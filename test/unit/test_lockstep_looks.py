@@ -5,7 +5,7 @@ lockstep_program.py plays the time master.
 import pytest
 
 from lockstep_program import Program
-from move_base_abstract.lockstep import scheduler as module
+from move_base_abstract.lockstep import loops as module
 
 STEP = 10
 

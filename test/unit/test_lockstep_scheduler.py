@@ -355,3 +355,19 @@ def test_close_from_a_thread_without_the_turn():
         with pytest.raises(TurnLost):
             program.sleep(10)
     program.run(main)
+
+
+def test_who_rests_goes_on_when_nothing_is_left_at_this_instant_and_all_do_at_once():
+    program = Program()
+    program.master.script = [(0, [program.sayer('first')]), (0, [program.sayer('second')]),
+                             (5, [program.sayer('later')])]
+
+    def rest(name):
+        program.scheduler.rest()
+        program.say(name)
+
+    def main():
+        program.thread('other', rest, 'other')
+        rest('main')
+        program.sleep(5)
+    assert program.run(main) == [('first', 0), ('second', 0), ('main', 0), ('other', 0), ('later', 5)]

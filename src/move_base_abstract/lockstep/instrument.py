@@ -86,7 +86,8 @@ class _Loop:
             return False
         if isinstance(node, (ast.Return, ast.Raise)):
             return True  # there is no next turn
-        if any([self._calls_unknown(head) for head in heads]):
+        calls_unknown = [self._calls_unknown(head) for head in heads]  # of all: they are looked through for times
+        if any(calls_unknown):
             self._acts.append((block, node, False))
         return not is_compound or self._passes(node)
 

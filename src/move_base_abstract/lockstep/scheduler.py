@@ -8,7 +8,8 @@ source, then sleepers in the order of their times (of equal times: who began to 
 Messages are handled by worker threads that have nothing else on their stack. One that is stopped in the middle of a
 callback is a thread like any other, and another worker takes over; so a callback may sleep or call services.
 
-Nothing here knows ROS or sockets: ``channel`` has ``exchange() -> Round``, which reports and waits for the next grant.
+Nothing here knows ROS or sockets: ``channel.exchange()`` reports, waits for the next grant and returns what is to be
+done in it; then ``channel.is_at_rest`` says whether nobody else has anything left to do at this instant.
 """
 import heapq
 import sys
@@ -16,11 +17,9 @@ import threading
 from collections import deque
 from threading import get_ident
 
+from .loops import Looking
 from .task import Task, _make_lock, is_current, release
 from .wire import NEVER
-
-#: so many looks in a row, without a wait, are a loop that waits for something by looking
-LOOKS = 1000
 
 _Thread_start = threading.Thread.start
 
@@ -29,7 +28,7 @@ class TurnLost(Exception):
     """The participant has left lockstep while this thread waited."""
 
 
-class Scheduler:
+class Scheduler(Looking):
     """Gives the turn to one thread of the process after the other."""
 
     def __init__(self, channel):
@@ -45,6 +44,7 @@ class Scheduler:
         self._sleepers = []
         self._sequence = 0
         self._next_round = deque()
+        self._resting = deque()
         self._conditions = []
         self._idle_workers = []
         self._open = []
@@ -151,44 +151,6 @@ class Scheduler:
                 self._conditions.remove(entry)
         return True
 
-    def look(self, step_ns):
-        """The calling thread looks at something that may change, without waiting for it.
-
-        After :data:`LOOKS` looks in a row it is taken for a loop that waits by looking.
-
-        :raises TurnLost: as :meth:`wait`.
-        """
-        task = self._tasks[get_ident()]
-        task.looks += 1
-        if task.looks >= LOOKS:
-            self.look_away(step_ns)
-
-    def turn(self):
-        """The calling thread goes once more round a loop that may wait by looking; return its task, which counts that."""
-        task = self._tasks[get_ident()]
-        task.turns += 1
-        task.idle_turns += 1
-        return task
-
-    def look_away(self, step_ns):
-        """Give the turn away until something else has happened in this process, or until ``step_ns`` [ns] later.
-
-        The calling thread waits by looking: what merely looks, too, is nothing that happens. Looks and turns are counted
-        anew: the next one after what it has waited for is the first.
-        """
-        task = self._tasks[get_ident()]
-        if not task.is_looking:
-            self._happened += 1  # what it did before it began to look
-        task.is_looking = True
-        task.looks = task.turns = task.idle_turns = 0
-        seen, wake_ns = self._happened, self.now_ns + step_ns
-        entry = (lambda: self._happened != seen, task)
-        self._conditions.append(entry)
-        try:
-            self._wait(task, wake_ns, 'what it looks at again and again', False)
-        finally:
-            self._conditions.remove(entry)
-
     def acts(self):
         """The calling thread does something that others may see; return whether it has the turn."""
         ident = get_ident()
@@ -202,6 +164,16 @@ class Scheduler:
         """Give the turn away until the time master has granted another round, of this instant if nothing else is."""
         self._next_round.append(self.current())
         self.wait(is_open=False)
+
+    def rest(self):
+        """Give the turn away until nobody who takes part has anything left to do at this instant."""
+        self._resting.append(self.current())
+        self.wait(is_open=False)
+
+    @property
+    def is_resting(self):
+        """Whether a thread waits for that."""
+        return bool(self._resting)
 
     def wake(self, task):
         """Make a waiting task ready; the caller has the turn."""
@@ -300,8 +272,10 @@ class Scheduler:
         if self.is_closed:
             raise TurnLost()
         self._mail.extend(self._channel.exchange())
-        while self._next_round:
-            self.wake(self._next_round.popleft())
+        ready = [self._next_round, self._resting] if self._channel.is_at_rest else [self._next_round]
+        for tasks in ready:
+            while tasks:
+                self.wake(tasks.popleft())
         if self._outside:
             with self._outside_lock:
                 self._mail.extend(self._outside)

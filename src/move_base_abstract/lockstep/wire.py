@@ -113,7 +113,7 @@ advertise, unadvertise = _item('ADVERTISE'), _item('UNADVERTISE')
 subscribe, unsubscribe = _item('SUBSCRIBE'), _item('UNSUBSCRIBE')
 serve, unserve = _item('SERVE'), _item('UNSERVE')
 send, call, response = _item('SEND'), _item('CALL'), _item('RESPONSE')
-log, note, watch, at = _item('LOG'), _item('NOTE'), _item('WATCH'), _item('AT')
+log, note, watch, at, rest = _item('LOG'), _item('NOTE'), _item('WATCH'), _item('AT'), _item('REST')
 
 _hello = _writer('hello', FRAMES['HELLO'].fields)
 _report = _writer('report', ('u32 length', 'u8 type') + FRAMES['REPORT'].fields)

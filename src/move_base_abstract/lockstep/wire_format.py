@@ -87,6 +87,7 @@ REPORT_ITEMS = (
     Layout(11, 'NOTE', ('NoteKind what', 'text text')),
     Layout(12, 'WATCH', ('text service',)),  # its name
     Layout(13, 'AT', ('instant time_ns',)),  # simulated; of the turn in which what follows is sent
+    Layout(14, 'REST', ()),  # grant me again, once, when nobody has anything left to do at this instant
 )
 
 #: what a grant contains; `topic` and `service` are the numbers of the participant that gets the grant

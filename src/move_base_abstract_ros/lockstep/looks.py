@@ -19,15 +19,18 @@ from .waits import replace_within
 #: simulated time that passes at such a loop if nothing else happens [ns]: where it looks at the time, and elsewhere
 TIME_STEP_NS = 1000000
 STEP_NS = 10000000
+#: for so many looks counts one at a parameter that has been looked at since the thread has waited
+AGAIN = 10
 _ROS = ('rospy.', 'actionlib.', 'tf2_ros.')
 
 
 def install(participant):
     """Count the looks of the application's threads."""
     scheduler = participant.scheduler
-    for function in (rospy.core.is_shutdown, rospy.client.get_param, rospy.client.has_param,
-                     rospy.topics.Topic.get_num_connections):
+    for function in (rospy.core.is_shutdown, rospy.topics.Topic.get_num_connections):
         _count(function, scheduler, STEP_NS)
+    for function in (rospy.client.get_param, rospy.client.has_param):
+        _count(function, scheduler, STEP_NS, _Parameters(scheduler).weight_of)
     _count(rospy.rostime.get_rostime, scheduler, TIME_STEP_NS)
     try:
         from actionlib import action_client, simple_action_client
@@ -38,12 +41,29 @@ def install(participant):
         _count(function, scheduler, STEP_NS)
 
 
-def _count(function, scheduler, step_ns):
+class _Parameters:
+    """Looks at parameters. Each asks the ROS master, for a millisecond; so who looks at one again weighs more."""
+
+    def __init__(self, scheduler):
+        self._scheduler = scheduler
+        self._names = set()
+
+    def weight_of(self, name, *_args, **_kwds):
+        """Return for how many looks this one counts."""
+        if not self._scheduler.current().looks:
+            self._names.clear()
+        if name in self._names:
+            return AGAIN
+        self._names.add(name)
+        return 1
+
+
+def _count(function, scheduler, step_ns, weight_of=lambda *_args, **_kwds: 1):
     def counting(original):
         def look(*args, **kwds):
             if scheduler.is_mine() and not _is_of_ros(sys._getframe(2)):
                 try:
-                    scheduler.look(step_ns)
+                    scheduler.look(step_ns, weight_of(*args, **kwds))
                 except TurnLost:
                     pass  # lockstep is over, which the answer says
             return original(*args, **kwds)

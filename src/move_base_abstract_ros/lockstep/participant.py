@@ -67,6 +67,8 @@ class Participant:
         self._is_charged = type(charge) is not NoCharge
         self._foresight = None
         self._is_granted = False
+        self.is_at_rest = False
+        self._has_mail = False
         self.is_starting = True
         self._told = ''
         self._delay = None
@@ -187,10 +189,9 @@ class Participant:
     def present(self, name, uri, rank):
         """Say hello and wait for the first grant, in which the calling thread gets the turn; ``rank``: None if none."""
         incarnation = (os.getpid() << 32) ^ (time.time_ns() & 0xffffffff)
-        secret = run_secret(rospy.get_param('/time_master/lockstep_secret', ''),
-                            rospy.get_param('/time_master/lockstep_secret_file', ''))
         self._delay = make_delay(name)
-        self.connection.send(wire.hello(name, uri, rank or 0, rank is not None, incarnation, secret))
+        self.uris[name] = uri
+        self.connection.send(wire.hello(name, uri, rank or 0, rank is not None, incarnation, secret()))
         self.names[0] = name
         self._await_grant()
         self.scheduler.adopt_caller(threading.current_thread().name)
@@ -198,8 +199,16 @@ class Participant:
     def exchange(self):
         """Report and wait for the next grant; return what is to be done in it, in order (for the scheduler)."""
         deferred = self.let_time_pass()
-        self._report(self.now_ns if deferred else self.scheduler.next_ns(), may_foresee=not deferred)
-        return deferred + self._await_grant()
+        next_ns = self.now_ns if deferred else self.scheduler.next_ns()
+        is_resting = self.scheduler.is_resting
+        if is_resting:
+            self._items.append(wire.rest())
+        self._report(next_ns, may_foresee=not (deferred or is_resting))
+        actions = self._await_grant()
+        # Nothing has come, and nothing else was asked for.
+        self.is_at_rest = is_resting and not (
+            self._has_mail or self.scheduler.has_outside or next_ns <= self.now_ns)
+        return deferred + actions
 
     def let_time_pass(self):
         """Charge the round that ends, if it has sent anything; return what has come meanwhile."""
@@ -265,6 +274,7 @@ class Participant:
     def _granted(self, body):
         self._round, now_ns, self.microstep, items = wire.read_grant(body)
         self._is_granted = True
+        self._has_mail = bool(items)
         self.charge.begin()
         if now_ns != self.scheduler.now_ns:
             self.scheduler.now_ns = now_ns
@@ -289,7 +299,6 @@ class Participant:
             self._leave_seconds = leave_limit_ns * 1e-9
             self.topics.excluded.update(excluded)
             self.names[number] = self.names[0]
-            self.uris[self.names[0]] = rospy.get_node_uri()
         elif kind == wire.MEMBER:
             number, name, uri = wire.read_frame(kind, body)
             self.names[number] = name
@@ -341,6 +350,12 @@ def connect():
             warn_at += wire_format.CONNECT_REMINDER_MS * 1e-3
         time.sleep(wire_format.CONNECT_RETRY_MS * 1e-3)
     raise rospy.ROSInterruptException('ROS shutdown request')
+
+
+def secret():
+    """Return the secret of the run (bytes), which the parameters tell."""
+    return run_secret(rospy.get_param('/time_master/lockstep_secret', ''),
+                      rospy.get_param('/time_master/lockstep_secret_file', ''))
 
 
 def is_lockstep():

@@ -1,8 +1,9 @@
 """The program's own loops that wait by looking at variables: ``while len(frontiers) < 1: pass``.
 
 :mod:`own_code` has such loops call :class:`Turns` each time round. Whose turns do nothing but look gives the turn of
-its thread away after :data:`scheduler.LOOKS` of them in a row, exactly as those that look at rospy. One whose turns call
-something unknown may compute; after :data:`PATIENCE` in a row it is taken for one that waits, with a warning and a label.
+its thread away after :data:`loops.LOOKS` of them in a row, exactly as those that look at rospy. One whose turns call
+something unknown may compute; after :data:`PATIENCE` in a row it is taken for one that waits, with a warning and a
+label.
 """
 import builtins
 import sys
@@ -10,7 +11,8 @@ import sys
 import rospy
 
 from move_base_abstract.lockstep.instrument import ACT, CALLS, LOOK, TIMES
-from move_base_abstract.lockstep.scheduler import LOOKS, TurnLost
+from move_base_abstract.lockstep.loops import LOOKS
+from move_base_abstract.lockstep.scheduler import TurnLost
 
 from .looks import STEP_NS, TIME_STEP_NS
 
@@ -77,7 +79,7 @@ class Turns:
         return True
 
     def _end(self):
-        """Lockstep is over. Nothing that such a loop waits for will ever come; but one that looks at rospy ends itself."""
+        """Lockstep is over: nothing that such a loop waits for will come. One that looks at rospy ends itself."""
         self._late += 1
         if self._late % LOOKS == 0 and rospy.core.is_shutdown():
             raise TurnLost()

@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""The start of a run: programs that wait for others before they are nodes, and questions about who is there."""
+
+import os
+import sys
+import tempfile
+import unittest
+
+import rostest
+from lockstep_launcher_run import assert_same, command, run_programs, run_thrice
+
+LINKS = 8
+
+
+class BeforeInitNodeTest(unittest.TestCase):
+    """What a program does before rospy.init_node."""
+
+    def test_who_waits_for_others_before_it_is_a_node_takes_part_from_there_on(self):
+        runs = run_thrice({'stock_taker': ['stock_taker.py'], 'store': ['store.py']}, until=6.0)
+        assert_same(self, runs)
+        # The service is there from 2.5 s on, the parameter from 3.005 s on, and is looked at each 10 ms.
+        self.assertEqual(runs[0].printed('stock_taker'), ["3.010000000 2500 pieces ['/store/sold']",
+                                                          '4.010000000 4010 pieces'])
+        self.assertEqual(runs[0].codes['stock_taker'], 0)
+
+    def test_its_sleeps_are_simulated_from_the_first_one_on_if_asked_for(self):
+        run = run_programs({'stock_taker': [['--sleep', 'simulated'], 'sleeper.py'], 'store': ['store.py']}, until=6.0)
+        self.assertEqual(run.printed('stock_taker'), ['4.000000000 4000 pieces'])
+        self.assertTrue(run.state.repeatable)
+
+    def test_the_name_may_be_told_by_the_script_alone(self):
+        words = command(['stock_taker.py'], 'x')[:-1]
+        run = run_programs({'stock_taker': None, 'store': ['store.py']}, until=6.0, commands={'stock_taker': words})
+        self.assertEqual(run.printed('stock_taker')[-1], '4.010000000 4010 pieces')
+
+    def test_where_the_name_is_not_known_that_is_told(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, 'asker.py')
+            with open(path, 'w') as script:
+                script.write('import rospy\nrospy.get_published_topics()\n'
+                             "rospy.init_node('%s' % 'asker')\nprint('here')\n")
+            run = run_programs({'asker': None}, until=3.0, commands={'asker': command([path], 'x')[:-1]})
+        self.assertEqual(run.printed('asker')[-1], 'here')
+        self.assertIn('a program whose name is not known yet', run.outputs['asker'])
+
+    def test_a_program_that_has_gone_is_named_as_gone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, 'gone.py')
+            with open(path, 'w') as script:
+                script.write("import sys\nimport rospy\nif True:\n  sys.exit(3)\nrospy.init_node('gone')\n")
+            text = 'its HELLO: it was there, and left .its program ended with code 3 before rospy.init_node'
+            with self.assertRaisesRegex(AssertionError, text):
+                run_programs({'gone': [path], 'store': ['store.py']}, until=3.0, guard=6.0)
+
+
+class WhoIsThereTest(unittest.TestCase):
+    """Questions to the ROS master."""
+
+    def test_what_is_started_at_one_instant_is_there_whoever_was_slower(self):
+        links = {'link_%d' % k: ['link.py', '/link_%d' % (k - 1) if k else '-', '/link_%d' % k] for k in range(LINKS)}
+        links['link_3'].append('_slow:=0.3')  # by the wall
+        runs = run_thrice(dict(links, census=['census.py'], late=['late.py']), until=5.0)
+        assert_same(self, runs)
+        self.assertEqual(runs[0].printed('census'), [
+            '1.000000000 %d: %s' % (LINKS, ' '.join('/link_%d' % k for k in range(LINKS))),
+            '1.000000000 %d' % LINKS,
+            '2.240000000 late'])  # there from 2.234 s on; who asks all the time asks each 10 ms
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_start', __name__, sysargs=sys.argv)
