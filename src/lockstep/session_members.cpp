@@ -276,6 +276,9 @@ void LockstepSession::depart(MemberId id, const std::string& how) {
   }
   member.departing = true;
   member.how = how;
+  if (!rounds_.started()) {
+    text_.keepDeparture(member.name, how);
+  }
   rounds_.gone(id);
   listChanged(id);
 }
@@ -291,6 +294,7 @@ void LockstepSession::die(MemberId id, const std::string& how) {
   found->second.dead = true;
   depart(id, "died");
   if (!rounds_.started()) {
+    text_.keepDeparture(found->second.name, "died: " + how);
     messages_.say(Level::kWarn, why);
     return;
   }

@@ -49,7 +49,7 @@ std::vector<LockstepStatus::Waiting> StatusText::waitingFor(Nanoseconds began) c
   std::vector<LockstepStatus::Waiting> waiting;
   if (!rounds_.started()) {
     for (const std::string& name : rounds_.missing()) {
-      waiting.push_back({name, began, "its HELLO"});
+      waiting.push_back({name, began, "its HELLO" + departureOf(name)});
     }
     return waiting;
   }
@@ -94,10 +94,15 @@ std::string StatusText::standstill(LockstepPhase phase) const {
   }
 }
 
+std::string StatusText::departureOf(const std::string& name) const {
+  const auto found = departures_.find(name);
+  return found == departures_.end() ? "" : ": it was there, and " + found->second;
+}
+
 std::string StatusText::missing() const {
   std::vector<std::string> names;
   for (const std::string& name : rounds_.missing()) {
-    names.push_back(quote(name));
+    names.push_back(quote(name) + departureOf(name));
   }
   return joined(names) + " (" + countText(members_.size(), "participant") + " there)";
 }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -67,6 +68,8 @@ class StatusText {
   std::string owed(const LockstepRounds::MemberState& member) const;
   /** @return of a deadlock and a zero-delay loop: who and why; else ''. */
   std::string standstill(LockstepPhase phase) const;
+  /** @brief A participant has gone before the start, which still waits for it: @p how it went. */
+  void keepDeparture(const std::string& name, const std::string& how) { departures_[name] = how; }
   /** @return the names that the start waits for, and how many participants are there. */
   std::string missing() const;
   /** @param began wall ns; when the session began to wait. */
@@ -76,9 +79,11 @@ class StatusText {
  private:
   std::string stuck() const;
   std::string latestRound() const;
+  std::string departureOf(const std::string& name) const;
 
   const LockstepRounds& rounds_;
   const SessionMembers& members_;
+  std::map<std::string, std::string> departures_;
 };
 
 }  // namespace move_base_abstract

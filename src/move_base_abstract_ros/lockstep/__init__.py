@@ -44,15 +44,26 @@ def join(rank=None, own_threads=True):
     """
     if _state.joined is not None or not is_lockstep():
         return _state.joined
-    declared = rank if rank is not None else rospy.get_param('~lockstep_rank', None)
+    joining = take_part(rospy.get_name(), rospy.get_node_uri(), rank, own_threads)
+    node_is_there(joining)
+    return joining
+
+
+def take_part(name, uri, rank, own_threads=True):
+    """Take part as the node ``name`` with the address ``uri``, which may not be there yet: :func:`join`'s first half.
+
+    ``rank``: None for that of the parameter.
+    """
+    declared = rank if rank is not None else rospy.get_param(name + '/lockstep_rank', None)
     if declared is not None:
-        declared = checked(declared, 'lockstep_rank', RANK, rospy.resolve_name('~'))
-    charge = make_charge(rospy.get_param('~lockstep_charge', 'none'), time.perf_counter_ns, time.process_time_ns)
+        declared = checked(declared, 'lockstep_rank', RANK, name)
+    charge = make_charge(rospy.get_param(name + '/lockstep_charge', 'none'), time.perf_counter_ns, time.process_time_ns)
     joining = Participant(connect(), charge)
-    _listen_to_clock_no_more()
+    # Time comes with the grants; a message on /clock may be earlier or later than they.
+    replaced.replace('rospy.impl.simtime._set_rostime', lambda _original: lambda _time: None)
     # After the hooks of the application, which may still publish.
     rospy.core.add_preshutdown_hook(lambda _reason: joining.leave('its node shuts down'))
-    joining.present(rospy.get_name(), rospy.get_node_uri(), declared)
+    joining.present(name, uri, declared)
     joining.topics.install()
     joining.services.install()
     waits.install(joining)
@@ -60,17 +71,16 @@ def join(rank=None, own_threads=True):
     threads.install(joining, own_threads)
     finish.install(joining)
     fork.install(joining)
-    _warn(joining)
     _state.joined = joining
     return joining
 
 
-def _listen_to_clock_no_more():
-    """Time comes with the grants; a message on /clock may be earlier or later than they."""
+def node_is_there(joining):
+    """``rospy.init_node`` is through: :func:`join`'s second half."""
     clock = getattr(rospy.impl.simtime, '_clock_sub', None)
     if clock is not None:
         clock.unregister()
-    replaced.replace('rospy.impl.simtime._set_rostime', lambda _original: lambda _time: None)
+    _warn(joining)
 
 
 def _warn(joined):

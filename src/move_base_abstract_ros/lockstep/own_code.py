@@ -8,11 +8,10 @@ import os
 import re
 import sys
 import sysconfig
-from importlib.machinery import (BYTECODE_SUFFIXES, EXTENSION_SUFFIXES, SOURCE_SUFFIXES, ExtensionFileLoader,
-                                 FileFinder, SourceFileLoader, SourcelessFileLoader)
+from importlib import machinery
 
 import move_base_abstract
-from move_base_abstract.lockstep.instrument import instrument
+from move_base_abstract.lockstep.instrument import dotted, instrument
 
 _LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
 _PACKAGES = re.compile(r'/(site|dist)-packages(/|$)')
@@ -35,12 +34,13 @@ def install():
 def _finder(path):
     if not os.path.isdir(path or '.') or is_library(os.path.abspath(path) + '/'):
         raise ImportError('only folders of the program', path=path)
-    return FileFinder(path, (ExtensionFileLoader, EXTENSION_SUFFIXES), (_Loader, SOURCE_SUFFIXES),
-                      (SourcelessFileLoader, BYTECODE_SUFFIXES))
+    return machinery.FileFinder(path, (machinery.ExtensionFileLoader, machinery.EXTENSION_SUFFIXES),
+                                (SourceFileLoader, machinery.SOURCE_SUFFIXES),
+                                (machinery.SourcelessFileLoader, machinery.BYTECODE_SUFFIXES))
 
 
-class _Loader(SourceFileLoader):
-    """Loads modules of the program from their source."""
+class SourceFileLoader(machinery.SourceFileLoader):
+    """Loads modules of the program from their source; named as the one that would do it elsewhere."""
 
     def get_code(self, fullname):
         """Return the code of a module."""
@@ -60,3 +60,19 @@ def compile_own(source, path):
 def names_of_script(source):
     """Return the names to be added to those of a script: of a relay of catkin's, which compiles the script itself."""
     return {'compile': lambda text, path, mode: compile_own(text, path)} if _RELAY in source else {}
+
+
+def name_of_node(path):
+    """Return the name that a script gives to its node, '' if that is not plain: in one call, and not anonymous."""
+    try:
+        with open(path, 'rb') as stream:
+            tree = ast.parse(stream.read())
+    except (OSError, SyntaxError, ValueError):
+        return ''
+    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call) and dotted(node.func)[-1:] == ('init_node',)]
+    if len(calls) != 1 or not calls[0].args or len(calls[0].args) > 1:
+        return ''
+    if any(keyword.arg in (None, 'anonymous', 'argv') for keyword in calls[0].keywords):
+        return ''
+    name = getattr(calls[0].args[0], 'value', None)
+    return name if isinstance(name, str) and '/' not in name else ''

@@ -12,7 +12,7 @@ from importlib.machinery import SourceFileLoader
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ..replaced import replace
-from . import own_code, queries, threads, turns, watchdog
+from . import early, own_code, queries, threads, turns, watchdog
 
 _NAME, _NAMESPACE = '__name:=', '__ns:='
 
@@ -21,15 +21,21 @@ def run(kind, path, arguments, options):
     """Run the script or module with hooks; exits with its code."""
     import move_base_abstract_ros.lockstep as lockstep
 
-    if _has_master(lockstep):
-        threads.replace_locks()
-        watchdog.install(options.sleep)
-        own_code.install()
-        _join_after_init_node(lockstep, options, turns.install())
-        _seed('{}:{}'.format(options.seed, _node_name(path, arguments)))
-        _execute(kind, path, arguments, own_code.compile_own, own_code.names_of_script)
-    else:
+    if not _has_master(lockstep):
         _execute(kind, path, arguments, _compile, lambda _source: {})
+        return
+    threads.replace_locks()
+    own_code.install()
+    joining = _Joining(lockstep, options, node_name(kind, path, arguments))
+    watchdog.install(options.sleep, joining.early.take_part)
+    joining.install()
+    _seed('{}:{}'.format(options.seed, _node_name(path, arguments)))
+    try:
+        _execute(kind, path, arguments, own_code.compile_own, own_code.names_of_script)
+    except SystemExit as error:
+        joining.early.program_has_ended(error.code if isinstance(error.code, int) else int(error.code is not None))
+        raise
+    joining.early.program_has_ended(0)
 
 
 def _compile(source, path):
@@ -45,19 +51,48 @@ def _has_master(lockstep):
         return False
 
 
-def _join_after_init_node(lockstep, options, loops):
-    def joining(init_node):
-        def init_node_and_join(*args, **kwds):
-            init_node(*args, **kwds)
-            if lockstep.participant() is None:
-                joined = lockstep.join(options.rank)
-                watchdog.follow(joined)
-                loops.follow(joined)
-                queries.install(joined)
-        return init_node_and_join
+class _Joining:
+    """Has the program take part when it calls rospy.init_node, or waits for others before that."""
 
-    replace('rospy.init_node', joining)
-    replace('rospy.client.init_node', joining)
+    def __init__(self, lockstep, options, name):
+        self._lockstep = lockstep
+        self._rank = options.rank
+        self._loops = turns.install()
+        self.early = early.Early(name, lambda name, uri: self._follow(lockstep.take_part(name, uri, self._rank)))
+
+    def install(self):
+        """Stand before rospy.init_node."""
+        for name in ('rospy.init_node', 'rospy.client.init_node'):
+            replace(name, lambda init_node: lambda *args, **kwds: self._init_node(init_node, args, kwds))
+        self.early.install()
+
+    def _init_node(self, init_node, args, kwds):
+        self.early.init_node(init_node, args, kwds)
+        if watchdog.is_watching_sources():
+            return  # it has been called before
+        joined = self._lockstep.participant()
+        if joined is None:
+            self.early.end()
+            self._follow(self._lockstep.join(self._rank))
+        else:
+            self._lockstep.node_is_there(joined)
+        watchdog.watch_sources()
+
+    def _follow(self, joined):
+        watchdog.follow(joined)
+        self._loops.follow(joined)
+        queries.install(joined)
+
+
+def node_name(kind, path, arguments):
+    """Return the node's resolved name if it is sure before the program calls rospy.init_node, else ''.
+
+    The command line has it, or the one call of init_node in a script.
+    """
+    if any(word.startswith(_NAME) for word in arguments):
+        return _node_name(path, arguments)
+    name = '' if kind == 'module' else own_code.name_of_node(path)
+    return _node_name(name, arguments) if name else ''
 
 
 def _node_name(path, arguments):

@@ -186,7 +186,8 @@ def _replace_offering(services):
     def registering(register):
         def _register(self, name, service):
             register(self, name, service)
-            services.register(name, service)
+            if not name.endswith(_OF_ROSPY):
+                services.register(name, service)
         return _register
 
     def unregistering(unregister):

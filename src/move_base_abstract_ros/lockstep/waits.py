@@ -4,6 +4,7 @@ The functions of rospy are replaced from within (their code, not their name), so
 by name follow as well. A thread that is not the application's waits as ever.
 """
 import time
+from contextlib import contextmanager
 
 import genpy
 import rospy
@@ -61,6 +62,17 @@ def replace_within(function, make):
                  __file__, 'exec'), function.__globals__, namespace)
     function.__defaults__ = function.__kwdefaults__ = None
     function.__code__ = namespace[function.__name__].__code__
+
+
+@contextmanager
+def replaced_within(function, make):
+    """As :func:`replace_within`, for the time of a context."""
+    before = function.__code__, function.__defaults__, function.__kwdefaults__
+    replace_within(function, make)
+    try:
+        yield
+    finally:
+        function.__code__, function.__defaults__, function.__kwdefaults__ = before
 
 
 def to_ns(duration):

@@ -15,7 +15,7 @@ from .looks import STEP_NS
 from .own_code import is_library
 from .queries import settle
 
-_state = {'participant': None, 'told': set()}
+_state = {'participant': None, 'told': set(), 'is_watching_sources': False}
 _OTHER_PROCESS = 'starts another process, which does not take part in lockstep by itself'
 _OTHER_CONNECTION = 'opens a connection of its own: what comes over it is not part of lockstep'
 _EVENTS = {
@@ -35,9 +35,12 @@ _ROS = frozenset(('rospy', 'rosgraph', 'roslib', 'genpy', 'genmsg'))
 _LONG_SLEEPS = 5.0  # s, wall, at one instant
 
 
-def install(sleep):
-    """Begin to watch; ``sleep`` says what time.sleep is to wait for: 'wall' or 'simulated'."""
-    replace('time.sleep', lambda wall_sleep: _Sleep(sleep, wall_sleep))
+def install(sleep, take_part):
+    """Begin to watch. ``sleep`` says what time.sleep is to wait for: 'wall' or 'simulated'.
+
+    ``take_part(what)`` is called where a program that is no node yet is to take part, because of ``what``.
+    """
+    replace('time.sleep', lambda wall_sleep: _Sleep(sleep, take_part, wall_sleep))
     for name in _CLOCKS:
         replace(name, lambda clock, name=name: _reading(clock, name))
     sys.addaudithook(_audit)
@@ -46,8 +49,18 @@ def install(sleep):
 def follow(participant):
     """The program takes part from now on."""
     _state['participant'] = participant
+
+
+def watch_sources():
+    """The program is a node: tell what its sources have that cannot be noticed while they run. Once."""
+    _state['is_watching_sources'] = True
     for what, filename, line in source.check(_files()):
         _tell_place(what, filename, line)
+
+
+def is_watching_sources():
+    """Return whether that has been done."""
+    return _state['is_watching_sources']
 
 
 def _files():
@@ -63,16 +76,20 @@ def _files():
 class _Sleep:
     """time.sleep of the application's threads."""
 
-    def __init__(self, kind, wall_sleep):
+    def __init__(self, kind, take_part, wall_sleep):
         self._is_simulated = kind == 'simulated'
+        self._take_part = take_part
         self._wall_sleep = wall_sleep
         self._at_ns = None
         self._slept = 0.0
 
     def __call__(self, seconds, /):
+        is_of_ros = seconds < 0 or _is_of_ros(sys._getframe(1))
+        if _state['participant'] is None and self._is_simulated and not is_of_ros:
+            self._take_part('time.sleep')
         participant = _state['participant']
         is_mine = participant is not None and participant.scheduler.is_mine()
-        if not is_mine or seconds < 0 or _is_of_ros(sys._getframe(1)):
+        if not is_mine or is_of_ros:
             self._wall_sleep(seconds)
             return
         try:
@@ -105,7 +122,7 @@ class _Sleep:
 
 
 def _is_of_ros(frame):
-    """Whether ROS's own code sleeps: rospy does, for 0 s, after each message that is sent, also each line of the log."""
+    """Whether ROS's own code sleeps: rospy does, for 0 s, after each message that it sends, also of the log."""
     if frame.f_globals.get('__name__') == 'rospy.rostime':  # wallsleep, for whoever calls it
         frame = frame.f_back
     return (frame.f_globals.get('__name__') or '').partition('.')[0] in _ROS
