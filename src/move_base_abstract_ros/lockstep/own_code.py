@@ -1,4 +1,4 @@
-"""The program's own code, which is compiled with what lockstep must be told of it (``instrument``).
+"""The program's own code, which is compiled with what lockstep must be told: of its loops, its classes and its sets.
 
 Its own is what lies neither in Python's library nor in a folder of packages (site-packages, dist-packages). Nothing is
 kept of what is compiled here: Python's own files of compiled modules stay as they are.
@@ -10,8 +10,11 @@ import sys
 import sysconfig
 from importlib import machinery
 
+import rospy
+
 import move_base_abstract
 from move_base_abstract.lockstep.instrument import dotted, instrument
+from move_base_abstract.lockstep.object_order import follow_order
 
 _LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
 _PACKAGES = re.compile(r'/(site|dist)-packages(/|$)')
@@ -54,7 +57,11 @@ def compile_own(source, path):
     :raises SyntaxError: as compile.
     """
     tree = compile(source, path, 'exec', ast.PyCF_ONLY_AST, dont_inherit=True)
-    return compile(instrument(tree), path, 'exec', dont_inherit=True)
+    try:
+        return compile(follow_order(instrument(tree)), path, 'exec', dont_inherit=True)
+    except RecursionError:  # some hundreds of branches of one `if`
+        rospy.logwarn('lockstep: %s is nested too deeply for its waiting loops and its sets to be followed', path)
+        return compile(source, path, 'exec', dont_inherit=True)
 
 
 def names_of_script(source):

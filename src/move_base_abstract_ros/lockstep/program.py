@@ -12,7 +12,7 @@ from importlib.machinery import SourceFileLoader
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ..replaced import replace
-from . import early, own_code, queries, threads, turns, watchdog
+from . import early, objects, own_code, queries, threads, turns, watchdog
 
 _NAME, _NAMESPACE = '__name:=', '__ns:='
 
@@ -57,7 +57,7 @@ class _Joining:
     def __init__(self, lockstep, options, name):
         self._lockstep = lockstep
         self._rank = options.rank
-        self._loops = turns.install()
+        self._followers = [turns.install(), objects.install()]
         self.early = early.Early(name, lambda name, uri: self._follow(lockstep.take_part(name, uri, self._rank)))
 
     def install(self):
@@ -80,7 +80,8 @@ class _Joining:
 
     def _follow(self, joined):
         watchdog.follow(joined)
-        self._loops.follow(joined)
+        for follower in self._followers:
+            follower.follow(joined)
         queries.install(joined)
 
 

@@ -4,6 +4,7 @@ import ast
 _CLOCK = 'reads the wall clock; what it does with that differs from run to run'
 _SEED = 'is seeded by the machine, so it differs from run to run; give it a seed'
 _ENTROPY = 'comes from the machine, so it differs from run to run'
+_ADDRESS = 'orders by addresses, which differ from run to run'
 _LOOP = 'waits by the wall clock, while simulated time stands still'
 #: the last parts of a call's name, as it is written
 _CALLS = {
@@ -38,6 +39,8 @@ def _calls(tree):
                 yield node.lineno, name, _CALLS[name]
             elif name in _SEEDED and not node.args and not node.keywords:
                 yield node.lineno, name, _SEED
+            if any(keyword.arg == 'key' and _dotted(keyword.value) == ('id',) for keyword in node.keywords):
+                yield node.lineno, ('key=id',), _ADDRESS
 
 
 def _dotted(node):

@@ -1,0 +1,107 @@
+"""Has a program's classes and sets say where the order of a set may come from addresses of objects.
+
+Python hashes an object by its address where its class says nothing else, and a set is gone through in the order of
+hashes: another one in each run. So the bases of each class are handed to :data:`BASES`, which may add one that hashes
+otherwise; and whatever is gone through, printed, popped or unpacked in an order that may be a set's is handed to
+:data:`ORDER`. Knows Python's text only.
+"""
+import ast
+
+#: the names of what is called, to be found among the builtins: ``BASES(*bases)`` -> bases, ``ORDER(value)`` -> value
+BASES, ORDER = '__lockstep_bases__', '__lockstep_order__'
+
+#: functions and methods whose result depends on the order of what they are given
+_ORDERED = frozenset((
+    'chain', 'choice', 'combinations', 'cycle', 'deque', 'enumerate', 'extend', 'filter', 'format', 'islice', 'iter',
+    'list', 'map', 'max', 'min', 'OrderedDict', 'permutations', 'print', 'product', 'reduce', 'repr', 'sample', 'str',
+    'tuple', 'zip'))
+#: those for which a generator's order does not matter
+_UNORDERED = frozenset(('all', 'any', 'frozenset', 'len', 'set', 'sorted', 'sum'))
+_METACLASSES = frozenset(('ABCMeta', 'type'))
+
+
+def follow_order(tree):
+    """Have a module's ``tree`` (of :func:`ast.parse`) call :data:`BASES` and :data:`ORDER`; return it."""
+    return ast.fix_missing_locations(_Order().visit(tree))
+
+
+class _Order(ast.NodeTransformer):
+    # The methods have ast's names.
+
+    def visit_ClassDef(self, node):  # noqa: N802
+        self.generic_visit(node)
+        metaclasses = [keyword.value for keyword in node.keywords if keyword.arg in (None, 'metaclass')]
+        if all(_last(metaclass) in _METACLASSES for metaclass in metaclasses):
+            at = node.bases[0] if node.bases else node
+            bases = ast.Call(func=ast.Name(id=BASES, ctx=ast.Load()), args=node.bases, keywords=[])
+            node.bases = [ast.copy_location(ast.Starred(value=ast.copy_location(bases, at), ctx=ast.Load()), at)]
+        return node
+
+    def visit_For(self, node):  # noqa: N802
+        self.generic_visit(node)
+        node.iter = _seen(node.iter)
+        return node
+
+    def visit_comprehension(self, node):
+        self.generic_visit(node)
+        node.iter = _seen(node.iter)
+        return node
+
+    def visit_SetComp(self, node):  # noqa: N802
+        return self._visit_unordered(node)
+
+    def _visit_unordered(self, node):
+        """Visit a comprehension of which the order does not matter: all but what it goes through."""
+        self.generic_visit(node)
+        for generator in node.generators:
+            generator.iter = _unseen(generator.iter)
+        return node
+
+    def visit_Call(self, node):  # noqa: N802
+        name = _last(node.func)
+        self.generic_visit(node)
+        if name in _ORDERED:
+            node.args = [_seen(argument) for argument in node.args]
+        elif name in _UNORDERED and len(node.args) == 1 and isinstance(node.args[0], ast.GeneratorExp):
+            for generator in node.args[0].generators:
+                generator.iter = _unseen(generator.iter)
+        elif name == 'pop' and isinstance(node.func, ast.Attribute) and not node.args:
+            node.func.value = _seen(node.func.value)
+        return node
+
+    def visit_Starred(self, node):  # noqa: N802
+        self.generic_visit(node)
+        if isinstance(node.ctx, ast.Load):
+            node.value = _seen(node.value)
+        return node
+
+    def visit_FormattedValue(self, node):  # noqa: N802
+        self.generic_visit(node)
+        node.value = _seen(node.value)
+        return node
+
+    def visit_Assign(self, node):  # noqa: N802
+        self.generic_visit(node)
+        if any(isinstance(target, (ast.Tuple, ast.List)) for target in node.targets):
+            node.value = _seen(node.value)
+        return node
+
+
+def _seen(node):
+    """Return an expression whose value is handed on by ORDER; those that are no set stay as they are."""
+    if isinstance(node, (ast.Starred, ast.Constant, ast.List, ast.Tuple, ast.Dict, ast.ListComp, ast.DictComp,
+                         ast.GeneratorExp, ast.JoinedStr, ast.Lambda)):
+        return node
+    if isinstance(node, ast.Call) and _last(node.func) in ('range', 'sorted', 'items', 'values', 'keys', ORDER):
+        return node
+    call = ast.Call(func=ast.Name(id=ORDER, ctx=ast.Load()), args=[node], keywords=[])
+    return ast.copy_location(call, node)
+
+
+def _unseen(node):
+    return node.args[0] if isinstance(node, ast.Call) and _last(node.func) == ORDER else node
+
+
+def _last(node):
+    """Return the last part of a name, '' of anything else."""
+    return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ''

@@ -1,0 +1,68 @@
+"""Objects of the program's own classes are hashed by number, not by their address, so that sets of them repeat.
+
+Where that is not possible, and the program goes through a set of such objects, it is told with file and line, and the
+run is labelled. :mod:`own_code` has the program's classes and sets call what is here.
+"""
+import builtins
+import sys
+import weakref
+
+import rospy
+
+from move_base_abstract.lockstep.numbered import bases_of, is_hashed_by_address
+from move_base_abstract.lockstep.object_order import BASES, ORDER
+
+_SHOWN = 3  # kinds of objects
+
+
+def install():
+    """Have the program's classes and sets come here; to be called before its first line. Return what follows."""
+    order = Order()
+    setattr(builtins, BASES, bases_of)
+    setattr(builtins, ORDER, order.see)
+    return order
+
+
+class Order:
+    """What the program goes through in some order."""
+
+    def __init__(self):
+        self._participant = None
+        self._told = set()
+        self._early = []
+
+    def follow(self, participant):
+        """The program takes part from now on."""
+        self._participant = participant
+        for text in self._early:
+            self._tell(text)
+
+    def see(self, value):
+        """Return ``value``, which the program goes through; tell once for each place if its order is by addresses."""
+        kind = type(value)
+        is_set = kind is set or kind is frozenset or isinstance(value, (set, frozenset, weakref.WeakSet))
+        if is_set and len(value) > 1:
+            frame = sys._getframe(1)
+            place = frame.f_code.co_filename, frame.f_lineno
+            if place not in self._told:
+                self._look(value, place)
+        return value
+
+    def _look(self, value, place):
+        kinds = sorted({'{0.__module__}.{0.__qualname__}'.format(type(one)) for one in value
+                        if is_hashed_by_address(one)})
+        if not kinds:
+            return
+        self._told.add(place)
+        shown = kinds[:_SHOWN] + ['...'] * (len(kinds) > _SHOWN)
+        text = ('{}, line {}: goes through a set of objects that Python hashes by their address ({}): its order '
+                'differs from run to run; a list or a dict keeps the order in which it was filled'.format(
+                    *place, ', '.join(shown)))
+        if self._participant is None:
+            self._early.append(text)
+        else:
+            self._tell(text)
+
+    def _tell(self, text):
+        rospy.logwarn('%s: %s', rospy.get_name(), text)
+        self._participant.label('{}: {}'.format(rospy.get_name(), text))
