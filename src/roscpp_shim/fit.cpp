@@ -114,7 +114,10 @@ Surroundings lookAround() {
     found.roscpp_version = versionOf(found.roscpp.front(), "roscpp");
   }
   for (const Replaced& one : replacedFunctions()) {
-    if (findReal(one.symbol) == nullptr) {
+    const std::string library = one.library;
+    const bool is_newer = library == "libstdc++" ||  // whose programs bring what they need
+                          (library == "libc" && numbersOf(found.glibc) < numbersOf(one.since));
+    if (findReal(one.symbol) == nullptr && !is_newer) {
       found.missing.emplace_back(std::string(one.name) + " (" + one.library + ")");
     }
   }

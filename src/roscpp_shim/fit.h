@@ -9,7 +9,7 @@ namespace move_base_abstract::shim {
 
 /** @brief A row of replaced.def. */
 struct Replaced {
-  const char* library;  // "roscpp", "rostime", "libc"
+  const char* library;  // "roscpp", "rostime", "libc", "libstdc++"
   const char* since;    // its first version of which the function is as expected
   const char* name;
   const char* symbol;  // as the linker knows it

@@ -80,6 +80,7 @@ bool Node::join() {
 void Node::leave(const std::string& reason) {
   // While another thread reads from the connection, that one closes it.
   const bool is_own = turn().holds();
+  const Inside inside;
   if (!membership_.leave(reason)) {
     return;
   }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "fit.h"
+#include "followed.h"
 #include "node.h"
 #include "real.h"
 #include "turn.h"
@@ -56,16 +57,23 @@ void checkFit() {
 }
 
 void startRos(void (*start)()) {
-  if (ros::isStarted() || !Node::isWanted()) {
+  if (ros::isStarted()) {
     start();
     return;
   }
+  if (!Node::isWanted()) {
+    stopFollowing();
+    start();
+    return;
+  }
+  beginToFollow();
   const Inside inside;  // the threads that it starts are roscpp's own
   checkFit();
   t_is_starting = true;
   start();
   t_is_starting = false;
   if (node().join()) {
+    tellWhatWasNoticed();
     turn().begin();
   }
 }

@@ -1,128 +1,38 @@
-// The program's threads, and where they wait by means of libc: conditions, locks, joins, sleeps.
-#include <dlfcn.h>
+// The program's threads, and where they wait for each other: conditions, locks, joins.
 #include <pthread.h>
-#include <sys/time.h>
 #include <time.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cstdint>
-#include <cstring>
 
+#include "clocks.h"
+#include "followed.h"
 #include "glibc_fields.h"
 #include "node.h"
 #include "real.h"
 #include "turn.h"
+#include "waits.h"
 
 namespace move_base_abstract::shim {
 namespace {
 
-constexpr Nanoseconds kSecond = 1'000'000'000;
 constexpr unsigned kVainWaits = 1000;
 constexpr Nanoseconds kPollPeriod = 1'000'000;
-constexpr Nanoseconds kPatience = 5 * kSecond;  // wall
 
-using GetTime = int(clockid_t, timespec*);
 using Lock = int(pthread_mutex_t*);
 using CondWait = int(pthread_cond_t*, pthread_mutex_t*);
 using CondTimedWait = int(pthread_cond_t*, pthread_mutex_t*, const timespec*);
 using CondClockWait = int(pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*);
 using CondSignal = int(pthread_cond_t*);
+using TimedLock = int(pthread_mutex_t*, const timespec*);
+using ClockLock = int(pthread_mutex_t*, clockid_t, const timespec*);
 using Create = int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
-using NanoSleep = int(const timespec*, timespec*);
-
-constexpr Nanoseconds kPreparation = 1'000'000;  // of a thread's processor time
-
-/** @brief What a thread has read from the clocks of the wall: what its next deadline starts from.
- */
-struct Readings {
-  Nanoseconds last[2] = {0, 0};
-  std::uint64_t round = 0;  // in which it has read first, with these real clocks
-  Nanoseconds processor = 0;
-  Nanoseconds monotonic = 0;
-};
-thread_local Readings t_readings __attribute__((tls_model("initial-exec")));
-
-Nanoseconds toNs(const timespec& time) { return time.tv_sec * kSecond + time.tv_nsec; }
-timespec toTimespec(Nanoseconds time) { return {time / kSecond, time % kSecond}; }
-
-GetTime* realGetTime() {
-  static GetTime* const function = real<GetTime>("clock_gettime");
-  return function;
-}
 
 /**
- * @brief The clocks of the wall as the program's threads see them: they go on with simulated time,
- * and stand while a thread only prepares a wait, so that its deadline is exact.
- *
- * What a thread computes for longer is seen, too; not so with --sleep simulated, where both clocks
- * are simulated time itself. ros::WallTime stays the wall's (without --sleep simulated).
+ * @brief Take a lock by turns, where one of the program's waiting threads has it.
+ * @param lasts simulated ns, at most. @return as the function; EBUSY: somebody else has it.
  */
-class SeenClock {
- public:
-  Nanoseconds read(clockid_t clock) {
-    const Nanoseconds simulated = node().now();
-    if (node().sleepsSimulated()) {
-      return simulated;
-    }
-    const Nanoseconds processor = read(CLOCK_THREAD_CPUTIME_ID, 0);
-    const Nanoseconds monotonic = read(CLOCK_MONOTONIC, 0);
-    if (begin_ == 0) {
-      begin_ = simulated;
-      walls_[0] = read(CLOCK_REALTIME, 0);
-      walls_[1] = monotonic;
-    }
-    Readings& mine = t_readings;
-    if (mine.round != node().round()) {
-      mine = Readings();
-      mine.round = node().round();
-      mine.processor = processor;
-      mine.monotonic = monotonic;
-    } else if (processor - mine.processor > kPreparation) {
-      computed_ += monotonic - mine.monotonic;
-      mine.processor = processor;
-      mine.monotonic = monotonic;
-    }
-    return walls_[clock == CLOCK_REALTIME ? 0 : 1] + simulated - begin_ + computed_;
-  }
-
-  void addSleep(Nanoseconds duration) { computed_ += duration; }
-
- private:
-  static Nanoseconds read(clockid_t clock, int) {
-    timespec now{};
-    realGetTime()(clock, &now);
-    return toNs(now);
-  }
-
-  Nanoseconds begin_ = 0;
-  Nanoseconds walls_[2] = {0, 0};
-  Nanoseconds computed_ = 0;  // only who has the turn reads or writes
-};
-
-SeenClock& seenClock() {
-  static SeenClock* const instance = new SeenClock;
-  return *instance;
-}
-
-/** @brief One of the program's threads reads a clock, of which it sees @p step [ns]. */
-Nanoseconds readSeen(clockid_t clock, Nanoseconds step) {
-  const Nanoseconds now = seenClock().read(clock);
-  t_readings.last[clock == CLOCK_REALTIME ? 0 : 1] = now - now % step;
-  return now - now % step;
-}
-
-/** @return how long a wait until @p deadline is meant to last. */
-Nanoseconds remaining(clockid_t clock, const timespec& deadline) {
-  const int index = clock == CLOCK_REALTIME ? 0 : 1;
-  const bool is_fresh = t_readings.round == node().round() && t_readings.last[index] > 0;
-  // The thread may have computed since it read the clock, or may have been held up.
-  return toNs(deadline) - (is_fresh ? t_readings.last[index] : readSeen(clock, 1));
-}
-
-/** @brief Take a lock; where one of the program's waiting threads has it, let that one go on. */
-int lockMutex(pthread_mutex_t* mutex, Lock* lock) {
+int takeByTurns(pthread_mutex_t* mutex, Nanoseconds lasts) {
+  const Nanoseconds until = lasts == kNever ? kNever : node().now() + lasts;
   while (turn().holds()) {
     const int result = pthread_mutex_trylock(mutex);
     if (result != EBUSY) {
@@ -131,12 +41,18 @@ int lockMutex(pthread_mutex_t* mutex, Lock* lock) {
     if (!turn().isParked(ownerOf(*mutex))) {
       break;  // roscpp's own, which will be through soon
     }
-    Wait wait;
-    wait.is_over = [mutex] { return ownerOf(*mutex) == 0; };
-    wait.for_thread = true;
-    turn().wait(std::move(wait));
+    const auto is_free = [mutex] { return ownerOf(*mutex) == 0; };
+    const Nanoseconds left = until == kNever ? kNever : until - node().now();
+    if (awaitCondition(nullptr, is_free, left) == Woken::kTime) {
+      return ETIMEDOUT;
+    }
   }
-  return lock(mutex);
+  return EBUSY;
+}
+
+int lockMutex(pthread_mutex_t* mutex, Lock* lock) {
+  const int result = takeByTurns(mutex, kNever);
+  return result == EBUSY ? lock(mutex) : result;
 }
 
 Lock* realLock() {
@@ -166,63 +82,40 @@ int waitOnUntil(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clo
   return waitOn(condition, mutex, remaining(clock, deadline));
 }
 
-/** @brief A sleep by the wall clock, of a thread that has the turn. */
-void sleepWall(Nanoseconds duration, const timespec& request, NanoSleep* sleep) {
-  Task& me = *Turn::self();
-  me.has_acted = true;
-  Wait wait;
-  if (node().sleepsSimulated()) {
-    wait.until = node().now() + duration;
-    turn().wait(std::move(wait));
-    return;
-  }
-  me.slept = me.slept_at == node().now() ? me.slept + duration : duration;
-  me.slept_at = node().now();
-  {
-    const Blocking blocking;
-    sleep(&request, nullptr);
-  }
-  if (me.slept < kPatience) {
-    seenClock().addSleep(duration);
-    wait.next_round = true;  // what has happened at this instant is seen after the sleep
-  } else {
-    node().label(
-        "a thread sleeps by the wall clock until something happens (see --sleep simulated)");
-    wait.until = node().now() + duration;
-  }
-  turn().wait(std::move(wait));
-}
-
-NanoSleep* realNanosleep() {
-  static NanoSleep* const function = real<NanoSleep>("nanosleep");
-  return function;
-}
-
-/** @return whether a library of worker threads calls: they wait for each other in ways of their
- * own. */
-bool isWorkerPool(const void* caller) {
-  Dl_info info{};
-  if (dladdr(caller, &info) == 0 || info.dli_fname == nullptr) {
-    return false;
-  }
-  for (const char* name : {"libgomp", "libtbb", "libomp", "blas", "libOpenCL", "libcuda"}) {
-    if (std::strstr(info.dli_fname, name) != nullptr) {
-      return true;
-    }
-  }
-  return false;
-}
-
-struct InternalMain {
+/** @brief What a thread is to run that takes no turns: roscpp's own, or a worker. */
+struct OtherMain {
   void* (*main)(void*);
   void* argument;
+  void (*become)();
 };
 
-void* runInternal(void* argument) {
-  const InternalMain what = *static_cast<InternalMain*>(argument);
-  delete static_cast<InternalMain*>(argument);
-  Turn::becomeInternal();
+void* runOther(void* argument) {
+  const OtherMain what = *static_cast<OtherMain*>(argument);
+  delete static_cast<OtherMain*>(argument);
+  what.become();
   return what.main(what.argument);
+}
+
+/** @return how a thread begins that takes no turns; null: as it is. */
+void (*kindOfNew(const void* caller))() {
+  if (Turn::isInternal() || Turn::isInside()) {
+    return &Turn::becomeInternal;
+  }
+  return isWorkerPool(caller) ? &becomeWorker : nullptr;
+}
+
+/** @return how long a wait until @p deadline lasts, of a thread that has the turn; else anything.
+ */
+Nanoseconds lasting(clockid_t clock, const timespec* deadline) {
+  return deadline == nullptr ? kNever : remaining(clock, *deadline);
+}
+
+/** @return false if a thread of the program has not ended after @p lasts simulated ns. */
+bool awaitEndOf(pthread_t thread, Nanoseconds lasts) {
+  const Task* const task = turn().holds() ? turn().find(thread) : nullptr;
+  const auto has_ended = [task] { return task->is_done.load(); };
+  return task == nullptr || has_ended() ||
+         awaitCondition(nullptr, has_ended, lasts) != Woken::kTime;
 }
 
 void* runTask(void* task) { return turn().run(static_cast<Task*>(task)); }
@@ -240,10 +133,15 @@ extern "C" {
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*main)(void*),
                    void* argument) {
   static shim::Create* const function = shim::real<shim::Create>("pthread_create");
-  if (shim::Turn::isInternal() || shim::Turn::isInside()) {
-    return function(thread, attributes, &shim::runInternal, new shim::InternalMain{main, argument});
+  const void* const caller = MOVE_BASE_ABSTRACT_CALLER;
+  if (auto* const become = shim::kindOfNew(caller)) {
+    return function(thread, attributes, &shim::runOther,
+                    new shim::OtherMain{main, argument, become});
   }
-  if (!shim::turn().holds() || shim::isWorkerPool(__builtin_return_address(0))) {
+  if (!shim::ordered()) {
+    if (shim::sees() != shim::Sees::kMachine && shim::isProgramsOwn(caller)) {
+      shim::tell("a thread was started before ROS was", caller);
+    }
     return function(thread, attributes, main, argument);
   }
   shim::Turn::self()->has_acted = true;
@@ -258,15 +156,18 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
 int pthread_join(pthread_t thread, void** result) {
   using Join = int(pthread_t, void**);
   static Join* const function = shim::real<Join>("pthread_join");
-  if (shim::turn().holds()) {
-    if (const shim::Task* const task = shim::turn().find(thread)) {
-      shim::Wait wait;
-      wait.is_over = [task] { return task->is_done.load(); };
-      wait.for_thread = true;
-      shim::turn().wait(std::move(wait));
-    }
-  }
+  shim::awaitEndOf(thread, move_base_abstract::kNever);
   return function(thread, result);
+}
+
+int pthread_timedjoin_np(pthread_t thread, void** result, const timespec* deadline) {
+  using TimedJoin = int(pthread_t, void**, const timespec*);
+  static TimedJoin* const function = shim::real<TimedJoin>("pthread_timedjoin_np");
+  if (!shim::awaitEndOf(thread, shim::lasting(CLOCK_REALTIME, deadline))) {
+    return ETIMEDOUT;
+  }
+  const shim::MachineWait wait(CLOCK_REALTIME, deadline);
+  return function(thread, result, wait.deadline());
 }
 
 // ---- locks and conditions --------------------------------------------------------------------
@@ -279,9 +180,23 @@ int pthread_mutex_lock(pthread_mutex_t* mutex) {
   return shim::lockMutex(mutex, function);
 }
 
+int pthread_mutex_timedlock(pthread_mutex_t* mutex, const timespec* deadline) {
+  static shim::TimedLock* const function = shim::real<shim::TimedLock>("pthread_mutex_timedlock");
+  const int result = shim::takeByTurns(mutex, shim::lasting(CLOCK_REALTIME, deadline));
+  const shim::MachineWait wait(CLOCK_REALTIME, deadline);
+  return result == EBUSY ? function(mutex, wait.deadline()) : result;
+}
+
+int pthread_mutex_clocklock(pthread_mutex_t* mutex, clockid_t clock, const timespec* deadline) {
+  static shim::ClockLock* const function = shim::real<shim::ClockLock>("pthread_mutex_clocklock");
+  const int result = shim::takeByTurns(mutex, shim::lasting(clock, deadline));
+  const shim::MachineWait wait(clock, deadline);
+  return result == EBUSY ? function(mutex, clock, wait.deadline()) : result;
+}
+
 int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
   static shim::CondWait* const function = shim::real<shim::CondWait>("pthread_cond_wait");
-  if (!shim::turn().holds()) {
+  if (!shim::ordered()) {
     return function(condition, mutex);
   }
   return shim::waitOn(condition, mutex, move_base_abstract::kNever);
@@ -291,20 +206,31 @@ int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
                            const timespec* deadline) {
   static shim::CondTimedWait* const function =
       shim::real<shim::CondTimedWait>("pthread_cond_timedwait");
-  if (!shim::turn().holds()) {
-    return function(condition, mutex, deadline);
+  const clockid_t clock = shim::clockOf(*condition);
+  if (shim::ordered()) {
+    return shim::waitOnUntil(condition, mutex, clock, *deadline);
   }
-  return shim::waitOnUntil(condition, mutex, shim::clockOf(*condition), *deadline);
+  const shim::MachineWait wait(clock, deadline);
+  const int result = function(condition, mutex, wait.deadline());
+  if (result == ETIMEDOUT) {
+    wait.timedOut();
+  }
+  return result;
 }
 
 int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
                            const timespec* deadline) {
   static shim::CondClockWait* const function =
       shim::real<shim::CondClockWait>("pthread_cond_clockwait");
-  if (!shim::turn().holds()) {
-    return function(condition, mutex, clock, deadline);
+  if (shim::ordered()) {
+    return shim::waitOnUntil(condition, mutex, clock, *deadline);
   }
-  return shim::waitOnUntil(condition, mutex, clock, *deadline);
+  const shim::MachineWait wait(clock, deadline);
+  const int result = function(condition, mutex, clock, wait.deadline());
+  if (result == ETIMEDOUT) {
+    wait.timedOut();
+  }
+  return result;
 }
 
 int pthread_cond_signal(pthread_cond_t* condition) {
@@ -317,74 +243,6 @@ int pthread_cond_broadcast(pthread_cond_t* condition) {
   static shim::CondSignal* const function = shim::real<shim::CondSignal>("pthread_cond_broadcast");
   shim::turn().signal(condition, true);
   return function(condition);
-}
-
-// ---- sleeps and clocks of the wall -----------------------------------------------------------
-
-int nanosleep(const timespec* request, timespec* rest) {
-  static shim::NanoSleep* const function = shim::realNanosleep();
-  if (!shim::turn().holds()) {
-    return function(request, rest);
-  }
-  shim::sleepWall(shim::toNs(*request), *request, function);
-  return 0;
-}
-
-int clock_nanosleep(clockid_t clock, int flags, const timespec* request, timespec* rest) {
-  using ClockNanosleep = int(clockid_t, int, const timespec*, timespec*);
-  static ClockNanosleep* const function = shim::real<ClockNanosleep>("clock_nanosleep");
-  if (!shim::turn().holds()) {
-    return function(clock, flags, request, rest);
-  }
-  const bool is_absolute = (flags & TIMER_ABSTIME) != 0;
-  const std::int64_t duration =
-      is_absolute ? shim::remaining(clock, *request) : shim::toNs(*request);
-  if (duration > 0) {
-    shim::sleepWall(duration, shim::toTimespec(duration), shim::realNanosleep());
-  }
-  return 0;
-}
-
-int usleep(useconds_t microseconds) {
-  const timespec request = shim::toTimespec(static_cast<std::int64_t>(microseconds) * 1000);
-  return nanosleep(&request, nullptr);
-}
-
-unsigned sleep(unsigned seconds) {
-  const timespec request{static_cast<time_t>(seconds), 0};
-  return nanosleep(&request, nullptr) == 0 ? 0 : seconds;
-}
-
-int sched_yield() {
-  using Yield = int();
-  static Yield* const function = shim::real<Yield>("sched_yield");
-  if (!shim::turn().holds()) {
-    return function();
-  }
-  shim::Wait wait;
-  wait.next_round = true;
-  shim::turn().wait(std::move(wait));
-  return 0;
-}
-
-int clock_gettime(clockid_t clock, timespec* time) {
-  if ((clock != CLOCK_REALTIME && clock != CLOCK_MONOTONIC) || !shim::turn().holds()) {
-    return shim::realGetTime()(clock, time);
-  }
-  *time = shim::toTimespec(shim::readSeen(clock, 1));
-  return 0;
-}
-
-int gettimeofday(timeval* time, void* zone) {
-  using GetTimeOfDay = int(timeval*, void*);
-  static GetTimeOfDay* const function = shim::real<GetTimeOfDay>("gettimeofday");
-  if (!shim::turn().holds()) {
-    return function(time, zone);
-  }
-  constexpr std::int64_t kMicrosecond = 1000;
-  const timespec now = shim::toTimespec(shim::readSeen(CLOCK_REALTIME, kMicrosecond));
-  *time = {now.tv_sec, now.tv_nsec / kMicrosecond};
-  return 0;
 }
 
 }  // extern "C"

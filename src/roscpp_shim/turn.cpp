@@ -10,6 +10,7 @@
 #include <mutex>
 #include <thread>
 
+#include "followed.h"
 #include "node.h"
 #include "real.h"
 
@@ -28,6 +29,17 @@ constexpr int kStuckPeriods = 3;
 thread_local Task* t_task MOVE_BASE_ABSTRACT_FAST_TLS = nullptr;
 thread_local int t_inside MOVE_BASE_ABSTRACT_FAST_TLS = 0;
 thread_local bool t_internal MOVE_BASE_ABSTRACT_FAST_TLS = false;
+
+/** The semaphores of this library are libc's own: not those that hand the turn over. */
+void awake(Task* task) {
+  static auto* const post = real<int(sem_t*)>("sem_post");
+  post(&task->go);
+}
+
+int awaitGo(Task* task) {
+  static auto* const wait = real<int(sem_t*)>("sem_wait");
+  return wait(&task->go);
+}
 
 /** @return whether the thread sleeps in the kernel (and is not just being slow). */
 bool isAsleep(int tid) {
@@ -76,7 +88,8 @@ void Turn::becomeInternal() { t_internal = true; }
 
 Task* Turn::create(std::function<void*()> main) {
   auto* const task = new Task;
-  sem_init(&task->go, 0, 0);
+  static auto* const init = real<int(sem_t*, int, unsigned)>("sem_init");
+  init(&task->go, 0, 0);
   task->main = std::move(main);
   if (task->main) {
     const Lock lock(mutex_);
@@ -135,7 +148,7 @@ void Turn::finish(Task* task) {
   // Somebody else must report, since this thread goes; or who comes back next (see regain).
   holder_ = waiting_.empty() ? nullptr : waiting_.front();
   if (holder_ != nullptr) {
-    sem_post(&holder_->go);
+    awake(holder_);
   }
 }
 
@@ -195,7 +208,7 @@ void Turn::regain(Task* task) {
     waiting_.push_back(task);
     if (holder_ == nullptr) {
       holder_ = task;
-      sem_post(&task->go);
+      awake(task);
     }
   }
   node().ring();
@@ -250,7 +263,7 @@ bool Turn::enlist(Task* task, Wait& wait) {
 
 void Turn::park(Task* task) {
   const Inside inside;
-  while (isActive() && sem_wait(&task->go) != 0 && errno == EINTR) {
+  while (isActive() && awaitGo(task) != 0 && errno == EINTR) {
   }
   // Woken without being chosen: everybody waits, and this thread is to report for them.
   while (task->is_waiting && isActive()) {
@@ -258,7 +271,7 @@ void Turn::park(Task* task) {
     if (next == nullptr) {
       node().exchange();
     } else if (handOver(next); next != task) {
-      while (isActive() && sem_wait(&task->go) != 0 && errno == EINTR) {
+      while (isActive() && awaitGo(task) != 0 && errno == EINTR) {
       }
     }
   }
@@ -306,7 +319,7 @@ void Turn::handOver(Task* next) {
     ++switches_;
   }
   if (next != t_task) {
-    sem_post(&next->go);
+    awake(next);
   }
 }
 
@@ -326,6 +339,9 @@ void Turn::signal(const void* object, bool all) {
     }
   }
   if (is_woken && t_task == nullptr) {
+    if (!t_internal && !isWorkerPool(nullptr)) {
+      node().label("a thread that lockstep does not order has woken another one");
+    }
     node().ring();
   }
 }
@@ -351,7 +367,7 @@ void Turn::end() {
   is_active_ = false;
   const Lock lock(mutex_);
   for (Task* const task : tasks_) {
-    sem_post(&task->go);
+    awake(task);
   }
 }
 
@@ -369,7 +385,7 @@ void Turn::watch() {
     if (stuck >= kStuckPeriods) {
       holder_->is_loose = true;
       holder_ = waiting_.front();
-      sem_post(&holder_->go);
+      awake(holder_);
       node().label("a thread waits for another one in a way that lockstep does not follow");
     }
   }

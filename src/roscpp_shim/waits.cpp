@@ -1,4 +1,6 @@
 // Where roscpp programs wait: time, callback queues, spinners.
+#include "waits.h"
+
 #include <dlfcn.h>
 #include <ros/callback_queue.h>
 #include <ros/init.h>
@@ -47,16 +49,6 @@ bool isInternalQueue(const ros::CallbackQueue* queue) {
   return queue == internal;
 }
 
-/** @brief A thread that only looks, again and again, lets simulated time go on. */
-void countPoll(unsigned* count, unsigned limit) {
-  if (++*count >= limit) {
-    *count = 0;
-    Wait wait;
-    wait.until = node().now() + kPollPeriod;
-    turn().wait(wait);
-  }
-}
-
 /** @return whether tf2's listener calls: its loop is ended only by one who then joins it. */
 bool isListenersLoop(Task* me, const void* caller) {
   if (me->poller != caller) {
@@ -90,7 +82,7 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
     return true;
   }
   if (timeout.isZero()) {
-    countPoll(&me.empty_polls, kEmptyPolls);
+    countLook(&me.empty_polls, kEmptyPolls);
     return OpenQueue::first(queue) != nullptr;
   }
   // A loop around this wait that does nothing else is not worth a round for each time-out.
@@ -164,7 +156,7 @@ bool sleepUntil(Nanoseconds until) {
   Task& me = *Turn::self();
   me.has_acted = true;
   if (until <= node().now()) {
-    countPoll(&me.empty_polls, kEmptyPolls);
+    countLook(&me.empty_polls, kEmptyPolls);
     return takesPart();
   }
   me.empty_polls = 0;
@@ -174,6 +166,31 @@ bool sleepUntil(Nanoseconds until) {
 }
 
 }  // namespace
+
+void countLook(unsigned* count, unsigned limit) {
+  if (++*count >= limit) {
+    *count = 0;
+    Wait wait;
+    wait.until = node().now() + kPollPeriod;
+    turn().wait(wait);
+  }
+}
+
+Woken awaitCondition(const void* object, std::function<bool()> is_over, Nanoseconds lasts) {
+  Task& me = *Turn::self();
+  if (lasts <= 0) {
+    countLook(&me.empty_polls, kEmptyPolls);
+    return is_over() ? Woken::kReady : Woken::kTime;
+  }
+  me.has_acted = true;
+  me.empty_polls = 0;
+  Wait wait;
+  wait.object = object;
+  wait.is_over = std::move(is_over);
+  wait.until = lasts == kNever ? kNever : node().now() + lasts;
+  wait.for_thread = lasts == kNever;
+  return turn().wait(std::move(wait));
+}
 
 }  // namespace move_base_abstract::shim
 
@@ -196,7 +213,7 @@ Time Time::now() {
   static Now* const function = shim::real<Now>("_ZN3ros4Time3nowEv");
   if (shim::turn().holds()) {
     shim::Turn::self()->has_acted = true;
-    shim::countPoll(&shim::Turn::self()->clock_reads, shim::kClockReads);
+    shim::countLook(&shim::Turn::self()->clock_reads, shim::kClockReads);
   }
   return function();
 }
@@ -217,28 +234,6 @@ bool Time::sleepUntil(const Time& end) {
     return function(end);
   }
   return shim::sleepUntil(static_cast<std::int64_t>(end.toNSec()));
-}
-
-// The wall clocks of ROS stay what they are, unless the program's sleeps are simulated.
-
-WallTime WallTime::now() {
-  using Now = WallTime();
-  static Now* const function = shim::real<Now>("_ZN3ros8WallTime3nowEv");
-  if (shim::node().sleepsSimulated()) {
-    return function();
-  }
-  const shim::Inside inside;
-  return function();
-}
-
-SteadyTime SteadyTime::now() {
-  using Now = SteadyTime();
-  static Now* const function = shim::real<Now>("_ZN3ros10SteadyTime3nowEv");
-  if (shim::node().sleepsSimulated()) {
-    return function();
-  }
-  const shim::Inside inside;
-  return function();
 }
 
 // ---- callback queues -------------------------------------------------------------------------

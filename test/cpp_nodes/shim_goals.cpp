@@ -7,6 +7,8 @@
 
 #include <string>
 
+#include "machine_time.h"
+
 using Client = actionlib::SimpleActionClient<actionlib::TestAction>;
 
 int main(int argc, char** argv) {
@@ -26,7 +28,7 @@ int main(int argc, char** argv) {
   Client client("work", spin_thread);
   client.waitForServer();
   tell("server is there");
-  const ros::WallTime wall_begin = ros::WallTime::now();
+  const double wall_begin = machineTime();
   for (int k = 0; k < goals; ++k) {
     actionlib::TestGoal goal;
     goal.goal = k;
@@ -38,7 +40,7 @@ int main(int argc, char** argv) {
     }
     tell("goal " + std::to_string(k) + " " + client.getState().toString());
   }
-  const double wall = (ros::WallTime::now() - wall_begin).toSec();
+  const double wall = machineTime() - wall_begin;
   own.setParam("goals_per_second", goals / wall);
   own.setParam("done", true);
   ROS_INFO("%d goals, %.0f goals/s", goals, goals / wall);

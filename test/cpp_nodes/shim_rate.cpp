@@ -6,6 +6,8 @@
 #include <fstream>
 #include <string>
 
+#include "machine_time.h"
+
 namespace {
 
 /** How often this process has called write(): for roscpp's pipe between its threads, say. */
@@ -34,7 +36,7 @@ int main(int argc, char** argv) {
   ros::Publisher publisher = node.advertise<std_msgs::String>("ticks", 10);
   ros::Rate rate(frequency);
   const ros::Time begin = ros::Time::now();
-  const ros::WallTime wall_begin = ros::WallTime::now();
+  const double wall_begin = machineTime();
   const int writes_before = writes();
   ros::Time last = begin;
   int off = 0;
@@ -50,7 +52,7 @@ int main(int argc, char** argv) {
     }
     ros::spinOnce();
   }
-  const double wall = (ros::WallTime::now() - wall_begin).toSec();
+  const double wall = machineTime() - wall_begin;
   own.setParam("writes", writes() - writes_before);
   own.setParam("off", off);
   own.setParam("ticks_per_second", ticks / wall);

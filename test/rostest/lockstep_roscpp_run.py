@@ -30,10 +30,11 @@ def own(name):
 class Program:
     """A binary, its node name, its arguments and its private parameters."""
 
-    def __init__(self, name, path, *arguments, options=(), remaps=(), **parameters):
+    def __init__(self, name, path, *arguments, options=(), remaps=(), launcher=(), **parameters):
         self.name = name
         self.path = path
         self.arguments = list(arguments)
+        self.launcher = list(launcher)  # in the place of ours
         self.options = list(options)  # of the launcher
         self.remaps = list(remaps)
         self.parameters = parameters
@@ -114,10 +115,10 @@ class Runs:
 
     def start(self, program):
         for key, value in program.parameters.items():
-            self.ros.set_param(f'/{program.name}/{key}', value)
+            self.ros.set_param(f'/{program.name}/{key}', value(self.ros) if callable(value) else value)
         return self.ros.spawn('/' + program.name, [
-            find_executable('lockstep'), *program.options, program.path, *program.arguments, *program.remaps,
-            f'__name:={program.name}'])
+            *(program.launcher or [find_executable('lockstep')]), *program.options, program.path, *program.arguments,
+            *program.remaps, f'__name:={program.name}'])
 
 
 def wait_for_end(children):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIM = ROOT / 'src' / 'roscpp_shim'
-ROW = re.compile(r'^REPLACED\((\w+), "([^"]+)",\s+"([^"]+)",\s+(\w+),\s+"([^"]+)"\)$', re.MULTILINE)
+ROW = re.compile(r'^REPLACED\(([\w+]+), "([^"]+)",\s+"([^"]+)",\s+(\w+),\s+"([^"]+)"\)$', re.MULTILINE)
 
 
 def rows():
@@ -17,7 +17,7 @@ def rows():
 
 def test_the_page_has_the_table():
     page = (ROOT / 'docs' / 'lockstep_roscpp_replaced.md').read_text(encoding='utf-8')
-    shown = re.findall(r'^\| `([^`]+)` \| (\w+) (\S+) \| (.+) \|$', page, re.MULTILINE)
+    shown = re.findall(r'^\| `([^`]+)` \| ([\w+]+) (\S+) \| (.+) \|$', page, re.MULTILINE)
     assert shown == [(name, library, since, why) for library, since, name, _symbol, why in rows()]
 
 
@@ -25,6 +25,6 @@ def test_each_symbol_is_there_once_and_is_asked_for_somewhere():
     symbols = [row[3] for row in rows()]
     assert len(set(symbols)) == len(symbols)
     text = ''.join(path.read_text(encoding='utf-8') for path in sorted(SHIM.glob('*.cpp')))
-    asked = {re.sub(r'"\s+"', '', one)[1:-1] for one in re.findall(r'\breal<[\w:]+>\(\s*((?:"\w+"\s*)+)\)', text)}
+    asked = {re.sub(r'"\s+"', '', one)[1:-1] for one in re.findall(r'\breal<[^\"]+>\(\s*((?:"\w+"\s*)+)\)', text)}
     # usleep() and sleep() are nanosleep() here; a pass through roscpp's own processPublishQueues() is replaced whole.
     assert asked == set(symbols) - {'usleep', 'sleep', '_ZN3ros12TopicManager20processPublishQueuesEv'}

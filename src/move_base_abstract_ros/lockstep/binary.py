@@ -14,7 +14,9 @@ _ROSCPP = 'libroscpp.so'
 _PARTICIPANT = 'libmove_base_abstract_lockstep.so'
 _RANK = 'MOVE_BASE_ABSTRACT_LOCKSTEP_RANK'
 _SLEEP = 'MOVE_BASE_ABSTRACT_LOCKSTEP_SLEEP'
+_CHANCE = 'MOVE_BASE_ABSTRACT_LOCKSTEP_CHANCE'
 _PRELOAD = 'LD_PRELOAD'
+_NAME, _NAMESPACE = '__name:=', '__ns:='
 # Of the ELF format, 64 bits, little endian.
 _HEADER = struct.Struct('<16sHHIQQQIHHHHHH')
 _SEGMENT = struct.Struct('<IIQQQQQQ')
@@ -29,6 +31,8 @@ def execute(path, arguments, options):
         environment = prepare(path, options.rank, options.sleep, os.environ)
     except ValueError as error:
         sys.exit('lockstep: {}'.format(error))
+    if _is_lockstep():
+        environment[_CHANCE] = '{} {}'.format(options.seed, node_name(path, arguments, environment))
     os.execve(path, [path] + arguments, environment)
 
 
@@ -52,6 +56,26 @@ def prepare(path, rank, sleep, environment):
         result[_RANK] = str(rank)
     result[_SLEEP] = sleep
     return result
+
+
+def node_name(path, arguments, environment):
+    """Return a node's name as far as its command line has it, which is before the program says its own."""
+    name, namespace = os.path.basename(path), environment.get('ROS_NAMESPACE', '')
+    for word in arguments:
+        if word.startswith(_NAME):
+            name = word[len(_NAME):]
+        elif word.startswith(_NAMESPACE):
+            namespace = word[len(_NAMESPACE):]
+    return '/{}/{}'.format(namespace.strip('/'), name) if namespace.strip('/') else '/' + name
+
+
+def _is_lockstep():
+    """Whether the time master works in lockstep: then clocks and chance are the run's from the first instruction on."""
+    try:
+        import rosgraph
+        return rosgraph.Master('/lockstep').getParam('/time_master/mode') == 'lockstep'
+    except Exception:
+        return False  # the program will find out, or fail, by itself
 
 
 def find_shim(environment):

@@ -12,9 +12,9 @@ from importlib.machinery import SourceFileLoader
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ..replaced import replace
-from . import early, objects, own_code, queries, threads, turns, watchdog
+from . import address_layout, binary, early, objects, own_code, queries, threads, turns, watchdog
 
-_NAME, _NAMESPACE = '__name:=', '__ns:='
+_NAME = '__name:='
 
 
 def run(kind, path, arguments, options):
@@ -29,7 +29,7 @@ def run(kind, path, arguments, options):
     joining = _Joining(lockstep, options, node_name(kind, path, arguments))
     watchdog.install(options.sleep, joining.early.take_part)
     joining.install()
-    _seed('{}:{}'.format(options.seed, _node_name(path, arguments)))
+    _seed('{}:{}'.format(options.seed, binary.node_name(path, arguments, os.environ)))
     try:
         _execute(kind, path, arguments, own_code.compile_own, own_code.names_of_script)
     except SystemExit as error:
@@ -83,6 +83,8 @@ class _Joining:
         for follower in self._followers:
             follower.follow(joined)
         queries.install(joined)
+        if joined is not None and not address_layout.is_as_wanted(os.environ):
+            joined.label(address_layout.LABEL)
 
 
 def node_name(kind, path, arguments):
@@ -91,20 +93,9 @@ def node_name(kind, path, arguments):
     The command line has it, or the one call of init_node in a script.
     """
     if any(word.startswith(_NAME) for word in arguments):
-        return _node_name(path, arguments)
+        return binary.node_name(path, arguments, os.environ)
     name = '' if kind == 'module' else own_code.name_of_node(path)
-    return _node_name(name, arguments) if name else ''
-
-
-def _node_name(path, arguments):
-    """Return the node's name as far as the command line has it, which is before the program says its own."""
-    name, namespace = os.path.basename(path), os.environ.get('ROS_NAMESPACE', '')
-    for word in arguments:
-        if word.startswith(_NAME):
-            name = word[len(_NAME):]
-        elif word.startswith(_NAMESPACE):
-            namespace = word[len(_NAMESPACE):]
-    return '/{}/{}'.format(namespace.strip('/'), name) if namespace.strip('/') else '/' + name
+    return binary.node_name(name, arguments, os.environ) if name else ''
 
 
 def _seed(text):

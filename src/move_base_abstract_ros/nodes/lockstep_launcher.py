@@ -16,7 +16,7 @@ import sys
 from move_base_abstract.lockstep.wire import MAX_RANK
 from move_base_abstract.shown import shown
 
-from ..lockstep import program
+from ..lockstep import address_layout, program
 
 _PYTHON = re.compile(r'python[0-9.]*$')
 _WHOLE_NUMBER = re.compile(r'[+-]?[0-9]{1,18}\Z', re.ASCII)
@@ -28,8 +28,9 @@ def main():
     """Run the program; its exit code is this one's."""
     options, command = _parse(sys.argv[1:])
     try:
+        is_new_layout = address_layout.choose(os.environ)
         if not options.as_script:
-            _start_again(sys.argv[:len(sys.argv) - len(command)], command)
+            _start_again(sys.argv[:len(sys.argv) - len(command)], command, is_new_layout)
         kind, path, arguments = find(command, options.as_script)
     except ValueError as error:
         sys.exit('lockstep: {}'.format(error))
@@ -48,7 +49,7 @@ def _parse(words):
     parser.add_argument('--sleep', choices=('wall', 'simulated'), default='wall',
                         help='what time.sleep waits for (default: %(default)s, while simulated time stands)')
     parser.add_argument('--seed', type=_whole_number, default=0, metavar='S',
-                        help="seed of Python's and numpy's global generators, with the node's name (default: 0)")
+                        help="what the program's random numbers start from, with the node's name (default: 0)")
     # From this launcher to itself: the words after a Python interpreter, which it has started again with.
     parser.add_argument(_AS_SCRIPT, action='store_true', help=argparse.SUPPRESS)
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
@@ -82,13 +83,13 @@ def _own_words(words):
     return min(at, len(words))
 
 
-def _start_again(launcher, command):
-    """Start again, once, with the Python that the program wants, and with one order of sets for all runs.
+def _start_again(launcher, command, is_new_layout):
+    """Start again, once, with the Python that the program wants, with one order of sets and one layout for all runs.
 
     That order is left alone if the user has chosen one.
     """
     interpreter, words = split_interpreter(command)
-    if interpreter == [sys.executable] and words == command and 'PYTHONHASHSEED' in os.environ:
+    if interpreter == [sys.executable] and words == command and 'PYTHONHASHSEED' in os.environ and not is_new_layout:
         return
     os.environ.setdefault('PYTHONHASHSEED', '0')
     os.execv(interpreter[0], interpreter + launcher + ([_AS_SCRIPT] if words != command else []) + words)

@@ -1,0 +1,291 @@
+// The program's random numbers: a function of the seed, the node's name and how many have been
+// drawn.
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdarg>
+#include <random>
+#include <string>
+
+#include "followed.h"
+#include "node.h"
+#include "real.h"
+#include "turn.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+constexpr const char* kStray = "a random number is drawn in a thread that lockstep does not order";
+
+/** Steele, Lea, Flood: Fast splittable pseudorandom number generators (2014), SplitMix64. */
+constexpr std::uint64_t kGamma = 0x9e3779b97f4a7c15;
+std::uint64_t mixed(std::uint64_t value) {
+  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9;
+  value = (value ^ (value >> 27)) * 0x94d049bb133111eb;
+  return value ^ (value >> 31);
+}
+
+/** @return a number for the run's seed, the node's name and @p purpose (FNV-1a). */
+std::uint64_t numberFor(const std::string& purpose) {
+  std::uint64_t number = 0xcbf29ce484222325;
+  for (const char letter : seedText() + '\n' + purpose) {
+    number = (number ^ static_cast<unsigned char>(letter)) * 0x100000001b3;
+  }
+  return mixed(number);
+}
+
+/** @brief A stream of bytes; each number of it depends on its place only. */
+class Stream {
+ public:
+  explicit Stream(const std::string& purpose) : start_(numberFor(purpose)) {}
+
+  void fill(void* buffer, std::size_t size) {
+    auto* at = static_cast<char*>(buffer);
+    while (size > 0) {
+      const std::uint64_t number = mixed(start_ + kGamma * ++count_);
+      const std::size_t length = std::min(size, sizeof number);
+      memcpy(at, &number, length);
+      at += length;
+      size -= length;
+    }
+  }
+
+ private:
+  std::uint64_t start_;
+  std::atomic<std::uint64_t> count_{0};
+};
+
+/** @brief What the machine would have given. @return false if the machine shall. */
+bool fill(void* buffer, std::size_t size, const void* caller) {
+  const Sees whose = sees();
+  if (whose == Sees::kMachine) {
+    return false;
+  }
+  if (whose == Sees::kStray) {
+    tell(kStray, caller);
+  }
+  static Stream* const of_run = new Stream("entropy");
+  static Stream* const of_strays = new Stream("strays");
+  (whose == Sees::kRun ? of_run : of_strays)->fill(buffer, size);
+  return true;
+}
+
+/** @brief Tell of a draw from libc's generators, which all threads share, that has no order. */
+void checkOrder(const void* caller) {
+  if (sees() == Sees::kStray) {
+    tell(kStray, caller);
+  }
+}
+
+/** Roscpp's own threads draw nothing from the generators of the program. */
+template <typename Result>
+Result draw(Result (*function)(), const void* caller) {
+  if (Turn::isInternal() && takesPart()) {
+    thread_local unsigned own = 1;
+    return static_cast<Result>(::rand_r(&own));
+  }
+  checkOrder(caller);
+  return function();
+}
+
+bool isEntropy(const char* path) {
+  return path != nullptr && (strcmp(path, "/dev/urandom") == 0 || strcmp(path, "/dev/random") == 0);
+}
+
+/** @return a descriptor of a file with the run's own random bytes, a MiB of them; -1: the
+ * machine's. */
+int openEntropy(const char* path, int flags, const void* caller) {
+  const Sees whose = isEntropy(path) ? sees() : Sees::kMachine;
+  if (whose == Sees::kMachine) {
+    return -1;
+  }
+  const Inside inside;
+  if (whose == Sees::kStray) {
+    tell(kStray, caller);
+  }
+  static std::atomic<int> opened{0};
+  std::string bytes(1 << 20, '\0');
+  Stream("file " + std::to_string(++opened)).fill(&bytes[0], bytes.size());
+  const int file = ::memfd_create("entropy", (flags & O_CLOEXEC) != 0 ? MFD_CLOEXEC : 0);
+  const bool is_written =
+      file >= 0 && ::write(file, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
+  if (!is_written || ::lseek(file, 0, SEEK_SET) != 0) {
+    tell(std::string(path) + " cannot be stood in for, and is the machine's", caller);
+    return -1;
+  }
+  return file;
+}
+
+/** libc's generators start from the seed; the program may have them start from another number. */
+__attribute__((constructor)) void seedGenerators() {
+  if (sees() != Sees::kMachine) {
+    ::srandom(static_cast<unsigned>(numberFor("random")));
+    ::srand48(static_cast<long>(numberFor("drand48")));
+  }
+}
+
+}  // namespace
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+
+#pragma GCC visibility push(default)
+extern "C" {
+
+// ---- generators of libc ----------------------------------------------------------------------
+
+int rand() {
+  static auto* const function = shim::real<int()>("rand");
+  return shim::draw(function, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+long random() {
+  static auto* const function = shim::real<long()>("random");
+  return shim::draw(function, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+double drand48() {
+  static auto* const function = shim::real<double()>("drand48");
+  shim::checkOrder(MOVE_BASE_ABSTRACT_CALLER);
+  return function();
+}
+
+long lrand48() {
+  static auto* const function = shim::real<long()>("lrand48");
+  return shim::draw(function, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+long mrand48() {
+  static auto* const function = shim::real<long()>("mrand48");
+  return shim::draw(function, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+// ---- chance of the machine -------------------------------------------------------------------
+
+ssize_t getrandom(void* buffer, size_t size, unsigned flags) {
+  using GetRandom = ssize_t(void*, size_t, unsigned);
+  static GetRandom* const function = shim::real<GetRandom>("getrandom");
+  return shim::fill(buffer, size, MOVE_BASE_ABSTRACT_CALLER) ? static_cast<ssize_t>(size)
+                                                             : function(buffer, size, flags);
+}
+
+int getentropy(void* buffer, size_t size) {
+  using GetEntropy = int(void*, size_t);
+  static GetEntropy* const function = shim::real<GetEntropy>("getentropy");
+  return shim::fill(buffer, size, MOVE_BASE_ABSTRACT_CALLER) ? 0 : function(buffer, size);
+}
+
+std::uint32_t arc4random() {
+  static auto* const function = shim::real<std::uint32_t()>("arc4random");
+  std::uint32_t number = 0;
+  return shim::fill(&number, sizeof number, MOVE_BASE_ABSTRACT_CALLER) ? number : function();
+}
+
+void arc4random_buf(void* buffer, size_t size) {
+  static auto* const function = shim::real<void(void*, size_t)>("arc4random_buf");
+  if (!shim::fill(buffer, size, MOVE_BASE_ABSTRACT_CALLER)) {
+    function(buffer, size);
+  }
+}
+
+std::uint32_t arc4random_uniform(std::uint32_t bound) {
+  static auto* const function = shim::real<std::uint32_t(std::uint32_t)>("arc4random_uniform");
+  std::uint64_t number = 0;
+  if (!shim::fill(&number, sizeof number, MOVE_BASE_ABSTRACT_CALLER)) {
+    return function(bound);
+  }
+  return bound < 2 ? 0 : static_cast<std::uint32_t>(number % bound);  // off by less than 2^-32
+}
+
+// ---- files of chance -------------------------------------------------------------------------
+
+#define MOVE_BASE_ABSTRACT_MODE(last)                             \
+  va_list rest;                                                   \
+  va_start(rest, last);                                           \
+  const auto mode = va_arg(rest, unsigned); /* if flags say so */ \
+  va_end(rest)
+
+int open(const char* path, int flags, ...) {
+  static auto* const function = shim::real<int(const char*, int, ...)>("open");
+  MOVE_BASE_ABSTRACT_MODE(flags);
+  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
+  return file >= 0 ? file : function(path, flags, mode);
+}
+
+int open64(const char* path, int flags, ...) {
+  static auto* const function = shim::real<int(const char*, int, ...)>("open64");
+  MOVE_BASE_ABSTRACT_MODE(flags);
+  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
+  return file >= 0 ? file : function(path, flags, mode);
+}
+
+int openat(int folder, const char* path, int flags, ...) {
+  static auto* const function = shim::real<int(int, const char*, int, ...)>("openat");
+  MOVE_BASE_ABSTRACT_MODE(flags);
+  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
+  return file >= 0 ? file : function(folder, path, flags, mode);
+}
+
+int openat64(int folder, const char* path, int flags, ...) {
+  static auto* const function = shim::real<int(int, const char*, int, ...)>("openat64");
+  MOVE_BASE_ABSTRACT_MODE(flags);
+  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
+  return file >= 0 ? file : function(folder, path, flags, mode);
+}
+
+int __open_2(const char* path, int flags) {
+  static auto* const function = shim::real<int(const char*, int)>("__open_2");
+  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
+  return file >= 0 ? file : function(path, flags);
+}
+
+int __open64_2(const char* path, int flags) {
+  static auto* const function = shim::real<int(const char*, int)>("__open64_2");
+  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
+  return file >= 0 ? file : function(path, flags);
+}
+
+FILE* fopen(const char* path, const char* how) {
+  static auto* const function = shim::real<FILE*(const char*, const char*)>("fopen");
+  const int file = shim::openEntropy(path, O_CLOEXEC, MOVE_BASE_ABSTRACT_CALLER);
+  return file >= 0 ? ::fdopen(file, "r") : function(path, how);
+}
+
+FILE* fopen64(const char* path, const char* how) {
+  static auto* const function = shim::real<FILE*(const char*, const char*)>("fopen64");
+  const int file = shim::openEntropy(path, O_CLOEXEC, MOVE_BASE_ABSTRACT_CALLER);
+  return file >= 0 ? ::fdopen(file, "r") : function(path, how);
+}
+
+// ---- who one is ------------------------------------------------------------------------------
+
+pid_t getpid() {
+  static auto* const function = shim::real<pid_t()>("getpid");
+  if (shim::sees() != shim::Sees::kMachine && shim::isProgramsOwn(MOVE_BASE_ABSTRACT_CALLER)) {
+    shim::tell("getpid() is another number in another run", MOVE_BASE_ABSTRACT_CALLER);
+  }
+  return function();
+}
+
+}  // extern "C"
+
+namespace std {
+
+/** Whatever the device is called: the processor's instructions, the kernel, a file. */
+random_device::result_type random_device::_M_getval() {
+  static auto* const function =
+      shim::real<result_type(random_device*)>("_ZNSt13random_device9_M_getvalEv");
+  result_type number = 0;
+  return shim::fill(&number, sizeof number, MOVE_BASE_ABSTRACT_CALLER) ? number : function(this);
+}
+
+}  // namespace std
+#pragma GCC visibility pop

@@ -1,0 +1,246 @@
+#include "clocks.h"
+
+#include <ros/time.h>
+#include <sys/resource.h>
+#include <sys/time.h>
+#include <sys/timeb.h>
+#include <sys/times.h>
+
+#include <atomic>
+#include <cerrno>
+
+#include "followed.h"
+#include "node.h"
+#include "real.h"
+#include "turn.h"
+#include "waits.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+constexpr Nanoseconds kEpoch =
+    1'577'836'800 * kSecond;                 // 2020-01-01 UTC, and a second for each seed
+constexpr Nanoseconds kSeeds = 315'360'000;  // about ten years
+constexpr Nanoseconds kUptime = 3600 * kSecond;
+constexpr Nanoseconds kMicrosecond = 1000;
+constexpr Nanoseconds kStep = 1'000'000;   // by which a clock that is only looked at goes on
+constexpr unsigned kClockReads = 1000000;  // at one instant, after which it does
+
+using GetTime = int(clockid_t, timespec*);
+
+/** @brief What a thread has read last, cut to microseconds maybe: what its deadlines start from. */
+struct Readings {
+  Nanoseconds last[2] = {0, 0};
+};
+thread_local Readings t_readings __attribute__((tls_model("initial-exec")));
+
+std::atomic<Nanoseconds> slept{0};
+std::atomic<unsigned> reads{0};  // by threads that take no turns
+
+int indexOf(clockid_t clock) {
+  return clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE || clock == CLOCK_TAI ? 0 : 1;
+}
+
+bool isOfProcessor(clockid_t clock) {
+  return clock == CLOCK_PROCESS_CPUTIME_ID || clock == CLOCK_THREAD_CPUTIME_ID || clock < 0;
+}
+
+Nanoseconds seenTime(clockid_t clock) {
+  const Nanoseconds gone = node().now() + slept;
+  if (isOfProcessor(clock)) {
+    return gone;
+  }
+  if (node().sleepsSimulated()) {
+    return gone;
+  }
+  const Nanoseconds date = kEpoch + (seed() % kSeeds + kSeeds) % kSeeds * kSecond;
+  return gone + (indexOf(clock) == 0 ? date : kUptime);
+}
+
+/** @brief A loop that only looks at a clock sees it go on some day. */
+void countRead() {
+  if (turn().isActive() && Turn::self() != nullptr) {
+    countLook(&Turn::self()->clock_reads, kClockReads);
+  } else if (++reads % kClockReads == 0) {
+    slept += kStep;
+  }
+}
+
+/** @brief The program reads a clock, of which it sees @p step [ns]. @return whether it is the
+ * run's. */
+bool read(clockid_t clock, Nanoseconds step, const void* caller, Nanoseconds* time) {
+  const Sees whose = sees();
+  if (whose == Sees::kMachine) {
+    return false;
+  }
+  if (whose == Sees::kStray && !isWorkerPool(caller)) {
+    tell("a clock is read in a thread that lockstep does not order", caller);
+  }
+  countRead();
+  const Nanoseconds now = seenTime(clock);
+  *time = now - now % step;
+  if (!isOfProcessor(clock)) {
+    t_readings.last[indexOf(clock)] = *time;
+  }
+  return true;
+}
+
+GetTime* realGetTime() {
+  static GetTime* const function = real<GetTime>("clock_gettime");
+  return function;
+}
+
+}  // namespace
+
+Nanoseconds machineTime(clockid_t clock) {
+  timespec now{};
+  realGetTime()(clock, &now);
+  return toNs(now);
+}
+
+Nanoseconds remaining(clockid_t clock, const timespec& deadline) {
+  const Nanoseconds now = seenTime(clock);
+  const Nanoseconds last = t_readings.last[indexOf(clock)];
+  return toNs(deadline) - (now - last < kMicrosecond ? last : now);
+}
+
+void addSleep(Nanoseconds duration) { slept += duration; }
+
+MachineWait::MachineWait(clockid_t clock, const timespec* deadline) : deadline_(deadline) {
+  if (deadline == nullptr || sees() == Sees::kMachine) {
+    return;
+  }
+  lasts_ = std::max<Nanoseconds>(remaining(clock, *deadline), 0);
+  translated_ = toTimespec(machineTime(clock) + lasts_);
+  deadline_ = &translated_;
+}
+
+void MachineWait::timedOut() const {
+  if (deadline_ == &translated_ && sees() == Sees::kRun) {
+    addSleep(lasts_);
+  }
+}
+
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+using move_base_abstract::Nanoseconds;
+
+#pragma GCC visibility push(default)
+extern "C" {
+
+int clock_gettime(clockid_t clock, timespec* time) {
+  Nanoseconds now = 0;
+  if (!shim::read(clock, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return shim::realGetTime()(clock, time);
+  }
+  *time = shim::toTimespec(now);
+  return 0;
+}
+
+int timespec_get(timespec* time, int base) {
+  using TimespecGet = int(timespec*, int);
+  static TimespecGet* const function = shim::real<TimespecGet>("timespec_get");
+  Nanoseconds now = 0;
+  if (base != TIME_UTC || !shim::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return function(time, base);
+  }
+  *time = shim::toTimespec(now);
+  return base;
+}
+
+int gettimeofday(timeval* time, void* zone) {
+  using GetTimeOfDay = int(timeval*, void*);
+  static GetTimeOfDay* const function = shim::real<GetTimeOfDay>("gettimeofday");
+  Nanoseconds now = 0;
+  if (!shim::read(CLOCK_REALTIME, shim::kMicrosecond, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return function(time, zone);
+  }
+  const timespec whole = shim::toTimespec(now);
+  *time = {whole.tv_sec, whole.tv_nsec / shim::kMicrosecond};
+  return 0;
+}
+
+time_t time(time_t* result) {
+  using Time = time_t(time_t*);
+  static Time* const function = shim::real<Time>("time");
+  Nanoseconds now = 0;
+  if (!shim::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return function(result);
+  }
+  const time_t seconds = now / shim::kSecond;
+  if (result != nullptr) {
+    *result = seconds;
+  }
+  return seconds;
+}
+
+int ftime(timeb* result) {
+  using Ftime = int(timeb*);
+  static Ftime* const function = shim::real<Ftime>("ftime");
+  Nanoseconds now = 0;
+  if (!shim::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return function(result);
+  }
+  constexpr Nanoseconds kMillisecond = 1'000'000;
+  *result = {now / shim::kSecond, static_cast<unsigned short>(now % shim::kSecond / kMillisecond),
+             0, 0};
+  return 0;
+}
+
+clock_t clock() {
+  using Clock = clock_t();
+  static Clock* const function = shim::real<Clock>("clock");
+  Nanoseconds now = 0;
+  if (!shim::read(CLOCK_PROCESS_CPUTIME_ID, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return function();
+  }
+  return now / (shim::kSecond / CLOCKS_PER_SEC);
+}
+
+clock_t times(tms* result) {
+  using Times = clock_t(tms*);
+  static Times* const function = shim::real<Times>("times");
+  if (shim::sees() != shim::Sees::kMachine) {
+    shim::tell("times() says how long the processor has worked", MOVE_BASE_ABSTRACT_CALLER);
+  }
+  return function(result);
+}
+
+int getrusage(__rusage_who_t who, rusage* usage) {
+  using GetUsage = int(__rusage_who_t, rusage*);
+  static GetUsage* const function = shim::real<GetUsage>("getrusage");
+  if (shim::sees() != shim::Sees::kMachine) {
+    shim::tell("getrusage() says how long the processor has worked", MOVE_BASE_ABSTRACT_CALLER);
+  }
+  return function(who, usage);
+}
+
+}  // extern "C"
+#pragma GCC visibility pop
+
+namespace ros {
+
+// As any other clock of the wall, but for roscpp's own use: the stamps of its log, its wall timers.
+
+WallTime WallTime::now() {
+  using Now = WallTime();
+  static Now* const function = shim::real<Now>("_ZN3ros8WallTime3nowEv");
+  if (!shim::isRoscpps(MOVE_BASE_ABSTRACT_CALLER)) {
+    return function();
+  }
+  const shim::Inside inside;
+  return function();
+}
+
+SteadyTime SteadyTime::now() {
+  using Now = SteadyTime();
+  static Now* const function = shim::real<Now>("_ZN3ros10SteadyTime3nowEv");
+  if (!shim::isRoscpps(MOVE_BASE_ABSTRACT_CALLER)) {
+    return function();
+  }
+  const shim::Inside inside;
+  return function();
+}
+
+}  // namespace ros

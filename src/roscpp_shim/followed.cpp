@@ -1,0 +1,204 @@
+#include "followed.h"
+
+#include <dlfcn.h>
+#include <execinfo.h>
+#include <sys/personality.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <initializer_list>
+#include <map>
+#include <mutex>
+
+#include "node.h"
+#include "turn.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+using Lock = std::lock_guard<PlainMutex>;
+
+/** "SEED NODE_NAME", which the launcher sets where the time master is in lockstep. */
+const char* const kChanceVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_CHANCE";
+const char* const kLayoutVariable = "MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT";
+const char* const kUnknownBefore =
+    "the time master was not in lockstep yet when the program was started: the clocks and random "
+    "numbers that it saw before ROS began were the machine's";
+const char* const kRandomLayout =
+    "the system does not let addresses be the same in each run (in a container: docker run "
+    "--security-opt seccomp=unconfined; or set MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT=random if nothing "
+    "depends on them)";
+
+enum class Following { kUnknown, kYes, kNo };
+
+std::atomic<Following> following{Following::kUnknown};
+thread_local bool t_is_worker __attribute__((tls_model("initial-exec"))) = false;
+
+struct Noticed {
+  PlainMutex mutex;
+  std::map<std::string, std::string> texts;  // by what was noticed
+  bool has_joined = false;
+};
+
+Noticed& noticed() {
+  static Noticed* const instance = new Noticed;
+  return *instance;
+}
+
+bool isFollowing() {
+  Following now = following.load(std::memory_order_relaxed);
+  if (now == Following::kUnknown) {
+    now = std::getenv(kChanceVariable) == nullptr ? Following::kNo : Following::kYes;
+    following = now;
+  }
+  return now == Following::kYes;
+}
+
+bool isFirstThread() {
+  thread_local const bool is_first __attribute__((tls_model("initial-exec"))) =
+      ::syscall(SYS_gettid) == ::syscall(SYS_getpid);
+  return is_first;
+}
+
+const char* fileOf(const void* address, Dl_info* info) {
+  const bool is_found = dladdr(address, info) != 0 && info->dli_fname != nullptr;
+  return is_found ? info->dli_fname : "";
+}
+
+bool isIn(const void* caller, std::initializer_list<const char*> names) {
+  Dl_info info{};
+  const char* const file = fileOf(caller, &info);
+  for (const char* name : names) {
+    if (std::strstr(file, name) != nullptr) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/**
+ * @return the code that @p caller works for: what calls the standard library's and Boost's
+ * wrappers. For functions that are called rarely.
+ */
+const void* beyondWrappers(const void* caller) {
+  const auto wrappers = {"/libstdc++.so", "/libboost_"};
+  if (!isIn(caller, wrappers)) {
+    return caller;
+  }
+  std::array<void*, 32> frames{};
+  const int count = ::backtrace(frames.data(), static_cast<int>(frames.size()));
+  const auto end = frames.begin() + count;
+  for (auto at = std::find(frames.begin(), end, caller); at != end; ++at) {
+    if (!isIn(*at, wrappers)) {
+      return *at;
+    }
+  }
+  return caller;
+}
+
+/** @return where code lies, as addr2line wants it. */
+std::string placeOf(const void* caller) {
+  Dl_info info{};
+  const char* const file = fileOf(caller, &info);
+  if (*file == '\0') {
+    return "code without a file";
+  }
+  const char* const slash = std::strrchr(file, '/');
+  const auto offset = static_cast<const char*>(caller) - static_cast<const char*>(info.dli_fbase);
+  char text[32];
+  std::snprintf(text, sizeof text, "+%#lx", static_cast<unsigned long>(offset - 1));
+  return (slash == nullptr ? file : slash + 1) + std::string(text);
+}
+
+}  // namespace
+
+Sees sees() {
+  if (!isFollowing() || Turn::isInside() || Turn::isInternal()) {
+    return Sees::kMachine;
+  }
+  if (turn().isActive()) {
+    return turn().holds() ? Sees::kRun : Sees::kStray;
+  }
+  return Turn::self() != nullptr || isFirstThread() ? Sees::kRun : Sees::kStray;
+}
+
+bool ordered() { return turn().holds(); }
+
+const std::string& seedText() {
+  static const auto* const text = [] {
+    const char* const value = std::getenv(kChanceVariable);
+    return new std::string(value == nullptr ? "0" : value);
+  }();
+  return *text;
+}
+
+std::int64_t seed() { return std::atoll(seedText().c_str()); }
+
+void beginToFollow() {
+  if (!isFollowing()) {
+    following = Following::kYes;
+    noticed().texts[kUnknownBefore] = kUnknownBefore;
+  }
+  const char* const layout = std::getenv(kLayoutVariable);
+  constexpr unsigned long kAsk = 0xffffffff;
+  const bool is_fixed = (::personality(kAsk) & ADDR_NO_RANDOMIZE) != 0 ||
+                        std::ifstream("/proc/sys/kernel/randomize_va_space").get() == '0';
+  if (!is_fixed && (layout == nullptr || std::strcmp(layout, "random") != 0)) {
+    noticed().texts[kRandomLayout] = kRandomLayout;
+  }
+}
+
+void stopFollowing() { following = Following::kNo; }
+
+void tellWhatWasNoticed() {
+  const Lock lock(noticed().mutex);
+  noticed().has_joined = true;
+  for (const auto& one : noticed().texts) {
+    node().label(one.second);
+  }
+}
+
+void tell(const std::string& what, const void* caller) {
+  const Inside inside;
+  const Lock lock(noticed().mutex);
+  const auto [at, is_new] = noticed().texts.emplace(what, "");
+  if (!is_new) {
+    return;
+  }
+  at->second = what + " (" + placeOf(beyondWrappers(caller)) + ")";
+  if (noticed().has_joined) {
+    node().label(at->second);
+  }
+}
+
+bool isRoscpps(const void* caller) {
+  return isIn(caller, {"/libroscpp.so", "/librosconsole", "/libxmlrpcpp.so"});
+}
+
+bool isWorkerPool(const void* caller) {
+  return t_is_worker ||
+         isIn(caller, {"libgomp", "libtbb", "libomp", "blas", "libOpenCL", "libcuda"});
+}
+
+bool isProgramsOwn(const void* caller) {
+  Dl_info info{};
+  const char* const file = fileOf(beyondWrappers(caller), &info);
+  for (const char* folder :
+       {"/usr/lib/x86_64", "/usr/lib/aarch64", "/lib/", "/lib64/", "/opt/ros/"}) {
+    if (std::strncmp(file, folder, std::strlen(folder)) == 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void becomeWorker() { t_is_worker = true; }
+
+}  // namespace move_base_abstract::shim

@@ -1,0 +1,117 @@
+// Where roscpp programs sleep by the wall.
+#include <sched.h>
+#include <sys/select.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+
+#include "clocks.h"
+#include "followed.h"
+#include "node.h"
+#include "real.h"
+#include "turn.h"
+#include "waits.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+constexpr Nanoseconds kPatience = 5 * kSecond;  // wall
+
+using NanoSleep = int(const timespec*, timespec*);
+
+NanoSleep* realNanosleep() {
+  static NanoSleep* const function = real<NanoSleep>("nanosleep");
+  return function;
+}
+
+}  // namespace
+
+void sleepWall(Nanoseconds duration) {
+  Task& me = *Turn::self();
+  me.has_acted = true;
+  Wait wait;
+  if (node().sleepsSimulated()) {
+    wait.until = node().now() + duration;
+    turn().wait(std::move(wait));
+    return;
+  }
+  me.slept = me.slept_at == node().now() ? me.slept + duration : duration;
+  me.slept_at = node().now();
+  {
+    const Blocking blocking;
+    const timespec request = toTimespec(duration);
+    realNanosleep()(&request, nullptr);
+  }
+  if (me.slept < kPatience) {
+    addSleep(duration);
+    wait.next_round = true;  // what has happened at this instant is seen after the sleep
+  } else {
+    node().label(
+        "a thread sleeps by the wall clock until something happens (see --sleep simulated)");
+    wait.until = node().now() + duration;
+  }
+  turn().wait(std::move(wait));
+}
+
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+
+#pragma GCC visibility push(default)
+extern "C" {
+
+int nanosleep(const timespec* request, timespec* rest) {
+  static shim::NanoSleep* const function = shim::realNanosleep();
+  if (shim::ordered()) {
+    shim::sleepWall(shim::toNs(*request));
+    return 0;
+  }
+  const int result = function(request, rest);
+  if (shim::sees() == shim::Sees::kRun) {
+    shim::addSleep(shim::toNs(*request));
+  }
+  return result;
+}
+
+int clock_nanosleep(clockid_t clock, int flags, const timespec* request, timespec* rest) {
+  using ClockNanosleep = int(clockid_t, int, const timespec*, timespec*);
+  static ClockNanosleep* const function = shim::real<ClockNanosleep>("clock_nanosleep");
+  if (shim::sees() == shim::Sees::kMachine) {
+    return function(clock, flags, request, rest);
+  }
+  const bool is_absolute = (flags & TIMER_ABSTIME) != 0;
+  const std::int64_t duration =
+      is_absolute ? shim::remaining(clock, *request) : shim::toNs(*request);
+  if (duration <= 0) {
+    return 0;
+  }
+  const timespec lasts = shim::toTimespec(duration);
+  return nanosleep(&lasts, rest) == 0 ? 0 : errno;
+}
+
+int usleep(useconds_t microseconds) {
+  const timespec request = shim::toTimespec(static_cast<std::int64_t>(microseconds) * 1000);
+  return nanosleep(&request, nullptr);
+}
+
+unsigned sleep(unsigned seconds) {
+  const timespec request{static_cast<time_t>(seconds), 0};
+  return nanosleep(&request, nullptr) == 0 ? 0 : seconds;
+}
+
+int sched_yield() {
+  using Yield = int();
+  static Yield* const function = shim::real<Yield>("sched_yield");
+  if (!shim::ordered()) {
+    return function();
+  }
+  shim::Wait wait;
+  wait.next_round = true;
+  shim::turn().wait(wait);
+  return 0;
+}
+
+}  // extern "C"
+#pragma GCC visibility pop

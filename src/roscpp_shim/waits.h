@@ -1,0 +1,27 @@
+// How the program's threads wait, whatever they wait for.
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_WAITS_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_WAITS_H
+
+#include <functional>
+
+#include "lockstep/wire.h"
+#include "turn.h"
+
+namespace move_base_abstract::shim {
+
+/** @brief A thread that only looks, again and again, lets simulated time go on after @p limit
+ * looks. */
+void countLook(unsigned* count, unsigned limit);
+
+/** @brief A sleep by the wall clock [ns], of a thread that has the turn. */
+void sleepWall(Nanoseconds duration);
+
+/**
+ * @brief Wait until @p is_over, for at most @p lasts simulated ns (kNever: without end).
+ * For a thread that has the turn; a wait without length is a look.
+ */
+Woken awaitCondition(const void* object, std::function<bool()> is_over, Nanoseconds lasts);
+
+}  // namespace move_base_abstract::shim
+
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_WAITS_H

@@ -1,0 +1,339 @@
+// An agent as people write them: seeded by the time before ROS begins, an AsyncSpinner, a loop of
+// 30 Hz, dice in callbacks, durations by the clocks of the wall. ~what says what else it asks.
+#include <fcntl.h>
+#include <poll.h>
+#include <ros/ros.h>
+#include <semaphore.h>
+#include <std_msgs/String.h>
+#include <stdlib.h>
+#include <sys/random.h>
+#include <sys/select.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <fstream>
+#include <functional>
+#include <future>
+#include <iomanip>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <shared_mutex>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "untold_sources.h"
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+ros::Publisher publisher;
+
+void tell(const std::string& text) {
+  std_msgs::String message;
+  message.data = text;
+  publisher.publish(message);
+}
+
+template <typename... Values>
+void tell(const std::string& what, Values... values) {
+  std::ostringstream text;
+  text << std::setprecision(17) << what;
+  ((text << ' ' << values), ...);
+  tell(text.str());
+}
+
+/** Computing that takes longer than a millisecond of the processor's time. */
+double compute() {
+  double sum = 0;
+  for (int k = 0; k < 3000000; ++k) {
+    sum += 1.0 / (k + 1 + sum * 1e-9);
+  }
+  return sum;
+}
+
+std::string hex(const void* bytes, std::size_t size) {
+  std::ostringstream text;
+  for (std::size_t k = 0; k < size; ++k) {
+    text << std::hex << static_cast<int>(static_cast<const unsigned char*>(bytes)[k]) << '.';
+  }
+  return text.str();
+}
+
+std::int64_t ns(const timespec& time) { return time.tv_sec * 1000000000LL + time.tv_nsec; }
+
+/** What each clock says. */
+std::string clocks() {
+  std::ostringstream text;
+  for (const clockid_t clock :
+       {CLOCK_REALTIME, CLOCK_MONOTONIC, CLOCK_MONOTONIC_RAW, CLOCK_BOOTTIME, CLOCK_REALTIME_COARSE,
+        CLOCK_PROCESS_CPUTIME_ID, CLOCK_THREAD_CPUTIME_ID}) {
+    timespec now{};
+    clock_gettime(clock, &now);
+    text << ns(now) << ' ';
+  }
+  timeval now{};
+  gettimeofday(&now, nullptr);
+  timespec utc{};
+  timespec_get(&utc, TIME_UTC);
+  text << now.tv_sec << ' ' << now.tv_usec << ' ' << time(nullptr) << ' ' << ns(utc) << ' '
+       << clock() << ' ' << std::chrono::system_clock::now().time_since_epoch().count() << ' '
+       << Clock::now().time_since_epoch().count() << ' ' << ros::WallTime::now().toNSec() << ' '
+       << ros::SteadyTime::now().toNSec();
+  return text.str();
+}
+
+/** What each source of chance says. */
+std::string chance() {
+  std::ostringstream text;
+  text << rand() << ' ' << random() << ' ' << drand48() << ' ' << lrand48() << ' ' << mrand48();
+  unsigned char bytes[12];
+  for (const char* path : {"/dev/urandom", "/dev/random"}) {
+    const int file = open(path, O_RDONLY);
+    text << ' ' << (read(file, bytes, sizeof bytes) == sizeof bytes ? hex(bytes, 12) : "nothing");
+    close(file);
+  }
+  std::ifstream stream("/dev/urandom", std::ios::binary);
+  stream.read(reinterpret_cast<char*>(bytes), sizeof bytes);
+  text << ' ' << hex(bytes, sizeof bytes);
+  text << ' ' << getrandom(bytes, sizeof bytes, 0) << ' ' << hex(bytes, sizeof bytes);
+  text << ' ' << getentropy(bytes, sizeof bytes) << ' ' << hex(bytes, sizeof bytes);
+#if defined(__GLIBC_PREREQ) && __GLIBC_PREREQ(2, 36)
+  arc4random_buf(bytes, sizeof bytes);
+  text << ' ' << arc4random() << ' ' << arc4random_uniform(1000) << ' ' << hex(bytes, sizeof bytes);
+#endif
+  for (const char* token : {"default", "/dev/urandom"}) {
+    std::random_device device(token);
+    text << ' ' << device();
+  }
+  return text.str();
+}
+
+// Before main() even.
+const std::string first_clocks = clocks();
+const std::string first_chance = chance();
+
+/** A foreign agent. */
+void agent(std::mt19937& generator, unsigned first) {
+  ros::NodeHandle node;
+  const auto begin = Clock::now();
+  int heard = 0;
+  const boost::function<void(const std_msgs::String::ConstPtr&)> callback =
+      [&](const std_msgs::String::ConstPtr&) {
+        const auto before = Clock::now();
+        compute();
+        tell("rolls", ++heard, rand() % 1000, (Clock::now() - before).count());
+      };
+  const auto subscriber = node.subscribe<std_msgs::String>("ticks", 10, callback);
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  tell("first", first);
+  ros::Rate rate(30);
+  for (int k = 0; k < 60 && ros::ok(); ++k) {
+    tell("loop", k, rand(), std::uniform_real_distribution<>(0, 1)(generator),
+         (Clock::now() - begin).count(), time(nullptr));
+    rate.sleep();
+  }
+}
+
+/** What the other thread of waits() holds, and for how long. */
+struct Held {
+  sem_t semaphore;
+  std::shared_timed_mutex shared;
+  std::timed_mutex timed;
+  pthread_rwlock_t written = PTHREAD_RWLOCK_INITIALIZER;
+  pthread_rwlock_t read = PTHREAD_RWLOCK_INITIALIZER;
+  pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+  pthread_spinlock_t spin;
+  std::promise<int> promise;
+
+  void hold() {
+    const std::lock_guard<std::shared_timed_mutex> guard(shared);
+    const std::lock_guard<std::timed_mutex> timed_guard(timed);
+    pthread_mutex_lock(&mutex);
+    pthread_rwlock_wrlock(&written);
+    pthread_rwlock_rdlock(&read);
+    pthread_spin_lock(&spin);
+    const std::function<void()> steps[] = {[] {},
+                                           [this] { pthread_spin_unlock(&spin); },
+                                           [] {},
+                                           [] {},
+                                           [this] { pthread_rwlock_unlock(&written); },
+                                           [this] { pthread_rwlock_unlock(&read); },
+                                           [this] { sem_post(&semaphore); },
+                                           [this] { promise.set_value(7); },
+                                           [] {}};
+    for (const auto& step : steps) {
+      ros::Duration(0.25).sleep();
+      step();
+    }
+    pthread_mutex_unlock(&mutex);
+  }
+};
+
+timespec in(clockid_t clock, double seconds) {
+  timespec time{};
+  clock_gettime(clock, &time);
+  const std::int64_t at = ns(time) + static_cast<std::int64_t>(seconds * 1e9);
+  return timespec{at / 1000000000, at % 1000000000};
+}
+
+template <typename Result>
+void after(const std::string& call, Result result) {
+  tell(call, result, ros::Time::now().toNSec());
+}
+
+/** Waits that libc and the standard library know, with time-outs. */
+void waitShortly(Held& held) {
+  ros::Duration(0.3).sleep();
+  pthread_spin_lock(&held.spin);
+  pthread_spin_unlock(&held.spin);
+  after("spin_lock", 0);
+  constexpr auto kMonotonic = CLOCK_MONOTONIC;
+  timespec by = in(CLOCK_REALTIME, 0.05);
+  after("sem_timedwait", sem_timedwait(&held.semaphore, &by));
+  by = in(kMonotonic, 0.05);
+  after("sem_clockwait", sem_clockwait(&held.semaphore, kMonotonic, &by));
+  const std::chrono::milliseconds shortly(50);
+  after("try_lock_for", held.timed.try_lock_for(shortly));
+  after("try_lock_shared_for", held.shared.try_lock_shared_for(shortly));
+  by = in(CLOCK_REALTIME, 0.05);
+  after("mutex_timedlock", pthread_mutex_timedlock(&held.mutex, &by));
+  by = in(CLOCK_REALTIME, 0.05);
+  after("timedrdlock", pthread_rwlock_timedrdlock(&held.written, &by));
+  by = in(CLOCK_REALTIME, 0.05);
+  after("timedwrlock", pthread_rwlock_timedwrlock(&held.written, &by));
+  by = in(kMonotonic, 0.05);
+  after("clockrdlock", pthread_rwlock_clockrdlock(&held.written, kMonotonic, &by));
+  by = in(kMonotonic, 0.05);
+  after("clockwrlock", pthread_rwlock_clockwrlock(&held.written, kMonotonic, &by));
+}
+
+/** The same, and without. */
+void waits() {
+  Held held;
+  sem_init(&held.semaphore, 0, 0);
+  pthread_spin_init(&held.spin, PTHREAD_PROCESS_PRIVATE);
+  std::thread thread([&held] { held.hold(); });
+  waitShortly(held);
+  const std::chrono::milliseconds shortly(50);
+  auto future = held.promise.get_future();
+  after("wait_for", static_cast<int>(future.wait_for(shortly)));
+  after("wait_until",
+        static_cast<int>(future.wait_until(std::chrono::system_clock::now() + shortly)));
+  after("rdlock", pthread_rwlock_rdlock(&held.written));
+  after("wrlock", pthread_rwlock_wrlock(&held.read));
+  after("sem_wait", sem_wait(&held.semaphore));
+  after("future", future.get());
+  const timespec by = in(CLOCK_REALTIME, 0.05);
+  after("timedjoin", pthread_timedjoin_np(thread.native_handle(), nullptr, &by));
+  thread.join();
+  after("join", 0);
+}
+
+/** Sleeps without descriptors, and loops that only look at a clock. */
+void looks() {
+  const auto begin = Clock::now();
+  poll(nullptr, 0, 20);
+  timeval twenty{0, 20000};
+  select(0, nullptr, nullptr, nullptr, &twenty);
+  ros::WallRate rate(50);
+  rate.sleep();
+  usleep(5000);
+  sleep(0);
+  std::this_thread::sleep_until(begin + std::chrono::milliseconds(100));
+  timespec by = in(CLOCK_MONOTONIC, 0.01);
+  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &by, nullptr);
+  tell("slept", (Clock::now() - begin).count(), ros::Time::now().toNSec());
+  while (Clock::now() - begin < std::chrono::milliseconds(113)) {
+  }
+  const std::clock_t processor = std::clock();
+  while (std::clock() - processor < CLOCKS_PER_SEC / 500) {
+  }
+  tell("looked", (Clock::now() - begin).count(), ros::Time::now().toNSec());
+}
+
+/** What is not followed, one of them. */
+void untold(const std::string& what) {
+  using namespace untold_sources;
+  for (const auto* all : {&machine(), &descriptors(), &maskedDescriptors(), &timers()}) {
+    const auto found = all->find(what);
+    if (found != all->end()) {
+      tell(what, found->second());
+    }
+  }
+}
+
+/** Where this program lies in memory. */
+void addresses() {
+  const auto there = std::make_unique<int>(0);
+  tell("at", reinterpret_cast<void*>(&compute), static_cast<const void*>(there.get()),
+       reinterpret_cast<void*>(&::rand_r));
+}
+
+sem_t posted;
+std::promise<int> promise;
+
+/** A thread from before ROS was. */
+void* stray(void*) {
+  while (!publisher) {
+    usleep(1000);
+  }
+  rand();
+  Clock::now();
+  sem_post(&posted);
+  usleep(100000);
+  promise.set_value(3);
+  return nullptr;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  srand(static_cast<unsigned>(time(nullptr)));
+  std::mt19937 generator{std::random_device{}()};
+  const auto first = static_cast<unsigned>(generator());
+  const std::string second = clocks() + ' ' + chance();
+  std::thread early;
+  if (argc > 1 && std::strcmp(argv[1], "stray") == 0) {
+    sem_init(&posted, 0, 0);
+    early = std::thread([] { stray(nullptr); });
+  }
+  ros::init(argc, argv, "chance");
+  ros::NodeHandle node;
+  ros::NodeHandle own("~");
+  publisher = node.advertise<std_msgs::String>("told", 1000);
+  ros::Duration(0.5).sleep();
+  const std::string what = own.param<std::string>("what", "agent");
+  tell(first_clocks);
+  tell(first_chance);
+  tell(second);
+  tell(clocks());
+  tell(chance());
+  if (what == "agent") {
+    agent(generator, first);
+  } else if (what == "waits") {
+    waits();
+  } else if (what == "looks") {
+    looks();
+  } else if (what == "addresses") {
+    addresses();
+  } else if (what == "stray") {
+    tell("posted", sem_wait(&posted));
+    tell("promised", promise.get_future().get());
+    early.join();
+  } else {
+    untold(what);
+  }
+  ros::Duration(1.0).sleep();
+  own.setParam("done", true);
+  return 0;
+}

@@ -1,0 +1,124 @@
+// What of the machine lockstep does not follow: each of them once.
+#ifndef MOVE_BASE_ABSTRACT_TEST_UNTOLD_SOURCES_H
+#define MOVE_BASE_ABSTRACT_TEST_UNTOLD_SOURCES_H
+
+#include <fcntl.h>
+#include <poll.h>
+#include <semaphore.h>
+#include <signal.h>
+#include <sys/epoll.h>
+#include <sys/resource.h>
+#include <sys/select.h>
+#include <sys/time.h>
+#include <sys/timerfd.h>
+#include <sys/times.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <functional>
+#include <map>
+#include <string>
+
+namespace untold_sources {
+
+using Sources = std::map<std::string, std::function<int()>>;
+
+/** What is not followed: who one is, what the processor has done, what others share. */
+inline const Sources& machine() {
+  static const Sources all = {{"getpid", [] { return getpid() > 0; }},
+                              {"times",
+                               [] {
+                                 tms spent;
+                                 return times(&spent) > 0;
+                               }},
+                              {"getrusage",
+                               [] {
+                                 rusage usage;
+                                 return getrusage(RUSAGE_SELF, &usage);
+                               }},
+                              {"sem_open",
+                               [] {
+                                 sem_t* const shared =
+                                     sem_open("/move_base_abstract_test", O_CREAT, 0600, 1);
+                                 sem_unlink("/move_base_abstract_test");
+                                 return sem_wait(shared);
+                               }},
+                              {"sem_init", [] {
+                                 sem_t shared;
+                                 const int made = sem_init(&shared, 1, 1);
+                                 return made + sem_wait(&shared);
+                               }}};
+  return all;
+}
+
+/** Waits for descriptors. */
+inline const Sources& descriptors() {
+  static const Sources all = {{"poll",
+                               [] {
+                                 pollfd in{STDIN_FILENO, POLLIN, 0};
+                                 return poll(&in, 1, 0) >= 0;
+                               }},
+                              {"select",
+                               [] {
+                                 fd_set set;
+                                 FD_ZERO(&set);
+                                 FD_SET(STDIN_FILENO, &set);
+                                 timeval none{0, 0};
+                                 return select(1, &set, nullptr, nullptr, &none) >= 0;
+                               }},
+                              {"epoll_wait", [] {
+                                 const int set = epoll_create1(0);
+                                 epoll_event event;
+                                 return epoll_wait(set, &event, 1, 0);
+                               }}};
+  return all;
+}
+
+/** The same with masks of signals. */
+inline const Sources& maskedDescriptors() {
+  static const Sources all = {{"ppoll",
+                               [] {
+                                 pollfd in{STDIN_FILENO, POLLIN, 0};
+                                 const timespec none{0, 0};
+                                 return ppoll(&in, 1, &none, nullptr) >= 0;
+                               }},
+                              {"pselect",
+                               [] {
+                                 fd_set set;
+                                 FD_ZERO(&set);
+                                 FD_SET(STDIN_FILENO, &set);
+                                 const timespec none{0, 0};
+                                 return pselect(1, &set, nullptr, nullptr, &none, nullptr) >= 0;
+                               }},
+                              {"epoll_pwait", [] {
+                                 const int set = epoll_create1(0);
+                                 epoll_event event;
+                                 return epoll_pwait(set, &event, 1, 0, nullptr);
+                               }}};
+  return all;
+}
+
+/** Timers of the kernel. */
+inline const Sources& timers() {
+  static const Sources all = {
+      {"timerfd_create", [] { return timerfd_create(CLOCK_MONOTONIC, 0) >= 0; }},
+      {"timer_create",
+       [] {
+         timer_t timer;
+         sigevent event{};
+         event.sigev_notify = SIGEV_NONE;
+         return timer_create(CLOCK_MONOTONIC, &event, &timer);
+       }},
+      {"setitimer",
+       [] {
+         const itimerval never{};
+         return setitimer(ITIMER_REAL, &never, nullptr);
+       }},
+      {"alarm", [] { return static_cast<int>(alarm(0)); }},
+      {"ualarm", [] { return static_cast<int>(ualarm(0, 0)); }}};
+  return all;
+}
+
+}  // namespace untold_sources
+
+#endif  // MOVE_BASE_ABSTRACT_TEST_UNTOLD_SOURCES_H

@@ -1,0 +1,80 @@
+"""The page of sources of time and chance has a row for each function that the code follows or tells, and no other."""
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from move_base_abstract_ros import replaced  # noqa: TID251 (knows no ROS)
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / 'docs' / 'sources_of_chance.md'
+LOCKSTEP = ROOT / 'src' / 'move_base_abstract_ros' / 'lockstep'
+SHIM_ROW = re.compile(r'^REPLACED\(([\w+]+), "[^"]+",\s+"([^"]+)",', re.MULTILINE)
+#: of Python's: names of a clock, of a sleep, of chance
+PYTHON_SOURCE = re.compile(r'(time|uuid)\.|threading\._time$|queue\.time$')
+#: what is a source without being replaced
+BESIDES = {'random', 'numpy.random'}
+KINDS = {'C++': {'followed', 'labelled', 'partly'}, 'Python': {'followed', 'labelled', 'warned'}}
+
+
+def table(language):
+    """Return the rows of a language: [(functions, kind, why, tests), ...], each function without its backticks."""
+    text = PAGE.read_text(encoding='utf-8').split('\n## {}\n'.format(language))[1].split('\n## ')[0]
+    rows = [[cell.strip() for cell in line.strip('|').split(' | ')] for line in text.splitlines()
+            if line.startswith('| ') and not line.startswith('| function')]
+    return [(re.findall(r'`([^`]+)`', names), kind, why, re.findall(r'`(test_\w+)`', tests))
+            for names, kind, why, tests in rows]
+
+
+def functions(language):
+    """Return the functions of a language's rows that a table of the code can have, in order."""
+    return [name for names, _kind, _why, _tests in table(language) for name in names]
+
+
+def literals(path, name):
+    """Return the value that a module gives to ``name``, of which the keys or items are constants."""
+    for node in ast.parse(path.read_text(encoding='utf-8')).body:
+        if isinstance(node, ast.Assign) and node.targets[0].id == name:
+            nodes = node.value.keys if isinstance(node.value, ast.Dict) else node.value.elts
+            return [ast.literal_eval(one) for one in nodes]
+    raise AssertionError('{} has no {}'.format(path, name))
+
+
+def test_each_function_that_the_library_stands_in_front_of_has_its_row():
+    text = (ROOT / 'src' / 'roscpp_shim' / 'replaced.def').read_text(encoding='utf-8')
+    sources = [name for library, name in SHIM_ROW.findall(text)
+               if library.startswith('lib') or name in ('ros::WallTime::now()', 'ros::SteadyTime::now()')]
+    assert len(sources) > 70
+    shown = [name for name in functions('C++') if name.endswith(')') and not name.startswith('syscall')]
+    assert sorted(name for name in shown if '(' in name) == sorted(sources)
+
+
+def test_each_name_of_python_has_its_row():
+    rows = [row.name for row in replaced.ROWS.values() if PYTHON_SOURCE.match(row.name)]
+    watched = literals(LOCKSTEP / 'watchdog.py', '_EVENTS')
+    found = ['.'.join(name) for name in literals(LOCKSTEP / 'source.py', '_CALLS')]
+    seeded = ['.'.join(name) for name in literals(LOCKSTEP / 'source.py', '_SEEDED')]
+    assert sorted(functions('Python')) == sorted(set(rows + watched + found + seeded) | BESIDES)
+
+
+@pytest.mark.parametrize('language', KINDS)
+def test_each_row_says_how_why_and_by_which_test(language):
+    tests = ''.join(path.read_text(encoding='utf-8') for path in sorted((ROOT / 'test').rglob('*_test.py')))
+    for names, kind, why, named in table(language):
+        assert kind in KINDS[language], names
+        assert len(why) > 5, names
+        assert named, names
+        for one in named:
+            assert 'def {}('.format(one) in tests, one
+
+
+def test_what_is_labelled_is_told_by_the_code():
+    code = ''.join(path.read_text(encoding='utf-8') for path in sorted((ROOT / 'src' / 'roscpp_shim').glob('*.cpp')))
+    for names, kind, _why, _tests in table('C++'):
+        for name in names:
+            function = re.search(r'\b{}\([^;{{}}]*\) \{{(.*?)^\}}'.format(re.escape(name.replace('()', ''))), code,
+                                 re.MULTILINE | re.DOTALL)
+            if name.endswith('()') and '::' not in name and function:
+                tells = re.search(r'\btell|addShared|DescriptorWait', function.group(1)) is not None
+                assert tells == (kind == 'labelled') or name == 'pthread_create()', name
