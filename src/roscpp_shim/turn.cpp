@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <fstream>
 #include <mutex>
 #include <thread>
 
 #include "followed.h"
+#include "kernel.h"
 #include "node.h"
 #include "real.h"
 
@@ -39,15 +39,6 @@ void awake(Task* task) {
 int awaitGo(Task* task) {
   static auto* const wait = real<int(sem_t*)>("sem_wait");
   return wait(&task->go);
-}
-
-/** @return whether the thread sleeps in the kernel (and is not just being slow). */
-bool isAsleep(int tid) {
-  std::ifstream file("/proc/self/task/" + std::to_string(tid) + "/stat");
-  std::string text;
-  std::getline(file, text);
-  const auto name_end = text.rfind(')');
-  return name_end != std::string::npos && name_end + 2 < text.size() && text[name_end + 2] == 'S';
 }
 
 }  // namespace
@@ -382,7 +373,7 @@ void Turn::watch() {
                               !holder_->is_blocking && !holder_->is_loose && !waiting_.empty();
     switches = switches_;
     stuck = may_be_stuck && isAsleep(holder_->tid) ? stuck + 1 : 0;
-    if (stuck >= kStuckPeriods) {
+    if (stuck >= kStuckPeriods && !waitsForReader()) {
       holder_->is_loose = true;
       holder_ = waiting_.front();
       awake(holder_);

@@ -1,15 +1,20 @@
 // Programs with threads of their own; ~what says which. Each tells on "told" what it does and when.
+#include <netdb.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_msgs/String.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <boost/thread.hpp>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <deque>
+#include <functional>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -261,6 +266,60 @@ void looks(Teller& teller) {
   teller.tell("has joined");
 }
 
+/** Run @p command in a shell, beside this program. Of ours the shell's parent is told. */
+void beside(const std::string& command) {
+  if (std::system(("(" + command + ") &").c_str()) != 0) {
+    throw std::runtime_error(command);
+  }
+}
+
+/** The ROS master answers after a second of wall time. */
+void askMaster(ros::NodeHandle& own) {
+  const std::string master = std::to_string(own.param("master", 0));
+  std::system(("kill -STOP " + master).c_str());
+  beside("sleep 1; kill -CONT " + master);
+  int answer = 0;
+  own.getParam("master", answer);
+}
+
+/** What this program prints is read after a second of wall time. */
+void print() {
+  int ends[2];
+  const int output = ::dup(STDOUT_FILENO);
+  if (::pipe(ends) == 0) {
+    ::dup2(ends[1], STDOUT_FILENO);
+    beside("sleep 1; exec cat /proc/$PPID/fd/" + std::to_string(ends[0]) + " >/dev/null");
+    std::printf("%s", std::string(200000, '.').c_str());
+    std::fflush(stdout);
+    ::dup2(output, STDOUT_FILENO);
+    ::close(ends[1]);
+  }
+}
+
+/** The names' aliases, which are looked at first, are there after a second of wall time. */
+void lookUp(const std::string& aliases) {
+  ::mkfifo(aliases.c_str(), 0600);
+  ::setenv("HOSTALIASES", aliases.c_str(), 1);
+  ::setenv("RES_OPTIONS", "timeout:1 attempts:1", 1);
+  beside("sleep 1; timeout 5 sh -c 'while :; do echo >" + aliases + "; done'");
+  addrinfo* found = nullptr;
+  ::getaddrinfo("nobody", "80", nullptr, &found);
+}
+
+/** Something that takes wall time, beside a thread that ticks. */
+void stands(Teller& teller, const std::function<void()>& call) {
+  std::thread ticker([&teller] {
+    for (int k = 1; k <= 12; ++k) {
+      ros::Duration(0.1).sleep();
+      teller.tell("tick " + std::to_string(k));
+    }
+  });
+  ros::Duration(0.55).sleep();
+  call();
+  teller.tell("goes on");
+  ticker.join();
+}
+
 /** A wait that lockstep does not see. */
 void hidden(Teller& teller) {
   int ends[2];
@@ -307,6 +366,12 @@ int main(int argc, char** argv) {
     looks(teller);
   } else if (what == "wall") {
     wall(teller);
+  } else if (what == "master") {
+    stands(teller, [&] { askMaster(own); });
+  } else if (what == "output") {
+    stands(teller, [] { print(); });
+  } else if (what == "names") {
+    stands(teller, [&] { lookUp(own.param<std::string>("aliases", "")); });
   } else if (what == "hidden") {
     hidden(teller);
   }

@@ -1,9 +1,13 @@
 #!/usr/bin/env python3
 """Unmodified roscpp programs with threads of their own in lockstep: one runs at a time, in the same order always."""
 
+import os
 import re
+import shutil
+import tempfile
 import unittest
 
+import rosgraph
 import rostest
 from lockstep_roscpp_run import Program, Runs, own, recorder
 
@@ -99,6 +103,25 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         told = self.told('polls', rate(ticks=10))
         self.assertEqual([text for _at, text in told], ['somebody listens', 'five are heard', 'time has gone on'])
         self.assertLess(told[1][0], 1510000000)  # the fifth came at 1.5 s
+
+    def stands(self, what, **parameters):
+        """What a program does that takes a second of wall time for something takes no simulated time, and no label."""
+        run = RUNS.run([Program('threads', own('shim_threads'), what=what, **parameters), recorder('/told')])
+        self.assertEqual((run.code, run.labels), (0, []), run.outputs)
+        told = [line.split(' ', 3)[2:] for line in run.printed(1)]
+        ticks = [[str(SECOND + k * SECOND // 10), f'tick {k}'] for k in range(1, 13)]
+        self.assertEqual(told, ticks[:5] + [['1550000000', 'goes on']] + ticks[5:])
+
+    def test_time_stands_while_the_ros_master_does_not_answer(self):
+        self.stands('master', master=lambda ros: rosgraph.Master('/test', master_uri=ros.uri).getPid())
+
+    def test_time_stands_while_nobody_reads_what_is_printed(self):
+        self.stands('output')
+
+    def test_time_stands_while_a_name_is_looked_up(self):
+        folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, folder)
+        self.stands('names', aliases=os.path.join(folder, 'aliases'))
 
     def test_a_wait_that_cannot_be_followed_is_labelled_and_no_hang(self):
         run = RUNS.run([Program('threads', own('shim_threads'), what='hidden'), recorder('/told')])
