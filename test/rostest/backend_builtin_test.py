@@ -54,9 +54,10 @@ class BuiltinBackend(unittest.TestCase):
 
     def test_tf_leads_from_the_map_over_odom_to_base_link_at_the_present(self):
         self.put(5.0, -6.0)
-        # This process's clock may lag behind the instant at which the robot was put there.
+        # This process's clock may lag behind the instant at which the robot was put there; and where tf had told the
+        # old place at that very instant, the new one is dated 1 ns later.
         odom = Record('/robot_0/odom', Odometry).wait_for(lambda message: message.pose.pose.position.x == 5.0)
-        while rospy.Time.now() < odom.header.stamp:
+        while rospy.Time.now() <= odom.header.stamp:
             rospy.sleep(0.01)
         for parent, child in (('map', 'robot_0/odom'), ('robot_0/odom', 'robot_0/base_link')):
             self.buffer.lookup_transform(parent, child, rospy.Time.now(), rospy.Duration(100.0))

@@ -1,4 +1,4 @@
-"""Threads of the application: one runs at a time, and Python's locks are known waits (R9).
+"""Threads of the application: one runs at a time, and Python's locks are known waits.
 
 A thread that the application starts waits for its first turn. ``threading.Lock`` and everything made of it (RLock,
 Condition, Event, Semaphore, Barrier, Queue, joins) gives the turn away when an application thread must wait for
