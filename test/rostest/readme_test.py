@@ -3,15 +3,14 @@
 import os
 import re
 import shlex
-import shutil
 import stat
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
 import rostest
+from own_folder import OwnFolder
 
 from move_base_abstract_ros.loopback import Loopback
 
@@ -50,19 +49,7 @@ def commands(word):
             if line.startswith(word)]
 
 
-class Readme(unittest.TestCase):
-
-    def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='readme_')
-        self.addCleanup(shutil.rmtree, self.folder)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def write(self, name, text, mode=0o644):
-        with open(self.path(name), 'w') as stream:
-            stream.write(text)
-        os.chmod(self.path(name), mode)
+class Readme(OwnFolder, unittest.TestCase):
 
     def launch(self, ros, environment, *words):
         """Start roslaunch; return its process, which is ended with the test."""

@@ -4,10 +4,10 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 
 import rostest
+from own_folder import OwnFolder
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -61,11 +61,10 @@ for x in (3.0, 8.0):
 """
 
 
-class VerifyTest(unittest.TestCase):
+class VerifyTest(OwnFolder, unittest.TestCase):
 
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='verify_test_')
-        self.addCleanup(shutil.rmtree, self.folder)
+        super().setUp()
         self.write('package.xml', PACKAGE)
         self.write('chance.py', CHANCE, 0o755)
         self.write('quiet.py', QUIET, 0o755)
@@ -73,15 +72,6 @@ class VerifyTest(unittest.TestCase):
         shutil.copy(os.path.join(HERE, 'unmodified', 'ticks.py'), self.folder)
         os.chmod(self.path('ticks.py'), 0o755)
         os.mkdir(self.path('tmp'))
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def write(self, name, text, mode=0o644):
-        with open(self.path(name), 'w') as stream:
-            stream.write(text)
-        os.chmod(self.path(name), mode)
-        return self.path(name)
 
     def launch_file(self, *nodes):
         return self.write('system.launch', '<launch>{}</launch>'.format(''.join(nodes)))

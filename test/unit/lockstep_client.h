@@ -5,12 +5,12 @@
 #include <deque>
 #include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lockstep/session.h"
+#include "refusal.h"
 
 namespace move_base_abstract {
 
@@ -154,17 +154,6 @@ struct Pair : Stage {
     grant(2);
   }
 };
-
-/** @return what the call says that is refused. */
-template <typename Call>
-std::string refusal(Call call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "was not refused";
-}
 
 /** @brief One participant that has started and reported that it wants to wake up at @p next. */
 struct Alone : Stage {

@@ -5,27 +5,21 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <random>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "clock/time_master.h"
+#include "refusal.h"
 #include "time_master_model.h"
 
 namespace move_base_abstract {
 
-/** @return what the call says that is refused. */
-template <typename Call>
-std::string refusal(Call call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "was not refused";
-}
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr Nanoseconds kMost = std::numeric_limits<Nanoseconds>::max();
 
 inline TimeMaster::Settings with(double factor, double busy_factor = 1.0) {
   TimeMaster::Settings settings;

@@ -16,9 +16,6 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-const Nanoseconds kMost = std::numeric_limits<Nanoseconds>::max();
 using Kind = TimeMaster::Event::Kind;
 
 // ---- integration ---------------------------------------------------------------------------

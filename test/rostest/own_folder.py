@@ -1,0 +1,24 @@
+"""A folder that a test has for itself, and files in it."""
+import os
+import shutil
+import tempfile
+
+
+class OwnFolder:
+    """Mixed into a TestCase: ``folder`` is there from ``setUp`` on, and goes with the test."""
+
+    def setUp(self):
+        """Make the folder."""
+        self.folder = tempfile.mkdtemp(prefix='own_folder_')
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def path(self, name):
+        """Return the path of a file in it."""
+        return os.path.join(self.folder, name)
+
+    def write(self, name, text, mode=0o644):
+        """Write a file; return its path."""
+        with open(self.path(name), 'w') as stream:
+            stream.write(text)
+        os.chmod(self.path(name), mode)
+        return self.path(name)
