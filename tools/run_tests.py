@@ -1,9 +1,10 @@
-"""Run gtest, pytest, every rostest and the install-space test, one after the other, and summarise.
+"""Run gtest, pytest, every rostest and the install-space test, a few at a time, and summarise.
 
-usage: run_tests.py [--only PART_OF_A_NAME]    (in the built environment: source .ws/setup.sh)
+usage: run_tests.py [--only PART_OF_A_NAME] [--jobs N]    (in the built environment: source .ws/setup.sh)
 
 Each step writes its results to a folder of its own below .ws/test_results, emptied first; its output
 goes to output.log there. A step that dies, hangs or leaves no result counts as a failure of its own.
+Steps do not share a ROS master, a port or a folder, and none measures wall time: so they may run beside each other.
 """
 import argparse
 import fcntl
@@ -14,6 +15,7 @@ import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ElementTree
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,6 +30,7 @@ ROSTEST = '/usr/bin/rostest'
 # Wall seconds; it only ends a step that would never end. A busy machine may need 20 times what an idle one does.
 LIMIT_S = 1800.0
 GRACE_S = 20.0  # wall seconds between the request to stop and the kill
+FEWEST_JOBS, MOST_JOBS = 2, 4  # most of a step is waiting: for processes to start, or for time to pass
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class Step:
 
 
 def all_steps():
-    """Return the steps in the order in which they run: the quick ones first."""
+    """Return the steps in the order in which they begin: the quick ones first."""
     steps = [_gtest(name) for name in ('time_master_test', 'lockstep_test', 'event_log_writer_test', 'shim_fit_test')]
     steps += [_pytest('unit', ROOT / 'test' / 'unit', VENV_PYTHON)]
     steps += [_rostest(path) for path in sorted((ROOT / 'test' / 'rostest').glob('*.test'))]
@@ -72,11 +75,27 @@ def _rostest(path):
     return Step(name, command)
 
 
-def run_step(step):
+def run_steps(steps, jobs):
+    """Run the steps in their order, so many at a time; an interrupt ends those that run."""
+    running = []
+    with ThreadPoolExecutor(jobs) as pool:
+        futures = [pool.submit(run_step, step, running) for step in steps]
+        try:
+            for future in as_completed(futures):
+                future.result()
+        except BaseException:
+            for future in futures:
+                future.cancel()
+            for process in list(running):
+                _stop(process)
+            raise
+
+
+def run_step(step, running):
     """Run one step to its end or its limit; print one line; add a failure where its results lack one."""
     step.folder.mkdir(parents=True)
     started = time.monotonic()
-    problem = _run_command(step)
+    problem = _run_command(step, running)
     cases = test_summary.read_cases(step.folder)
     if problem is None and not cases:
         problem = 'it left no result'
@@ -89,25 +108,28 @@ def run_step(step):
     print(f'{"FAIL" if failed else "ok  "}  {step.name:<36} {len(cases):4d} tests {seconds:6.1f} s{note}', flush=True)
 
 
-def _run_command(step):
-    """Return None, or what went wrong in a few words."""
+def _run_command(step, running):
+    """Return None, or what went wrong in a few words; the process is in the list while it runs."""
     with open(step.folder / test_summary.LOG_NAME, 'wb') as log:
         process = subprocess.Popen([str(word) for word in step.command], cwd=ROOT, stdin=subprocess.DEVNULL,
                                    stdout=log, stderr=subprocess.STDOUT)
+        running.append(process)
         try:
             code = process.wait(timeout=LIMIT_S)
         except subprocess.TimeoutExpired:
             _stop(process)
             return f'still running after {LIMIT_S:.0f} s'
-        except KeyboardInterrupt:
-            _stop(process)
-            raise
+        finally:
+            running.remove(process)
     return f'exit code {code}' if code else None
 
 
 def _stop(process):
     """End a step and all that it started (roslaunch gives each node a session of its own)."""
-    family = psutil.Process(process.pid).children(recursive=True)
+    try:
+        family = psutil.Process(process.pid).children(recursive=True)
+    except psutil.NoSuchProcess:
+        return
     process.send_signal(signal.SIGINT)
     try:
         process.wait(timeout=GRACE_S)
@@ -144,7 +166,12 @@ def main():
     """Run the chosen steps and exit with 1 if anything failed."""
     parser = argparse.ArgumentParser(description='Run the tests of move_base_abstract.')
     parser.add_argument('--only', default='', metavar='PART', help='run the steps whose name contains this')
-    only = parser.parse_args().only
+    usual = min(max(os.cpu_count() or 1, FEWEST_JOBS), MOST_JOBS)
+    parser.add_argument('--jobs', type=int, default=usual, metavar='N', help='steps at a time (usually %(default)s)')
+    arguments = parser.parse_args()
+    if arguments.jobs < 1:
+        parser.error(f'--jobs must be at least 1, got {arguments.jobs}')
+    only = arguments.only
     steps = [step for step in all_steps() if only in step.name]
     if not steps:
         parser.error(f'no step is named like {only!r}; there are {", ".join(step.name for step in all_steps())}')
@@ -153,8 +180,7 @@ def main():
     with open(WS / 'test.lock', 'w') as lock:
         wait_for_other_run(lock)
         shutil.rmtree(RESULTS, ignore_errors=True)
-        for step in steps:
-            run_step(step)
+        run_steps(steps, arguments.jobs)
         sys.exit(test_summary.summarise(RESULTS))
 
 
