@@ -38,7 +38,9 @@ class Row(NamedTuple):
 _WAIT = 'gives the turn away and ends at its instant'
 _LOOK = 'is counted, so that a loop that waits by looking goes on'
 _QUESTION = 'is asked after the others have done what they do at this instant'
-_CLOCK = 'is told once where the program reads the wall clock'
+_CLOCK = 'goes on with simulated time, for the program'
+_CHANCE = "follows from the run's seed and the node's name, for the program"
+_TOLD = 'labels the run where the program calls it'
 _LOCK = 'gives the turn away where another thread of the program holds it'
 
 _ROWS = (
@@ -109,8 +111,38 @@ _ROWS = (
     Row('time.monotonic_ns', LAUNCHER, _CLOCK),
     Row('time.perf_counter', LAUNCHER, _CLOCK),
     Row('time.perf_counter_ns', LAUNCHER, _CLOCK),
-    Row('uuid.uuid1', LAUNCHER, _CLOCK),
-    Row('uuid.uuid4', LAUNCHER, "draws from a generator that is seeded by the node's name"),
+    Row('time.process_time', LAUNCHER, _CLOCK),
+    Row('time.process_time_ns', LAUNCHER, _CLOCK),
+    Row('time.thread_time', LAUNCHER, _CLOCK),
+    Row('time.thread_time_ns', LAUNCHER, _CLOCK),
+    Row('time.clock_gettime', LAUNCHER, _CLOCK),
+    Row('time.clock_gettime_ns', LAUNCHER, _CLOCK),
+    Row('time.localtime', LAUNCHER, _CLOCK),
+    Row('time.gmtime', LAUNCHER, _CLOCK),
+    Row('time.ctime', LAUNCHER, _CLOCK),
+    Row('time.asctime', LAUNCHER, _CLOCK),
+    Row('time.strftime', LAUNCHER, _CLOCK),
+    Row('os.urandom', LAUNCHER, _CHANCE),
+    Row('random._urandom', LAUNCHER, _CHANCE),
+    Row('random.Random.seed', LAUNCHER, _CHANCE),
+    Row('random.seed', LAUNCHER, _CHANCE),
+    Row('uuid.uuid1', LAUNCHER, _CHANCE),
+    Row('uuid.uuid4', LAUNCHER, _CHANCE),
+    Row('tempfile._get_candidate_names', LAUNCHER, _CHANCE),
+    Row('numpy.random.bit_generator.randbits', LAUNCHER, _CHANCE),
+    Row('os.listdir', LAUNCHER, 'sorts what the file system has in any order'),
+    Row('os.scandir', LAUNCHER, 'sorts what the file system has in any order'),
+    Row('os.getpid', LAUNCHER, _TOLD),
+    Row('os.getppid', LAUNCHER, _TOLD),
+    Row('os.times', LAUNCHER, _TOLD),
+    Row('os.getloadavg', LAUNCHER, _TOLD),
+    Row('resource.getrusage', LAUNCHER, _TOLD),
+    Row('signal.setitimer', LAUNCHER, _TOLD),
+    Row('signal.alarm', LAUNCHER, _TOLD),
+    Row('signal.sigtimedwait', LAUNCHER, _TOLD),
+    Row('select.poll', LAUNCHER, _TOLD),
+    Row('select.epoll', LAUNCHER, _TOLD),
+    Row('select.select', LAUNCHER, _TOLD),
     Row('threading.Thread.isAlive', ALWAYS,
         'is there again where Python has it no more (3.9 and later): rospy of Debian 11 calls it'),
     Row('logging.Handler.handleError', ALWAYS, 'says once, in a line, that a log cannot be written'),

@@ -148,8 +148,11 @@ def remaps(name):
     return ['__name:=' + base] + (['__ns:=/' + namespace] if namespace else [])
 
 
-def assert_same(case, runs):
-    """All runs have one event log, to the byte, their programs print the same, and nothing has disturbed them."""
+def assert_same(case, runs, labelled=()):
+    """All runs have one event log, to the byte, their programs print the same, and nothing has disturbed them.
+
+    labelled: what the labels have in them that are expected all the same, in order.
+    """
     first = runs[0]
     for run in runs:
         for number, (line, its) in enumerate(zip(first.log.split(b'\n'), run.log.split(b'\n')), 1):
@@ -157,4 +160,7 @@ def assert_same(case, runs):
         case.assertEqual(first.log, run.log)
         for name in first.outputs:
             case.assertEqual(first.printed(name), run.printed(name), name)
-        case.assertEqual((run.state.not_repeatable_because, run.state.degraded_because), ([], []))
+        labels = list(run.state.not_repeatable_because) + list(run.state.degraded_because)
+        case.assertEqual(len(labels), len(labelled), labels)
+        for label, text in zip(labels, labelled):
+            case.assertIn(text, label)

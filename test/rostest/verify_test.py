@@ -18,12 +18,12 @@ PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</ver
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 NODE = '<node pkg="study_of_others" type="{0}.py" name="{0}"/>'
 CHANCE = """#!/usr/bin/env python3
-import time
+import os
 import rospy
 from std_msgs.msg import Float64, Int32
 rospy.init_node('chance')
 pub = rospy.Publisher('chosen', Float64, queue_size=5)
-rospy.Subscriber('ticks', Int32, lambda tick: pub.publish(time.time() if tick.data == 12 else tick.data))
+rospy.Subscriber('ticks', Int32, lambda tick: pub.publish(os.getpid() if tick.data == 12 else tick.data))
 rospy.spin()
 """
 QUIET = """#!/usr/bin/env python3
@@ -90,7 +90,7 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         self.assertIn('verify: identical: 4 runs (plain, busy, limited, delays), ', said)
         self.assertEqual(os.listdir(self.path('tmp')), [])
 
-    def test_a_program_that_reads_the_wall_clock_differs_and_the_place_is_named(self):
+    def test_a_program_that_tells_its_number_differs_and_the_place_is_named(self):
         code, said = self.verify('--runs', '2', '--until', '30', self.launch_file(
             NODE.format('ticks'), NODE.format('chance'), NODE.format('quiet')))
         self.assertEqual(code, 1, said)
@@ -99,7 +99,7 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         self.assertIn('what /chance had been told before, in both runs:', said)
         told = said.partition('what /chance')[2].partition('likely causes')[0]
         self.assertEqual(told.count('message /ticks from /ticks to /chance'), 10, said)
-        self.assertRegex(said, r'/chance: time.time in \S+chance.py, line 7: reads the wall clock')
+        self.assertRegex(said, r'/chance: os.getpid in \S+chance.py, line 7: is another number in another run')
         folder = said.partition('logs and outputs are in ')[2].strip()
         self.assertEqual(sorted(os.listdir(folder)), ['1_plain', '2_again'])
         self.assertEqual(set(os.listdir(os.path.join(folder, '1_plain'))), {'events.jsonl', 'output.txt', 'ros_log'})

@@ -21,7 +21,7 @@ _OUTPUT_LINES = 15
 _MOST_CAUSES = 12
 # What the launcher's warnings of sources that are not followed, and labels, have in them.
 _SOURCES = re.compile(r'(reads the wall clock|sleeps in wall time|is seeded|seeded by|hash|address|does not take part'
-                      r'|not part of lockstep|not repeatable|random|wall)')
+                      r'|lockstep|not repeatable|random|wall|processor|comes when|run to run|another run)')
 _IN_PLACE = re.compile(r'(\S+: )?(.* in \S+, line [0-9]+: .*)')
 _COLOUR = re.compile('\x1b\\[[0-9;]*m')
 

@@ -1,5 +1,6 @@
-"""The program's own code, which is compiled with what lockstep must be told: of its loops, its classes and its sets.
+"""The program's own code, which is compiled with what lockstep must be told.
 
+That is about its loops, its classes and its sets, and what it asks the machine.
 Its own is what lies neither in Python's library nor in a folder of packages (site-packages, dist-packages). Nothing is
 kept of what is compiled here: Python's own files of compiled modules stay as they are.
 """
@@ -13,19 +14,21 @@ from importlib import machinery
 import rospy
 
 import move_base_abstract
+from move_base_abstract.lockstep.asked import ask
 from move_base_abstract.lockstep.instrument import dotted, instrument
 from move_base_abstract.lockstep.object_order import follow_order
 
 _LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
 _PACKAGES = re.compile(r'/(site|dist)-packages(/|$)')
-_OWN = (os.path.dirname(os.path.dirname(__file__)) + '/', os.path.dirname(move_base_abstract.__file__) + '/')
+#: the folders of this package
+OWN = (os.path.dirname(os.path.dirname(__file__)) + '/', os.path.dirname(move_base_abstract.__file__) + '/')
 #: catkin's scripts in the devel space: they compile the source, by the name of `compile`
 _RELAY = b'exec(compile(fh.read(), python_script'
 
 
 def is_library(filename):
     """Return whether a file is none of the program's."""
-    return filename.startswith(_LIBRARIES + _OWN) or bool(_PACKAGES.search(filename))
+    return filename.startswith(_LIBRARIES + OWN) or bool(_PACKAGES.search(filename))
 
 
 def install():
@@ -58,7 +61,7 @@ def compile_own(source, path):
     """
     tree = compile(source, path, 'exec', ast.PyCF_ONLY_AST, dont_inherit=True)
     try:
-        return compile(follow_order(instrument(tree)), path, 'exec', dont_inherit=True)
+        return compile(ask(follow_order(instrument(tree))), path, 'exec', dont_inherit=True)
     except RecursionError:  # some hundreds of branches of one `if`
         rospy.logwarn('lockstep: %s is nested too deeply for its waiting loops and its sets to be followed', path)
         return compile(source, path, 'exec', dont_inherit=True)

@@ -1,20 +1,33 @@
 """Run an unmodified Python program as a participant: hooks first, then the program, in this process."""
 import builtins
 import os
-import random
 import runpy
 import sys
 import types
-import uuid
-import zlib
 from importlib.machinery import SourceFileLoader
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ..replaced import replace
-from . import address_layout, binary, early, objects, own_code, queries, threads, turns, watchdog
+from . import (
+    address_layout,
+    binary,
+    chance,
+    clocks,
+    deeds,
+    early,
+    objects,
+    own_code,
+    queries,
+    threads,
+    turns,
+    watchdog,
+)
+from .told import told
 
 _NAME = '__name:='
+_HASHES = 'texts are hashed in another way in each run, so that sets of them have another order (PYTHONHASHSEED is ' \
+          'random, or Python was told to ignore it)'
 
 
 def run(kind, path, arguments, options):
@@ -27,15 +40,24 @@ def run(kind, path, arguments, options):
     threads.replace_locks()
     own_code.install()
     joining = _Joining(lockstep, options, node_name(kind, path, arguments))
-    watchdog.install(options.sleep, joining.early.take_part)
+    _watch(options, binary.node_name(path, arguments, os.environ), joining.early)
     joining.install()
-    _seed('{}:{}'.format(options.seed, binary.node_name(path, arguments, os.environ)))
     try:
         _execute(kind, path, arguments, own_code.compile_own, own_code.names_of_script)
     except SystemExit as error:
         joining.early.program_has_ended(error.code if isinstance(error.code, int) else int(error.code is not None))
         raise
     joining.early.program_has_ended(0)
+
+
+def _watch(options, name, before_node):
+    """Have the program see the run's time and chance, and be told where it sees something else."""
+    seen = clocks.install(options.seed, options.sleep == 'simulated')
+    watchdog.install(options.sleep, before_node.take_part, seen)
+    chance.install('{}:{}'.format(options.seed, name), seen.date_ns)
+    deeds.install()
+    deeds.hand_on(seen)
+    threads.watch_start(before_node.take_part)
 
 
 def _compile(source, path):
@@ -57,7 +79,8 @@ class _Joining:
     def __init__(self, lockstep, options, name):
         self._lockstep = lockstep
         self._rank = options.rank
-        self._followers = [turns.install(), objects.install()]
+        self._is_node = False
+        self._followers = [told, turns.install(), objects.install()]
         self.early = early.Early(name, lambda name, uri: self._follow(lockstep.take_part(name, uri, self._rank)))
 
     def install(self):
@@ -68,23 +91,30 @@ class _Joining:
 
     def _init_node(self, init_node, args, kwds):
         self.early.init_node(init_node, args, kwds)
-        if watchdog.is_watching_sources():
+        if self._is_node:
             return  # it has been called before
+        self._is_node = True
         joined = self._lockstep.participant()
         if joined is None:
             self.early.end()
             self._follow(self._lockstep.join(self._rank))
         else:
             self._lockstep.node_is_there(joined)
-        watchdog.watch_sources()
 
     def _follow(self, joined):
-        watchdog.follow(joined)
         for follower in self._followers:
             follower.follow(joined)
         queries.install(joined)
         if joined is not None and not address_layout.is_as_wanted(os.environ):
             joined.label(address_layout.LABEL)
+        if joined is not None and not _is_one_hash():
+            joined.label(_HASHES)
+
+
+def _is_one_hash():
+    """Whether texts have the same hashes in each run."""
+    return not sys.flags.hash_randomization or (
+        not sys.flags.ignore_environment and os.environ.get('PYTHONHASHSEED', 'random').isdigit())
 
 
 def node_name(kind, path, arguments):
@@ -96,19 +126,6 @@ def node_name(kind, path, arguments):
         return binary.node_name(path, arguments, os.environ)
     name = '' if kind == 'module' else own_code.name_of_node(path)
     return binary.node_name(name, arguments, os.environ) if name else ''
-
-
-def _seed(text):
-    """Give the global generators a start that depends on the node only; the program may give them another."""
-    number = zlib.crc32(text.encode('utf-8'))
-    random.seed(number)  # noqa: TID251 - the generator of the program, not ours
-    of_ids = random.Random(number)
-    replace('uuid.uuid4', lambda _uuid4: lambda: uuid.UUID(int=of_ids.getrandbits(128), version=4))
-    try:
-        import numpy
-    except ImportError:
-        return
-    numpy.random.seed(number)  # noqa: NPY002 - as above
 
 
 def _execute(kind, path, arguments, compile_script, names_of_script):

@@ -6,6 +6,7 @@ another; time-outs are simulated time. Threads of rospy itself use the same lock
 """
 import queue
 import sys
+import threading
 import time
 
 from move_base_abstract.lockstep.locks import CooperativeLock, CooperativeRLock, Process, clock
@@ -13,6 +14,8 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
 from ..replaced import replace
+from .callers import own_frame
+from .told import told
 from .waits import to_ns
 
 #: where threads and their work are from that are never the application's
@@ -37,6 +40,28 @@ def replace_locks():
                            ('threading.RLock', CooperativeRLock), ('queue.SimpleQueue', queue._PySimpleQueue),
                            ('threading._time', now), ('queue.time', now)):
         replace(name, lambda _original, stand_in=stand_in: stand_in)
+
+
+def watch_start(take_part):
+    """Have a program that starts a thread before it is a node take part from there on, by ``take_part(what)``.
+
+    Where that is not possible, lockstep does not order the thread, which is told.
+    """
+    replace('threading.Thread.start', lambda start: _starting_early(start, take_part))
+
+
+def _starting_early(start, take_part):
+    def _start(self):
+        frame = own_frame(sys._getframe(1)) if told.participant is None else None
+        if frame is None or _is_foreign(self, ''):
+            start(self)
+        elif take_part('a thread'):
+            threading.Thread.start(self)
+        else:
+            told.tell(frame, 'threading.Thread.start', 'starts a thread before rospy.init_node, which lockstep does '
+                      'not order')
+            start(self)
+    return _start
 
 
 def _follow_threads(scheduler):

@@ -1,8 +1,4 @@
-"""Tells what a program does that lockstep cannot follow: once for each place, with file and line.
-
-time.sleep and reads of the wall clock, sockets and other processes, generators of random numbers that the machine
-seeds. Only what the program's own code does is told, not what ROS or Python's library do.
-"""
+"""time.sleep of an unmodified program: by the wall while simulated time stands, or simulated time."""
 import sys
 
 import rospy
@@ -10,103 +6,81 @@ import rospy
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ..replaced import replace
-from . import source
+from .callers import own_frame
 from .looks import STEP_NS
-from .own_code import is_library
 from .queries import settle
+from .told import told
 
-_state = {'participant': None, 'told': set(), 'is_watching_sources': False}
-_OTHER_PROCESS = 'starts another process, which does not take part in lockstep by itself'
-_OTHER_CONNECTION = 'opens a connection of its own: what comes over it is not part of lockstep'
-_EVENTS = {
-    'socket.connect': _OTHER_CONNECTION,
-    'socket.bind': _OTHER_CONNECTION,
-    'subprocess.Popen': _OTHER_PROCESS,
-    'os.system': _OTHER_PROCESS,
-    'os.posix_spawn': _OTHER_PROCESS,
-    'os.fork': 'forks: the child does not take part in lockstep',
-}
-_CLOCKS = ('time.time', 'time.time_ns', 'time.monotonic', 'time.monotonic_ns', 'time.perf_counter',
-           'time.perf_counter_ns', 'uuid.uuid1')
-_READS = 'reads the wall clock; what it does with that differs from run to run'
 #: packages of ROS that sleep for their sockets, for the ROS master and as a courtesy, never for what another node does:
 #: their sleeps are not the program's. (actionlib and tools like rostopic poll: theirs count as the program's.)
 _ROS = frozenset(('rospy', 'rosgraph', 'roslib', 'genpy', 'genmsg'))
 _LONG_SLEEPS = 5.0  # s, wall, at one instant
 
 
-def install(sleep, take_part):
-    """Begin to watch. ``sleep`` says what time.sleep is to wait for: 'wall' or 'simulated'.
+def install(sleep, take_part, clocks):
+    """Stand before time.sleep. ``sleep`` says what it is to wait for: 'wall' or 'simulated'.
 
-    ``take_part(what)`` is called where a program that is no node yet is to take part, because of ``what``.
+    ``take_part(what)`` is called where a program that is no node yet is to take part, because of ``what``; ``clocks``
+    are those that the program sees.
     """
-    replace('time.sleep', lambda wall_sleep: _Sleep(sleep, take_part, wall_sleep))
-    for name in _CLOCKS:
-        replace(name, lambda clock, name=name: _reading(clock, name))
-    sys.addaudithook(_audit)
-
-
-def follow(participant):
-    """The program takes part from now on."""
-    _state['participant'] = participant
-
-
-def watch_sources():
-    """The program is a node: tell what its sources have that cannot be noticed while they run. Once."""
-    _state['is_watching_sources'] = True
-    for what, filename, line in source.check(_files()):
-        _tell_place(what, filename, line)
-
-
-def is_watching_sources():
-    """Return whether that has been done."""
-    return _state['is_watching_sources']
-
-
-def _files():
-    """Return the files of the program: of the modules that it has brought along, and where it is now."""
-    names = {getattr(module, '__file__', None) or '' for module in list(sys.modules.values())}
-    frame = sys._getframe(1)
-    while frame is not None:
-        names.add(frame.f_code.co_filename)
-        frame = frame.f_back
-    return sorted(name for name in names if name and not name.endswith('.so') and not is_library(name))
+    replace('time.sleep', lambda wall_sleep: _Sleep(sleep, take_part, wall_sleep, clocks))
 
 
 class _Sleep:
     """time.sleep of the application's threads."""
 
-    def __init__(self, kind, take_part, wall_sleep):
+    def __init__(self, kind, take_part, wall_sleep, clocks):
         self._is_simulated = kind == 'simulated'
         self._take_part = take_part
         self._wall_sleep = wall_sleep
+        self._clocks = clocks
         self._at_ns = None
         self._slept = 0.0
+        self._is_warned = set()
 
     def __call__(self, seconds, /):
-        is_of_ros = seconds < 0 or _is_of_ros(sys._getframe(1))
-        if _state['participant'] is None and self._is_simulated and not is_of_ros:
-            self._take_part('time.sleep')
-        participant = _state['participant']
-        is_mine = participant is not None and participant.scheduler.is_mine()
-        if not is_mine or is_of_ros:
+        frame = sys._getframe(1)
+        if seconds < 0 or _is_of_ros(frame):
             self._wall_sleep(seconds)
             return
+        if told.participant is None and self._is_simulated:
+            self._take_part('time.sleep')
+        participant = told.participant
+        if participant is None or not participant.scheduler.is_mine():
+            self._sleep_by_the_wall(seconds)
+            return
         try:
-            if not seconds:
-                participant.scheduler.look(STEP_NS)
-                return
-            if not self._is_simulated:
-                _tell('time.sleep', 'sleeps in wall time while simulated time stands still (--sleep simulated turns '
-                      'this into simulated time)')
-                settle(participant.scheduler)
-                self._give_in(participant, seconds)
-            if self._is_simulated:
-                participant.scheduler.wait(participant.now_ns + round(seconds * 1e9))
-                return
+            if not self._in_turn(participant, seconds, frame):
+                self._sleep_by_the_wall(seconds)
         except TurnLost:
-            seconds = min(0.1, seconds)
+            self._sleep_by_the_wall(min(0.1, seconds))
+
+    def _sleep_by_the_wall(self, seconds):
         self._wall_sleep(seconds)
+        if told.is_ordered() or told.is_over():
+            self._clocks.add_sleep(seconds)
+
+    def _in_turn(self, participant, seconds, frame):
+        """Sleep as who has the turn; return False if it remains to sleep by the wall."""
+        if not seconds:
+            participant.scheduler.look(STEP_NS)
+            return True
+        if not self._is_simulated:
+            self._warn(frame)
+            settle(participant.scheduler)
+            self._give_in(participant, seconds)
+        if self._is_simulated:
+            participant.scheduler.wait(participant.now_ns + round(seconds * 1e9))
+        return self._is_simulated
+
+    def _warn(self, frame):
+        """It is exact, but not what the program means: time stands."""
+        frame = own_frame(frame)
+        place = frame and (frame.f_code.co_filename, frame.f_lineno)
+        if place and place not in self._is_warned:
+            self._is_warned.add(place)
+            rospy.logwarn('%s: time.sleep in %s, line %d: sleeps in wall time while simulated time stands still '
+                          '(--sleep simulated turns this into simulated time)', rospy.get_name(), *place)
 
     def _give_in(self, participant, seconds):
         """Who sleeps again and again waits for something that needs simulated time: have it go on."""
@@ -126,39 +100,3 @@ def _is_of_ros(frame):
     if frame.f_globals.get('__name__') == 'rospy.rostime':  # wallsleep, for whoever calls it
         frame = frame.f_back
     return (frame.f_globals.get('__name__') or '').partition('.')[0] in _ROS
-
-
-def _reading(clock, name):
-    def read():
-        if _state['participant'] is not None:
-            _tell(name, _READS)
-        return clock()
-    return read
-
-
-def _audit(event, _arguments):
-    if event in _EVENTS and _state['participant'] is not None:
-        _tell(event, _EVENTS[event])
-
-
-def _tell(what, why):
-    """Warn once for each place, if the program's own code is the one that did it."""
-    participant = _state['participant']
-    if participant is None or not participant.scheduler.is_mine():
-        return
-    frame = sys._getframe(2)
-    if what in _EVENTS:
-        while frame is not None and is_library(frame.f_code.co_filename):
-            if 'rospy' in frame.f_code.co_filename or 'rosgraph' in frame.f_code.co_filename:
-                return
-            frame = frame.f_back
-    if frame is None or is_library(frame.f_code.co_filename):
-        return
-    _tell_place('{}: {}'.format(what, why), frame.f_code.co_filename, frame.f_lineno)
-
-
-def _tell_place(what, filename, line):
-    name, _, why = what.partition(': ')
-    if (name, filename, line) not in _state['told']:
-        _state['told'].add((name, filename, line))
-        rospy.logwarn('%s: %s in %s, line %d: %s', rospy.get_name(), name, filename, line, why)

@@ -4,17 +4,23 @@ replaced_probe.py NAME: the node's name. Prints a JSON line: names that have cha
 """
 import json
 import os
+import resource  # noqa: F401 - to be looked at, as those below
+import select  # noqa: F401
+import signal  # noqa: F401
 import sys
+import tempfile  # noqa: F401
 import types
 
-import actionlib  # noqa: F401 - to be looked at
+import actionlib  # noqa: F401
+import numpy.random  # noqa: F401
 import rosgraph
 import rospy
 
 from move_base_abstract_ros import replaced
 from move_base_abstract_ros.lockstep import program
 
-WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random')
+WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random',
+           'os', 'tempfile', 'select', 'signal', 'resource', 'numpy.random.bit_generator')
 FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, staticmethod, property)
 
 
@@ -22,7 +28,7 @@ def contents():
     """Return {dotted name: what it is} of all functions and classes of the watched modules."""
     found = {}
     for name, module in sorted(sys.modules.items()):
-        if name.split('.')[0] in WATCHED:
+        if name in WATCHED or name.split('.')[0] in WATCHED:
             for key, value in list(vars(module).items()):
                 add(found, '{}.{}'.format(name, key), value, name)
     found['sys.excepthook'] = identity(sys.excepthook)

@@ -1,0 +1,77 @@
+"""Has a program's own code hand on what it asks the machine by names that cannot be replaced: those that are made in C.
+
+``datetime.now`` is a part of a type in C, ``id`` a word of the language. So where the program's text has such a name,
+what it stands for is handed to :data:`ASK`, which may return something else. Knows Python's text only.
+"""
+import ast
+
+#: the names of what is called, to be found among the builtins: ``ASK(what)`` -> what, ``HASHED(value)`` -> value
+ASK, HASHED = '__lockstep_ask__', '__lockstep_hashed__'
+#: attributes whose values are handed on
+ATTRIBUTES = frozenset(('now', 'utcnow', 'today', 'run', 'run_forever', 'run_until_complete'))
+#: methods to which an address may be given: nothing of it shows but whether it is the same
+_KEYED = frozenset(('add', 'discard', 'remove', 'get', 'pop', 'setdefault'))
+
+
+def ask(tree):
+    """Have a module's ``tree`` (of :func:`ast.parse`) call :data:`ASK` and :data:`HASHED`; return it."""
+    return ast.fix_missing_locations(_Asking().visit(tree))
+
+
+class _Asking(ast.NodeTransformer):
+    # The methods have ast's names.
+
+    def visit_Attribute(self, node):  # noqa: N802
+        self.generic_visit(node)
+        return _handed(ASK, node) if isinstance(node.ctx, ast.Load) and node.attr in ATTRIBUTES else node
+
+    def visit_Name(self, node):  # noqa: N802
+        return _handed(ASK, node) if node.id == 'id' and isinstance(node.ctx, ast.Load) else node
+
+    def visit_Call(self, node):  # noqa: N802
+        if isinstance(node.func, ast.Name) and node.func.id == 'hash' and len(node.args) == 1:
+            self.generic_visit(node)
+            node.args = [_handed(HASHED, node.args[0])]
+            return node
+        if _is_present_of_numpy(node):
+            self.generic_visit(node)
+            node.func = _handed(ASK, node.func)
+            return node
+        is_keyed = isinstance(node.func, ast.Attribute) and node.func.attr in _KEYED
+        return self._visit_but(node, node.args if is_keyed else ())
+
+    def visit_Compare(self, node):  # noqa: N802
+        return self._visit_but(node, [node.left] + node.comparators)
+
+    def visit_Subscript(self, node):  # noqa: N802
+        # Before Python 3.9 an index stands in a node of its own.
+        return self._visit_but(node, [getattr(node.slice, 'value', node.slice), node.slice])
+
+    def visit_Dict(self, node):  # noqa: N802
+        return self._visit_but(node, node.keys)
+
+    def visit_DictComp(self, node):  # noqa: N802
+        return self._visit_but(node, [node.key])
+
+    def _visit_but(self, node, places):
+        """Visit a node; calls of ``id`` in these places of it stay as they are."""
+        kept = [(call, call.func) for call in places if _is_of_id(call)]
+        self.generic_visit(node)
+        for call, function in kept:
+            call.func = function
+        return node
+
+
+def _is_present_of_numpy(node):
+    """Whether it is ``numpy.datetime64('now')``."""
+    return getattr(node.func, 'attr', '') == 'datetime64' and bool(node.args) and getattr(
+        node.args[0], 'value', None) in ('now', 'today')
+
+
+def _is_of_id(node):
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == 'id'
+
+
+def _handed(name, node):
+    call = ast.Call(func=ast.Name(id=name, ctx=ast.Load()), args=[node], keywords=[])
+    return ast.copy_location(call, node)

@@ -1,0 +1,90 @@
+"""Who asks the machine for time or chance: the program, or somebody whose asking decides nothing of what it does.
+
+The program is followed with all libraries that it uses, ROS's packages among them (actionlib and dynamic_reconfigure
+wait by the clock). What sees the machine itself is Python's library where it deals with other processes, sockets and
+logs, and what makes rospy's own connections. Labelled is what the program's own code does, itself or by a library.
+"""
+import os
+import sysconfig
+from functools import lru_cache
+
+from .own_code import OWN, is_library
+
+_STDLIB = sysconfig.get_path('stdlib') + os.sep
+_FROZEN = '<frozen '  # and the name of a module that is a part of Python's binary
+#: packages and modules of Python's library that wait in the kernel, or keep a log
+_MACHINES = frozenset((
+    '_pyio', 'asyncio', 'cProfile', 'concurrent', 'ctypes', 'doctest', 'ensurepip', 'ftplib', 'http', 'imaplib',
+    'importlib', 'linecache', 'logging', 'multiprocessing', 'nntplib', 'poplib', 'profile', 'pydoc', 'queue',
+    'selectors', 'signal', 'site', 'smtplib', 'socket', 'socketserver', 'ssl', 'subprocess', 'telnetlib', 'tempfile',
+    'threading', 'unittest', 'urllib', 'wsgiref', 'xmlrpc'))
+#: those that only hand on what they are asked for
+_BETWEEN = frozenset(('random', 'secrets', 'uuid', 'os', '_strptime'))
+#: ROS's packages that talk to the ROS master, to other nodes and about them
+_ROS = frozenset(('rospy', 'rosgraph', 'roslib', 'rospkg', 'genpy', 'genmsg', 'rosmaster', 'catkin'))
+_ROS_TOOLS = frozenset(('rosnode', 'rosservice', 'rostopic', 'rosparam', 'rosmsg'))
+#: those that ask another process what system this is
+_OF_SYSTEM = ('ctypes/util.py', 'platform.py', 'uuid.py')
+
+
+@lru_cache(maxsize=None)
+def _place(filename):
+    """Return (first part of a module's name, whether it is one of Python's library) of a file; ('', True): our own."""
+    if filename.startswith(_FROZEN):
+        return filename[len(_FROZEN):].rstrip('>').partition('.')[0], True
+    if filename.startswith(OWN):
+        return '', True
+    if filename.startswith(_STDLIB) and '-packages/' not in filename:
+        return filename[len(_STDLIB):].split(os.sep)[0].partition('.')[0], True
+    return filename.rpartition('-packages/')[2].split(os.sep)[0] if '-packages/' in filename else '', False
+
+
+@lru_cache(maxsize=None)
+def _is_machines(filename):
+    name, is_stdlib = _place(filename)
+    if filename.endswith(os.sep.join(('concurrent', 'futures', '_base.py'))):
+        return False  # time-outs of waits for other threads
+    return not name or name in _MACHINES if is_stdlib else name in _ROS
+
+
+@lru_cache(maxsize=None)
+def _is_between(filename):
+    name, is_stdlib = _place(filename)
+    return is_stdlib and name in _BETWEEN
+
+
+def asker(frame):
+    """Return the frame that asks, beyond what only hands on."""
+    while frame is not None and _is_between(frame.f_code.co_filename):
+        frame = frame.f_back
+    return frame
+
+
+def sees_run(frame):
+    """Return whether the code of a frame is to see the run's clocks and chance."""
+    return frame is not None and not _is_machines(frame.f_code.co_filename)
+
+
+def is_own(frame):
+    """Return whether a frame is of the program's own code."""
+    return frame is not None and not is_library(frame.f_code.co_filename)
+
+
+@lru_cache(maxsize=None)
+def _ends_search(filename):
+    name, is_stdlib = _place(filename)
+    if is_stdlib:
+        return name in ('', 'importlib') or filename.endswith(_OF_SYSTEM)
+    return name in _ROS or name in _ROS_TOOLS
+
+
+def own_frame(frame):
+    """Return the frame of the program's own code that has something done by libraries, or None.
+
+    None where it is ROS, this package, or the import of a library that does it.
+    """
+    while frame is not None and is_library(frame.f_code.co_filename):
+        if _ends_search(frame.f_code.co_filename):
+            return None
+        frame = frame.f_back
+    return frame

@@ -1,0 +1,178 @@
+"""What a program does that differs from run to run, and cannot be followed: its place is told, and the run labelled.
+
+Other processes, connections and devices; the processor's and the machine's figures; waits in the kernel; addresses.
+Only what the program's own code has done counts, not what ROS or Python's library do for themselves.
+"""
+import builtins
+import os
+import resource
+import select
+import signal
+import sys
+import time
+import types
+
+from move_base_abstract.lockstep.asked import ASK, HASHED
+from move_base_abstract.lockstep.numbered import is_hashed_by_address
+
+from ..replaced import replace
+from . import chance
+from .callers import is_own, own_frame
+from .clocks import is_moment
+from .told import told
+
+_PROCESS = 'starts another process, which does not take part in lockstep by itself'
+_CONNECTION = 'opens a connection of its own: what comes over it comes when it comes'
+#: events that Python tells of (sys.audit)
+EVENTS = {
+    'socket.connect': _CONNECTION,
+    'socket.bind': _CONNECTION,
+    'subprocess.Popen': _PROCESS,
+    'os.system': _PROCESS,
+    'os.posix_spawn': _PROCESS,
+    'os.exec': 'becomes another program, which takes part no more',
+    'os.fork': 'forks: the child does not take part in lockstep',
+    'os.forkpty': 'forks: the child does not take part in lockstep',
+    'builtins.input': 'waits for somebody to type',
+}
+_PROCESSOR = 'tells what the processor has worked, or the machine has to do'
+_WOKEN = 'has the kernel wake the program by the wall clock'
+_WATCHES = 'looks at a connection or a file, by the wall clock'
+#: functions that are told where the program's own code calls them
+CALLS = {
+    'os.getpid': 'is another number in another run', 'os.getppid': 'is another number in another run',
+    'os.times': _PROCESSOR, 'os.getloadavg': _PROCESSOR, 'resource.getrusage': _PROCESSOR,
+    'signal.setitimer': _WOKEN, 'signal.alarm': _WOKEN, 'signal.sigtimedwait': _WOKEN,
+    'select.poll': _WATCHES, 'select.epoll': _WATCHES,
+}
+_ADDRESS = 'tells an address, which differs from run to run'
+_LOOP = 'waits by the wall clock, while simulated time stands still'
+_DEVICES = ('/dev/', '/proc/')
+#: what lies there and says the same in each run, or is the program's own output
+_HARMLESS = ('/dev/null', '/dev/zero', '/dev/full', '/dev/tty', '/dev/stdin', '/dev/stdout', '/dev/stderr', '/dev/fd/',
+             '/dev/shm/', '/dev/pts/')
+
+
+def install():
+    """Begin to watch; to be called before the program's first line, when its clocks are there."""
+    for name, why in CALLS.items():
+        replace(name, lambda function, name=name, why=why: _telling(function, name, why))
+    replace('select.select', _selecting)
+    for name in ('os.listdir', 'os.scandir'):
+        replace(name, lambda machine, name=name: _IN_ORDER[name](machine))
+        os.supports_fd.add(getattr(os, name.partition('.')[2]))
+    sys.addaudithook(_audit)
+
+
+def hand_on(clocks):
+    """Have what the program's own code asks for in words of C come here."""
+    setattr(builtins, ASK, _Asking(clocks).ask)
+    setattr(builtins, HASHED, _hashed)
+
+
+def _telling(function, name, why):
+    def call(*args, **kwds):
+        frame = sys._getframe(1)
+        if is_own(frame):
+            told.tell(frame, name, why)
+        return function(*args, **kwds)
+    return call
+
+
+def _selecting(select_):
+    """select.select; without anything to look at it is a sleep."""
+    def call(rlist, wlist, xlist, timeout=None, /):
+        frame = sys._getframe(1)
+        if is_own(frame):
+            if timeout is not None and isinstance(rlist, (list, tuple)) and not (rlist or wlist or xlist):
+                time.sleep(max(0.0, timeout))
+                return [], [], []
+            told.tell(frame, 'select.select', _WATCHES)
+        return select_(rlist, wlist, xlist, timeout)
+    return call
+
+
+def _listing(listdir):
+    """The order of a folder's entries is the file system's."""
+    def in_order(*args, **kwds):
+        return sorted(listdir(*args, **kwds))
+    return in_order
+
+
+class _Scan:
+    """What os.scandir returns, in the order of names."""
+
+    def __init__(self, entries):
+        with entries:
+            self._entries = iter(sorted(entries, key=lambda entry: entry.name))
+
+    def __iter__(self):
+        return self
+
+    def __next__(self):
+        return next(self._entries)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_error):
+        self.close()
+
+    def close(self):
+        """As of os.scandir's."""
+        self._entries = iter(())
+
+
+def _scanning(scandir):
+    def in_order(*args, **kwds):
+        return _Scan(scandir(*args, **kwds))
+    return in_order
+
+
+_IN_ORDER = {'os.listdir': _listing, 'os.scandir': _scanning}
+
+
+def _audit(event, arguments):
+    if event in EVENTS:
+        told.tell(own_frame(sys._getframe(1)), event, EVENTS[event])
+    elif event == 'open':
+        path = arguments[0]
+        path = os.fsdecode(path) if isinstance(path, bytes) else path
+        if isinstance(path, str) and path.startswith(_DEVICES) and not path.startswith(_HARMLESS):
+            told.tell(own_frame(sys._getframe(1)), 'open', 'of {}: what the machine says there differs from run to '
+                      'run'.format(path))
+    elif event in ('tempfile.mkstemp', 'tempfile.mkdtemp'):
+        chance.is_taken(arguments[0], sys._getframe(1))
+
+
+class _Asking:
+    """What stands for a name of C in the program's own code."""
+
+    def __init__(self, clocks):
+        self._clocks = clocks
+
+    def ask(self, what):
+        """Return what the program is to get instead of ``what``."""
+        kind = type(what)
+        if kind is types.BuiltinFunctionType:
+            if what is _id:
+                told.tell(sys._getframe(1), 'id', _ADDRESS)
+            elif is_moment(what):
+                return self._clocks.moment(what.__self__, what.__name__, sys._getframe(1))
+        elif kind in (types.FunctionType, types.MethodType) and (what.__module__ or '').startswith('asyncio.'):
+            told.tell(sys._getframe(1), 'asyncio', _LOOP)
+        elif kind is type and what.__name__ == 'datetime64':  # of numpy, which knows the present by words
+            told.tell(sys._getframe(1), 'numpy.datetime64', 'reads the wall clock')
+        return what
+
+
+_id = id
+
+
+def _hashed(value):
+    if is_hashed_by_address(value):
+        told.tell(sys._getframe(1), 'hash', _ADDRESS)
+    return value
+
+
+assert resource and select and signal  # their functions are replaced by name

@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""What unmodified rospy programs ask the machine for time and chance: the run's, or labelled by name, file and line."""
+import ast
+import os
+import re
+import shutil
+import sys
+import tempfile
+import unittest
+from unittest import mock
+
+import rostest
+from lockstep_launcher_run import FOLDER, assert_same, run_programs
+
+from move_base_abstract_ros.loopback import find_executable
+
+#: what the line of a label has, where it is not the last part of the name
+SHOWN = {'subprocess.Popen': 'check_output', 'os.fork': 'child.start()',
+         'socket.connect': 'create_connection', 'asyncio': 'asyncio.run', 'id': 'id(rospy)',
+         'hash': 'hash(threading.Lock())', 'open': "open('/dev/urandom'", 'os.exec': 'os.execv',
+         'builtins.input': 'input()'}
+LABEL = re.compile(r"'/\w+': /\w+: (a clock|\S+) in (\S+), line (\d+): ")
+
+
+def places(run, script):
+    """Return [(name, line of the script)] of a run's labels, after checking that each is of this script."""
+    path = os.path.join(FOLDER, script)
+    with open(path) as source:
+        text = source.read().splitlines()
+    found = []
+    for label in run.state.not_repeatable_because:
+        told = LABEL.match(label)
+        assert told and told.group(2) == path, label
+        found.append((told.group(1), text[int(told.group(3)) - 1]))
+    return found
+
+
+class FollowedTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.runs = [run_programs({'sources': ['sources.py']}, until=30.0, load=load) for load in (0, 2)]
+        cls.said = [ast.literal_eval(line) for line in cls.runs[0].printed('sources')]
+
+    def test_all_sources_say_the_same_in_each_run(self):
+        self.assertEqual(self.runs[0].codes, {'sources': 0})
+        self.assertEqual(len(self.said), 10)
+        assert_same(self, self.runs)
+
+    def test_clocks_go_by_simulated_time_from_a_date_of_the_seed_on(self):
+        for said, gone in ((self.said[0], 0.0), (self.said[4], 2.5)):
+            date, up = 1577836800.0 + gone, 3600.0 + gone
+            whole = [int(clock * 10 ** 9) for clock in (date, up, gone)]
+            self.assertEqual(said, [date, whole[0], up, whole[1], up, whole[1], gone, whole[2], gone, whole[2], date,
+                                    up, whole[2], up, date])
+        self.assertEqual(self.said[5], [
+            (2020, 1, 1, 0, 0, 2), 2, '20', 'Wed Jan  1 00:00:02 2020', '2020', '02', '2020',
+            '2020-01-01 00:00:02.500000+00:00', '2020-01-01 00:00:02.500000', 2, 500000, 2020, 0, '02e10b5e',
+            'Wed, 01 Jan 2020 00:00:02 -0000'])
+
+    def test_chance_depends_on_the_seed_and_on_the_nodes_name_and_never_repeats_itself(self):
+        seed_7 = run_programs({'sources': [['--seed', '7'], 'sources.py']}, until=30.0)
+        other = run_programs({'other': ['sources.py']}, until=30.0)
+        drawn, names = [], []
+        for run, name in ((self.runs[0], 'sources'), (seed_7, 'sources'), (other, 'other')):
+            said = [ast.literal_eval(line) for line in run.printed(name)]
+            drawn += [said[2], said[6]]
+            names += said[3][:2] + said[7][:2]  # of temporary files
+        self.assertEqual(ast.literal_eval(seed_7.printed('sources')[0])[0], 1577836807.0)
+        self.assertEqual(len(set(names)), 12)
+        # b'', the hash of a text; what is drawn from a generator that starts from the time is every program's then.
+        few = {11: 1, 14: 1, 15: 4}
+        self.assertEqual([len(set(values)) for values in zip(*drawn)], [few.get(place, 6) for place in range(17)])
+
+    def test_folders_are_listed_by_name(self):
+        for said in (self.said[3], self.said[7]):
+            names = ['a', 'ab', 'b', 'c']
+            self.assertEqual(said[2:], [names, names, [said[0] + '/' + name for name in names], names, [names]])
+
+    def test_waits_end_at_their_instants_and_loops_that_look_at_a_clock_go_on(self):
+        self.assertEqual(self.said[8], [
+            'empty', '3602.750000', 'False', '3602.875000', '([], [], [])', '3602.937500', 'None', '3602.968750',
+            '3.251', '3603.468750', '[(0.1, 3.474999904), (0.2, 3.575000047)]', '3603.668750',
+            '(3.585000047, 1997, 3.587000047)', '3603.680750'])
+
+
+class LabelledTest(unittest.TestCase):
+    def test_what_is_not_followed_is_labelled_by_name_file_and_line(self):
+        run = run_programs({'untold': ['untold.py']}, until=10.0)
+        self.assertEqual(run.codes, {'untold': 0}, run.outputs)
+        with open(os.path.join(FOLDER, 'untold.py')) as script:
+            names = re.findall(r"'([a-zA-Z_0-9. ]+)': ", script.read())
+        found = places(run, 'untold.py')
+        self.assertEqual(sorted(name for name, _line in found), sorted(' '.join(names).split()))
+        for name, line in found:
+            self.assertIn(SHOWN.get(name, name.rpartition('.')[2] + '('), line)
+
+
+class ThreadsTest(unittest.TestCase):
+    """A program that starts threads before it is a node, and makes a temporary folder."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix='lockstep_chance_')
+        try:
+            cls.early, cls.again = cls.run_once('early'), cls.run_once('early')
+            cls.stray = cls.run_once('stray', PYTHONHASHSEED='random')
+        finally:
+            shutil.rmtree(cls.folder)
+
+    @classmethod
+    def run_once(cls, name, **environment):
+        command = [sys.executable, find_executable('lockstep'), os.path.join(FOLDER, 'early_threads.py')]
+        words = ['__name:=' + name] if name == 'early' else []  # else its name is not known before it is a node
+        with mock.patch.dict(os.environ, TMPDIR=cls.folder, **environment):
+            return run_programs({name: None}, until=10.0, commands={name: command + words})
+
+    def test_a_thread_from_before_the_node_takes_turns_or_is_labelled(self):
+        self.assertEqual((self.early.codes, self.again.codes), ({'early': 0}, {'early': 0}), self.early.outputs)
+        self.assertEqual(self.early.printed('early'), self.again.printed('early')[-8:])
+        self.assertTrue(self.early.state.repeatable)
+        self.assertEqual([line.split()[:2] for line in self.early.printed('early')], [
+            [name, '%.3f' % (1577836801.0 + 0.3 * n)] for n in range(4) for name in ('pool', 'thread')])
+        labels = ' '.join(self.stray.state.not_repeatable_because)
+        for text in ('a clock', 'chance', 'threading.Thread.start'):
+            self.assertIn(': {} in {}, line '.format(text, os.path.join(FOLDER, 'early_threads.py')), labels)
+
+    def test_a_temporary_name_that_is_taken_is_labelled(self):
+        self.assertEqual(places(self.again, 'early_threads.py'), [('tempfile', 'tempfile.mkdtemp()')])
+
+    def test_texts_that_are_hashed_at_random_are_labelled(self):
+        self.assertIn('texts are hashed in another way in each run', ' '.join(self.stray.state.not_repeatable_because))
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_chance', __name__, sysargs=sys.argv)

@@ -1,0 +1,95 @@
+#!/usr/bin/env python3
+"""Do all that differs from run to run."""
+import asyncio
+import multiprocessing
+import os
+import resource
+import select
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+
+import numpy
+import rospy
+from std_msgs.msg import String
+
+
+class Slot:
+    __slots__ = ()
+
+
+async def pause():
+    await asyncio.sleep(0.01)
+
+
+def connect():
+    listener = socket.socket()
+    listener.bind(('127.0.0.1', 0))
+    listener.listen(1)
+    return socket.create_connection(listener.getsockname())
+
+
+def fork():
+    child = multiprocessing.get_context('fork').Process(target=time.time)
+    child.start()
+    child.join()
+
+
+def handled(pipe=os.pipe()):
+    os.write(pipe[1], b'x')
+    return select.select([pipe[0]], [], [], 1.0)
+
+
+def execute():
+    sys.stdin = open(os.devnull)
+    try:
+        os.execv('/nowhere/to/be/found', ['found'])
+    except OSError:
+        pass
+
+
+def ask():
+    try:
+        return input()
+    except EOFError:
+        return ''
+
+
+def interrupted():
+    signal.signal(signal.SIGALRM, signal.SIG_IGN)
+    signal.setitimer(signal.ITIMER_REAL, 0.01)
+    signal.alarm(1)
+
+
+WAYS = {
+    'os.getpid': lambda: os.getpid(), 'os.getppid': lambda: os.getppid(), 'os.times': lambda: os.times(),
+    'os.getloadavg': lambda: os.getloadavg(), 'resource.getrusage': lambda: resource.getrusage(resource.RUSAGE_SELF),
+    'signal.setitimer signal.alarm': interrupted, 'select.select': handled, 'select.poll': lambda: select.poll(),
+    'signal.sigtimedwait': lambda: signal.sigtimedwait([signal.SIGUSR1], 0.01),
+    'select.epoll': lambda: select.epoll(), 'asyncio': lambda: asyncio.run(pause()), 'id': lambda: '%d' % id(rospy),
+    'hash': lambda: hash(threading.Lock()), 'open': lambda: open('/dev/urandom', 'rb').read(1),
+    'numpy.datetime64': lambda: numpy.datetime64('now'), 'os.system': lambda: os.system('true'),
+    'os.exec': execute, 'builtins.input': ask,
+    'subprocess.Popen': lambda: subprocess.check_output(['date', '+%N']), 'os.fork': fork,
+    'os.posix_spawn': lambda: os.waitpid(os.posix_spawn('/bin/true', ['true'], {}), 0),
+    'socket.bind socket.connect': connect,
+}
+EARLY = ('os.getpid', 'open')  # before the program is a node
+
+
+def main():
+    for what in EARLY:
+        WAYS[what]()
+    rospy.init_node('untold')
+    said = rospy.Publisher('said', String, queue_size=100)
+    for what in WAYS:
+        WAYS[what]()
+        said.publish(what)
+    seen = {id(said): 1}
+    print(id(said) in seen, hash('text') == hash('text'))
+
+
+main()

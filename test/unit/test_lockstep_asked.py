@@ -1,0 +1,42 @@
+"""What a program's own code asks for by names that are made in C is handed on, and nothing else is changed."""
+import ast
+import datetime
+
+import pytest
+
+from move_base_abstract.lockstep.asked import ASK, HASHED, ask
+
+
+def run(text, **names):
+    """Return the names of a text that was run, and what was handed on: [value, ...] for each of the two."""
+    asked, hashed = [], []
+    names.update({ASK: lambda what: asked.append(what) or what, HASHED: lambda value: hashed.append(value) or value})
+    exec(compile(ask(ast.parse(text)), 'text', 'exec'), names)
+    return names, asked, hashed
+
+
+@pytest.mark.parametrize('text', [
+    'import datetime\nnow = datetime.datetime.now()', 'from datetime import datetime as d\nnow = d.now()',
+    'from datetime import datetime\nread = datetime.now\nnow = read()'])
+def test_a_date_of_the_present_is_handed_on_under_any_name(text):
+    names, asked, _hashed = run(text)
+    assert asked == [datetime.datetime.now]
+    assert isinstance(names['now'], datetime.datetime)
+
+
+@pytest.mark.parametrize('text', ['x = id(a)', 'sorted([a], key=id)', "x = '%d' % id(a)", 'x = id(a) % 7',
+                                  'x = [id(a)]', 'str(id(a))', 'd = {1: id(a)}', 'd = {1: 2}; d.get(1, 2 + id(a))'])
+def test_an_address_that_shows_is_handed_on(text):
+    assert run(text, a=object())[1] == [id]
+
+
+@pytest.mark.parametrize('text', ['id(a) == id(b)', 'id(a) in {}', 's = set(); s.add(id(a)); s.discard(id(a))',
+                                  'd = {id(a): 1}; d[id(a)] = 2; d.pop(id(a))', 'd = {id(x): x for x in [a]}'])
+def test_an_address_that_is_compared_or_a_key_is_not(text):
+    assert run(text, a=object(), b=object())[1] == []
+
+
+def test_names_of_the_program_stay_what_they_are():
+    names, asked, hashed = run('id = 5\nx = id + 1\nclass T:\n  now = 3\ny = T.now\nT.now = 4\nz = hash(T.now)')
+    assert (names['x'], names['y'], names['z']) == (6, 3, 4)
+    assert (asked, hashed) == ([5, 3, 4], [4])
