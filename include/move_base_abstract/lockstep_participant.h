@@ -54,7 +54,7 @@ class Publisher {
                  ros::message_traits::md5sum(message));
   }
 
-  /** @brief Participants that listen, as of this instant, and connected nodes that do not take
+  /** @brief Participants that listen, as of this instant; nodes that do not take
    * part. */
   std::uint32_t getNumSubscribers() const;
   std::string getTopic() const;

@@ -129,11 +129,11 @@ bool Core::hasOutsiders(const Topic& topic) {
 }
 
 std::uint32_t Core::subscribers(Topic& topic) {
-  takeOutside();
-  const auto outsiders =
-      std::count_if(topic.connected.begin(), topic.connected.end(),
-                    [this](const std::string& node) { return !membership_.isMember(node); });
-  return static_cast<std::uint32_t>(topic.receivers.size()) + static_cast<std::uint32_t>(outsiders);
+  if (topic.excluded) {
+    takeOutside();
+    return static_cast<std::uint32_t>(topic.connected.size());
+  }
+  return static_cast<std::uint32_t>(topic.receivers.size());  // an onlooker changes nothing
 }
 
 void Core::handle(const wire::Subscriber& item) {

@@ -146,13 +146,10 @@ size_t TopicManager::getNumSubscribers(const std::string& name) {
   static GetNumber* const function = shim::real<GetNumber>(
       "_ZN3ros12TopicManager17getNumSubscribersERKNSt7__cxx1112basic_stringIcSt11char_"
       "traitsIcESaIcEEE");
-  const size_t number = function(this, name);
-  if (shim::turn().enter() && shim::isManaged(name) &&
-      number > shim::topics().of(name).receivers.size()) {
-    shim::node().label("it was asked how many listen to " + name +
-                       ", among whom are nodes that do not take part");
+  if (shim::turn().enter() && shim::isManaged(name)) {
+    return shim::topics().of(name).receivers.size();  // an onlooker changes nothing
   }
-  return number;
+  return function(this, name);
 }
 
 uint32_t Subscription::handleMessage(const SerializedMessage& message, bool serialized, bool nocopy,
@@ -208,6 +205,24 @@ void Publication::addSubscriberLink(const SubscriberLinkPtr& link) {
     const std::lock_guard<shim::PlainMutex> lock(shim::topics().silent_mutex);
     shim::topics().silent.push_back(link);
   } else {
+    function(this, link);
+  }
+}
+
+void Publication::peerConnect(const SubscriberLinkPtr& link) {
+  using Connect = void(Publication*, const SubscriberLinkPtr&);
+  static Connect* const function = shim::real<Connect>(
+      "_ZN3ros11Publication11peerConnectERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
+  if (shim::isMemberLink(link) || !shim::isManaged(name_)) {
+    function(this, link);
+  }
+}
+
+void Publication::peerDisconnect(const SubscriberLinkPtr& link) {
+  using Disconnect = void(Publication*, const SubscriberLinkPtr&);
+  static Disconnect* const function = shim::real<Disconnect>(
+      "_ZN3ros11Publication14peerDisconnectERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
+  if (shim::isMemberLink(link) || !shim::isManaged(name_)) {
     function(this, link);
   }
 }

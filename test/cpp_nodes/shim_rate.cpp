@@ -3,6 +3,7 @@
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 
+#include <algorithm>
 #include <fstream>
 #include <string>
 
@@ -28,10 +29,9 @@ int main(int argc, char** argv) {
   ros::NodeHandle own("~");
   double frequency = 10;
   int ticks = 100;
-  bool quiet = false;
   own.param("frequency", frequency, frequency);
   own.param("ticks", ticks, ticks);
-  own.param("quiet", quiet, quiet);
+  const bool quiet = own.param("quiet", false);
 
   ros::Publisher publisher = node.advertise<std_msgs::String>("ticks", 10);
   ros::Rate rate(frequency);
@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
   const double wall_begin = machineTime();
   const int writes_before = writes();
   ros::Time last = begin;
-  int off = 0;
+  int off = 0, most_listeners = 0;
   for (int k = 1; k <= ticks && ros::ok(); ++k) {
     rate.sleep();
     const ros::Time now = ros::Time::now();
@@ -50,11 +50,13 @@ int main(int argc, char** argv) {
       message.data = std::to_string(k) + " " + std::to_string(now.toNSec());
       publisher.publish(message);
     }
+    most_listeners = std::max(most_listeners, static_cast<int>(publisher.getNumSubscribers()));
     ros::spinOnce();
   }
   const double wall = machineTime() - wall_begin;
   own.setParam("writes", writes() - writes_before);
   own.setParam("off", off);
+  own.setParam("listeners", most_listeners);
   own.setParam("ticks_per_second", ticks / wall);
   own.setParam("done", true);
   ROS_INFO("%d ticks, %d off, %.0f ticks/s", ticks, off, ticks / wall);

@@ -7,6 +7,7 @@
 
 import json
 import os
+import shutil
 import sys
 import time
 
@@ -63,16 +64,24 @@ class Runs:
         command = [sys.executable, os.path.join(FOLDER, f'library_{module}.py'), role, str(adverse), f'__name:={role}']
         return self.ros.spawn(f'/{role}', command)
 
-    def run(self, module, *roles, outsiders=(), adverse=0.0, parameters=None, log_messages=False):
-        """Run until all nodes have ended by themselves; outsiders do not take part, and are ended."""
+    def run(self, module, *roles, outsiders=(), adverse=0.0, parameters=None, log_messages=False, onlook='', **settings):
+        """Run until all nodes have ended by themselves; outsiders do not take part, and are ended.
+
+        onlook: a topic that a node hears which takes no part; settings: of the time master.
+        """
         for name, value in (parameters or {}).items():
             self.ros.set_param(name, value)
-        master, path = self.start_master(roles, log_messages=log_messages)
+        master, path = self.start_master(roles, log_messages=log_messages, **settings)
         others = [self.start_node(module, role) for role in outsiders]
         nodes = {role: self.start_node(module, role, adverse) for role in roles}
+        command = [shutil.which('rostopic'), 'echo', '-n', '1', onlook]
+        onlooker = self.ros.spawn('/onlooker', command) if onlook else None
         try:
             for node in nodes.values():
                 wait_for_end(node, nodes)
+            if onlooker is not None:
+                wait_for_end(onlooker)
+                assert '---' in read(onlooker), read(onlooker)
         finally:
             outputs, codes = {}, {}
             for role, node in nodes.items():

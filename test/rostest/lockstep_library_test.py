@@ -73,6 +73,16 @@ class TopicsTest(unittest.TestCase):
             (6.0, 'any', 'std_msgs/String', 'again')])
         self.assertTrue(run.end['repeatable'], run.end)
 
+    def test_an_onlooker_changes_nothing(self):
+        runs = [RUNS.run('onlookers', 'speaker', 'hearer', onlook=onlook, speed_limit=2.0) for onlook in ('', 'chat')]
+        for run in runs:
+            self.assertEqual(run.end['not_repeatable_because'], [])
+            self.assertEqual(run.all, runs[0].all)
+        told = [event for event in runs[0].of('speaker') if event[1] != 'listeners']
+        self.assertEqual(told, [(3.0, 'a listener has come'), (7.0, 'a listener has gone', 0)])
+        self.assertEqual([event[2] for event in runs[0].of('speaker') if event[1] == 'listeners'],
+                         [0, 0, 0, 1, 1, 1, 1, 0])
+
     def test_a_slow_callback_keeps_the_newest_and_does_not_hold_up_other_topics(self):
         run = RUNS.run('topics', 'counter', 'slow_listener')
         said = run.of('slow_listener')

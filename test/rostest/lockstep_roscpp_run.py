@@ -6,6 +6,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -52,8 +53,7 @@ class Run:
         with open(path, encoding='utf-8') as log:
             records = [json.loads(line) for line in log]
         end = records[-1]['end']
-        # The tests end most programs by a signal: that is no property of what is tested.
-        self.labels = [label for label in end['not_repeatable_because'] if ' left at ' not in label]
+        self.labels = end['not_repeatable_because']
         self.code = code
         self.outputs = outputs
         self.parameters = parameters  # of the first program, when it had ended
@@ -84,8 +84,11 @@ class Runs:
         """Return three runs that must be the same: alone, under load, and slowed down."""
         return [self.run(programs), self.run(programs, load=True), self.run(programs, speed_limit=50.0)]
 
-    def run(self, programs, load=False, ask_why=False, **parameters):
-        """Run until the first program has ended by itself; the others are ended then."""
+    def run(self, programs, load=False, ask_why=False, onlook=(), **parameters):
+        """Run until the first program has ended by itself; the others are ended then.
+
+        onlook: topics that nodes listen to which take no part; they come during the run, and have heard something.
+        """
         with Loopback() as self.ros:
             path = os.path.join(self.ros.log_dir, 'events.jsonl')
             master = self.ros.run('time_master', 'time_master', parameters={
@@ -94,7 +97,12 @@ class Runs:
             burners = [subprocess.Popen([sys.executable, '-c', LOAD]) for _ in range(2 if load else 0)]
             try:
                 children = [self.start(program) for program in programs]
+                onlookers = [self.ros.spawn('/onlooker', [shutil.which('rostopic'), 'echo', '-n', '1', topic])
+                             for topic in onlook]
                 code = wait_for_end(children)
+                for onlooker in onlookers:
+                    onlooker.process.wait(GUARD)
+                    assert '---' in read(onlooker), read(onlooker)
                 values = self.parameters(programs[0])
                 why = self.ask_why() if ask_why else ''
             finally:

@@ -119,6 +119,18 @@ class LockstepRoscppTest(unittest.TestCase):
         steps = [(after - before) / 1e9 for before, after in zip(times, times[1:])]
         self.assertEqual(steps, [1.0, 1.1, 1.2, 1.3, 0.5, 0.1, 1.5])
 
+    def test_onlookers_change_nothing(self):
+        programs = [Program('goals', own('shim_goals'), goals=6), recorder('/results'),
+                    Program('worker', own('shim_worker'))]
+        runs = [RUNS.run(programs, speed_limit=1.0, onlook=onlook) for onlook in ((), ('/work/goal', '/results'))]
+        self.assertEqual(runs[1].labels, [])
+        self.assertEqual(runs[1].events, runs[0].events)
+
+    def test_onlookers_are_not_counted_as_listeners(self):
+        run = RUNS.run([rate(frequency=2.0, ticks=20), recorder('/ticks')], speed_limit=2.0, onlook=['/ticks'])
+        self.assertEqual(run.parameters['listeners'], 1)
+        self.assertEqual(run.labels, [])
+
     def test_transform_listener(self):
         run = self.same([Program('look', own('shim_frames'), look=True), recorder('/looked'),
                          Program('send', own('shim_frames'))], 10)

@@ -1,5 +1,9 @@
 """Where rospy's own topics hand over to :class:`topics.Topics`: its manager and its connections."""
+import rospy
+
 from ..replaced import replace
+
+_OWN = ('move_base_abstract_ros.', 'soil_mapping.')
 
 
 def install(topics):
@@ -7,7 +11,7 @@ def install(topics):
     _follow_manager(topics)
     _replace_receiving(topics)
     _replace_connecting(topics)
-    _count_participants()
+    _count_participants(topics)
 
 
 def _follow_manager(topics):
@@ -47,8 +51,18 @@ def _replace_connecting(topics):
             if self.resolved_name not in topics.excluded and participant.is_member(connection.endpoint_id):
                 connection.close()
                 return False
-            return add_connection(self, connection)
+            if not _is_onlooker(self, topics, connection):
+                return add_connection(self, connection)
+            return _add_onlooker(self, connection)
         return _add_connection
+
+    def removing(remove_connection):
+        def _remove_connection(self, connection):
+            if not _is_onlooker(self, topics, connection):
+                remove_connection(self, connection)
+            else:
+                _remove_onlooker(self, connection)
+        return _remove_connection
 
     def publishing(publish):
         def _publish(self, message, connection_override=None):
@@ -71,14 +85,54 @@ def _replace_connecting(topics):
         return _create_transport
 
     replace('rospy.topics._PublisherImpl.add_connection', adding)
+    replace('rospy.topics._PublisherImpl.remove_connection', removing)
     replace('rospy.topics._PublisherImpl.publish', publishing)
     replace('rospy.impl.tcpros_pubsub.TCPROSHandler.create_transport', creating)
 
 
-def _count_participants():
-    """Have a topic's one link to all participants count as that many connections."""
+def _is_onlooker(impl, topics, connection):
+    takes_part = topics.is_link(connection) or impl.resolved_name in topics.excluded
+    return not takes_part and not topics._participant.scheduler.is_closed
+
+
+def _add_onlooker(impl, connection):
+    """Have the connection of a node that does not take part; the program, which would act then, is not told.
+
+    Who shows something to onlookers in a thread of its own, as this package does, is told.
+    """
+    if impl.queue_size is not None:
+        connection = rospy.topics.QueuedConnection(connection, impl.queue_size)
+    rospy.topics._TopicImpl.add_connection(impl, connection)
+
+    def publish_single(data):
+        impl.publish(data, connection_override=connection)
+    for listener in _own_listeners(impl):
+        listener.peer_subscribe(impl.resolved_name, impl.publish, publish_single)
+    if impl.is_latch and impl.latch is not None:
+        with impl.publock:
+            impl.publish(impl.latch, connection_override=connection)
+    return True
+
+
+def _remove_onlooker(impl, connection):
+    rospy.topics._TopicImpl.remove_connection(impl, connection)
+    for listener in _own_listeners(impl):
+        listener.peer_unsubscribe(impl.resolved_name, impl.get_num_connections())
+
+
+def _own_listeners(impl):
+    return [one for one in impl.subscriber_listeners if type(one).__module__.startswith(_OWN)]
+
+
+def _count_participants(topics):
+    """Have a topic's one link to all participants count as that many connections, and onlookers not as listeners."""
     def counting(_original):
-        return lambda self: sum(getattr(connection, 'count', 1) for connection in self.connections)
+        def _get_num_connections(self):
+            with_onlookers = (self.resolved_name in topics.excluded or not hasattr(self, 'subscriber_listeners')
+                              or not topics._participant.scheduler.is_mine())
+            return sum(getattr(connection, 'count', 1) for connection in self.connections
+                       if with_onlookers or topics.is_link(connection))
+        return _get_num_connections
 
     def seeking(_original):
         return lambda self, endpoint_id: any(

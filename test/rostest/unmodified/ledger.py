@@ -22,7 +22,7 @@ notes = rospy.Publisher('/notes', String, queue_size=1000)
 rospy.Subscriber('/opened', String, opened)
 rospy.Subscriber('/closed', String, closed)
 ready = rospy.Publisher('/ready', String, queue_size=1, latch=True)
-while notes.get_num_connections() < 1 and not rospy.is_shutdown():
+while not rospy.has_param('/onlooker_hears') and not rospy.is_shutdown():
     rospy.sleep(1.0)
 ready.publish('go')
 rospy.spin()
