@@ -47,20 +47,20 @@ void Connections::send(ConnectionId id, std::string_view bytes) {
   }
 }
 
-void Connections::close(ConnectionId id, const std::string& reason) {
+void Connections::close(ConnectionId id, const std::string& reason, bool as_wished) {
   Connection* const connection = open(id);
   if (connection == nullptr) {
     return;
   }
   const std::string text = shown(reason);
-  send(id, wire::encode(wire::MasterFrame(wire::End{text})));
+  send(id, wire::encode(wire::MasterFrame(wire::End{text, as_wished})));
   connection->close = true;
   hello_due_.erase(id);
 }
 
-void Connections::closeAll(const std::string& reason) {
+void Connections::closeAll(const std::string& reason, bool as_wished) {
   for (const auto& [id, connection] : connections_) {
-    close(id, reason);
+    close(id, reason, as_wished);
   }
 }
 

@@ -50,8 +50,8 @@ class Connections {
 
   void send(ConnectionId id, std::string_view bytes);
   /** @brief Tell it the end, and close it then. */
-  void close(ConnectionId id, const std::string& reason);
-  void closeAll(const std::string& reason);
+  void close(ConnectionId id, const std::string& reason, bool as_wished = false);
+  void closeAll(const std::string& reason, bool as_wished);
   /** @return what is to be sent since the last call, one entry per connection. */
   std::vector<ConnectionOutput> flush();
 

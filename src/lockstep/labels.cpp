@@ -27,6 +27,13 @@ void RunLabels::addNotRepeatable(const std::string& why) {
   const std::string added = addLabel(not_repeatable_, why);
   if (!added.empty()) {
     messages_.say(LockstepMessage::Level::kInfo, "the run is not repeatable: " + added);
+    keepFirst("not repeatable: " + added);
+  }
+}
+
+void RunLabels::keepFirst(const std::string& label) {
+  if (first_.empty()) {
+    first_ = label;
   }
 }
 
@@ -34,6 +41,7 @@ void RunLabels::addDegraded(const std::string& why) {
   const std::string added = addLabel(degraded_, why);
   if (!added.empty()) {
     messages_.say(LockstepMessage::Level::kWarn, "the run is degraded: " + added);
+    keepFirst("degraded: " + added);
   }
 }
 

@@ -19,11 +19,16 @@ class RunLabels {
   void addNotRepeatable(const std::string& why);
   void addDegraded(const std::string& why);
 
+  /** @return the first of all, as "not repeatable: why"; '' if there is none. */
+  const std::string& first() const { return first_; }
   const std::vector<std::string>& notRepeatable() const { return not_repeatable_; }
   const std::vector<std::string>& degraded() const { return degraded_; }
 
  private:
+  void keepFirst(const std::string& label);
+
   MessageList& messages_;
+  std::string first_;
   std::vector<std::string> not_repeatable_;
   std::vector<std::string> degraded_;
 };

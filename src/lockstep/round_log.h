@@ -34,6 +34,8 @@ class RoundLog {
   /** @brief A message, call or response between participants. */
   void add(const MessageRouter::Delivery& delivery, const NameOf& name_of);
   void closeRound();
+  /** @brief Forget the lines of the round. */
+  void dropRound() { round_.clear(); }
 
   /** @return the lines of the rounds closed since the last call. */
   std::vector<LockstepLogEntry> take();

@@ -33,7 +33,8 @@ LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds w
       missing_due_(settings.participants.empty() ? kNever : wall + kMissingGap),
       last_id_(static_cast<MemberId>(settings.participants.size())),
       text_(rounds_, members_),
-      labels_(messages_) {
+      labels_(messages_),
+      is_strict_(settings.strict) {
   keepEnd();
 }
 
@@ -45,7 +46,8 @@ std::vector<LockstepSession::Output> LockstepSession::poll(Nanoseconds wall) {
   if (!rounds_.ended()) {
     rounds_.watch(wall_);
     handleEvents();
-    if (rounds_.settled()) {
+    endIfLabelled();
+    if (!heldByInterruption() && rounds_.settled()) {
       finishRound();
     }
     nameMissing();
@@ -58,6 +60,7 @@ std::vector<LockstepSession::Output> LockstepSession::poll(Nanoseconds wall) {
 void LockstepSession::finishRound() {
   do {
     applyRound();
+    endIfLabelled();
     if (!death_.empty()) {
       end(death_);
     } else if (!left_.empty()) {
@@ -66,6 +69,7 @@ void LockstepSession::finishRound() {
     sendGrants(rounds_.decide(wall_));
     sayGone();
     handleEvents();
+    endIfLabelled();
   } while (!changed_.empty() && rounds_.settled());
 }
 
@@ -90,6 +94,9 @@ void LockstepSession::applyRound() {
     }
   }
   router_.finishRound();
+  if (std::exchange(ends_together_, false)) {
+    log_.dropRound();
+  }
   changed_.clear();  // who is dropped for its report has departed in its turn
   log_.closeRound();
   for (const std::string& warning : router_.takeWarnings()) {
@@ -133,6 +140,9 @@ void LockstepSession::applyNote(Member& member, const wire::Note& note) {
       break;
     case wire::NoteKind::kDegraded:
       labels_.addDegraded(quote(member.name) + ": " + std::string(note.text));
+      break;
+    case wire::NoteKind::kStrict:
+      is_strict_ = true;
       break;
   }
 }
@@ -307,7 +317,8 @@ Nanoseconds LockstepSession::nextWake() const {
     return wall_;
   }
   return rounds_.ended() ? kNever
-                         : std::min({rounds_.nextWake(), missing_due_, connections_.helloDue()});
+                         : std::min({rounds_.nextWake(), missing_due_, connections_.helloDue(),
+                                     interruption_.due()});
 }
 
 // ---- the gate --------------------------------------------------------------------------------
@@ -349,21 +360,6 @@ void LockstepSession::keepEnd() {
   }
 }
 
-void LockstepSession::endAsWished(const std::string& reason) {
-  ended_as_wished_ = ended_as_wished_ || !rounds_.ended();
-  end(reason);
-}
-
-void LockstepSession::end(const std::string& reason) {
-  if (rounds_.ended()) {
-    return;
-  }
-  rounds_.end();
-  reason_ = reason;
-  connections_.closeAll(reason);
-  messages_.say(Level::kInfo, "the run ended" + text_.at() + ": " + reason);
-}
-
 // ---- what is so ------------------------------------------------------------------------------
 
 std::vector<LockstepLogEntry> LockstepSession::takeLog() { return log_.take(); }
@@ -377,7 +373,7 @@ LockstepStatus LockstepSession::status() const {
   status.microstep = rounds_.microstep();
   status.paused = rounds_.paused();
   if (!rounds_.ended()) {
-    status.waiting_for = text_.waitingFor(began_);
+    status.waiting_for = text_.waitingFor(began_, interruption_);
   }
   status.participants = text_.participants();
   status.not_repeatable = labels_.notRepeatable();

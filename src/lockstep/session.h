@@ -11,6 +11,7 @@
 
 #include "clock/scaled_clock.h"
 #include "connections.h"
+#include "interruption.h"
 #include "labels.h"
 #include "member.h"
 #include "message.h"
@@ -74,6 +75,8 @@ class LockstepSession {
 
   /** @brief END to everybody; poll() gives it out. Reports of a round that is not over are lost. */
   void end(const std::string& reason);
+  /** @brief End, and label, a run that has lost its ROS master. */
+  void loseRosMaster(const std::string& how);
 
  private:
   using Member = SessionMember;
@@ -89,6 +92,13 @@ class LockstepSession {
   void takeReport(MemberId id, std::string_view frame);
   void takeKnock(MemberId id);
   void takeLeave(MemberId id, const wire::Leave& leave);
+  void takeStopping(MemberId id, const wire::Stopping& stopping);
+  void keepLeft(MemberId id);
+  bool heldByInterruption();
+  void endTogether();
+  void goOnWithoutSome();
+  void degrade(const std::string& why);
+  void endIfLabelled();
   void drop(ConnectionId id, const Connection& connection, const std::string& reason);
   void refuseConnection(ConnectionId id, const std::string& reason);
   void dropSilentStrangers();
@@ -138,7 +148,10 @@ class LockstepSession {
   std::string death_;                 // on_death says that the run ends with it
   std::string left_;                  // end_with says that the run ends with who left
   bool ended_as_wished_ = false;
-  std::string reason_;  // of the end
+  Interruption interruption_;
+  bool is_strict_;              // the first label ends the run
+  bool ends_together_ = false;  // the lines of this round are nobody's
+  std::string reason_;          // of the end
   bool poll_due_ = false;
 };
 

@@ -75,6 +75,8 @@ void LockstepSession::take(ConnectionId id, const Connection& connection, std::s
     takeKnock(connection.member);
   } else if (const auto* leave = std::get_if<wire::Leave>(&decoded); leave && greeted) {
     takeLeave(connection.member, *leave);
+  } else if (const auto* stopping = std::get_if<wire::Stopping>(&decoded); stopping && greeted) {
+    takeStopping(connection.member, *stopping);
   } else {
     throw wire::MalformedFrame(greeted ? "HELLO must come once, got another"
                                        : "the first frame must be HELLO, got another type");
@@ -87,6 +89,7 @@ void LockstepSession::disconnected(ConnectionId id, Nanoseconds wall) {
     return;
   }
   poll_due_ = true;
+  interruption_.lost(id, wall_);
   if (const MemberId member = connections_.remove(id); member != 0) {
     die(member, "its connection was lost");
   }
@@ -240,6 +243,9 @@ void LockstepSession::takeReport(MemberId id, std::string_view frame) {
   member.turn = {bytes, std::move(report.items)};
   listChanged(id);
   if (report.leaving) {
+    if (interruption_.concerns(id)) {
+      keepLeft(id);
+    }
     depart(id, "left");
   }
 }
@@ -249,24 +255,14 @@ void LockstepSession::takeKnock(MemberId id) {
   rounds_.knock(id);
   if (rounds_.started() && !member.input_told) {
     member.input_told = true;
-    labels_.addNotRepeatable(quote(member.name) + " had input from outside" + text_.at());
+    const std::string why = quote(member.name) + " had input from outside" + text_.at();
+    if (interruption_.isActive()) {
+      interruption_.knocked(id);
+      interruption_.keep({Interruption::Label::Kind::kInput, id, why});  // none enters as yet
+    } else {
+      labels_.addNotRepeatable(why);
+    }
   }
-}
-
-void LockstepSession::takeLeave(MemberId id, const wire::Leave& leave) {
-  if (rounds_.started() && goesOnWithout(id)) {
-    labels_.addNotRepeatable(text_.quoted(id) + " left" + text_.at() +
-                             ", when the wall clock said so");
-  }
-  depart(id, "left" + (leave.reason.empty() ? "" : " (" + std::string(leave.reason) + ")"));
-}
-
-/** @return whether others have something to do yet, so that it matters when this one leaves. */
-bool LockstepSession::goesOnWithout(MemberId id) const {
-  return std::any_of(rounds_.members().begin(), rounds_.members().end(), [id](const auto& entry) {
-    return entry.first != id && entry.second.present &&
-           (entry.second.owes || entry.second.next != kNever);
-  });
 }
 
 void LockstepSession::depart(MemberId id, const std::string& how) {
@@ -298,9 +294,10 @@ void LockstepSession::die(MemberId id, const std::string& how) {
     messages_.say(Level::kWarn, why);
     return;
   }
-  labels_.addDegraded(why);
-  if (settings_.on_death == OnDeath::kEnd && death_.empty()) {
-    death_ = why;
+  if (interruption_.concerns(id)) {
+    interruption_.keep({Interruption::Label::Kind::kDied, id, why});
+  } else {
+    degrade(why);
   }
 }
 

@@ -27,6 +27,7 @@ struct LockstepSettings {
   bool end_when_idle = false;
   double end_at = 0.0;                // s simulated, start_time to 2147483647; 0: no end
   std::vector<std::string> end_with;  // the run ends when one of these leaves, or dies
+  bool strict = false;                // the first label ends the run
   bool log_messages = false;          // messages and calls between participants go into the log too
   std::vector<std::string> excluded_topics;  // that do not go through the time master
   std::string secret;                        // that a HELLO must have; empty: none

@@ -45,7 +45,8 @@ std::string StatusText::latestRound() const {
   return joined(names);
 }
 
-std::vector<LockstepStatus::Waiting> StatusText::waitingFor(Nanoseconds began) const {
+std::vector<LockstepStatus::Waiting> StatusText::waitingFor(
+    Nanoseconds began, const Interruption& interruption) const {
   std::vector<LockstepStatus::Waiting> waiting;
   if (!rounds_.started()) {
     for (const std::string& name : rounds_.missing()) {
@@ -53,9 +54,12 @@ std::vector<LockstepStatus::Waiting> StatusText::waitingFor(Nanoseconds began) c
     }
     return waiting;
   }
+  for (const auto& [id, since] : interruption.ending()) {
+    waiting.push_back({nameOf(id), since, "the end that it was told to come to"});
+  }
   for (const MemberId id : rounds_.latestRound()) {
     const LockstepRounds::MemberState* member = rounds_.find(id);
-    if (member && member->owes) {
+    if (member && member->owes && !interruption.concerns(id)) {
       waiting.push_back({member->name, member->granted_wall, owed(*member)});
     }
   }

@@ -11,6 +11,7 @@
 
 #include "clock/number_text.h"
 #include "clock/scaled_clock.h"
+#include "interruption.h"
 #include "labels.h"
 #include "member.h"
 #include "rounds.h"
@@ -73,7 +74,8 @@ class StatusText {
   /** @return the names that the start waits for, and how many participants are there. */
   std::string missing() const;
   /** @param began wall ns; when the session began to wait. */
-  std::vector<LockstepStatus::Waiting> waitingFor(Nanoseconds began) const;
+  std::vector<LockstepStatus::Waiting> waitingFor(Nanoseconds began,
+                                                  const Interruption& interruption) const;
   std::vector<LockstepStatus::Participant> participants() const;
 
  private:

@@ -42,7 +42,7 @@ std::string encodeWelcome(MemberId id, const wire::Hello& hello, const LockstepS
   wire::Welcome welcome;
   welcome.own_id = id;
   welcome.rank = rankOf(hello);
-  welcome.leave_limit_ns = kLeaveLimit;
+  welcome.leave_limit_ns = kLastWordsLimit;
   welcome.excluded_topics.assign(excluded.begin(), excluded.end());
   return wire::encode(wire::MasterFrame(welcome));
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clock/scaled_clock.h"
+#include "interruption.h"
 #include "order.h"
 #include "settings.h"
 #include "wire.h"
@@ -17,8 +18,12 @@ namespace move_base_abstract {
 /** @brief Of nodes that declare no rank: they come after the robots, which have 0. */
 constexpr std::int32_t kDefaultRank = 1000;
 
-/** @brief How long the last words of one that goes are waited for [ns, wall], on either side. */
+/** @brief How long a connection that was told the end may take to close [ns, wall]. */
 constexpr Nanoseconds kLeaveLimit = kNanosecondsPerSecond;
+
+/** @brief How long one that goes waits for its last words to be taken [ns, wall]: longer than time
+ * stands because it was told to end. */
+constexpr Nanoseconds kLastWordsLimit = Interruption::kGrace + kNanosecondsPerSecond;
 
 /** @return the rank that a newcomer gets. */
 inline std::int32_t rankOf(const wire::Hello& hello) {

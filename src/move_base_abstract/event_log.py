@@ -73,7 +73,8 @@ class EventLog:
         if self.end is None:
             return ['has no end record: the run did not end properly']
         return [*(f'not repeatable: {why}' for why in self.end['not_repeatable_because']),
-                *(f'degraded: {why}' for why in self.end['degraded_because'])]
+                *(f'degraded: {why}' for why in self.end['degraded_because']),
+                *([f'ended by a fault: {self.end.get("reason", "")}'] if self.end.get('by_fault') else [])]
 
     def _read_head(self):
         number, line = next(self._lines, (1, ''))

@@ -86,6 +86,8 @@ _ROWS = (
         'calls participants through the time master', ('5a5320897053', 'd9e4cd94b92c',)),
     Row('rospy.impl.simtime._set_rostime', LOCKSTEP,
         'does nothing: time comes with the grants, not on /clock', ('1d47ac6f2d40',)),
+    Row('rospy.core.signal_shutdown', LOCKSTEP,
+        'tells the time master first, where a signal or another node ends this one', ('1be84b9b1b33', '51e015a07699')),
     Row('threading._shutdown', LOCKSTEP, 'has the process leave in its last round'),
     Row('sys.excepthook', LOCKSTEP, 'keeps quiet about the end of lockstep, which is no error of the program'),
     Row('threading._allocate_lock', THREADS, _LOCK),

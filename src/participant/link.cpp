@@ -16,6 +16,7 @@
 
 #include "local_address.h"
 #include "move_base_abstract/lockstep_participant.h"
+#include "stop_signals.h"
 
 namespace move_base_abstract::lockstep::internal {
 
@@ -78,7 +79,10 @@ bool Link::connectLocally(const std::string& address) {
   return false;
 }
 
+void Link::announceStopSignals() { internal::announceStopSignals(socket_); }
+
 bool Link::send(std::string_view bytes) {
+  const Sending sending;
   while (!bytes.empty()) {
     const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (sent >= 0) {
@@ -123,6 +127,7 @@ void Link::finish(int patience_ms) {
 
 void Link::close() {
   if (socket_ >= 0) {
+    forgetStopSignals(socket_);
     ::close(socket_);
     socket_ = -1;
   }

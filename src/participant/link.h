@@ -42,6 +42,8 @@ class Link {
    */
   bool connect(const std::string& address);
   bool isOpen() const { return socket_ >= 0; }
+  /** @brief From now on a signal that tells the process to end is told to the peer. */
+  void announceStopSignals();
 
   /** @return false if there is nobody to take it. */
   bool send(std::string_view bytes);

@@ -9,6 +9,9 @@
 #include <mutex>
 #include <variant>
 
+#include "failure.h"
+#include "stop_signals.h"
+
 namespace move_base_abstract::lockstep::internal {
 namespace {
 
@@ -40,16 +43,23 @@ void Membership::join() {
     end(kClosed);
     return;
   }
+  link_.announceStopSignals();
   if (!ros::param::param("/use_sim_time", false)) {
     ROS_WARN("lockstep: %s takes part, but /use_sim_time is not true", name().c_str());
   }
   awaitGrant();
 }
 
-bool Membership::leave(const std::string& reason, State as) {
+bool Membership::leave(const std::string& reason, State as, bool is_asked_to) {
+  if (isActive() && (is_asked_to || !ros::ok()) && !stopSignalCame() && isNameTaken(presence_)) {
+    fail(name(), "another node of its name has taken its place");
+  }
   const Lock lock(program_);
   if (state_ == State::kNew || isOver()) {
     return false;
+  }
+  if (is_asked_to) {
+    link_.send(wire::encode(wire::ParticipantFrame(wire::Stopping{reason})));
   }
   if (state_ == State::kTurn) {
     wire::Report head;
@@ -64,7 +74,7 @@ bool Membership::leave(const std::string& reason, State as) {
   return true;
 }
 
-void Membership::end(const std::string& reason) {
+void Membership::end(const std::string& reason, bool as_wished) {
   {
     const Lock lock(program_);
     if (isOver()) {
@@ -74,8 +84,10 @@ void Membership::end(const std::string& reason) {
     state_ = State::kOver;
   }
   link_.close();
-  if (ros::ok()) {
+  if (as_wished && ros::ok()) {
     ROS_INFO("lockstep: the run is over for %s: %s", name().c_str(), reason.c_str());
+  } else if (!awaitsOwnSignal()) {
+    fail(name(), reason);
   }
   program_.onEnd();
 }
@@ -209,7 +221,7 @@ void Membership::handle(const wire::Grant& frame) {
   program_.onGranted();
 }
 
-void Membership::handle(const wire::End& frame) { end(std::string(frame.reason)); }
+void Membership::handle(const wire::End& frame) { end(std::string(frame.reason), frame.as_wished); }
 
 // ---- what the next report says ---------------------------------------------------------------
 

@@ -82,10 +82,11 @@ class Membership {
   void join();
   /**
    * @brief Take no more part; what was done goes out. From any thread.
+   * @param is_asked_to somebody else has asked for it, at some moment of the wall clock.
    * @return false if there was nothing to leave. Else whoever reads from the connection, or would,
    * is to finish() it.
    */
-  bool leave(const std::string& reason, State as = State::kLeft);
+  bool leave(const std::string& reason, State as = State::kLeft, bool is_asked_to = false);
   /** @brief Close the connection when the time master has read all. */
   void finish() { link_.finish(leave_limit_ms_); }
   void ring() { bell_->ring(); }
@@ -150,7 +151,7 @@ class Membership {
   void take(const Item& item) {
     program_.handle(item);
   }
-  void end(const std::string& reason);
+  void end(const std::string& reason, bool as_wished = false);
 
   Program& program_;
   Presence presence_;

@@ -24,6 +24,7 @@ using lockstep::internal::readPresence;
 
 constexpr std::int64_t kPatience = 1'000'000'000;  // steady ns
 const char* const kRankVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_RANK";
+const char* const kStrictVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_STRICT";
 const char* const kSleepVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_SLEEP";
 
 std::int64_t steadyNow() {
@@ -67,6 +68,9 @@ bool Node::join() {
       return false;
     }
     membership_.join();
+    if (std::getenv(kStrictVariable) != nullptr) {
+      membership_.append(wire::Note{wire::NoteKind::kStrict, "the launcher's option"});
+    }
   } catch (const lockstep::NotLockstep&) {
     return false;  // the mode was changed meanwhile
   } catch (const lockstep::Error& error) {
@@ -81,7 +85,7 @@ void Node::leave(const std::string& reason) {
   // While another thread reads from the connection, that one closes it.
   const bool is_own = turn().holds();
   const Inside inside;
-  if (!membership_.leave(reason)) {
+  if (!membership_.leave(reason, lockstep::internal::Membership::State::kLeft, !is_own)) {
     return;
   }
   turn().end();

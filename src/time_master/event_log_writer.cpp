@@ -207,7 +207,7 @@ std::string EventLogWriter::finish(const End& end) {
     appendJsonArray(buffer_, end.degraded_because);
     buffer_ += ",\"reason\":";
     appendJson(buffer_, end.reason);
-    buffer_ += "}}\n";
+    buffer_ += std::string(",\"by_fault\":") + (end.by_fault ? "true" : "false") + "}}\n";
   }
   writeOut();
   if (file_ && (fsync(fileno(file_.get())) != 0 && errno != EINVAL)) {

@@ -27,6 +27,7 @@ class EventLogWriter {
     std::string reason;
     std::vector<std::string> not_repeatable_because;
     std::vector<std::string> degraded_because;
+    bool by_fault = false;  // neither as wished nor because somebody has asked for it
   };
 
   /**

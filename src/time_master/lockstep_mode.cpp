@@ -110,7 +110,8 @@ bool LockstepMode::finish(const std::string& reason) {
   if (event_log_) {
     const LockstepStatus status = server_->status();
     const std::string why = status.reason.empty() ? reason : status.reason;
-    const std::string error = event_log_->finish({why, status.not_repeatable, status.degraded});
+    const std::string error =
+        event_log_->finish({why, status.not_repeatable, status.degraded, ended_ && !ended_->good});
     if (!error.empty()) {
       ROS_ERROR("%s", error.c_str());
       event_log_failed_ = true;
@@ -155,6 +156,7 @@ void LockstepMode::lookForEnd(const LockstepStatus& status) {
   }
   const std::string gone = ros_master_->gone();
   if (!gone.empty()) {
+    server_->with([&](LockstepSession& session) { session.loseRosMaster(gone); });
     ended_ = End{false, gone};
   } else if (status.phase == LockstepPhase::kEnded) {
     // Nobody but the session itself ends it before finish(): as wished, else by a death or a

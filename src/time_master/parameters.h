@@ -293,6 +293,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("max_microsteps", max_microsteps);
   reader.read("end_when_idle", lockstep.end_when_idle);
   readEnd(reader, parameters);
+  reader.read("strict", lockstep.strict);
   reader.read("log_messages", lockstep.log_messages);
   reader.read("sim_time_factor_is_limit", parameters.sim_time_factor_is_limit);
   reader.read("lockstep_port", parameters.lockstep_port);

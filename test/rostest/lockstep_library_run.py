@@ -64,7 +64,8 @@ class Runs:
         command = [sys.executable, os.path.join(FOLDER, f'library_{module}.py'), role, str(adverse), f'__name:={role}']
         return self.ros.spawn(f'/{role}', command)
 
-    def run(self, module, *roles, outsiders=(), adverse=0.0, parameters=None, log_messages=False, onlook='', **settings):
+    def run(self, module, *roles, outsiders=(), adverse=0.0, parameters=None, log_messages=False, onlook='',
+            **settings):
         """Run until all nodes have ended by themselves; outsiders do not take part, and are ended.
 
         onlook: a topic that a node hears which takes no part; settings: of the time master.

@@ -101,6 +101,28 @@ class EndsTest(unittest.TestCase):
         for role in WAITS:
             self._end_of(role, lambda master, _node: os.killpg(master.pid, signal.SIGKILL))
 
+    def test_a_node_that_loses_the_time_master_says_so_and_ends_with_an_error(self):
+        for number, words in ((signal.SIGKILL, 'closed the connection'), (signal.SIGINT, 'was told to end')):
+            node = self._end_of('in_spin', lambda master, _node, number=number: master.signal(number))
+            self.assertEqual(node.process.returncode, 1)
+            self.assertRegex(self.output, 'FATAL.*/in_spin: the time master has ended lockstep: .*' + words)
+
+    def test_of_two_nodes_of_one_name_the_first_says_so_and_ends_with_an_error(self):
+        node = self._end_of('in_spin', lambda _master, _node: RUNS.start_node('threads', 'in_spin'))
+        self.assertEqual(node.process.returncode, 1)
+        self.assertRegex(self.output, 'FATAL.*/in_spin: another node of its name has taken its place')
+
+    def test_threads_that_only_wait_do_not_keep_a_node_alive(self):
+        node = self._end_of('stuck', lambda _master, node: os.kill(node.pid, signal.SIGINT))
+        self.assertEqual(node.process.returncode, 1)
+        self.assertRegex(self.output, 'only threads that wait for others .* it is ended: waits for ever '
+                         r'\(.*library_threads.py, line [0-9]+\)')
+
+    def test_a_thread_that_works_may_end_its_work(self):
+        node = self._end_of('works_on', lambda _master, node: os.kill(node.pid, signal.SIGINT))
+        self.assertEqual(node.process.returncode, 0)
+        self.assertIn('has ended its work', self.output)
+
     def _end_of(self, role, act):
         """Start a node, let it wait, do act(time master, node); the node must end."""
         RUNS.ros.set_param('/time_master/lockstep_address', '')
@@ -113,6 +135,8 @@ class EndsTest(unittest.TestCase):
                 wait_for_end(node, {role: node})
             except AssertionError as error:
                 raise AssertionError(f'{role}: {error}') from None
+            self.output = read(node)
+            return node
         finally:
             RUNS.ros.end(node)
             RUNS.ros.end(master)

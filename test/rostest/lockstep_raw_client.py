@@ -14,10 +14,10 @@ import time
 from typing import NamedTuple
 
 GUARD = 30.0
-PROTOCOL = 3
+PROTOCOL = 4
 NEVER = 2 ** 63 - 1
 
-HELLO, REPORT, KNOCK, LEAVE = 1, 2, 3, 4
+HELLO, REPORT, KNOCK, LEAVE, STOPPING = 1, 2, 3, 4, 5
 WELCOME, MEMBER, GONE, GRANT, END = 16, 17, 18, 19, 20
 
 

@@ -17,6 +17,7 @@ RUNS = Runs()
 SECOND = 10 ** 9
 EPOCH = 1577836800 * SECOND  # 2020-01-01, for seed 0
 UPTIME = 3600 * SECOND
+WALL_LOOP = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'unmodified', 'wall_loop.py')
 LAYOUT = 'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT'
 
 
@@ -108,6 +109,15 @@ class LockstepRoscppChanceTest(unittest.TestCase):
             self.assertEqual(len(run.labels), 1, (what, run.labels))
             self.assertRegex(run.labels[0], r"^'/chance': {} \(shim_chance\+0x[0-9a-f]+\)$".format(
                 re.escape(why)))
+
+    def test_strict_ends_the_run_with_the_first_label_and_its_program_with_an_error(self):
+        script = Program('loop', WALL_LOOP, options=['--strict'])
+        for program, label in ((chance('getpid', options=['--strict']), "'/chance': getpid"),
+                               (script, "'/loop': .* takes simulated time")):
+            run = RUNS.run([program])
+            self.assertEqual(run.code, 1)
+            self.assertRegex(run.outputs[0], 'FATAL.*strict, and the run is not repeatable: ' + label)
+            self.assertEqual(len(run.labels), 1, run.labels)
 
     def test_a_thread_from_before_ros_is_labelled_and_what_it_asks(self):
         run = RUNS.run([chance('stray', 'stray'), recorder('/told')])

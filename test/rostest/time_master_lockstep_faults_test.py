@@ -4,6 +4,7 @@
 Everything waits for events; GUARD [s, wall] only ends a test that would never end.
 """
 
+import json
 import os
 import random
 import resource
@@ -144,7 +145,7 @@ class LockstepFaultsTest(LockstepCase):
         for data, words in ((struct.pack('<I', 2 ** 31), 'length'), (struct.pack('<I', 0), 'length'),
                             (raw.frame(raw.KNOCK), 'the first frame must be HELLO'), (raw.frame(99), '99'),
                             (raw.frame(raw.HELLO, struct.pack('<I', 9) + raw.text('/x') + raw.text('') + bytes(13)),
-                             'protocol must be 3, got 9')):
+                             'protocol must be 4, got 9')):
             bad = RawClient(self.address)
             self.addCleanup(bad.close)
             bad.socket.sendall(data)
@@ -244,7 +245,23 @@ class LockstepFaultsTest(LockstepCase):
         with open(path) as log:
             lines = log.read().splitlines()
         self.assertEqual(len(lines), 3)
-        self.assertIn('the ROS master at', lines[-1])
+        end = json.loads(lines[-1])['end']
+        self.assertIn('the ROS master at', end['reason'])
+        self.assertTrue(end['by_fault'])
+        self.assertFalse(end['repeatable'])
+        self.assertIn('the ROS master was lost', end['not_repeatable_because'][0])
+        self.assertIn('the ROS master at', end['degraded_because'][0])
+
+    # ---- strict ----
+
+    def test_where_it_is_strict_the_first_label_ends_the_run(self):
+        self.start(participants=['/a', '/b'], strict=True, event_log=self.path('run.jsonl'))
+        first, other = self.joined('/a', '/b')
+        first.socket.sendall(raw.frame(raw.KNOCK))
+        self.assertIn("strict, and the run is not repeatable: '/a' had input from outside", other.end())
+        self.assertEqual(self.process.wait(GUARD), 1)
+        self.assertIn('strict, and the run is not repeatable', self.output())
+        self.assertIn('"by_fault":true', Path(self.path('run.jsonl')).read_text())
 
     def test_a_time_master_that_was_killed_leaves_an_unfinished_log_and_no_address_to_the_next(self):
         self.start(participants=['/a'], event_log=self.path('run.jsonl'))

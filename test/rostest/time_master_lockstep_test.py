@@ -244,6 +244,7 @@ class LockstepTest(LockstepCase):
                  (dict(lockstep_port=70000), 'lockstep_port must be from 0 to 65535', 'got 70000'),
                  (dict(end_at=0.5), 'end_at must be from 1 to 2', 'got 0.5'),
                  (dict(end_with=['a b']), 'end_with must be a list of node names', "'a b'"),
+                 (dict(strict='yes'), 'strict must be true or false', "got 'yes'"),
                  (dict(end_when_idle='yes'), 'end_when_idle must be true or false', "got 'yes'"),
                  (dict(event_log='/tmp/log.txt'), 'event_log must end in .jsonl or .csv', "got '/tmp/log.txt'"),
                  (dict(event_log='/none/log.csv'), 'event_log must be a path that can be written', 'No such file'))

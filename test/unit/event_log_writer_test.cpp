@@ -116,7 +116,8 @@ TEST(EventLogWriter, JsonLines) {
   EXPECT_EQ(contents(folder / "a.jsonl"),
             head + events +
                 "{\"end\":{\"events\":2,\"repeatable\":false,\"not_repeatable_because\":"
-                "[\"why\\u00091\",\"2\"],\"degraded_because\":[],\"reason\":\"over\"}}\n");
+                "[\"why\\u00091\",\"2\"],\"degraded_because\":[],\"reason\":\"over\","
+                "\"by_fault\":false}}\n");
   EXPECT_FALSE(exists(folder / "a.jsonl.part"));
 }
 
@@ -124,12 +125,12 @@ TEST(EventLogWriter, Csv) {
   const Folder folder;
   EventLogWriter log(folder / "a.csv", 5);
   log.add(-7, "a \"b\", c", "k", "[]");
-  EXPECT_EQ(log.finish({"over", {}, {"died"}}), "");
+  EXPECT_EQ(log.finish({"over", {}, {"died"}, true}), "");
   EXPECT_EQ(contents(folder / "a.csv"),
             "# {\"event_log\":1,\"start_ns\":5}\ntime_ns,robot,kind,values\n"
             "-7,\"a \"\"b\"\", c\",k,[]\n"
             "# {\"end\":{\"events\":1,\"repeatable\":true,\"not_repeatable_because\":[],"
-            "\"degraded_because\":[\"died\"],\"reason\":\"over\"}}\n");
+            "\"degraded_because\":[\"died\"],\"reason\":\"over\",\"by_fault\":true}}\n");
 }
 
 TEST(EventLogWriter, RefusesOtherEndingsAndPathsThatCannotBeWritten) {

@@ -170,6 +170,9 @@ TEST(Departure, WithoutAGrantIsNormalButComesFromTheWall) {
   pair.report(1, kNever);
   pair.frame(1, wire::Leave{"shut down"});  // its grant may be on its way: it counts all the same
   pair.report(2, 3 * kOne);
+  pair.cut(1);
+  pair.wall += Interruption::kGrace;
+  pair.poll();
   EXPECT_EQ(pair.point(2), "3000+0");
   EXPECT_TRUE(pair.said("'/a' left (shut down) at 1 s"));
   EXPECT_TRUE(pair.session.status().degraded.empty());
@@ -217,7 +220,7 @@ TEST(Malformed, OnlyThatConnectionIsClosed) {
   pair.report(2, 3 * kOne);
   pair.bytes(1, std::string("\x01\0\0\0\x63", 5));
   EXPECT_TRUE(pair.closed[1]);
-  EXPECT_EQ(pair.end[1], "type of frame must be from 1 to 4, got 99");
+  EXPECT_EQ(pair.end[1], "type of frame must be from 1 to 5, got 99");
   EXPECT_FALSE(pair.closed[2]);
   EXPECT_EQ(pair.point(2), "3000+0");
   EXPECT_EQ(pair.session.status().degraded.size(), 1U);
@@ -275,7 +278,7 @@ TEST(Malformed, GreetingsAreChecked) {
   EXPECT_EQ(stage.end[1], "the first frame must be HELLO, got another type");
   stage.session.connect(2, stage.wall);
   stage.frame(2, wire::Hello{9, "/a", "", 0, false, 0, ""});
-  EXPECT_NE(stage.end[2].find("protocol must be 3, got 9 from '/a'"), std::string::npos);
+  EXPECT_NE(stage.end[2].find("protocol must be 4, got 9 from '/a'"), std::string::npos);
   stage.session.connect(3, stage.wall);
   stage.frame(3, wire::Hello{wire::kProtocol, "", "", 0, false, 0, ""});
   EXPECT_EQ(stage.end[3], "HELLO must have a name, got an empty one");

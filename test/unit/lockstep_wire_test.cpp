@@ -157,8 +157,8 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
     return malformed([&] { decodeFromParticipant(bytes); });
   };
   EXPECT_EQ(up(""), "a frame must have a type, got an empty one");
-  EXPECT_EQ(up("\x05"), "type of frame must be from 1 to 4, got 5");
-  EXPECT_EQ(up("\x13"), "type of frame must be from 1 to 4, got 19");
+  EXPECT_EQ(up("\x06"), "type of frame must be from 1 to 5, got 6");
+  EXPECT_EQ(up("\x13"), "type of frame must be from 1 to 5, got 19");
   EXPECT_EQ(up("\x03zz"), "KNOCK: end must come here, got more bytes (byte 0 of 2)");
   const auto patched = [&](const ReportItem& item, std::size_t at, char value) {
     std::string frame = encodeReport({}, "");
@@ -170,7 +170,7 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
   EXPECT_NE(patched(Unserve{1}, items, '\x0F').find("kind of item must be from 1 to 14, got 15"),
             std::string::npos);
   EXPECT_NE(patched(Unserve{1}, items, '\0').find("got 0"), std::string::npos);
-  EXPECT_NE(patched(Note{}, items + 1, '\x04').find("NOTE: what must be from 1 to 3, got 4"),
+  EXPECT_NE(patched(Note{}, items + 1, '\x05').find("NOTE: what must be from 1 to 4, got 5"),
             std::string::npos);
   EXPECT_NE(patched(Response{}, items + 9, '\x02').find("ok must be from 0 to 1, got 2"),
             std::string::npos);

@@ -12,9 +12,10 @@ EVENTS = ((1_000_000_000, 'robot_0', 'goal', [1.5, 'a']), (1_500_000_000, 'robot
           (1_500_000_000, 'robot_0', 'arrived', [{'b': 1, 'a': None}]))
 
 
-def end_record(count, not_repeatable=(), degraded=()):
+def end_record(count, not_repeatable=(), degraded=(), **more):
     return json.dumps({'end': {'events': count, 'repeatable': not not_repeatable, 'reason': 'SIGTERM',
-                               'not_repeatable_because': list(not_repeatable), 'degraded_because': list(degraded)}})
+                               'not_repeatable_because': list(not_repeatable), 'degraded_because': list(degraded),
+                               **more}})
 
 
 def json_text(events=EVENTS, end=True, **labels):
@@ -114,6 +115,13 @@ def test_labels_are_told():
     read = log(json_text(not_repeatable=['input from outside'], degraded=['/b died']))
     list(read)
     assert read.remarks() == ['not repeatable: input from outside', 'degraded: /b died']
+
+
+def test_a_fault_that_ended_the_run_is_told():
+    for by_fault, remarks in ((True, ['ended by a fault: SIGTERM']), (False, [])):
+        read = log(json_text(by_fault=by_fault))
+        list(read)
+        assert read.remarks() == remarks
 
 
 def test_text_with_quotes_commas_and_bytes_that_are_no_text_survives():

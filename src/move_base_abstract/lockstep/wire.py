@@ -23,7 +23,7 @@ def _numbers(layouts, names):
     return (layouts[name].number for name in names.split())
 
 
-HELLO, REPORT, KNOCK, LEAVE = _numbers(FRAMES, 'HELLO REPORT KNOCK LEAVE')
+HELLO, REPORT, KNOCK, LEAVE, STOPPING = _numbers(FRAMES, 'HELLO REPORT KNOCK LEAVE STOPPING')
 WELCOME, MEMBER, GONE, GRANT, END = _numbers(FRAMES, 'WELCOME MEMBER GONE GRANT END')
 # Of items, those that somebody asks for: the first byte of an item.
 SEND, CALL, RESPONSE = _numbers(ITEMS, 'SEND CALL RESPONSE')
@@ -134,6 +134,11 @@ def report(round_number, is_leaving, next_ns, open_waits, items):
 def leave(reason):
     """Return the frame by which a participant leaves without a grant."""
     return frame(LEAVE, text(reason))
+
+
+def stopping(reason):
+    """Return the frame by which a participant says that it was told to end, before it leaves."""
+    return frame(STOPPING, text(reason))
 
 
 # --- reading --------------------------------------------------------------------------------------------------------

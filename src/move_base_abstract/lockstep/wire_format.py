@@ -14,7 +14,7 @@ from collections import namedtuple
 #: one frame or item: its number on the wire, its name, its fields in their order
 Layout = namedtuple('Layout', 'number name fields')
 
-PROTOCOL = 3
+PROTOCOL = 4
 NEVER = 2 ** 63 - 1
 #: of a frame without its length field [bytes]; what is longer is refused before it is stored
 LARGEST_FRAME = 256 * 1024 * 1024
@@ -27,7 +27,7 @@ CONNECT_REMINDER_MS = 10000  # wall; it says so that often
 
 #: what a byte may say: name of the choice, (number, name) of its values
 CHOICES = {
-    'NoteKind': ((1, 'WAITS_FOR'), (2, 'NOT_REPEATABLE'), (3, 'DEGRADED')),
+    'NoteKind': ((1, 'WAITS_FOR'), (2, 'NOT_REPEATABLE'), (3, 'DEGRADED'), (4, 'STRICT')),
     # ERROR: the bytes are the server's text. OK: the response. NO_SERVER: no member serves it.
     # SERVER_GONE: it left, died or stopped serving before it answered.
     'CallStatus': ((0, 'ERROR'), (1, 'OK'), (2, 'NO_SERVER'), (3, 'SERVER_GONE')),
@@ -44,6 +44,7 @@ PARTICIPANT_FRAMES = (
                          'ReportItem items')),  # in the order in which they were done
     Layout(3, 'KNOCK', ()),
     Layout(4, 'LEAVE', ('text reason',)),
+    Layout(5, 'STOPPING', ('text reason',)),  # it is told to end, at some moment of the wall clock, and about to leave
 )
 
 MASTER_FRAMES = (
@@ -57,7 +58,8 @@ MASTER_FRAMES = (
                          'instant time_ns',  # simulated
                          'u32 microstep',
                          'GrantItem items')),  # in the order in which they are to be handled
-    Layout(20, 'END', ('text reason',)),
+    Layout(20, 'END', ('text reason',
+                       'flag as_wished')),  # the run is over, as its settings say; else the participant has lost it
 )
 
 #: what a report contains; `topic` and `service` are the participant's own numbers, one for each name, `sub` is the

@@ -15,6 +15,7 @@ _PARTICIPANT = 'libmove_base_abstract_lockstep.so'
 _RANK = 'MOVE_BASE_ABSTRACT_LOCKSTEP_RANK'
 _SLEEP = 'MOVE_BASE_ABSTRACT_LOCKSTEP_SLEEP'
 _CHANCE = 'MOVE_BASE_ABSTRACT_LOCKSTEP_CHANCE'
+_STRICT = 'MOVE_BASE_ABSTRACT_LOCKSTEP_STRICT'
 _PRELOAD = 'LD_PRELOAD'
 _NAME, _NAMESPACE = '__name:=', '__ns:='
 # Of the ELF format, 64 bits, little endian.
@@ -33,6 +34,8 @@ def execute(path, arguments, options):
         sys.exit('lockstep: {}'.format(error))
     if _is_lockstep():
         environment[_CHANCE] = '{} {}'.format(options.seed, node_name(path, arguments, environment))
+    if options.strict:
+        environment[_STRICT] = '1'
     os.execve(path, [path] + arguments, environment)
 
 

@@ -64,13 +64,17 @@ class Connection:
                 return data[4], data[5:]  # one whole frame, as nearly always
             buffer += data
 
-    def close(self):
-        """End the connection; whoever waits in receive is told."""
+    def close(self, at_exit=False):
+        """End the connection; whoever waits in receive is told.
+
+        ``at_exit``: the time master sees the end of it when the process has ended, not before.
+        """
         try:
-            self._socket.shutdown(socket.SHUT_RDWR)
+            self._socket.shutdown(socket.SHUT_RD if at_exit else socket.SHUT_RDWR)
         except OSError:
             pass
-        self._socket.close()
+        if not at_exit:
+            self._socket.close()
 
     def forget(self):
         """Close it in this process only: another one, this one's parent, uses it."""

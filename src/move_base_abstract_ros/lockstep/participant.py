@@ -1,5 +1,4 @@
 """One process that takes part in lockstep: what it tells the time master, and what becomes of what it is told."""
-import _thread
 import json
 import os
 import threading
@@ -15,6 +14,7 @@ from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_loc
 from move_base_abstract.lockstep.secret import run_secret
 from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
+from . import finish
 from .connection import Closed, Connection
 from .foresight import Foresight
 from .report_delays import make_delay
@@ -22,6 +22,7 @@ from .services import Services
 from .topics import Topics, sender
 
 _SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
+_LOOK_SECONDS = 0.05  # wall; so soon the end of lockstep is seen by who waits for something else
 
 
 _encode = json.JSONEncoder(separators=(',', ':')).encode
@@ -70,6 +71,7 @@ class Participant:
         self.is_at_rest = False
         self._has_mail = False
         self.is_starting = True
+        self._is_interrupted = False
         self._told = ''
         self._delay = None
         self.topics = Topics(self)
@@ -94,6 +96,10 @@ class Participant:
     def label(self, text):
         """Have the run called not repeatable, because of ``text``."""
         self.add(wire.note(wire.NoteKind.NOT_REPEATABLE, text))
+
+    def be_strict(self):
+        """Have the run end, with an error, with the first label that anybody gives it."""
+        self.add(wire.note(wire.NoteKind.STRICT, ''))
 
     def constant(self, topic):
         """Take what non-participants publish on ``topic`` as there from the beginning.
@@ -150,8 +156,20 @@ class Participant:
         except Closed:
             pass
         self.scheduler.close()
-        self.connection.close()
+        self.connection.close(self._is_interrupted)
         self.charge.close()
+        if self._is_interrupted:
+            finish.end_what_is_stuck()
+
+    def interrupted(self, reason):
+        """The node is told to end, at some moment of the wall clock: say so before anything comes of it; any thread."""
+        if self.scheduler.is_closed or self._is_interrupted:
+            return
+        self._is_interrupted = True
+        try:
+            self.connection.send(wire.stopping(reason))
+        except Closed:
+            pass
 
     def _leave_in_turn(self, reason):
         """Leave in a round, after what hooks have published at last; but not at any price, others may be slow."""
@@ -162,7 +180,9 @@ class Participant:
             self.leave(reason)
             over.release()
         self.scheduler.from_outside(leave)
-        over.acquire(True, self._leave_seconds)
+        until = time.monotonic() + self._leave_seconds
+        while not over.acquire(True, _LOOK_SECONDS) and not self.scheduler.is_closed and time.monotonic() < until:
+            pass
 
     # --- what the other parts call ----------------------------------------------------------------------------------
 
@@ -215,7 +235,11 @@ class Participant:
         try:
             cost_ns = self.charge.cost_ns(self.now_ns) if self._is_charged and self._sends else 0
         except ConfigurationError as error:
-            return self._give_up(str(error))
+            self._items.clear()  # what would have left after the charged time
+            self.label(str(error))
+            self.leave()
+            finish.end_node(str(error), False)
+            raise TurnLost() from None
         return self._compute(cost_ns) if cost_ns > 0 else []
 
     @property
@@ -292,8 +316,8 @@ class Participant:
 
     def _told_of_members(self, kind, body):
         if kind == wire.END:
-            reason, = wire.read_frame(kind, body)
-            self._give_up('the time master has ended lockstep: {}'.format(reason), rospy.loginfo)
+            reason, as_wished = wire.read_frame(kind, body)
+            self._give_up('the time master has ended lockstep: {}'.format(reason), as_wished)
         if kind == wire.WELCOME:
             number, self.rank, leave_limit_ns, excluded = wire.read_frame(kind, body)
             self._leave_seconds = leave_limit_ns * 1e-9
@@ -311,7 +335,8 @@ class Participant:
         """The time master is gone, so that time will never move again: end the node."""
         return self._give_up('the time master has ended lockstep: {}'.format(reason))
 
-    def _give_up(self, reason, tell=rospy.logfatal):
+    def _give_up(self, reason, as_wished=False):
+        """Take no more part; the node ends, with an error unless the run's end is ``as_wished``."""
         if not self.scheduler.is_closed:
             self.scheduler.close()
             try:
@@ -320,10 +345,8 @@ class Participant:
                 pass
             self.connection.close()
             self.charge.close()
-            if not rospy.core.is_shutdown_requested():
-                tell('%s: %s', rospy.get_name(), reason)
-                # Not in this thread: it may be one that a shutdown hook waits for.
-                _thread.start_new_thread(rospy.signal_shutdown, (reason,))
+            # Not in this thread: it may be one that a shutdown hook waits for.
+            finish.end_node(reason, as_wished)
         raise TurnLost()
 
 

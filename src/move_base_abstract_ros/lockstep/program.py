@@ -16,6 +16,7 @@ from . import (
     clocks,
     deeds,
     early,
+    finish,
     objects,
     own_code,
     queries,
@@ -80,6 +81,7 @@ class _Joining:
         self._lockstep = lockstep
         self._rank = options.rank
         self._is_node = False
+        self._is_strict = options.strict
         self._followers = [told, turns.install(), objects.install()]
         self.early = early.Early(name, lambda name, uri: self._follow(lockstep.take_part(name, uri, self._rank)))
 
@@ -102,6 +104,8 @@ class _Joining:
             self._lockstep.node_is_there(joined)
 
     def _follow(self, joined):
+        if joined is not None and self._is_strict:
+            joined.be_strict()
         for follower in self._followers:
             follower.follow(joined)
         queries.install(joined)
@@ -155,7 +159,7 @@ def _call(main):
     except SystemExit:
         raise
     except TurnLost:
-        sys.exit(1)  # the run is over, which the log says
+        sys.exit(finish.exit_code() or 0)  # the run is over, which the log says
     except BaseException as error:
         trace = error.__traceback__
         while trace is not None and _is_ours(trace.tb_frame.f_code.co_filename):

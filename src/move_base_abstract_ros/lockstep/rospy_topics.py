@@ -11,6 +11,7 @@ def install(topics):
     _follow_manager(topics)
     _replace_receiving(topics)
     _replace_connecting(topics)
+    _replace_publishing(topics)
     _count_participants(topics)
 
 
@@ -64,6 +65,19 @@ def _replace_connecting(topics):
                 _remove_onlooker(self, connection)
         return _remove_connection
 
+    def creating(create_transport):
+        def _create_transport(self, resolved_name, pub_uri, protocol_params):
+            if resolved_name not in topics.excluded and pub_uri in participant.uris.values():
+                return 1, 'through the time master', 0
+            return create_transport(self, resolved_name, pub_uri, protocol_params)
+        return _create_transport
+
+    replace('rospy.topics._PublisherImpl.add_connection', adding)
+    replace('rospy.topics._PublisherImpl.remove_connection', removing)
+    replace('rospy.impl.tcpros_pubsub.TCPROSHandler.create_transport', creating)
+
+
+def _replace_publishing(topics):
     def publishing(publish):
         def _publish(self, message, connection_override=None):
             receivers = self.connections if connection_override is None else (connection_override,)
@@ -77,17 +91,7 @@ def _replace_connecting(topics):
                     self.seq = number
         return _publish
 
-    def creating(create_transport):
-        def _create_transport(self, resolved_name, pub_uri, protocol_params):
-            if resolved_name not in topics.excluded and pub_uri in participant.uris.values():
-                return 1, 'through the time master', 0
-            return create_transport(self, resolved_name, pub_uri, protocol_params)
-        return _create_transport
-
-    replace('rospy.topics._PublisherImpl.add_connection', adding)
-    replace('rospy.topics._PublisherImpl.remove_connection', removing)
     replace('rospy.topics._PublisherImpl.publish', publishing)
-    replace('rospy.impl.tcpros_pubsub.TCPROSHandler.create_transport', creating)
 
 
 def _is_onlooker(impl, topics, connection):

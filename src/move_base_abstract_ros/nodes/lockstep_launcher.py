@@ -1,6 +1,6 @@
 """Make a participant of lockstep of an unmodified program.
 
-    lockstep [--rank N] [--sleep wall|simulated] [--seed S] PROGRAM [ARGUMENTS]
+    lockstep [--rank N] [--sleep wall|simulated] [--seed S] [--strict] PROGRAM [ARGUMENTS]
     lockstep [...] -m MODULE [ARGUMENTS]
     <node launch-prefix="rosrun move_base_abstract lockstep" .../>
 
@@ -50,6 +50,8 @@ def _parse(words):
                         help='what time.sleep waits for (default: %(default)s, while simulated time stands)')
     parser.add_argument('--seed', type=_whole_number, default=0, metavar='S',
                         help="what the program's random numbers start from, with the node's name (default: 0)")
+    parser.add_argument('--strict', action='store_true',
+                        help='the first reason not to call the run repeatable ends it with an error')
     # From this launcher to itself: the words after a Python interpreter, which it has started again with.
     parser.add_argument(_AS_SCRIPT, action='store_true', help=argparse.SUPPRESS)
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)

@@ -204,5 +204,23 @@ def in_thread(_say):
     threading.Thread(target=rospy.spin).start()
 
 
+def stuck(_say):
+    """Does not look whether the node has ended, as some state machines."""
+    def wait():
+        while True:
+            threading.Event().wait(0.1)
+    threading.Thread(target=wait, name='waits for ever').start()
+    rospy.spin()
+
+
+def works_on(_say):
+    """Has something to do after the end, for longer than it would be let wait."""
+    rospy.spin()
+    until = time.monotonic() + 7.0
+    while time.monotonic() < until:
+        sum(range(1000))
+    print('has ended its work', flush=True)
+
+
 if __name__ == '__main__':
     play(globals())

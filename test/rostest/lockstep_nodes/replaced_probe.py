@@ -70,7 +70,7 @@ def main():
     before = contents()
 
     class Options:
-        rank, sleep, seed = None, 'wall', 0
+        rank, sleep, seed, strict = None, 'wall', 0, False
 
     inner = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'replaced_probe_program.py')
     sys.modules['replaced_probe'] = types.SimpleNamespace(tell=lambda: print(json.dumps(

@@ -1,0 +1,96 @@
+#include "stop_signals.h"
+
+#include <sys/socket.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <string>
+
+#include "lockstep/wire.h"
+
+namespace move_base_abstract::lockstep::internal {
+namespace {
+
+constexpr std::array<int, 2> kSignals = {SIGINT, SIGTERM};
+
+// What a handler of signals may use: nothing that allocates, and no lock.
+std::atomic<int> connection{-1};
+std::atomic<int> senders{0};
+std::atomic<bool> came{false};
+std::atomic<bool> due{false};
+std::string* frame = nullptr;
+std::array<struct sigaction, 2> before;
+
+void tell() {
+  if (const int socket = connection.exchange(-1); socket >= 0) {
+    [[maybe_unused]] const auto sent =
+        ::send(socket, frame->data(), frame->size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  }
+}
+
+void onSignal(int number, siginfo_t* info, void* context) {
+  const int error = errno;
+  came = true;
+  if (senders == 0) {
+    tell();
+  } else {
+    due = true;
+    if (senders == 0 && due.exchange(false)) {
+      tell();
+    }
+  }
+  const struct sigaction& other = before[number == SIGINT ? 0 : 1];
+  if ((other.sa_flags & SA_SIGINFO) != 0) {
+    other.sa_sigaction(number, info, context);
+  } else if (other.sa_handler == SIG_DFL) {
+    ::sigaction(number, &other, nullptr);
+    ::raise(number);  // when this handler has returned
+  } else {
+    other.sa_handler(number);
+  }
+  errno = error;
+}
+
+}  // namespace
+
+Sending::Sending() { ++senders; }
+
+Sending::~Sending() {
+  if (--senders == 0 && due.exchange(false)) {
+    tell();
+  }
+}
+
+void announceStopSignals(int socket) {
+  static std::string stopping =
+      wire::encode(wire::ParticipantFrame(wire::Stopping{"a signal has told it to end"}));
+  frame = &stopping;
+  connection = socket;
+  static bool is_installed = false;
+  if (is_installed) {
+    return;
+  }
+  is_installed = true;
+  for (std::size_t k = 0; k < kSignals.size(); ++k) {
+    ::sigaction(kSignals[k], nullptr, &before[k]);
+    if ((before[k].sa_flags & SA_SIGINFO) == 0 && before[k].sa_handler == SIG_IGN) {
+      continue;
+    }
+    struct sigaction own {};
+    own.sa_sigaction = onSignal;
+    own.sa_mask = before[k].sa_mask;
+    own.sa_flags = (before[k].sa_flags & SA_RESTART) | SA_SIGINFO;
+    ::sigaction(kSignals[k], &own, nullptr);
+  }
+}
+
+void forgetStopSignals(int socket) {
+  int mine = socket;
+  connection.compare_exchange_strong(mine, -1);
+}
+
+bool stopSignalCame() { return came; }
+
+}  // namespace move_base_abstract::lockstep::internal
