@@ -33,6 +33,9 @@ struct SessionMember {
   bool departing = false;            // goes when the round is over
   bool dead = false;                 // ... without having left
   std::string how;
+  std::string granted;        // the items of its latest grant, where they are few
+  std::string where;          // its own words, of the latest grant: what its thread is doing
+  bool silence_told = false;  // of the latest grant
   bool input_told = false;
   bool listed = false;  // has a report or departs
 };

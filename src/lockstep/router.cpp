@@ -237,4 +237,13 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
   }
 }
 
+std::string_view MessageRouter::topicName(MemberId id, std::uint32_t number) const {
+  const auto member = participants_.find(id);
+  if (member == participants_.end()) {
+    return "";
+  }
+  const auto topic = member->second.topics.find(number);
+  return topic == member->second.topics.end() ? "" : topics_[topic->second.topic].name;
+}
+
 }  // namespace move_base_abstract

@@ -75,6 +75,8 @@ class MessageRouter {
   std::vector<std::string> takeWarnings();
 
   std::uint64_t messages() const { return messages_; }  // delivered, one for each receiver
+  /** @return the name of a topic by a participant's own number of it; '' if there is none. */
+  std::string_view topicName(MemberId id, std::uint32_t number) const;
   std::size_t topics() const { return topics_.size(); }
   std::size_t openCalls() const { return calls_.size(); }
   /** @return how many wait to be told of services that nobody serves. */

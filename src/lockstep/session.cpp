@@ -9,6 +9,7 @@
 namespace move_base_abstract {
 namespace {
 
+constexpr std::size_t kKeptGrant = 4096;  // bytes, to say what a silent one was told last
 constexpr Nanoseconds kMissingGap = 5 * kNanosecondsPerSecond;  // wall
 
 }  // namespace
@@ -200,6 +201,9 @@ void LockstepSession::sendGrant(const LockstepRounds::Grant& grant, Member& memb
   }
   granted_.push_back(grant.member);
   member.foreseen.clear();
+  member.where.clear();
+  member.silence_told = false;
+  member.granted.assign(items, 0, items.size() <= kKeptGrant ? items.size() : 0);
   connections_.send(member.connection,
                     wire::encodeGrant({grant.round, grant.time, grant.microstep, {}}, items));
 }
@@ -263,25 +267,6 @@ void LockstepSession::handle(const LockstepRounds::Event& event) {
     case Kind::kZeroDelayLoop:
       handleStandstill(event);
       break;
-  }
-}
-
-void LockstepSession::handleSilence(const LockstepRounds::Event& event) {
-  const LockstepRounds::MemberState* member = rounds_.find(event.member);
-  if (!member) {
-    return;
-  }
-  const std::string time = secondsText(event.duration) + " of wall time";
-  if (event.kind == LockstepRounds::Event::Kind::kAnswered) {
-    messages_.say(Level::kInfo, text_.quoted(event.member) + " answered after " + time);
-    return;
-  }
-  messages_.say(Level::kWarn, text_.quoted(event.member) + " has been silent for " + time +
-                                  "; it owes " + text_.owed(*member) + text_.at());
-  if (settings_.on_silence == OnSilence::kDrop) {
-    const std::string reason = "it was dropped: silent for " + time;
-    connections_.close(members_.at(event.member).connection, reason);
-    die(event.member, reason);
   }
 }
 
@@ -373,7 +358,7 @@ LockstepStatus LockstepSession::status() const {
   status.microstep = rounds_.microstep();
   status.paused = rounds_.paused();
   if (!rounds_.ended()) {
-    status.waiting_for = text_.waitingFor(began_, interruption_);
+    status.waiting_for = text_.waitingFor(began_, interruption_, router_);
   }
   status.participants = text_.participants();
   status.not_repeatable = labels_.notRepeatable();

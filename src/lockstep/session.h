@@ -93,6 +93,7 @@ class LockstepSession {
   void takeKnock(MemberId id);
   void takeLeave(MemberId id, const wire::Leave& leave);
   void takeStopping(MemberId id, const wire::Stopping& stopping);
+  void takeBusy(MemberId id, const wire::Busy& busy);
   void keepLeft(MemberId id);
   bool heldByInterruption();
   void endTogether();

@@ -77,6 +77,8 @@ void LockstepSession::take(ConnectionId id, const Connection& connection, std::s
     takeLeave(connection.member, *leave);
   } else if (const auto* stopping = std::get_if<wire::Stopping>(&decoded); stopping && greeted) {
     takeStopping(connection.member, *stopping);
+  } else if (const auto* busy = std::get_if<wire::Busy>(&decoded); busy && greeted) {
+    takeBusy(connection.member, *busy);
   } else {
     throw wire::MalformedFrame(greeted ? "HELLO must come once, got another"
                                        : "the first frame must be HELLO, got another type");

@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace move_base_abstract {
+namespace {
+
+constexpr std::size_t kMostTold = 10;
+
+}  // namespace
 
 std::string StatusText::at() const { return " at " + secondsText(rounds_.now()); }
 
@@ -45,22 +50,58 @@ std::string StatusText::latestRound() const {
   return joined(names);
 }
 
-std::vector<LockstepStatus::Waiting> StatusText::waitingFor(
-    Nanoseconds began, const Interruption& interruption) const {
+std::string StatusText::told(MemberId id, const MessageRouter& router) const {
+  const auto member = members_.find(id);
+  if (member == members_.end() || member->second.granted.empty()) {
+    return "";
+  }
+  const std::string frame = wire::encodeGrant({0, 0, 0, {}}, member->second.granted);
+  const auto grant =
+      std::get<wire::Grant>(wire::decodeFromMaster(std::string_view(frame).substr(4)));
+  std::vector<std::string> parts;
+  for (const wire::GrantItem& item : grant.items) {
+    std::string text =
+        std::visit([&](const auto& decoded) { return describe(decoded, id, router); }, item);
+    if (!text.empty()) {
+      parts.push_back(std::move(text));
+    }
+  }
+  const std::size_t first = parts.size() > kMostTold ? parts.size() - kMostTold : 0;
+  return joined({parts.begin() + static_cast<std::ptrdiff_t>(first), parts.end()});
+}
+
+std::string StatusText::describe(const wire::Deliver& item, MemberId id,
+                                 const MessageRouter& router) const {
+  return "a message on " + std::string(router.topicName(id, item.topic)) + " of " +
+         quoted(item.sender);
+}
+
+std::string StatusText::describe(const wire::CallIn& item, MemberId, const MessageRouter&) const {
+  return "a call by " + quoted(item.caller);
+}
+
+std::string StatusText::describe(const wire::Answer&, MemberId, const MessageRouter&) const {
+  return "the answer to a call";
+}
+
+std::vector<LockstepStatus::Waiting> StatusText::waitingFor(Nanoseconds began,
+                                                            const Interruption& interruption,
+                                                            const MessageRouter& router) const {
   std::vector<LockstepStatus::Waiting> waiting;
   if (!rounds_.started()) {
     for (const std::string& name : rounds_.missing()) {
-      waiting.push_back({name, began, "its HELLO" + departureOf(name)});
+      waiting.push_back({name, began, "its HELLO" + departureOf(name), "", ""});
     }
     return waiting;
   }
   for (const auto& [id, since] : interruption.ending()) {
-    waiting.push_back({nameOf(id), since, "the end that it was told to come to"});
+    waiting.push_back({nameOf(id), since, "the end that it was told to come to", "", ""});
   }
   for (const MemberId id : rounds_.latestRound()) {
     const LockstepRounds::MemberState* member = rounds_.find(id);
     if (member && member->owes && !interruption.concerns(id)) {
-      waiting.push_back({member->name, member->granted_wall, owed(*member)});
+      waiting.push_back({member->name, member->granted_wall, owed(*member), members_.at(id).where,
+                         told(id, router)});
     }
   }
   return waiting;

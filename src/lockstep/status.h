@@ -15,6 +15,7 @@
 #include "labels.h"
 #include "member.h"
 #include "rounds.h"
+#include "router.h"
 
 namespace move_base_abstract {
 
@@ -24,6 +25,8 @@ struct LockstepStatus {
     std::string name;
     Nanoseconds since;  // wall ns; before the start: since the session began to wait
     std::string owes;   // "its HELLO", "the report of round 17 (3 messages, wake-up due)"
+    std::string where;  // its thread, in its own words; '' if it has not said
+    std::string told;   // with its latest grant; '' if not known
   };
   struct Participant {
     MemberId id;
@@ -75,11 +78,22 @@ class StatusText {
   std::string missing() const;
   /** @param began wall ns; when the session began to wait. */
   std::vector<LockstepStatus::Waiting> waitingFor(Nanoseconds began,
-                                                  const Interruption& interruption) const;
+                                                  const Interruption& interruption,
+                                                  const MessageRouter& router) const;
+  /** @return what the member's latest grant said, the last ten things; '' if it is not known. */
+  std::string told(MemberId id, const MessageRouter& router) const;
   std::vector<LockstepStatus::Participant> participants() const;
 
  private:
   std::string stuck() const;
+  std::string describe(const wire::Deliver& item, MemberId id, const MessageRouter& router) const;
+  std::string describe(const wire::CallIn& item, MemberId id, const MessageRouter& router) const;
+  std::string describe(const wire::Answer& item, MemberId id, const MessageRouter& router) const;
+  /** @return nothing of what links and services come and go: nobody works on that for long. */
+  template <typename Other>
+  std::string describe(const Other&, MemberId, const MessageRouter&) const {
+    return "";
+  }
   std::string latestRound() const;
   std::string departureOf(const std::string& name) const;
 

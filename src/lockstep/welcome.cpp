@@ -43,6 +43,9 @@ std::string encodeWelcome(MemberId id, const wire::Hello& hello, const LockstepS
   welcome.own_id = id;
   welcome.rank = rankOf(hello);
   welcome.leave_limit_ns = kLastWordsLimit;
+  // Early enough that it is known when the silence is told.
+  welcome.busy_limit_ns =
+      settings.silence_limit > 0.0 ? toNanoseconds(settings.silence_limit) / 5 * 4 : kNever;
   welcome.excluded_topics.assign(excluded.begin(), excluded.end());
   return wire::encode(wire::MasterFrame(welcome));
 }

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -88,6 +89,8 @@ class Core : public Program, public std::enable_shared_from_this<Core> {
   bool hasInput() override;
   bool waitsOn() override;
   void onEnd() override;
+  void lock() override { mutex_.lock(); }
+  void unlock() override { mutex_.unlock(); }
 
   void takeOutside();
   void enterOutside();
@@ -107,6 +110,7 @@ class Core : public Program, public std::enable_shared_from_this<Core> {
   ros::NodeHandle& nodeFor(const std::string& name, std::string* rest);
 
   const std::thread::id thread_ = std::this_thread::get_id();
+  std::mutex mutex_;  // of the membership, which another thread looks at
   ros::NodeHandle node_;
   ros::NodeHandle private_node_{"~"};
 

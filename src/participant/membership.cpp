@@ -3,6 +3,8 @@
 #include <ros/console.h>
 #include <ros/init.h>
 #include <ros/param.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <limits>
@@ -11,6 +13,7 @@
 
 #include "failure.h"
 #include "stop_signals.h"
+#include "thread_stack.h"
 
 namespace move_base_abstract::lockstep::internal {
 namespace {
@@ -180,6 +183,24 @@ void Membership::handle(const wire::Welcome& frame) {
   constexpr Nanoseconds kMillisecond = kNanosecondsPerSecond / 1000;
   leave_limit_ms_ = static_cast<int>(
       std::min<Nanoseconds>(frame.leave_limit_ns / kMillisecond, std::numeric_limits<int>::max()));
+  silence_.begin(
+      frame.busy_limit_ns, [this] { return grantedRound(); },
+      [this](std::uint64_t round) { tellBusy(round); });
+}
+
+/** @return the round that is being worked on, 0 if none is. From any thread. */
+std::uint64_t Membership::grantedRound() {
+  const Lock lock(program_);
+  return state_ == State::kTurn ? round_ : 0;
+}
+
+void Membership::tellBusy(std::uint64_t round) {
+  const int thread = program_.busyThread();
+  const std::string where = describeThread(thread == 0 ? reader_.load() : thread);
+  const Lock lock(program_);
+  if (state_ == State::kTurn && round_ == round) {
+    link_.send(wire::encode(wire::ParticipantFrame(wire::Busy{round, where})));
+  }
 }
 
 void Membership::handle(const wire::Member& frame) {
@@ -212,6 +233,7 @@ void Membership::handle(const wire::Grant& frame) {
     now_ = frame.time_ns;
     microstep_ = frame.microstep;
     has_knocked_ = false;
+    reader_ = static_cast<int>(::syscall(SYS_gettid));
     state_ = State::kTurn;
   }
   program_.setTime(now_);

@@ -16,6 +16,7 @@
 #include "link.h"
 #include "lockstep/wire.h"
 #include "report_delay.h"
+#include "silence.h"
 
 namespace move_base_abstract::lockstep::internal {
 
@@ -47,6 +48,8 @@ class Program {
   virtual bool waitsOn() = 0;
   /** @brief The time master has ended this node's part. */
   virtual void onEnd() = 0;
+  /** @return the thread that works on the present grant, as gettid() says; 0: who has read it. */
+  virtual int busyThread() { return 0; }
 };
 
 /** @brief What a report says besides what was done. */
@@ -152,6 +155,8 @@ class Membership {
     program_.handle(item);
   }
   void end(const std::string& reason, bool as_wished = false);
+  std::uint64_t grantedRound();
+  void tellBusy(std::uint64_t round);
 
   Program& program_;
   Presence presence_;
@@ -174,6 +179,7 @@ class Membership {
   int leave_limit_ms_ = 0;  // wall
 
   std::string end_reason_;
+  std::atomic<int> reader_{0};  // thread that has read the latest grant, as gettid() says
   std::uint64_t round_ = 0;
   Nanoseconds now_ = 0;
   std::uint32_t microstep_ = 0;
@@ -181,6 +187,7 @@ class Membership {
   std::uint32_t calls_made_ = 0;
   std::map<std::uint32_t, Reply> answers_;
   std::set<std::string> found_;
+  SilenceWatch silence_;
 };
 
 }  // namespace move_base_abstract::lockstep::internal

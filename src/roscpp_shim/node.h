@@ -82,6 +82,7 @@ class Node : public lockstep::internal::Program {
   bool hasInput() override;
   bool waitsOn() override;
   void onEnd() override;
+  int busyThread() override { return turn().holder(); }
 
   std::string waits() const;
   bool enterOutside(bool only_if_late);

@@ -163,6 +163,11 @@ Task* Turn::find(pthread_t thread) {
   return found == tasks_.rend() ? nullptr : *found;
 }
 
+int Turn::holder() {
+  const Lock lock(mutex_);
+  return holder_ == nullptr ? 0 : holder_->tid;
+}
+
 bool Turn::isParked(int tid) {
   const Lock lock(mutex_);
   return std::any_of(waiting_.begin(), waiting_.end(),

@@ -122,6 +122,9 @@ class Turn {
   /** @return whether the thread with @p tid waits, so that it cannot unlock anything. */
   bool isParked(int tid);
 
+  /** @return the thread that has the turn, as gettid() says; 0: none. From any thread. */
+  int holder();
+
   /** @return when the first of the threads wants to go on. */
   Nanoseconds nextWake();
   /** @return whether somebody who ran beside the others, or was signalled by others, can go on. */

@@ -243,6 +243,8 @@ void LockstepMode::describe(TimeState& state) {
     Waiting message;
     message.name = waiting.name;
     message.owes = waiting.owes;
+    message.where = waiting.where;
+    message.told = waiting.told;
     message.since = static_cast<double>(std::max<Nanoseconds>(wall - waiting.since, 0)) / 1e9;
     state.waiting_for.push_back(message);
   }

@@ -136,6 +136,7 @@ class RawClient:
         kind, reader = self.receive()
         assert kind == WELCOME, (kind, reader.text() if kind == END else None)
         self.own_id, self.rank, self.leave_limit_ns = reader.fields('Iiq')
+        self.busy_limit_ns, = reader.fields('q')
         self.excluded_topics = [reader.text() for _ in range(reader.number('I'))]
         return self
 

@@ -5,14 +5,18 @@ import os
 import re
 import shutil
 import tempfile
+import time
 import unittest
 
 import rosgraph
 import rostest
-from lockstep_roscpp_run import Program, Runs, own, recorder
+from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder
+
+from move_base_abstract_ros.loopback import Loopback
 
 RUNS = Runs()
 SECOND = 10 ** 9
+BROODER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'unmodified', 'brooder.py')
 
 
 def rate(name='rate', frequency=10.0, ticks=100, topic=None):
@@ -129,6 +133,31 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.assertEqual([line.split(' ', 3)[3] for line in run.printed(1)], ['writes', 'got 7', 'goes on'])
         self.assertEqual(run.labels,
                          ["'/threads': a thread waits for another one in a way that lockstep does not follow"])
+
+    def test_programs_that_are_silent_say_where_they_are(self):
+        programs = [Program('broods', own('shim_silent'), what='computes'),
+                    Program('reads', own('shim_silent'), what='reads'), Program('brooder', BROODER)]
+        with Loopback() as RUNS.ros:
+            master = RUNS.ros.run('time_master', 'time_master', parameters={
+                'mode': 'lockstep', 'participants': [f'/{program.name}' for program in programs],
+                'silence_limit': 0.5})
+            for program in programs:
+                RUNS.start(program)
+            told = ''
+            deadline = time.monotonic() + GUARD
+            while told.count('    it is in ') < 3:
+                self.assertLess(time.monotonic(), deadline, told)
+                told = RUNS.ask_why()
+            log = read(master)
+        broods, reads, brooder = (told.partition(f'/{name} owes the report of round')[2].partition('owes')[0]
+                                  for name in ('broods', 'reads', 'brooder'))
+        line = r'shim_silent\+0x[0-9a-f]+ \(.*shim_silent.cpp:[0-9]+\)'
+        self.assertRegex(broods, "it is in thread 'shim_silent' computes: .*" + line)
+        self.assertRegex(reads, r"it is in thread 'shim_silent' waits in read of pipe:\[[0-9]+\]: .*" + line)
+        self.assertIn(f'it is in {BROODER}, line 13, in <module> > {BROODER}, line 9, in brood > ', brooder)
+        for answer in (broods, reads, brooder):
+            self.assertIn('what usually helps', answer)
+        self.assertRegex(log, r"'/brooder' (has been silent for .*; it)? is in .*brooder.py, line 9")
 
 
 if __name__ == '__main__':

@@ -213,6 +213,36 @@ TEST(Departure, DeathCanEndTheRun) {
   EXPECT_EQ(lines(pair.session).size(), 1U);  // what had been reported is in the log
 }
 
+// ---- silence -------------------------------------------------------------------------------
+
+TEST(Silence, IsToldWithWhatWasToldLastAndWithWhereTheSilentOneIs) {
+  Pair pair;
+  pair.report(1, kNever, {advertise(1, "/x")});
+  pair.report(2, 4 * kOne, {subscribe(2, "/x"), wire::Serve{1, 0, "/s"}});
+  pair.grant(1);
+  pair.grant(2);
+  pair.report(1, kNever, {wire::Send{1, 0, 0, "data"}, wire::Call{0, 0, "/s", ""}});
+  pair.report(2, kNever);
+  pair.grant(2);
+  const std::uint64_t round = 3;
+  pair.frame(2, wire::Busy{round - 1, "an old place"});  // it has reported since
+  EXPECT_EQ(pair.session.status().waiting_for[0].where, "");
+  pair.frame(2, wire::Busy{round, "agent.py, line 7\n"});
+  pair.wall = 12 * kOne;
+  pair.poll();
+  const auto waiting = pair.session.status().waiting_for;
+  EXPECT_EQ(waiting[0].where, "agent.py, line 7\\x0a");
+  EXPECT_EQ(waiting[0].told, "a message on /x of '/a', a call by '/a'");
+  EXPECT_TRUE(
+      pair.said("it was told last: a message on /x of '/a', a call by '/a'; it is in agent.py, "
+                "line 7\\x0a",
+                LockstepMessage::Level::kWarn));
+  pair.frame(2, wire::Busy{round, "agent.py, line 9"});
+  EXPECT_TRUE(pair.said("'/b' is in agent.py, line 9", LockstepMessage::Level::kWarn));
+  pair.report(2, kOne);
+  EXPECT_EQ(pair.session.status().waiting_for[0].where, "");  // of the next grant
+}
+
 // ---- what is malformed -----------------------------------------------------------------------
 
 TEST(Malformed, OnlyThatConnectionIsClosed) {
@@ -220,7 +250,7 @@ TEST(Malformed, OnlyThatConnectionIsClosed) {
   pair.report(2, 3 * kOne);
   pair.bytes(1, std::string("\x01\0\0\0\x63", 5));
   EXPECT_TRUE(pair.closed[1]);
-  EXPECT_EQ(pair.end[1], "type of frame must be from 1 to 5, got 99");
+  EXPECT_EQ(pair.end[1], "type of frame must be from 1 to 6, got 99");
   EXPECT_FALSE(pair.closed[2]);
   EXPECT_EQ(pair.point(2), "3000+0");
   EXPECT_EQ(pair.session.status().degraded.size(), 1U);

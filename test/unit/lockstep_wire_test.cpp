@@ -115,7 +115,7 @@ TEST(Wire, TheOtherFramesComeBack) {
     const std::string bytes = encode(frame);
     EXPECT_EQ(encode(decodeFromParticipant(body(bytes))), bytes);
   }
-  const std::vector<MasterFrame> down{Welcome{3, -1, kNever, {"/clock", ""}},
+  const std::vector<MasterFrame> down{Welcome{3, -1, kNever, 8, {"/clock", ""}},
                                       Member{4, "/b", "uri"}, Gone{4}, End{"over"}};
   for (const MasterFrame& frame : down) {
     const std::string bytes = encode(frame);
@@ -157,8 +157,8 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
     return malformed([&] { decodeFromParticipant(bytes); });
   };
   EXPECT_EQ(up(""), "a frame must have a type, got an empty one");
-  EXPECT_EQ(up("\x06"), "type of frame must be from 1 to 5, got 6");
-  EXPECT_EQ(up("\x13"), "type of frame must be from 1 to 5, got 19");
+  EXPECT_EQ(up("\x07"), "type of frame must be from 1 to 6, got 7");
+  EXPECT_EQ(up("\x13"), "type of frame must be from 1 to 6, got 19");
   EXPECT_EQ(up("\x03zz"), "KNOCK: end must come here, got more bytes (byte 0 of 2)");
   const auto patched = [&](const ReportItem& item, std::size_t at, char value) {
     std::string frame = encodeReport({}, "");

@@ -18,6 +18,7 @@ def grant(*items, number=7, time_ns=1_500_000_000, microstep=3):
 def test_a_frame_is_its_length_its_type_and_its_body():
     assert wire.frame(wire.KNOCK) == b'\x01\0\0\0\x03'
     assert wire.leave('ab') == b'\x07\0\0\0\x04\x02\0\0\0ab'
+    assert wire.busy(3, 'ab') == b'\x0f\0\0\0\x06\x03\0\0\0\0\0\0\0\x02\0\0\0ab'
     assert wire.stopping('ab') == b'\x07\0\0\0\x05\x02\0\0\0ab'
 
 

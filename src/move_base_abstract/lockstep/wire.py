@@ -23,7 +23,7 @@ def _numbers(layouts, names):
     return (layouts[name].number for name in names.split())
 
 
-HELLO, REPORT, KNOCK, LEAVE, STOPPING = _numbers(FRAMES, 'HELLO REPORT KNOCK LEAVE STOPPING')
+HELLO, REPORT, KNOCK, LEAVE, STOPPING, BUSY = _numbers(FRAMES, 'HELLO REPORT KNOCK LEAVE STOPPING BUSY')
 WELCOME, MEMBER, GONE, GRANT, END = _numbers(FRAMES, 'WELCOME MEMBER GONE GRANT END')
 # Of items, those that somebody asks for: the first byte of an item.
 SEND, CALL, RESPONSE = _numbers(ITEMS, 'SEND CALL RESPONSE')
@@ -116,6 +116,7 @@ send, call, response = _item('SEND'), _item('CALL'), _item('RESPONSE')
 log, note, watch, at, rest = _item('LOG'), _item('NOTE'), _item('WATCH'), _item('AT'), _item('REST')
 
 _hello = _writer('hello', FRAMES['HELLO'].fields)
+_busy = _writer('busy', FRAMES['BUSY'].fields)
 _report = _writer('report', ('u32 length', 'u8 type') + FRAMES['REPORT'].fields)
 _REPORT_HEAD = len(_report(0, 0, 0, False, 0, 0)) - 4  # bytes behind the length
 
@@ -139,6 +140,11 @@ def leave(reason):
 def stopping(reason):
     """Return the frame by which a participant says that it was told to end, before it leaves."""
     return frame(STOPPING, text(reason))
+
+
+def busy(round_number, where):
+    """Return the frame by which a participant says where it is, while its work on a grant takes long."""
+    return frame(BUSY, _busy(round_number, where))
 
 
 # --- reading --------------------------------------------------------------------------------------------------------

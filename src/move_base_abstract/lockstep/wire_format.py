@@ -45,12 +45,15 @@ PARTICIPANT_FRAMES = (
     Layout(3, 'KNOCK', ()),
     Layout(4, 'LEAVE', ('text reason',)),
     Layout(5, 'STOPPING', ('text reason',)),  # it is told to end, at some moment of the wall clock, and about to leave
+    # Its work on a grant takes long: what the thread that has the turn is doing, the innermost function last.
+    Layout(6, 'BUSY', ('u64 round', 'text where')),
 )
 
 MASTER_FRAMES = (
     Layout(16, 'WELCOME', ('u32 own_id',
                            'i32 rank',  # the one declared, or that of all who declare none
                            'instant leave_limit_ns',  # wall; for how long, at its end, it waits until all is taken
+                           'instant busy_limit_ns',  # wall; who works longer on a grant says where; NEVER: nobody
                            'texts excluded_topics')),  # that do not go through the time master
     Layout(17, 'MEMBER', ('u32 id', 'text name', 'text node_uri')),
     Layout(18, 'GONE', ('u32 id',)),

@@ -14,7 +14,7 @@ from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_loc
 from move_base_abstract.lockstep.secret import run_secret
 from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
-from . import finish
+from . import finish, silence
 from .connection import Closed, Connection
 from .foresight import Foresight
 from .report_delays import make_delay
@@ -193,6 +193,18 @@ class Participant:
         elif not self.scheduler.is_closed:
             self.scheduler.from_outside(lambda: self._items.append(item))
 
+    def tell_busy(self, round_number, where):
+        """Say where the thread is that has the turn; from any thread."""
+        try:
+            self.connection.send(wire.busy(round_number, where))
+        except Closed:
+            pass
+
+    @property
+    def granted(self):
+        """The number of the round that is being worked on, None if none is; from any thread."""
+        return self._round if self._is_granted and not self.scheduler.is_closed else None
+
     def is_member(self, name):
         """Return whether the node ``name`` takes part (as far as this process has been told)."""
         return name in self.uris
@@ -319,7 +331,8 @@ class Participant:
             reason, as_wished = wire.read_frame(kind, body)
             self._give_up('the time master has ended lockstep: {}'.format(reason), as_wished)
         if kind == wire.WELCOME:
-            number, self.rank, leave_limit_ns, excluded = wire.read_frame(kind, body)
+            number, self.rank, leave_limit_ns, busy_limit_ns, excluded = wire.read_frame(kind, body)
+            silence.watch(self, busy_limit_ns)
             self._leave_seconds = leave_limit_ns * 1e-9
             self.topics.excluded.update(excluded)
             self.names[number] = self.names[0]

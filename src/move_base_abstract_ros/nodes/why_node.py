@@ -11,6 +11,10 @@ Exit codes: 0 the time master has answered; 1 it has not; 2 wrong arguments.
 import argparse
 import json
 import math
+import os
+import re
+import shutil
+import subprocess
 import sys
 
 import genpy
@@ -19,6 +23,11 @@ import rospy
 
 from move_base_abstract.msg import TimeState
 
+HELP = ('what usually helps: a loop that waits for something waits in ROS time (rospy.sleep, rospy.Rate, '
+        'ros::Duration::sleep); a wait for a file, a socket or another process holds everybody up until it is over; '
+        'what computes for long needs patience only')
+_CODE = re.compile(r'(\S+)\+(0x[0-9a-f]+)')  # a place in a binary, as its thread has told it
+_ADDR2LINE_SECONDS = 10.0  # wall
 SHOWN = 10  # participants of a kind that are named one by one
 
 PHASES = {
@@ -133,8 +142,28 @@ def _waiting_lines(state):
     waiting = sorted(state.waiting_for, key=lambda one: -one.since)
     for one in waiting[:SHOWN]:
         yield f'{one.name} owes {one.owes}, for {one.since:.1f} s'
+        if one.told:
+            yield f'    it was told last: {one.told}'
+        if one.where:
+            yield f'    it is in {_CODE.sub(_with_line, one.where)}'
+            yield f'    {HELP}'
     if len(waiting) > SHOWN:
         yield f'... and {len(waiting) - SHOWN} more'
+
+
+def _with_line(place):
+    """Return a place in a binary with the line of its source, if addr2line is there and the binary knows it."""
+    path, offset = place.groups()
+    program = shutil.which('addr2line')
+    if program is None or not os.path.isfile(path):
+        return place.group()
+    try:
+        done = subprocess.run([program, '-e', path, offset], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                              check=False, timeout=_ADDR2LINE_SECONDS)
+    except (OSError, subprocess.TimeoutExpired):
+        return place.group()
+    line = done.stdout.decode(errors='replace').split(' (')[0].strip()
+    return place.group() if not line or line.startswith('??') else f'{place.group()} ({line})'
 
 
 def _participant_lines(state):

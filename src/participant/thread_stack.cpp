@@ -1,0 +1,213 @@
+#include "thread_stack.h"
+
+#include <cxxabi.h>
+#include <dlfcn.h>
+#include <elf.h>
+#include <execinfo.h>
+#include <poll.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+namespace move_base_abstract::lockstep::internal {
+namespace {
+
+constexpr std::size_t kMostFrames = 64;
+constexpr std::size_t kMostShown = 12;
+constexpr int kAnswerLooks = 100;  // of 10 ms, wall
+
+// What the handler of the signal writes. Its owner is the thread that asks; one at a time.
+std::array<void*, kMostFrames> frames;
+std::atomic<int> asked{0};  // id of a thread
+std::atomic<int> count{0};
+
+void onAsked(int /*number*/) {
+  const int error = errno;
+  if (asked == static_cast<int>(::syscall(SYS_gettid))) {
+    count = ::backtrace(frames.data(), static_cast<int>(kMostFrames));
+    asked = 0;
+  }
+  errno = error;
+}
+
+struct Call {
+  long number;
+  const char* name;
+  bool has_file;  // its first argument is a descriptor
+  bool resumes;   // a signal does not end it
+};
+
+constexpr Call kCalls[] = {
+    {SYS_read, "read", true, true},
+    {SYS_write, "write", true, true},
+    {SYS_readv, "readv", true, true},
+    {SYS_writev, "writev", true, true},
+    {SYS_wait4, "wait4", false, true},
+    {SYS_waitid, "waitid", false, true},
+    {SYS_flock, "flock", true, true},
+    {SYS_futex, "futex (a lock or a condition)", false, false},
+    {SYS_connect, "connect", true, false},
+    {SYS_accept4, "accept", true, false},
+    {SYS_recvfrom, "recv", true, false},
+    {SYS_recvmsg, "recvmsg", true, false},
+    {SYS_sendto, "send", true, false},
+    {SYS_ppoll, "poll", false, false},
+    {SYS_pselect6, "select", false, false},
+    {SYS_epoll_pwait, "epoll_wait", false, false},
+    {SYS_clock_nanosleep, "nanosleep", false, false},
+#ifdef SYS_poll
+    {SYS_poll, "poll", false, false},
+    {SYS_select, "select", false, false},
+    {SYS_epoll_wait, "epoll_wait", false, false},
+#endif
+};
+
+std::string firstLine(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  return line;
+}
+
+/** @return what a descriptor is of: "pipe:[123]", "/dev/ttyUSB0". */
+std::string targetOf(long descriptor) {
+  std::array<char, 256> target{};
+  const ssize_t length = ::readlink(("/proc/self/fd/" + std::to_string(descriptor)).c_str(),
+                                    target.data(), target.size());
+  return length > 0 ? std::string(target.data(), static_cast<std::size_t>(length))
+                    : "descriptor " + std::to_string(descriptor);
+}
+
+/** @brief The call of the system that a thread is in, and whether a signal may be sent to it. */
+struct Doing {
+  std::string words;
+  bool may_be_asked;
+};
+
+Doing doingOf(const std::string& task) {
+  const std::string stat = firstLine(task + "/stat");
+  const std::size_t name_end = stat.rfind(')');
+  if (name_end == std::string::npos || name_end + 2 >= stat.size()) {
+    return {"has gone", false};
+  }
+  if (stat[name_end + 2] == 'R') {
+    return {"computes", true};
+  }
+  std::istringstream call(firstLine(task + "/syscall"));
+  long number = -1;
+  std::string first;
+  if (!(call >> number >> first)) {
+    return {"waits in the system", false};
+  }
+  const auto known = std::find_if(std::begin(kCalls), std::end(kCalls),
+                                  [number](const Call& one) { return one.number == number; });
+  if (known == std::end(kCalls)) {
+    return {"waits in call " + std::to_string(number) + " of the system", false};
+  }
+  return {std::string("waits in ") + known->name +
+              (known->has_file ? " of " + targetOf(std::strtol(first.c_str(), nullptr, 16)) : ""),
+          known->resumes};
+}
+
+std::string functionName(const char* symbol) {
+  int status = 0;
+  const std::unique_ptr<char, decltype(&std::free)> demangled(
+      abi::__cxa_demangle(symbol, nullptr, nullptr, &status), &std::free);
+  return status == 0 ? demangled.get() : symbol;
+}
+
+/** @return a frame as "function in file+0x12ab", where addr2line finds the line; '': not known. */
+std::string place(void* address) {
+  const auto* const at = static_cast<const char*>(address) - 1;  // in the call, not behind it
+  Dl_info info;
+  if (::dladdr(at, &info) == 0 || info.dli_fname == nullptr) {
+    return "";
+  }
+  const auto* const head = static_cast<const Elf64_Ehdr*>(info.dli_fbase);
+  const auto base = head->e_type == ET_DYN ? reinterpret_cast<std::uintptr_t>(info.dli_fbase) : 0;
+  std::ostringstream text;
+  if (info.dli_sname != nullptr) {
+    text << functionName(info.dli_sname) << " in ";
+  }
+  text << info.dli_fname << "+0x" << std::hex << reinterpret_cast<std::uintptr_t>(at) - base;
+  return text.str();
+}
+
+bool isOurs(const std::string& text) {
+  return text.find("libmove_base_abstract_") != std::string::npos;
+}
+
+std::string stackText(std::size_t depth) {
+  std::vector<std::string> places;
+  for (std::size_t k = 2; k < depth; ++k) {  // the handler, and what has called it
+    const std::string text = place(frames[k]);
+    if (!text.empty() && !isOurs(text)) {
+      places.push_back(text);
+    }
+  }
+  places.resize(std::min(places.size(), kMostShown));
+  std::string text;
+  for (auto one = places.rbegin(); one != places.rend(); ++one) {
+    text += (text.empty() ? "" : " > ") + *one;
+  }
+  return text;
+}
+
+/** @return the thread's functions; '' if it does not answer. */
+std::string askForStack(int id) {
+  // The first time it loads a library, which a handler of signals must not.
+  ::backtrace(frames.data(), 1);
+  struct sigaction own {};
+  own.sa_handler = onAsked;
+  own.sa_flags = SA_RESTART;
+  struct sigaction before {};
+  const int number = SIGRTMAX - 3;
+  ::sigaction(number, nullptr, &before);
+  const bool is_free = (before.sa_flags & SA_SIGINFO) == 0 &&
+                       (before.sa_handler == SIG_DFL || before.sa_handler == onAsked);
+  if (!is_free) {
+    return "";
+  }
+  ::sigaction(number, &own, nullptr);
+  asked = id;
+  if (::syscall(SYS_tgkill, ::getpid(), id, number) != 0) {
+    asked = 0;
+    return "";
+  }
+  for (int look = 0; look < kAnswerLooks && asked != 0; ++look) {
+    ::poll(nullptr, 0, 10);
+  }
+  int waiting = id;
+  if (asked.compare_exchange_strong(waiting, 0)) {
+    return "";  // it keeps the signal for later
+  }
+  return stackText(static_cast<std::size_t>(count));
+}
+
+}  // namespace
+
+std::string describeThread(int id) {
+  const std::string task = "/proc/self/task/" + std::to_string(id);
+  const Doing doing = doingOf(task);
+  std::string text = "thread '" + firstLine(task + "/comm") + "' " + doing.words;
+  if (doing.may_be_asked) {
+    const std::string stack = askForStack(id);
+    text += stack.empty() ? "" : ": " + stack;
+  }
+  return text;
+}
+
+}  // namespace move_base_abstract::lockstep::internal

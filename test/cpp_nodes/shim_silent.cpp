@@ -1,0 +1,17 @@
+// A program that never answers: ~what says whether it computes or reads what nobody writes.
+#include <ros/ros.h>
+#include <unistd.h>
+
+#include <string>
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "silent");
+  ros::NodeHandle own("~");
+  int ends[2];
+  char byte = 0;
+  if (own.param<std::string>("what", "computes") == "reads" && pipe(ends) == 0) {
+    return static_cast<int>(read(ends[0], &byte, 1));
+  }
+  for (volatile int thoughts = 0;; thoughts = 1 - thoughts) {
+  }
+}
