@@ -24,6 +24,8 @@ ALWAYS, START = 'each node of this package', 'a node of this package, while its 
 ROBOTS = 'move_base and fleet'
 LOCKSTEP, THREADS = 'lockstep.join', 'lockstep.join, unless own_threads=False'
 LAUNCHER = 'the launcher of unmodified programs'
+OLD_LAUNCHER = 'the launcher of unmodified programs, before Python 3.11'
+POOLS = 'lockstep.join, when a program uses multiprocessing.pool'
 
 
 class Row(NamedTuple):
@@ -40,6 +42,7 @@ _LOOK = 'is counted, so that a loop that waits by looking goes on'
 _QUESTION = 'is asked after the others have done what they do at this instant'
 _CLOCK = 'goes on with simulated time, for the program'
 _CHANCE = "follows from the run's seed and the node's name, for the program"
+_SORTED = 'sorts what the file system has in any order'
 _TOLD = 'labels the run where the program calls it'
 _LOCK = 'gives the turn away where another thread of the program holds it'
 
@@ -131,11 +134,10 @@ _ROWS = (
     Row('random.Random.seed', LAUNCHER, _CHANCE),
     Row('random.seed', LAUNCHER, _CHANCE),
     Row('uuid.uuid1', LAUNCHER, _CHANCE),
-    Row('uuid.uuid4', LAUNCHER, _CHANCE),
     Row('tempfile._get_candidate_names', LAUNCHER, _CHANCE),
-    Row('numpy.random.bit_generator.randbits', LAUNCHER, _CHANCE),
-    Row('os.listdir', LAUNCHER, 'sorts what the file system has in any order'),
-    Row('os.scandir', LAUNCHER, 'sorts what the file system has in any order'),
+    Row('os.listdir', LAUNCHER, _SORTED),
+    Row('os.scandir', LAUNCHER, _SORTED),
+    Row('concurrent.futures._base.Future.__hash__', LAUNCHER, 'is a number, so that sets of futures have one order'),
     Row('os.getpid', LAUNCHER, _TOLD),
     Row('os.getppid', LAUNCHER, _TOLD),
     Row('os.times', LAUNCHER, _TOLD),
@@ -147,6 +149,10 @@ _ROWS = (
     Row('select.poll', LAUNCHER, _TOLD),
     Row('select.epoll', LAUNCHER, _TOLD),
     Row('select.select', LAUNCHER, _TOLD),
+    Row('_posixsubprocess.fork_exec', LAUNCHER, _TOLD),
+    Row('pathlib._NormalAccessor.listdir', OLD_LAUNCHER, _SORTED),
+    Row('pathlib._NormalAccessor.scandir', OLD_LAUNCHER, _SORTED),
+    Row('multiprocessing.pool.Pool._wait_for_updates', POOLS, _WAIT),
     Row('threading.Thread.isAlive', ALWAYS,
         'is there again where Python has it no more (3.9 and later): rospy of Debian 11 calls it'),
     Row('logging.Handler.handleError', ALWAYS, 'says once, in a line, that a log cannot be written'),

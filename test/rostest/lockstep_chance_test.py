@@ -131,5 +131,60 @@ class ThreadsTest(unittest.TestCase):
         self.assertIn('texts are hashed in another way in each run', ' '.join(self.stray.state.not_repeatable_because))
 
 
+class PoolsTest(unittest.TestCase):
+    def test_pools_of_threads_do_the_same_in_each_run_whatever_their_addresses(self):
+        runs = [run_programs({'pools': ['pools.py']}, until=10.0)]
+        with mock.patch.dict(os.environ, MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT='random'):
+            runs.append(run_programs({'pools': ['pools.py']}, until=10.0, load=2))
+        self.assertEqual([run.codes for run in runs], [{'pools': 0}] * 2, runs[0].outputs)
+        self.assertEqual(runs[0].log.count(b'"message"'), 8)
+        assert_same(self, runs)
+
+    def test_pools_of_processes_work_while_time_stands_and_are_labelled(self):
+        run = run_programs({'squares': ['process_pools.py']}, until=10.0)
+        self.assertEqual((run.printed('squares'), run.codes), (
+            ['2.000000000 [0, 1, 4, 9, 16]'] * 2 + ['2.000000000 0'], {'squares': 0}))
+        labels = ' '.join(run.state.not_repeatable_because)
+        for name in ('os.fork', '_posixsubprocess.fork_exec'):
+            self.assertIn('/squares: {} in {}, line '.format(name, os.path.join(FOLDER, 'process_pools.py')), labels)
+
+
+WORKSPACE = {
+    '.catkin': '', 'lib/python3/dist-packages/others/msg/_Made.py': 'import os\nnumber = os.getpid()\n',
+    'lib/python3/dist-packages/others/msg/__init__.py': '', 'lib/python3/dist-packages/others/__init__.py': """
+import datetime
+import os
+import others.msg._Made
+
+
+def tell():
+    return datetime.datetime.now().year, os.getpid() > 0
+""", 'program.py': """
+import others
+import rospy
+rospy.init_node('program')
+print(others.tell())
+"""}
+
+
+class WorkspaceTest(unittest.TestCase):
+    def test_packages_of_a_workspace_that_are_installed_are_the_programs_own(self):
+        with tempfile.TemporaryDirectory(prefix='lockstep_chance_') as folder:
+            for name, text in WORKSPACE.items():
+                path = os.path.join(folder, name)
+                os.makedirs(os.path.dirname(path), exist_ok=True)
+                with open(path, 'w') as stream:
+                    stream.write(text)
+            packages = os.path.join(folder, 'lib/python3/dist-packages')
+            paths = {name: os.pathsep.join([first, os.environ[name]]) for name, first in (
+                ('CMAKE_PREFIX_PATH', folder), ('PYTHONPATH', packages))}
+            with mock.patch.dict(os.environ, paths):
+                run = run_programs({'program': [os.path.join(folder, 'program.py')]}, until=5.0)
+        self.assertEqual(run.printed('program'), ['(2020, True)'], run.outputs)
+        self.assertEqual(list(run.state.not_repeatable_because), [
+            "'/program': /program: os.getpid in {}/others/__init__.py, line 8: is another number in another run".format(
+                packages)])
+
+
 if __name__ == '__main__':
     rostest.rosrun('move_base_abstract', 'lockstep_chance', __name__, sysargs=sys.argv)

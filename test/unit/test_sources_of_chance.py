@@ -13,9 +13,10 @@ LOCKSTEP = ROOT / 'src' / 'move_base_abstract_ros' / 'lockstep'
 SHIM_ROW = re.compile(r'^REPLACED\(([\w+]+), "[^"]+",\s+"([^"]+)",', re.MULTILINE)
 #: of Python's: names of a clock, of a sleep, of chance, of the machine
 PYTHON_SOURCE = re.compile(
-    r'(time|uuid|os|random|tempfile|numpy|resource|signal|select)\.|threading\._time$|queue\.time$')
+    r'(time|uuid|os|_posixsubprocess|random|tempfile|numpy|resource|signal|select)\.|threading\._time$|queue\.time$')
 #: what is a source without being replaced: it is seeded, or the program's text has it handed on
-FOLLOWED = {'random', 'numpy.random', 'datetime.now', 'datetime.utcnow', 'datetime.today', 'date.today', 'tempfile'}
+FOLLOWED = {'random', 'numpy.random', 'datetime.now', 'datetime.utcnow', 'datetime.today', 'date.today', 'tempfile',
+            'concurrent.futures', 'multiprocessing.pool', 'uuid.uuid4'}
 LABELLED = {'asyncio', 'id', 'hash', 'numpy.datetime64', 'threading.Thread.start'}
 KINDS = {'followed', 'labelled', 'partly'}
 
@@ -54,7 +55,7 @@ def test_each_function_that_the_library_stands_in_front_of_has_its_row():
 
 def test_each_name_of_python_has_its_row():
     replaced_ = {row.name for row in replaced.ROWS.values() if PYTHON_SOURCE.match(row.name)}
-    told = set(literals(LOCKSTEP / 'deeds.py', 'CALLS')) | {'select.select'}
+    told = set(literals(LOCKSTEP / 'deeds.py', 'CALLS')) | {'select.select', '_posixsubprocess.fork_exec'}
     events = set(literals(LOCKSTEP / 'deeds.py', 'EVENTS')) | {'open'}
     assert told <= replaced_
     kinds = {name: kind for names, kind, _why, _tests in table('Python') for name in names if ' ' not in name}
@@ -65,7 +66,7 @@ def test_each_name_of_python_has_its_row():
 def test_what_is_labelled_in_python_is_told_by_the_code():
     code = ''.join(path.read_text(encoding='utf-8') for path in sorted(LOCKSTEP.glob('*.py')))
     told = set(re.findall(r"told\.tell\(.*?, '([\w. ]+)'", code))
-    assert told == LABELLED | {'open', 'select.select', 'tempfile', 'chance', 'a clock'}
+    assert told == LABELLED | {'open', 'select.select', '_posixsubprocess.fork_exec', 'tempfile', 'chance', 'a clock'}
 
 
 @pytest.mark.parametrize('language', ['C++', 'Python'])

@@ -23,6 +23,8 @@ _BETWEEN = frozenset(('random', 'secrets', 'uuid', 'os', '_strptime'))
 #: ROS's packages that talk to the ROS master, to other nodes and about them
 _ROS = frozenset(('rospy', 'rosgraph', 'roslib', 'rospkg', 'genpy', 'genmsg', 'rosmaster', 'catkin'))
 _ROS_TOOLS = frozenset(('rosnode', 'rosservice', 'rostopic', 'rosparam', 'rosmsg'))
+#: parts of these whose clocks the program sees: time-outs of waits for other threads, how long a timer's callback took
+_PROGRAMS = ('/concurrent/futures/_base.py', '/rospy/timer.py')
 #: those that ask another process what system this is
 _OF_SYSTEM = ('ctypes/util.py', 'platform.py', 'uuid.py')
 
@@ -42,8 +44,8 @@ def _place(filename):
 @lru_cache(maxsize=None)
 def _is_machines(filename):
     name, is_stdlib = _place(filename)
-    if filename.endswith(os.sep.join(('concurrent', 'futures', '_base.py'))):
-        return False  # time-outs of waits for other threads
+    if filename.endswith(_PROGRAMS):
+        return False
     return not name or name in _MACHINES if is_stdlib else name in _ROS
 
 
@@ -83,7 +85,7 @@ def own_frame(frame):
 
     None where it is ROS, this package, or the import of a library that does it.
     """
-    while frame is not None and is_library(frame.f_code.co_filename):
+    while frame is not None and (is_library(frame.f_code.co_filename) or frame.f_code.co_filename == '<string>'):
         if _ends_search(frame.f_code.co_filename):
             return None
         frame = frame.f_back

@@ -1,7 +1,7 @@
 """The program's random numbers: they follow from the run's seed, the node's name, and how many were drawn before.
 
 Python's and numpy's global generators start so, and what the machine would give (os.urandom and all that is made of it:
-secrets, SystemRandom, generators without a seed, uuid, names of temporary files) is drawn so. Threads that lockstep
+secrets, SystemRandom, generators without a seed, numpy's too, uuid, temporary names) is drawn so. Threads that lockstep
 does not order draw from other bytes, so that they do not disturb the others, and are told.
 """
 import os
@@ -30,30 +30,21 @@ def install(text, present_ns):
     number = zlib.crc32(text.encode('utf-8'))
     random.seed(number)  # noqa: TID251 - the generator of the program, not ours
     chance = _Chance(text)
-    of_ids = random.Random(number)
-    replace('uuid.uuid4', lambda machine: _identifier(machine, of_ids, chance))
     replace('uuid.uuid1', lambda machine: _dated_identifier(machine, chance, present_ns))
     for name in ('os.urandom', 'random._urandom'):
         replace(name, lambda machine: lambda size, /: _or_else(chance.draw(size, sys._getframe(1)), machine, size))
     replace('random.Random.seed', lambda seed: _seeding(seed, chance))
     replace('random.seed', lambda _seed: random._inst.seed)
     replace('tempfile._get_candidate_names', lambda machine: _naming(machine, chance))
-    _install_numpy(number, chance)
+    _seed_numpy(number)
 
 
-def _install_numpy(number, chance):
+def _seed_numpy(number):
     try:
         import numpy
     except ImportError:
         return
     numpy.random.seed(number)  # noqa: NPY002 - the generator of the program, not ours
-
-    def bits(machine):
-        def randbits(count):
-            drawn = chance.draw((count + 7) // 8, sys._getframe(1))
-            return machine(count) if drawn is None else int.from_bytes(drawn, 'little') >> (-count % 8)
-        return randbits
-    replace('numpy.random.bit_generator.randbits', bits)
 
 
 class _Chance:
@@ -85,17 +76,6 @@ def _seeding(original, chance):
         drawn = chance.draw(_BITS, sys._getframe(1)) if a is None else None
         original(self, a if drawn is None else int.from_bytes(drawn, 'little'), version)
     return seed
-
-
-def _identifier(machine, generator, chance):
-    def uuid4():
-        frame = sys._getframe(1)
-        if not sees_run(frame):
-            return machine()
-        if told.is_ordered():
-            return uuid.UUID(int=generator.getrandbits(128), version=4)
-        return uuid.UUID(bytes=chance.draw(16, frame), version=4)
-    return uuid4
 
 
 def _dated_identifier(machine, chance, present_ns):

@@ -13,7 +13,7 @@ import time
 import types
 
 from move_base_abstract.lockstep.asked import ASK, HASHED
-from move_base_abstract.lockstep.numbered import is_hashed_by_address
+from move_base_abstract.lockstep.numbered import Numbered, is_hashed_by_address
 
 from ..replaced import replace
 from . import chance
@@ -58,9 +58,14 @@ def install():
     for name, why in CALLS.items():
         replace(name, lambda function, name=name, why=why: _telling(function, name, why))
     replace('select.select', _selecting)
+    replace('_posixsubprocess.fork_exec', _spawning)
+    replace('concurrent.futures._base.Future.__hash__', lambda _hash: Numbered.__hash__)
     for name in ('os.listdir', 'os.scandir'):
         replace(name, lambda machine, name=name: _IN_ORDER[name](machine))
-        os.supports_fd.add(getattr(os, name.partition('.')[2]))
+        in_order = getattr(os, name[len('os.'):])
+        os.supports_fd.add(in_order)
+        if sys.version_info < (3, 11):  # pathlib has kept what was there when it was imported
+            replace('pathlib._NormalAccessor.' + name[len('os.'):], lambda _machine, by=in_order: staticmethod(by))
     sys.addaudithook(_audit)
 
 
@@ -76,6 +81,16 @@ def _telling(function, name, why):
         if is_own(frame):
             told.tell(frame, name, why)
         return function(*args, **kwds)
+    return call
+
+
+def _spawning(fork_exec):
+    """What multiprocessing starts anew; of subprocess Python tells."""
+    def call(*args):
+        frame = sys._getframe(1)
+        if frame.f_globals.get('__name__') != 'subprocess':
+            told.tell(own_frame(frame), '_posixsubprocess.fork_exec', _PROCESS)
+        return fork_exec(*args)
     return call
 
 

@@ -1,14 +1,16 @@
 """The program's own code, which is compiled with what lockstep must be told.
 
 That is about its loops, its classes and its sets, and what it asks the machine.
-Its own is what lies neither in Python's library nor in a folder of packages (site-packages, dist-packages). Nothing is
-kept of what is compiled here: Python's own files of compiled modules stay as they are.
+Its own is what lies neither in Python's library nor in a folder of packages (site-packages, dist-packages), and what
+lies in that of a catkin workspace, ROS's distribution and generated modules excepted. Nothing is kept of what is
+compiled here: Python's own files of compiled modules stay as they are.
 """
 import ast
 import os
 import re
 import sys
 import sysconfig
+from functools import lru_cache
 from importlib import machinery
 
 import rospy
@@ -20,15 +22,27 @@ from move_base_abstract.lockstep.object_order import follow_order
 
 _LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
 _PACKAGES = re.compile(r'/(site|dist)-packages(/|$)')
+_GENERATED = re.compile(r'(^|/)(msg|srv|cfg)/')
 #: the folders of this package
 OWN = (os.path.dirname(os.path.dirname(__file__)) + '/', os.path.dirname(move_base_abstract.__file__) + '/')
 #: catkin's scripts in the devel space: they compile the source, by the name of `compile`
 _RELAY = b'exec(compile(fh.read(), python_script'
 
 
+@lru_cache(maxsize=None)
 def is_library(filename):
     """Return whether a file is none of the program's."""
-    return filename.startswith(_LIBRARIES + OWN) or bool(_PACKAGES.search(filename))
+    packages = _PACKAGES.search(filename)
+    return filename.startswith(_LIBRARIES + OWN) or packages is not None and not _is_of_workspace(
+        filename, filename[:packages.end()])
+
+
+def _is_of_workspace(filename, folder):
+    """Return whether a file in a folder of packages is a user's: installed by catkin, and not generated."""
+    prefixes = os.environ.get('CMAKE_PREFIX_PATH', '').split(os.pathsep)
+    return not _GENERATED.search(filename[len(folder):]) and not os.path.isdir(os.path.join(folder, 'rospy')) and any(
+        prefix and filename.startswith(prefix + os.sep) and os.path.exists(os.path.join(prefix, '.catkin'))
+        for prefix in prefixes)
 
 
 def install():
@@ -51,6 +65,8 @@ class SourceFileLoader(machinery.SourceFileLoader):
     def get_code(self, fullname):
         """Return the code of a module."""
         path = self.get_filename(fullname)
+        if is_library(path):
+            return super().get_code(fullname)
         return compile_own(self.get_data(path), path)
 
 

@@ -14,7 +14,7 @@ from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_loc
 from move_base_abstract.lockstep.secret import run_secret
 from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
-from . import finish, silence
+from . import finish, pools, silence
 from .connection import Closed, Connection
 from .foresight import Foresight
 from .report_delays import make_delay
@@ -230,6 +230,7 @@ class Participant:
 
     def exchange(self):
         """Report and wait for the next grant; return what is to be done in it, in order (for the scheduler)."""
+        pools.await_results(self.scheduler)
         deferred = self.let_time_pass()
         next_ns = self.now_ns if deferred else self.scheduler.next_ns()
         is_resting = self.scheduler.is_resting

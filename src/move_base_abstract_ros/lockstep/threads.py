@@ -14,6 +14,7 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
 from ..replaced import replace
+from . import pools
 from .callers import own_frame
 from .told import told
 from .waits import to_ns
@@ -73,6 +74,7 @@ def _follow_threads(scheduler):
 def _starting(scheduler, start):
     def _start(self):
         if scheduler.is_mine() and not _is_foreign(self, sys._getframe(1).f_globals.get('__name__', '')):
+            pools.follow(self, scheduler)
             task = scheduler.spawn(self.name)
             self._lockstep_task = task
             self.run = _in_turn(scheduler, task, self.run)
@@ -103,7 +105,8 @@ def _is_foreign(thread, starter):
     """Return whether a thread is none of the application's; ``starter``: the module that starts it."""
     target = getattr(thread, '_target', None)
     modules = (type(thread).__module__, getattr(target, '__module__', None) or '')
-    return starter.startswith(_ROSPY) or any((module + '.').startswith(_FOREIGN) for module in modules)
+    is_foreign = starter.startswith(_ROSPY) or any((module + '.').startswith(_FOREIGN) for module in modules)
+    return is_foreign or pools.is_manager(thread)
 
 
 def _in_turn(scheduler, task, run):

@@ -2,9 +2,11 @@
 
 replaced_probe.py NAME: the node's name. Prints a JSON line: names that have changed, names that the table says so.
 """
+import _posixsubprocess  # noqa: F401 - to be looked at, as those below
+import concurrent.futures  # noqa: F401
 import json
 import os
-import resource  # noqa: F401 - to be looked at, as those below
+import resource  # noqa: F401
 import select  # noqa: F401
 import signal  # noqa: F401
 import sys
@@ -12,7 +14,6 @@ import tempfile  # noqa: F401
 import types
 
 import actionlib  # noqa: F401
-import numpy.random  # noqa: F401
 import rosgraph
 import rospy
 
@@ -20,7 +21,7 @@ from move_base_abstract_ros import replaced
 from move_base_abstract_ros.lockstep import program
 
 WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random',
-           'os', 'tempfile', 'select', 'signal', 'resource', 'numpy.random.bit_generator')
+           'os', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess')
 FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, staticmethod, property)
 
 
