@@ -232,6 +232,7 @@ void Membership::handle(const wire::Grant& frame) {
     round_ = frame.round;
     now_ = frame.time_ns;
     microstep_ = frame.microstep;
+    is_plain_ = frame.items.empty() && !has_knocked_;
     has_knocked_ = false;
     reader_ = static_cast<int>(::syscall(SYS_gettid));
     state_ = State::kTurn;

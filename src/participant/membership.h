@@ -97,6 +97,9 @@ class Membership {
   // ---- rounds
   /** @brief Report if there is a grant, and wait for the next one, or for the end. */
   void exchange(const Wish& wish);
+  /** @return whether the latest grant has brought nothing, and nothing from outside asked for it.
+   */
+  bool isPlainGrant() const { return hasTurn() && is_plain_; }
   bool hasTurn() const { return state_ == State::kTurn; }
   bool isActive() const { return state_ == State::kTurn || state_ == State::kReported; }
   bool isOver() const { return state_ == State::kLeft || state_ == State::kOver; }
@@ -181,6 +184,7 @@ class Membership {
   std::string end_reason_;
   std::atomic<int> reader_{0};  // thread that has read the latest grant, as gettid() says
   std::uint64_t round_ = 0;
+  bool is_plain_ = false;
   Nanoseconds now_ = 0;
   std::uint32_t microstep_ = 0;
   std::string told_;  // to the time master: what is waited for

@@ -1,12 +1,18 @@
 // Calls of the ROS master and look-ups of names: they take wall time, while simulated time stands.
+// Questions about who is there are asked when nobody who takes part has anything left to do at the
+// instant: what is started by one launch file is there, whoever was slower.
 #include <XmlRpc.h>
 #include <netdb.h>
 #include <ros/master.h>
 
+#include <algorithm>
+#include <array>
 #include <string>
 
+#include "node.h"
 #include "real.h"
 #include "turn.h"
+#include "waits.h"
 
 namespace shim = move_base_abstract::shim;
 
@@ -22,6 +28,44 @@ class Standing {
   shim::Blocking blocking_;
 };
 
+const std::array<const char*, 5> kQuestions = {"getPublishedTopics", "getTopicTypes",
+                                               "getSystemState", "lookupNode", "lookupService"};
+/** So many questions in a row are a loop that waits by asking. */
+constexpr unsigned kAsked = 100;
+/** No more time than this passes between two of them [ns, simulated]. */
+constexpr move_base_abstract::Nanoseconds kStep = 1'000'000;
+
+thread_local unsigned t_asked = 0;
+thread_local move_base_abstract::Nanoseconds t_asked_at = 0;
+
+/** @return whether one of the program's threads asks who is there. */
+bool asksWhoIsThere(const std::string& method) {
+  return !shim::Turn::isInside() && !shim::Turn::isInternal() &&
+         std::find(kQuestions.begin(), kQuestions.end(), method) != kQuestions.end() &&
+         shim::turn().enter();
+}
+
+/** @brief Wait until nobody has anything left to do; who asks without end lets time go on. */
+void awaitOthers() {
+  t_asked = shim::node().now() <= t_asked_at + kStep ? t_asked : 0;
+  shim::Wait wait;
+  if (++t_asked >= kAsked) {
+    wait.until = shim::node().now() + kStep;
+    shim::turn().wait(wait);
+  }
+  t_asked_at = shim::node().now();
+  wait = shim::Wait();
+  wait.at_rest = true;
+  shim::turn().wait(wait);
+}
+
+/** @brief Of two who ask at once neither sees what the other has made of its answer. */
+void awaitNextRound() {
+  shim::Wait wait;
+  wait.next_round = true;
+  shim::turn().wait(wait);
+}
+
 }  // namespace
 
 namespace ros::master {
@@ -33,8 +77,19 @@ bool execute(const std::string& method, const XmlRpc::XmlRpcValue& request,
   static Execute* const function = shim::real<Execute>(
       "_ZN3ros6master7executeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN6XmlRpc11"
       "XmlRpcValueERSA_SD_b");
-  const Standing standing;
-  return function(method, request, response, payload, wait_for_master);
+  const bool asks = asksWhoIsThere(method);
+  if (asks) {
+    awaitOthers();
+  }
+  bool is_answered = false;
+  {
+    const Standing standing;
+    is_answered = function(method, request, response, payload, wait_for_master);
+  }
+  if (asks && shim::turn().enter()) {
+    awaitNextRound();
+  }
+  return is_answered;
 }
 
 }  // namespace ros::master

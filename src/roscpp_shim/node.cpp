@@ -113,7 +113,16 @@ void Node::exchange() {
   }
   wish.open = static_cast<std::uint32_t>(open_.size());
   wish.waits = wish.next == kNever ? waits() : "";
+  const bool is_resting = turn().isResting() && membership_.hasTurn();
+  if (is_resting) {
+    append(wire::Rest{});
+  }
+  const Nanoseconds before = now();
   membership_.exchange(wish);
+  // Nothing has come, and nothing else was asked for.
+  if (is_resting && membership_.isPlainGrant() && wish.next > before) {
+    rest_round_ = round();
+  }
 }
 
 std::string Node::waits() const {

@@ -63,6 +63,8 @@ class Node : public lockstep::internal::Program {
 
   Nanoseconds now() const { return membership_.now(); }
   std::uint64_t round() const { return membership_.round(); }
+  /** @return the latest round that was granted because nobody had anything left to do. */
+  std::uint64_t restRound() const { return rest_round_; }
   /** @brief Wall time in which a thread may sleep while simulated time stands. */
   bool sleepsSimulated() const { return sleeps_simulated_; }
 
@@ -91,6 +93,7 @@ class Node : public lockstep::internal::Program {
   PlainMutex mutex_;  // of the membership, and for outside
   Membership membership_{*this};
   std::multiset<std::string> open_;
+  std::uint64_t rest_round_ = 0;
   std::deque<Input> outside_;
   std::int64_t outside_since_ = 0;  // steady ns; when the oldest came
   SimulatedTimers timers_;

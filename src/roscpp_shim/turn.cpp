@@ -220,6 +220,8 @@ Woken Turn::wait(Wait wait) {
   if (wait.next_round) {
     const auto round = node().round();
     wait.is_over = [round] { return node().round() != round; };
+  } else if (wait.at_rest) {
+    wait.is_over = [round = node().round()] { return node().restRound() > round; };
   }
   while (!enlist(me, wait)) {
     regain(me);
@@ -340,6 +342,12 @@ void Turn::signal(const void* object, bool all) {
     }
     node().ring();
   }
+}
+
+bool Turn::isResting() {
+  const Lock lock(mutex_);
+  return std::any_of(waiting_.begin(), waiting_.end(),
+                     [](const Task* task) { return task->wait.at_rest; });
 }
 
 Nanoseconds Turn::nextWake() {

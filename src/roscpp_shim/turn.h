@@ -32,7 +32,8 @@ struct Wait {
   const void* object = nullptr;   // a condition, which somebody may signal
   const void* pool = nullptr;     // threads that wait for the same and do the same: any will do
   bool next_round = false;        // until the next grant, which is asked for at this instant
-  bool activity = false;          // until another thread has run,
+  bool at_rest = false;   // until nobody who takes part has anything left to do at this instant
+  bool activity = false;  // until another thread has run,
   Nanoseconds activity_from = 0;  // and this instant has come; at once where a thread is waited for
   Nanoseconds activity_by = kNever;  // if one has run: at the latest then
   bool for_thread = false;           // it is another thread that must do something
@@ -125,6 +126,8 @@ class Turn {
   /** @return the thread that has the turn, as gettid() says; 0: none. From any thread. */
   int holder();
 
+  /** @return whether a thread waits until nobody has anything left to do. */
+  bool isResting();
   /** @return when the first of the threads wants to go on. */
   Nanoseconds nextWake();
   /** @return whether somebody who ran beside the others, or was signalled by others, can go on. */

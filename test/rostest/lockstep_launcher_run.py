@@ -25,7 +25,7 @@ from move_base_abstract_ros.loopback import Loopback, find_executable
 GUARD = 60.0  # s, wall; only ends a run that would never end
 HERE = os.path.dirname(os.path.abspath(__file__))
 FOLDER = os.path.join(HERE, 'unmodified')
-_ROS_LOG = re.compile(r'^(\x1b\[[0-9;]*m)?\[(DEBUG|INFO|WARN|ERROR|FATAL)\]')
+_ROS_LOG = re.compile(r'^(\x1b\[[0-9;]*m)?\[ ?(DEBUG|INFO|WARN|ERROR|FATAL)\]')
 _COLOURS = re.compile(r'\x1b\[[0-9;]*m')
 
 

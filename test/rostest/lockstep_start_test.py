@@ -9,6 +9,8 @@ import unittest
 import rostest
 from lockstep_launcher_run import assert_same, command, run_programs, run_thrice
 
+from move_base_abstract_ros.loopback import find_executable
+
 LINKS = 8
 
 
@@ -59,12 +61,15 @@ class WhoIsThereTest(unittest.TestCase):
     def test_what_is_started_at_one_instant_is_there_whoever_was_slower(self):
         links = {'link_%d' % k: ['link.py', '/link_%d' % (k - 1) if k else '-', '/link_%d' % k] for k in range(LINKS)}
         links['link_3'].append('_slow:=0.3')  # by the wall
-        runs = run_thrice(dict(links, census=['census.py'], late=['late.py']), until=5.0)
+        runs = run_thrice(dict(links, census=['census.py'], counter=[find_executable('shim_census')], late=['late.py']),
+                          until=5.0)
         assert_same(self, runs)
         self.assertEqual(runs[0].printed('census'), [
             '1.000000000 %d: %s' % (LINKS, ' '.join('/link_%d' % k for k in range(LINKS))),
             '1.000000000 %d' % LINKS,
             '2.240000000 late'])  # there from 2.234 s on; who asks all the time asks each 10 ms
+        self.assertEqual(runs[0].printed('counter'), [
+            '1.000000000 %d topics' % LINKS, '1.000000000 %d nodes' % LINKS, '2.234000000 late'])
 
 
 if __name__ == '__main__':

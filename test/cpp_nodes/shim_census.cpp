@@ -1,0 +1,37 @@
+// A program that sees who is there at the start, and asks until somebody has come late.
+#include <ros/ros.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+
+namespace {
+
+bool isLink(const std::string& name) { return name.find("/link_") == 0; }
+
+bool isLateThere() {
+  ros::master::V_TopicInfo topics;
+  ros::master::getTopics(topics);
+  return std::any_of(topics.begin(), topics.end(),
+                     [](const ros::master::TopicInfo& topic) { return topic.name == "/late"; });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "counter");
+  ros::NodeHandle node;
+  ros::master::V_TopicInfo topics;
+  ros::master::getTopics(topics);
+  const auto count = std::count_if(topics.begin(), topics.end(),
+                                   [](const auto& topic) { return isLink(topic.name); });
+  std::printf("%.9f %d topics\n", ros::Time::now().toSec(), static_cast<int>(count));
+  ros::V_string nodes;
+  ros::master::getNodes(nodes);
+  std::printf("%.9f %d nodes\n", ros::Time::now().toSec(),
+              static_cast<int>(std::count_if(nodes.begin(), nodes.end(), isLink)));
+  while (ros::ok() && !isLateThere()) {
+  }
+  std::printf("%.9f late\n", ros::Time::now().toSec());
+  return 0;
+}
