@@ -157,7 +157,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.assertIn(f'it is in {BROODER}, line 13, in <module> > {BROODER}, line 9, in brood > ', brooder)
         for answer in (broods, reads, brooder):
             self.assertIn('what usually helps', answer)
-        self.assertRegex(log, r"'/brooder' (has been silent for .*; it)? is in .*brooder.py, line 9")
+        self.assertRegex(log, r"'/brooder'( has been silent for .*; it)? is in .*brooder.py, line 9")
 
 
 if __name__ == '__main__':
