@@ -3,11 +3,14 @@
 
 import os
 import signal
+import socket
 import time
 import unittest
 
 import rostest
 from lockstep_library_run import Run, Runs, read, wait_for_end
+
+from move_base_abstract_ros.lockstep.connection import Connection
 
 RUNS = None
 WAITS = ('in_spin', 'in_sleep', 'in_loop', 'in_message', 'in_service', 'in_call', 'in_queue', 'in_event', 'in_join',
@@ -57,6 +60,27 @@ class ThreadsTest(unittest.TestCase):
             self.assertEqual(run.text, runs[0].text)
 
 
+class ConnectionTest(unittest.TestCase):
+    """A participant may hear nothing for as long as the others need, whatever limit rospy sets for all sockets."""
+
+    def test_a_wait_has_no_limit(self):
+        self.addCleanup(socket.setdefaulttimeout, socket.getdefaulttimeout())
+        socket.setdefaulttimeout(60.0)
+        with socket.socket() as master, socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as local:
+            master.bind(('127.0.0.1', 0))
+            master.listen(1)
+            port = master.getsockname()[1]
+            self.assertIsNone(self._limit(port), 'over the network')
+            local.bind('\0move_base_abstract/127.0.0.1:{}'.format(port))
+            local.listen(1)
+            self.assertIsNone(self._limit(port), 'on this computer')
+
+    def _limit(self, port):
+        connection = Connection('127.0.0.1', port, 5.0)
+        self.addCleanup(connection.close)
+        return connection._socket.gettimeout()
+
+
 class EndsTest(unittest.TestCase):
     """Nodes end in their last round, with their exit codes, and when they are told to."""
 
@@ -87,10 +111,11 @@ class EndsTest(unittest.TestCase):
         return Run(path, {}, {name: read(node) for name, node in nodes.items()})
 
     def test_exit_codes(self):
-        run = RUNS.run('threads', 'exits', 'fails', 'shuts_down')
-        self.assertEqual(run.exit_codes, {'exits': 7, 'fails': 1, 'shuts_down': 0})
+        run = RUNS.run('threads', 'exits', 'fails', 'shuts_down', 'speaks_too_late')
+        self.assertEqual(run.exit_codes, {'exits': 7, 'fails': 1, 'shuts_down': 0, 'speaks_too_late': 0})
         self.assertIn("KeyError: 'the end'", run.outputs['fails'])
         self.assertEqual(run.of('shuts_down'), [])
+        self.assertEqual(run.of('speaks_too_late'), [])
         self.assertEqual(run.end['degraded_because'], [])
 
     def test_an_interrupt_ends_a_node_in_every_wait(self):

@@ -84,6 +84,7 @@ class Connection:
 def _connect_locally(host, port):
     """Return a Unix socket to the time master, or None: it is on another computer, or is not there."""
     connected = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    connected.settimeout(None)  # a wait may be longer than the 60 s that rospy sets for all sockets of the process
     try:
         connected.connect('\0move_base_abstract/{}:{}'.format(host, port))
         return connected

@@ -81,9 +81,10 @@ def _replace_publishing(topics):
     def publishing(publish):
         def _publish(self, message, connection_override=None):
             receivers = self.connections if connection_override is None else (connection_override,)
-            if any(map(topics.is_link, receivers)):
+            lock = self.publock  # none once the topic is closed; rospy says then what that means
+            if lock is None or any(map(topics.is_link, receivers)):
                 return publish(self, message, connection_override)
-            with self.publock:
+            with lock:
                 number = self.seq
                 try:
                     return publish(self, message, connection_override)

@@ -157,6 +157,15 @@ def shuts_down(say):
     say('never')
 
 
+def speaks_too_late(_say):
+    """Publishes on a topic that its own end has closed, as threads with a heart beat do."""
+    topic = rospy.Publisher('/late', String, queue_size=1)
+    rospy.sleep(1)
+    rospy.signal_shutdown('enough')
+    topic.impl.close()
+    topic.publish('never')
+
+
 # Waits without end, to be interrupted.
 
 def in_spin(_say):
