@@ -15,28 +15,65 @@ class Event:
         self.action = action
         self.telling = telling
 
+    def __lt__(self, _other):
+        """Return False: what has the same place is one series, stopped and started anew; the stopped one is nothing."""
+        return False
+
     def cancel(self):
         """Make this event not happen. May be said twice, and after it happened."""
         self.action = None
 
 
+#: who hears what a :class:`Series` tells: time goes on for those who take part only
+NOBODY, ONLOOKERS, PARTICIPANTS = 0, 1, 2
+
+#: in the order of one instant and robot, what only tells comes after what happens, in the order of its making
+_TELLING = 1 << 62
+
+
 class EventQueue:
-    """Events in the order of their time; at the same instant: lower robot index first, then first scheduled."""
+    """Events in the order of their time; at the same instant: lower robot index first, then first scheduled.
+
+    What only tells, see :class:`Series`, comes last of its robot's: its place does not follow from when somebody began
+    to listen.
+    """
 
     def __init__(self):
         self._heap = []  # of (due_ns, robot index, number, Event): tuples, since these are compared most of all
         self._sequence = 0
         self._telling = 0
+        self._tellers = 0
+        self._asleep = []  # Series, in the order in which they fell asleep
+
+    def new_teller(self):
+        """Return the place that a new series that only tells has among all of its instant."""
+        self._tellers += 1
+        return _TELLING + self._tellers
 
     def count_telling(self, change):
         """``change`` more series that only tell have an event in the queue."""
         self._telling += change
 
+    def sleep(self, series):
+        """Nobody hears the :class:`Series`: it has no event until :meth:`wake`."""
+        self._asleep.append(series)
+
+    def forget_sleeper(self, series):
+        """The series has been stopped."""
+        self._asleep.remove(series)
+
+    def sleepers(self):
+        """Return the series that are asleep and would be heard now."""
+        return [series for series in self._asleep if series.is_heard()]
+
     def schedule(self, due_ns, robot_index, action, telling=None):
         """Add ``action(due_ns, now_ns)`` at ``due_ns`` [ns] and return its :class:`Event`, which can be cancelled."""
         event = Event(action, telling)
-        heapq.heappush(self._heap, (due_ns, robot_index, self._sequence, event))
-        self._sequence += 1
+        if telling is None:
+            heapq.heappush(self._heap, (due_ns, robot_index, self._sequence, event))
+            self._sequence += 1
+        else:
+            heapq.heappush(self._heap, (due_ns, robot_index, telling.place, event))
         return event
 
     def next_due_ns(self):
@@ -45,6 +82,11 @@ class EventQueue:
         while heap and heap[0][3].action is None:
             heapq.heappop(heap)
         return heap[0][0] if heap else None
+
+    def is_for_onlookers(self):
+        """Return whether there are events, and all only tell what is heard by none but onlookers."""
+        due = [event.telling for *_, event in self._heap if event.action is not None]
+        return bool(due) and all(series is not None and series.is_heard() == ONLOOKERS for series in due)
 
     def run_until(self, now_ns, enter=lambda due_ns: None):
         """Let all happen that is due at ``now_ns`` [ns] or before, in order, what is scheduled meanwhile included.
@@ -64,30 +106,32 @@ class EventQueue:
         """Return what series that only tell will do, as [(due_ns, [Series, ...]), ...], and what comes after it [ns].
 
         Instant by instant, in order. It ends before ``before_ns`` [ns], before the first instant at which anything else
-        is due, and after ``most`` instants. Nothing is changed: :meth:`skip` says later how much of it has happened.
+        is due, and after ``most`` instants. :meth:`skip` says later how much of it has happened; until then nothing is
+        changed, but that what nobody hears any more falls asleep.
         """
         if not self._telling:
             due_ns = self.next_due_ns()
             return [], before_ns if due_ns is None else min(before_ns, due_ns)
         heap = []
-        for due_ns, robot_index, sequence, event in self._heap:
+        for due_ns, robot_index, place, event in self._heap:
             if event.action is not None:
                 if event.telling is None:
                     before_ns = min(before_ns, due_ns)
+                elif event.telling.is_heard():
+                    heap.append((due_ns, robot_index, place, event.telling))
                 else:
-                    heap.append((due_ns, robot_index, sequence, event.telling))
+                    event.cancel()
+                    event.telling.fall_asleep(due_ns)
         heapq.heapify(heap)
-        sequence = self._sequence
         instants = []
         while heap and heap[0][0] < before_ns:
-            due_ns, robot_index, _, series = heap[0]
+            due_ns, robot_index, place, series = heap[0]
             if not instants or instants[-1][0] != due_ns:
                 if len(instants) == most:
                     return instants, due_ns
                 instants.append((due_ns, []))
             instants[-1][1].append(series)
-            heapq.heapreplace(heap, (due_ns + series.period_ns, robot_index, sequence, series))
-            sequence += 1
+            heapq.heapreplace(heap, (due_ns + series.period_ns, robot_index, place, series))
         return instants, before_ns
 
     def skip(self, until_ns):
@@ -111,9 +155,12 @@ class Series:
     nothing to do for a while may return for how long [ns]; multiples in between are left out as well.
 
     ``only_tells``: the action changes nothing that another event could see, so that it can be done beforehand.
+    ``is_heard()``, of one that only tells: who would notice, ``NOBODY`` to ``PARTICIPANTS``. While nobody would, the
+    series sleeps: it has no events. Woken, see :meth:`Simulation.wake`, it goes on as if it had never slept. Its first
+    event always happens.
     """
 
-    def __init__(self, queue, robot_index, period_ns, action, only_tells=False):
+    def __init__(self, queue, robot_index, period_ns, action, only_tells=False, is_heard=None):
         if not period_ns > 0:
             raise ValueError('the period of a series must be > 0 ns, got {!r}'.format(period_ns))
         self._queue = queue
@@ -122,6 +169,9 @@ class Series:
         self._action = action
         self._telling = self if only_tells else None
         self._event = None
+        self._asleep_until_ns = None
+        self.is_heard = is_heard or _always
+        self.place = queue.new_teller() if only_tells else None
 
     def start(self, first_ns):
         """Start anew, with the first call at ``first_ns`` [ns]."""
@@ -131,6 +181,9 @@ class Series:
 
     def stop(self):
         """Stop; may be said twice."""
+        if self._asleep_until_ns is not None:
+            self._asleep_until_ns = None
+            self._queue.forget_sleeper(self)
         if self._event is not None:
             self._event.cancel()
             self._event = None
@@ -142,7 +195,29 @@ class Series:
 
     def skip(self, due_ns):
         """What was due at ``due_ns`` [ns] has been told beforehand."""
-        self._schedule(due_ns + self.period_ns)
+        self._go_on(due_ns + self.period_ns)
+
+    def wake(self, now_ns):
+        """Go on after ``now_ns`` [ns]; return when it would have told last [ns] while it slept, or None."""
+        due_ns, self._asleep_until_ns = self._asleep_until_ns, None
+        self._queue.forget_sleeper(self)
+        missed = (now_ns - due_ns) // self.period_ns + 1 if due_ns <= now_ns else 0
+        self._queue.count_telling(1)
+        self._schedule(due_ns + missed * self.period_ns)
+        return due_ns + (missed - 1) * self.period_ns if missed else None
+
+    def _go_on(self, due_ns):
+        if self.is_heard():
+            self._schedule(due_ns)
+        else:
+            self.fall_asleep(due_ns)
+
+    def fall_asleep(self, due_ns):
+        """Have no events any more until woken; ``due_ns`` [ns] is when the next one would be due."""
+        self._event = None
+        self._asleep_until_ns = due_ns
+        self._queue.count_telling(-1)
+        self._queue.sleep(self)
 
     def _schedule(self, due_ns):
         self._event = self._queue.schedule(due_ns, self._robot_index, self._happen, self._telling)
@@ -151,4 +226,8 @@ class Series:
         own = self._event
         pause_ns = self._action(due_ns, now_ns) or 0
         if self._event is own:  # not stopped, not started anew
-            self._schedule(due_ns + self.period_ns * ((now_ns + pause_ns - due_ns) // self.period_ns + 1))
+            self._go_on(due_ns + self.period_ns * ((now_ns + pause_ns - due_ns) // self.period_ns + 1))
+
+
+def _always():
+    return PARTICIPANTS

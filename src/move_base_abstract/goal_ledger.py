@@ -52,8 +52,7 @@ class GoalLedger:
 
     def records(self, now_ns):
         """Return the records that the status topic shows at ``now_ns`` [ns], oldest first."""
-        self._records = [record for record in self._records if not self._is_stale(record, now_ns)]
-        return self._records
+        return [record for record in self._records if not self._is_stale(record, now_ns)]
 
     def _is_stale(self, record, now_ns):
         return (record is not self._current and record.ended_ns is not None
@@ -66,6 +65,7 @@ class GoalLedger:
         """
         if goal_id and self._is_duplicate(goal_id, now_ns):
             return None
+        self._records = self.records(now_ns)
         record = GoalRecord(goal_id or self._new_id(now_ns), stamp_ns or now_ns)
         self._records.append(record)
         if record.goal_id in self._early_cancels:
@@ -121,7 +121,8 @@ class GoalLedger:
         """
         hits_active = False
         found = False
-        for record in list(self.records(now_ns)):
+        self._records = self.records(now_ns)
+        for record in list(self._records):
             matches_id = goal_id == record.goal_id
             everything = not goal_id and not stamp_ns
             found = found or matches_id

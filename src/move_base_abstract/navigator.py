@@ -35,6 +35,9 @@ class GoalPose(NamedTuple):
 class NavigatorListener:
     """What a :class:`Navigator` tells the outside. All times in ns, all poses in the global frame."""
 
+    #: a function: whether feedback would be heard; None: it is told anyhow, see :class:`Series`
+    is_feedback_heard = None
+
     def departed(self, robot, goal, now_ns):
         """The robot starts for ``goal``."""
 
@@ -74,6 +77,7 @@ class Navigator:
         self._frames = frames
         self._listener = listener
         self._feedback = None
+        self._feedback_frequency = 0.0
         self._events = []
         self._target = None
         self._starts_from_idle = True
@@ -86,10 +90,16 @@ class Navigator:
         """Tell where the robot is ``frequency`` times a simulated second while it has a goal; 0 = never."""
         if self._feedback is not None:
             self._feedback.stop()
+        self._feedback_frequency = frequency
         self._feedback = self._simulation.series(self.robot.index, frequency, self._tell_position,
-                                                 only_tells=True)
+                                                 only_tells=True, is_heard=self._listener.is_feedback_heard)
         if self._feedback is not None and self._ledger.active is not None:
             self._feedback.start(self._simulation.now_ns)
+
+    @property
+    def feedback_frequency(self):
+        """How often it is told where the robot is on its way [Hz, simulated]; 0: never."""
+        return self._feedback_frequency
 
     @property
     def is_active(self):

@@ -53,13 +53,24 @@ class Simulation:
         finally:
             self._now_ns = present_ns
 
+    def wake(self):
+        """Somebody listens: let the series that slept and are heard now go on, after the present.
+
+        What they have told nobody last is done now, at its instant, so that all is as if they had not slept; whatever
+        is sent by it was meant for nobody.
+        """
+        for series in self.queue.sleepers():
+            missed_ns = series.wake(self._now_ns)
+            if missed_ns is not None:
+                self.tell(missed_ns, [series])
+
     def skip(self, until_ns):
         """Go on at ``until_ns`` [ns]: what was foreseen up to then has happened."""
         self.queue.skip(until_ns)
         self._now_ns = until_ns
 
-    def series(self, robot_index, frequency, action, only_tells=False):
+    def series(self, robot_index, frequency, action, only_tells=False, is_heard=None):
         """Return a :class:`Series` of ``frequency`` [Hz, simulated], not started; None if the frequency is 0."""
         if frequency <= 0.0:
             return None
-        return Series(self.queue, robot_index, max(1, round(1e9 / frequency)), action, only_tells)
+        return Series(self.queue, robot_index, max(1, round(1e9 / frequency)), action, only_tells, is_heard)

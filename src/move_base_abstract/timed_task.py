@@ -32,11 +32,12 @@ class TimedTaskRunner:
 
     ``durations`` has ``draw_ns()``, for goals that do not say how long. ``on_begin(record, duration_ns, now_ns)`` and
     ``on_progress(record, elapsed_ns, duration_ns, now_ns)`` are told of the task that is worked on, the second one
-    ``progress_frequency`` times a simulated second and, unless that is 0, at the end. Not thread-safe: as the
-    simulation.
+    ``progress_frequency`` times a simulated second and, unless that is 0, at the end; ``is_heard``: as of
+    :class:`Series`. Not thread-safe: as the simulation.
     """
 
-    def __init__(self, simulation, robot_index, ledger, durations, on_begin, on_progress, progress_frequency=0.0):
+    def __init__(self, simulation, robot_index, ledger, durations, on_begin, on_progress, progress_frequency=0.0,
+                 is_heard=None):
         self._queue = simulation.queue
         self._robot_index = robot_index
         self._ledger = ledger
@@ -44,7 +45,7 @@ class TimedTaskRunner:
         self._on_begin = on_begin
         self._on_progress = on_progress
         self._progress = simulation.series(robot_index, progress_frequency, self._tell_progress,
-                                           only_tells=True)
+                                           only_tells=True, is_heard=is_heard)
         self._end = None  # the event
         self._began_ns = 0
         self._duration_ns = 0
