@@ -27,6 +27,7 @@ struct SessionMember {
   std::string name;
   std::string node_uri;
   std::string waits_for;             // its own words
+  std::string tells;                 // ... at which rates, and to whom
   std::uint64_t actions = 0;         // so far
   PendingTurn turn;                  // none where `frame` is null
   std::deque<PendingTurn> foreseen;  // those that its latest report told beforehand

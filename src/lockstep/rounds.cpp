@@ -73,6 +73,7 @@ void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, N
   member.owes = false;
   --owing_;
   member.open = open;
+  member.background = false;
   // Beyond the end of simulated time nothing can be due.
   member.after_foreseen = next > kLastInstant ? kNever : next;
   member.happened = foreseen.empty() ? std::nullopt : std::optional<std::uint32_t>(0);
@@ -213,16 +214,6 @@ std::vector<LockstepRounds::Grant> LockstepRounds::nextMicrostep(Nanoseconds wal
   }
   microstep_ += rules_.later_than_sent ? 1 : 0;
   return grant(std::move(ids), wall);
-}
-
-Nanoseconds LockstepRounds::nextTime() const {
-  if (due_.empty()) {
-    return kNever;
-  }
-  if (rules_.leap_to_smallest || due_.size() == 1) {
-    return due_.begin()->first;
-  }
-  return std::next(due_.begin())->first;
 }
 
 std::vector<LockstepRounds::Grant> LockstepRounds::leap(Nanoseconds wall) {

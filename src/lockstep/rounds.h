@@ -91,6 +91,7 @@ class LockstepRounds {
     std::vector<Mail> mail;
     bool ready = false;                     // is in ready_
     bool resting = false;                   // is in resting_
+    bool background = false;                // its wake-up alone is no reason for time to go on
     std::deque<Nanoseconds> foreseen;       // turns that its latest report told, still to come
     Nanoseconds after_foreseen = kNever;    // its wake-up after these
     std::optional<std::uint32_t> happened;  // of these; nothing if it told none
@@ -108,6 +109,8 @@ class LockstepRounds {
   /** @brief Grant it again when nobody has anything left to do at this instant, unless something
    * else comes before. */
   void rest(MemberId id);
+  /** @brief Time does not go on for the wake-up alone that @p id has reported. */
+  void background(MemberId id);
 
   /**
    * @brief The report of its latest grant is in. @pre owes

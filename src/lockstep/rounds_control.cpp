@@ -99,6 +99,20 @@ double LockstepRounds::limit() const {
   return static_cast<double>(limit_) / static_cast<double>(kFactorUnit);
 }
 
+void LockstepRounds::background(MemberId id) { at(id).background = true; }
+
+/** @return when time goes on; kNever: nobody has a reason to wake up. */
+Nanoseconds LockstepRounds::nextTime() const {
+  const auto counts = [this](const auto& due) { return !members_.at(due.second).background; };
+  if (std::none_of(due_.begin(), due_.end(), counts)) {
+    return kNever;
+  }
+  if (rules_.leap_to_smallest || due_.size() == 1) {
+    return due_.begin()->first;
+  }
+  return std::next(due_.begin())->first;
+}
+
 LockstepPhase LockstepRounds::phase(Nanoseconds wall) const {
   if (ended_) {
     return LockstepPhase::kEnded;

@@ -184,6 +184,34 @@ void MessageRouter::link(const Action& by, const Topic& topic, const Advertised&
                             !rules_.links_are_mail});
   post_(publisher.member,
         {order, wire::Subscriber{publisher.topic, subscriber.member}, !rules_.links_are_mail});
+  if (subscriber.hears != wire::Hearing::kAll) {
+    tellHearing(by, publisher, subscriber);
+  }
+}
+
+void MessageRouter::act(const Action& by, const wire::Hears& item) {
+  Topic& topic = topics_[declared(by.sender, item.topic, "HEARS").topic];
+  const auto subscriber = router::findMember(topic.subscribers, by.sender);
+  if (subscriber == topic.subscribers.end()) {
+    bad(by.sender,
+        "HEARS must name a topic that it subscribes to, got '" + std::string(topic.name) + "'");
+  }
+  if (subscriber->hears == item.what) {
+    return;
+  }
+  subscriber->hears = item.what;
+  for (const Advertised& publisher : topic.publishers) {
+    if (fit(publisher.md5, subscriber->md5)) {
+      tellHearing(by, publisher, *subscriber);
+    }
+  }
+}
+
+void MessageRouter::tellHearing(const Action& by, const Advertised& publisher,
+                                const Subscribed& subscriber) {
+  post_(publisher.member, {place_(by.sender, router::kFirstSub, by.number),
+                           wire::Heard{publisher.topic, subscriber.member, subscriber.hears},
+                           !rules_.links_are_mail});
 }
 
 bool MessageRouter::linked(const Topic& topic, MemberId publisher, MemberId subscriber) const {
@@ -221,7 +249,8 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
   const MailOrder order = place_(by.sender, item.sub, by.number);
   std::vector<MemberId> receivers;
   for (const Subscribed& subscriber : topic.subscribers) {
-    if ((item.target != 0 && item.target != subscriber.member) || !fit(local.md5, subscriber.md5)) {
+    if ((item.target != 0 && item.target != subscriber.member) ||
+        subscriber.hears == wire::Hearing::kNothing || !fit(local.md5, subscriber.md5)) {
       continue;
     }
     post_(subscriber.member,

@@ -96,6 +96,7 @@ class MessageRouter {
     MemberId member;
     std::uint32_t topic;  // the member's own number
     std::string_view md5;
+    wire::Hearing hears = wire::Hearing::kAll;
   };
   struct Topic {
     std::string_view name;
@@ -151,10 +152,12 @@ class MessageRouter {
   void act(const Action& by, const wire::Call& item);
   void act(const Action& by, const wire::Response& item);
   void act(const Action& by, const wire::Watch& item);
+  void act(const Action& by, const wire::Hears& item);
   void act(const Action&, const wire::Log&) {}
   void act(const Action&, const wire::Note&) {}
   void act(const Action&, const wire::At&) {}  // taken out of the report before
   void act(const Action&, const wire::Rest&) {}
+  void act(const Action&, const wire::Background&) {}
 
   std::string_view keep(std::string_view text);
   LocalTopic& declare(MemberId id, std::uint32_t number, std::string_view name);
@@ -164,6 +167,7 @@ class MessageRouter {
   Participant& participant(MemberId id) { return participants_.at(id); }
   void link(const Action& by, const Topic& topic, const Advertised& publisher,
             const Subscribed& subscriber);
+  void tellHearing(const Action& by, const Advertised& publisher, const Subscribed& subscriber);
   bool linked(const Topic& topic, MemberId publisher, MemberId subscriber) const;
   std::string_view definitionOf(const wire::Advertise& item);
   void stopAdvertising(const Action& by, LocalTopic& local);

@@ -126,6 +126,8 @@ void LockstepSession::applyItem(MemberId id, Member& member, const wire::ReportI
     applyNote(member, *note);
   } else if (std::holds_alternative<wire::Rest>(item)) {
     rounds_.rest(id);
+  } else if (std::holds_alternative<wire::Background>(item)) {
+    rounds_.background(id);
   } else {
     router_.apply(id, number, item);
   }
@@ -135,6 +137,9 @@ void LockstepSession::applyNote(Member& member, const wire::Note& note) {
   switch (note.what) {
     case wire::NoteKind::kWaitsFor:
       member.waits_for = shown(note.text);
+      break;
+    case wire::NoteKind::kTells:
+      member.tells = shown(note.text);
       break;
     case wire::NoteKind::kNotRepeatable:
       labels_.addNotRepeatable(quote(member.name) + ": " + std::string(note.text));

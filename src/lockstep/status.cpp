@@ -121,8 +121,8 @@ std::vector<LockstepStatus::Participant> StatusText::participants() const {
     const LockstepRounds::MemberState& state = *rounds_.find(id);
     participants.push_back({id, member.name, member.node_uri, state.rank,
                             state.next == kNever ? std::nullopt : std::optional(state.next),
-                            state.open, member.waits_for, state.knocked, state.mail.size(),
-                            state.owes});
+                            state.open, member.waits_for, member.tells, state.knocked,
+                            state.mail.size(), state.owes});
   }
   return participants;
 }

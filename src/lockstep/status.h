@@ -36,6 +36,7 @@ struct LockstepStatus {
     std::optional<Nanoseconds> next;  // simulated; nothing: never
     std::uint32_t open;               // application threads that wait without end
     std::string waits_for;            // its own words
+    std::string tells;                // ... at which rates, and to whom
     bool knocked;
     std::size_t mail;  // waiting for its next grant
     bool owes;

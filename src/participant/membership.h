@@ -153,6 +153,7 @@ class Membership {
   void take(const wire::Answer& item);
   void take(const wire::Found& item);
   void take(const wire::Happened&) {}  // it foresees nothing
+  void take(const wire::Heard&) {}     // what it sends to the deaf goes no further
   template <class Item>
   void take(const Item& item) {
     program_.handle(item);

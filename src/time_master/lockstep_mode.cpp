@@ -56,6 +56,7 @@ Participant toRosMessage(const LockstepStatus::Participant& participant) {
   message.mail = static_cast<std::uint32_t>(participant.mail);
   message.open = participant.open;
   message.waits_for = participant.waits_for;
+  message.tells = participant.tells;
   return message;
 }
 

@@ -39,6 +39,10 @@ std::string itemText(const wire::GrantItem& item, const Who& who) {
   if (const auto* a = std::get_if<wire::Happened>(&item)) {
     return "happened " + s(a->count);
   }
+  if (const auto* a = std::get_if<wire::Heard>(&item)) {
+    return "heard " + s(static_cast<std::uint64_t>(a->what)) + " " + s(topicOf(a->topic)) + " " +
+           s(who(a->receiver));
+  }
   return "found " + std::string(std::get<wire::Found>(item).service);
 }
 

@@ -85,6 +85,33 @@ TEST(Rest, IsGrantedWhenNobodyHasAnythingLeftToDoAtTheInstant) {
   EXPECT_EQ(grants[0].time, kOne + 1);
 }
 
+TEST(Background, AloneIsNoReasonForTimeToGoOn) {
+  LockstepRounds rounds = pairAtRest();
+  const Nanoseconds later = rounds.now() + 10;
+  rounds.report(1, later, 0, kOne);
+  rounds.background(1);
+  rounds.report(2, kNever, 0, kOne);
+  EXPECT_TRUE(rounds.decide(kOne).empty());
+  EXPECT_EQ(rounds.phase(kOne), LockstepPhase::kIdle);
+}
+
+TEST(Background, HasItsInstantWhereTimeGoesOnForOthers) {
+  LockstepRounds rounds = pairAtRest();
+  const Nanoseconds begin = rounds.now();
+  rounds.report(1, begin + 10, 0, kOne);
+  rounds.background(1);
+  rounds.report(2, begin + 20, 0, kOne);
+  auto grants = rounds.decide(kOne);
+  ASSERT_EQ(grants.size(), 1U);
+  EXPECT_EQ(grants[0].member, 1U);
+  EXPECT_EQ(rounds.now(), begin + 10);
+  rounds.report(1, begin + 30, 0, kOne);  // what it said held for that report only
+  grants = rounds.decide(kOne);
+  EXPECT_EQ(rounds.now(), begin + 20);
+  rounds.report(2, kNever, 0, kOne);
+  EXPECT_EQ(rounds.decide(kOne)[0].time, begin + 30);
+}
+
 TEST(Rest, OfAllComesAtOnceAndNotForThoseWhoHaveGone) {
   LockstepRounds rounds = pairAtRest();
   rounds.rest(2);

@@ -96,6 +96,7 @@ class Script {
   }
   void take(const wire::Found&) {}
   void take(const wire::Happened&) {}
+  void take(const wire::Heard&) {}
 
   void act(bool first) {
     for (std::uint32_t k = first ? 4 : below(2) * below(4); k > 0; --k) {

@@ -42,18 +42,20 @@ Report richReport() {
                   Note{NoteKind::kDegraded, "\xC3\xA9t\xC3\xA9 \xF0\x9F\x98\x80"},
                   Watch{"/s"},
                   At{2},
-                  Rest{}};
+                  Rest{},
+                  Hears{7, Hearing::kNews},
+                  Background{}};
   return report;
 }
 
 Grant richGrant() {
-  return {
-      17,
-      kNever,
-      3,
-      {Publisher{1, 2, "a/Type", "0123", true, "string data"}, NoPublisher{1, 2}, Subscriber{1, 3},
-       NoSubscriber{1, 3}, Deliver{1, 2, "payload"}, CallIn{4, 2, 9, "request"},
-       Answer{9, CallStatus::kServerGone, ""}, Found{"/s"}, Happened{5}}};
+  return {17,
+          kNever,
+          3,
+          {Publisher{1, 2, "a/Type", "0123", true, "string data"}, NoPublisher{1, 2},
+           Subscriber{1, 3}, NoSubscriber{1, 3}, Deliver{1, 2, "payload"},
+           CallIn{4, 2, 9, "request"}, Answer{9, CallStatus::kServerGone, ""}, Found{"/s"},
+           Happened{5}, Heard{1, 3, Hearing::kNothing}}};
 }
 
 TEST(Wire, BytesOfAReportAreAsDescribed) {
@@ -167,10 +169,10 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
     return up(frame.substr(4));
   };
   const std::size_t items = 4 + 1 + 8 + 1 + 8 + 4;
-  EXPECT_NE(patched(Unserve{1}, items, '\x0F').find("kind of item must be from 1 to 14, got 15"),
+  EXPECT_NE(patched(Unserve{1}, items, '\x11').find("kind of item must be from 1 to 16, got 17"),
             std::string::npos);
   EXPECT_NE(patched(Unserve{1}, items, '\0').find("got 0"), std::string::npos);
-  EXPECT_NE(patched(Note{}, items + 1, '\x05').find("NOTE: what must be from 1 to 4, got 5"),
+  EXPECT_NE(patched(Note{}, items + 1, '\x06').find("NOTE: what must be from 1 to 5, got 6"),
             std::string::npos);
   EXPECT_NE(patched(Response{}, items + 9, '\x02').find("ok must be from 0 to 1, got 2"),
             std::string::npos);

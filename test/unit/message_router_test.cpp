@@ -84,6 +84,49 @@ TEST_F(Routing, BothEndsHearOfALinkWhoeverComesFirst) {
   EXPECT_EQ(got(2), (Items{"publisher 6 2", "subscriber 6 2", "subscriber 6 3"}));
 }
 
+TEST_F(Routing, TheDeafAreLinkedAndGetNothingAndWhoPublishesIsTold) {
+  act(1, advertise(5, "/x"));
+  act(2, subscribe(6, "/x"));
+  act(3, subscribe(7, "/x"));
+  got(1);
+  act(2, wire::Hears{6, wire::Hearing::kAll});  // as before
+  act(2, wire::Hears{6, wire::Hearing::kNothing});
+  act(2, wire::Hears{6, wire::Hearing::kNothing});
+  EXPECT_EQ(got(1), Items{"heard 0 5 2"});
+  act(1, wire::Send{5, 0, 0, "to all"});
+  act(1, wire::Send{5, 0, 2, "to one"});
+  EXPECT_EQ(got(3), Items{"deliver 7 1 to all"});
+  act(1, wire::Send{5, 0, 0, "to all"});
+  EXPECT_EQ(got(2), Items{});
+  act(2, wire::Hears{6, wire::Hearing::kAll});
+  act(1, wire::Send{5, 0, 0, "more"});
+  EXPECT_EQ(got(2), Items{"deliver 6 1 more"});
+  act(2, wire::Hears{6, wire::Hearing::kNothing});
+  got(1);
+  act(2, wire::Hears{6, wire::Hearing::kAll});
+  EXPECT_EQ(got(1), Items{"heard 2 5 2"});
+}
+
+TEST_F(Routing, WhoPublishesLaterIsToldOfTheDeaf) {
+  act(2, subscribe(6, "/x"));
+  act(2, wire::Hears{6, wire::Hearing::kNothing});
+  act(1, advertise(5, "/x"));
+  EXPECT_EQ(got(1), (Items{"subscriber 5 2", "heard 0 5 2"}));
+  act(2, wire::Unsubscribe{6});
+  act(2, subscribe(6, "/x"));
+  act(1, wire::Send{5, 0, 0, "anew"});
+  EXPECT_EQ(got(2), (Items{"publisher 6 1", "deliver 6 1 anew"}));
+}
+
+TEST_F(Routing, HearsIsForTopicsThatAreSubscribedTo) {
+  act(1, advertise(5, "/x"));
+  EXPECT_EQ(refusal(1, wire::Hears{5, wire::Hearing::kNothing}),
+            "'/node_1': HEARS must name a topic that it subscribes to, got '/x'");
+  EXPECT_NE(refusal(1, wire::Hears{6, wire::Hearing::kNothing})
+                .find("HEARS must name a topic that was declared, got number 6"),
+            std::string::npos);
+}
+
 TEST_F(Routing, ADefinitionThatIsLeftOutIsTheOneThatWasGivenForItsSum) {
   act(3, wire::Subscribe{7, 0, "/first", "md5"});
   act(3, wire::Subscribe{8, 0, "/second", "md5"});

@@ -15,8 +15,8 @@ MAX_RANK = 2 ** 31 - 1  # a rank has 32 bits with its sign
 
 FRAMES = {layout.name: layout for layout in wire_format.PARTICIPANT_FRAMES + wire_format.MASTER_FRAMES}
 ITEMS = {layout.name: layout for layout in wire_format.REPORT_ITEMS + wire_format.GRANT_ITEMS}
-NoteKind, CallStatus = (IntEnum(name, [(value, number) for number, value in wire_format.CHOICES[name]])
-                        for name in ('NoteKind', 'CallStatus'))
+NoteKind, Hearing, CallStatus = (IntEnum(name, [(value, number) for number, value in wire_format.CHOICES[name]])
+                        for name in ('NoteKind', 'Hearing', 'CallStatus'))
 
 
 def _numbers(layouts, names):
@@ -28,7 +28,7 @@ WELCOME, MEMBER, GONE, GRANT, END = _numbers(FRAMES, 'WELCOME MEMBER GONE GRANT 
 # Of items, those that somebody asks for: the first byte of an item.
 SEND, CALL, RESPONSE = _numbers(ITEMS, 'SEND CALL RESPONSE')
 PUBLISHER, NO_PUBLISHER, SUBSCRIBER, NO_SUBSCRIBER = _numbers(ITEMS, 'PUBLISHER NO_PUBLISHER SUBSCRIBER NO_SUBSCRIBER')
-DELIVER, CALL_IN, ANSWER, FOUND, HAPPENED = _numbers(ITEMS, 'DELIVER CALL_IN ANSWER FOUND HAPPENED')
+DELIVER, CALL_IN, ANSWER, FOUND, HAPPENED, HEARD = _numbers(ITEMS, 'DELIVER CALL_IN ANSWER FOUND HAPPENED HEARD')
 
 _CODES = {'u8': 'B', 'u32': 'I', 'u64': 'Q', 'i32': 'i', 'flag': '?', 'instant': 'q'}
 _CODES.update((name, 'B') for name in wire_format.CHOICES)
@@ -113,7 +113,8 @@ advertise, unadvertise = _item('ADVERTISE'), _item('UNADVERTISE')
 subscribe, unsubscribe = _item('SUBSCRIBE'), _item('UNSUBSCRIBE')
 serve, unserve = _item('SERVE'), _item('UNSERVE')
 send, call, response = _item('SEND'), _item('CALL'), _item('RESPONSE')
-log, note, watch, at, rest = _item('LOG'), _item('NOTE'), _item('WATCH'), _item('AT'), _item('REST')
+log, note, watch, at = _item('LOG'), _item('NOTE'), _item('WATCH'), _item('AT')
+rest, hears, background = _item('REST'), _item('HEARS'), _item('BACKGROUND')
 
 _hello = _writer('hello', FRAMES['HELLO'].fields)
 _busy = _writer('busy', FRAMES['BUSY'].fields)

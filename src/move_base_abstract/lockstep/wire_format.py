@@ -27,7 +27,9 @@ CONNECT_REMINDER_MS = 10000  # wall; it says so that often
 
 #: what a byte may say: name of the choice, (number, name) of its values
 CHOICES = {
-    'NoteKind': ((1, 'WAITS_FOR'), (2, 'NOT_REPEATABLE'), (3, 'DEGRADED'), (4, 'STRICT')),
+    'NoteKind': ((1, 'WAITS_FOR'), (2, 'NOT_REPEATABLE'), (3, 'DEGRADED'), (4, 'STRICT'), (5, 'TELLS')),
+    # what has any effect on a subscriber: no message, one that says something new, all
+    'Hearing': ((0, 'NOTHING'), (1, 'NEWS'), (2, 'ALL')),
     # ERROR: the bytes are the server's text. OK: the response. NO_SERVER: no member serves it.
     # SERVER_GONE: it left, died or stopped serving before it answered.
     'CallStatus': ((0, 'ERROR'), (1, 'OK'), (2, 'NO_SERVER'), (3, 'SERVER_GONE')),
@@ -93,6 +95,9 @@ REPORT_ITEMS = (
     Layout(12, 'WATCH', ('text service',)),  # its name
     Layout(13, 'AT', ('instant time_ns',)),  # simulated; of the turn in which what follows is sent
     Layout(14, 'REST', ()),  # grant me again, once, when nobody has anything left to do at this instant
+    Layout(15, 'HEARS', ('u32 topic',  # that it subscribes to
+                         'Hearing what')),
+    Layout(16, 'BACKGROUND', ()),  # my wake-up is for those only who take no part: time does not go on for it alone
 )
 
 #: what a grant contains; `topic` and `service` are the numbers of the participant that gets the grant
@@ -112,4 +117,7 @@ GRANT_ITEMS = (
     Layout(7, 'ANSWER', ('u32 number', 'CallStatus status', 'bytes bytes')),
     Layout(8, 'FOUND', ('text service',)),  # its name
     Layout(9, 'HAPPENED', ('u32 count',)),  # so many of the turns that the latest report told beforehand
+    Layout(10, 'HEARD', ('u32 topic',
+                         'u32 receiver',  # its id
+                         'Hearing what')),
 )
