@@ -7,7 +7,7 @@ from actionlib_msgs.msg import GoalID, GoalStatusArray
 
 from move_base_abstract.units import NS_PER_S
 
-from . import packing
+from . import lockstep, packing
 from .outbox import Outbox
 from .outlets import LatchedOutlet, Outlet
 
@@ -47,19 +47,30 @@ class ActionShell:
         self._counter = itertools.count(1)
         self._packed = None, b''
         self._subscribers = ()
+        self._told = []
         size = host.options.pub_queue_size
         self._status = LatchedOutlet(ns + '/status', GoalStatusArray, self._pack_status, size, tcp_nodelay=True)
         self._result = Outlet(ns + '/result', types.result, size, tcp_nodelay=True)
         self._feedback = Outlet(ns + '/feedback', types.feedback, size, tcp_nodelay=True)
         self.has_feedback_listeners = self._feedback.is_heard
+        #: who listens to feedback, as of Outlet.hearers
+        self.hearers = self._feedback.hearers
 
-    def open(self, ledger):
-        """Show the goals of ``ledger`` (GoalLedger); the clock's time is the present."""
+    def open(self, ledger, feedback_frequency):
+        """Show the goals of ``ledger`` (GoalLedger); the clock's time is the present.
+
+        ``feedback_frequency()`` [Hz, simulated] is how often feedback comes.
+        """
         self._ledger = ledger
         with self._clock.lock:
             self._clock.now_ns()
             self.publish_status()
-        self._host.status_heartbeat.add(self._repeat_status)
+        self._host.status_heartbeat.add(self._repeat_status, self._status.is_heard_again)
+        with self._clock.lock:
+            self._told = [
+                self._host.rates.add('feedback', feedback_frequency, self._feedback.hearers),
+                self._host.rates.add('status', lambda: self._host.options.status_frequency,
+                                     self._status.hearers_of_repetition)]
 
     def listen(self, on_goal, on_cancel):
         """Hand messages over from now on: ``on_goal(message)``, of the class for it, and ``on_cancel(GoalID)``."""
@@ -71,6 +82,8 @@ class ActionShell:
     def close(self):
         """Take no more goals and leave the graph."""
         self._host.status_heartbeat.remove(self._repeat_status)
+        for told in self._told:
+            self._host.rates.remove(told)
         for topic in (*self._subscribers, self._status, self._result, self._feedback):
             topic.unregister()
 
@@ -100,7 +113,7 @@ class ActionShell:
     def publish_status(self):
         """Publish which goals there are; who comes later gets it, too."""
         now_ns = self._clock.simulation.now_ns
-        if self._status.is_heard():
+        if self._min_answer_delay and self._status.is_heard():
             self._outbox.send(self._status, self._pack_status(now_ns), self._acceptance_wall)
         else:
             self._status.show(now_ns)
@@ -126,5 +139,5 @@ class ActionShell:
         return self._packed[1]
 
     def _repeat_status(self, _now_ns):
-        if self._status.is_heard():
+        with lockstep.repetition():
             self.publish_status()

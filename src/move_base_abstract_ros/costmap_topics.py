@@ -53,6 +53,10 @@ class CostmapTopics:
         if is_event or self._throttle.ready():
             self._window.show()
 
+    def is_heard(self):
+        """Return who listens to what moves with the robot: 0 is nobody."""
+        return max(self._footprints.is_heard(), self._window.is_heard())
+
     def close(self):
         """Leave the graph."""
         for topic in (self._grid, self._window, *self._updates, self._footprints):

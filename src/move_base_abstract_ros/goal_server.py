@@ -24,6 +24,7 @@ class GoalServer:
         self._shell = ActionShell(ns, node_name, host, _TYPES, min_answer_delay)
         self.publish_status, self.new_id = self._shell.publish_status, self._shell.new_id
         self.has_feedback_listeners = self._shell.has_feedback_listeners
+        self.hearers = self._shell.hearers
 
     def start(self, ledger, navigator, prefetch):
         """Take goals for ``navigator``, whose book is ``ledger``; ``prefetch(goal)`` is called before each.
@@ -32,7 +33,7 @@ class GoalServer:
         """
         self._navigator = navigator
         self._prefetch = prefetch
-        self._shell.open(ledger)
+        self._shell.open(ledger, lambda: navigator.feedback_frequency)
         self._shell.listen(self._on_goal, self._on_cancel)
 
     def close(self):

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.event_queue import NOBODY
 from move_base_abstract.parameter_table import Parameter, integer, number, read_table
+from move_base_abstract.rates import Rates
 
 from .single_connections import connect_one_at_a_time
 
@@ -65,6 +67,8 @@ class Host:
         self.options = read_action_options(timing.status_frequency)
         self.is_crowded = is_crowded
         self._robot_count = 0
+        self.rates = Rates(clock.rates_changed)
+        clock.show_rates(self.rates.text)
         self.status_heartbeat = Heartbeat(self, self.options.status_frequency, _STATUS_RATE_CAP)
         self._tf_heartbeats = {}
         timing.begin_to_publish()
@@ -80,7 +84,7 @@ class Host:
     def tf_heartbeat(self, frequency, rate_cap):
         """Return the heartbeat of tf with ``frequency`` [Hz, simulated] and at most ``rate_cap`` [Hz, wall]."""
         if (frequency, rate_cap) not in self._tf_heartbeats:
-            self._tf_heartbeats[frequency, rate_cap] = Heartbeat(self, frequency, rate_cap, only_tells=True)
+            self._tf_heartbeats[frequency, rate_cap] = Heartbeat(self, frequency, rate_cap)
         return self._tf_heartbeats[frequency, rate_cap]
 
     def throttle(self, rate):
@@ -95,25 +99,32 @@ class Host:
 class Heartbeat:
     """Calls all its members ``frequency`` times a simulated second, at most ``rate_cap`` times a wall second."""
 
-    def __init__(self, host, frequency, rate_cap, only_tells=False):
+    def __init__(self, host, frequency, rate_cap):
         self._clock = host.clock
         self._batch = host.timing.batch
         self._members = []
+        self._hearers = []
         self._throttle = host.throttle(rate_cap)
         with self._clock.lock:
-            series = self._clock.simulation.series(_SHARED_INDEX, frequency, self._beat, only_tells)
+            series = self._clock.simulation.series(_SHARED_INDEX, frequency, self._beat, only_tells=True,
+                                                   is_heard=host.timing.when_heard(self._is_heard))
             if series is not None:
                 series.start(self._clock.now_ns())
 
-    def add(self, member):
-        """Call ``member(now_ns)`` from now on."""
+    def add(self, member, is_heard):
+        """Call ``member(now_ns)`` from now on; ``is_heard()``: who would notice, as of Series."""
         with self._clock.lock:
             self._members.append(member)
+            self._hearers.append(is_heard)
 
     def remove(self, member):
         """Call ``member`` no more."""
         with self._clock.lock:
-            self._members.remove(member)
+            place = self._members.index(member)
+            del self._members[place], self._hearers[place]
+
+    def _is_heard(self):
+        return max((is_heard() for is_heard in self._hearers), default=NOBODY)
 
     def _beat(self, _due_ns, now_ns):
         if self._throttle.ready():

@@ -5,9 +5,12 @@ turn; a thread without the turn may only look (:meth:`LockstepClock.look_ns`), u
 """
 import threading
 
+import rospy
+
+from move_base_abstract.lockstep import wire
 from move_base_abstract.simulation import Simulation
 
-from . import beforehand
+from . import beforehand, outlets
 
 
 class LockstepClock:
@@ -21,6 +24,10 @@ class LockstepClock:
         self.simulation = None
         self.participant = None
         self._join = join
+        self._has_onlookers = self._ever_had_onlookers = False
+        self._silent_to = set()
+        self._rates = None
+        self._is_rates_note_due = False
 
     def start(self):
         """Take part; returns when the clock has started."""
@@ -63,6 +70,52 @@ class LockstepClock:
         """Wait until ``condition()`` holds, for at most ``seconds``: simulated ones. The caller has the turn."""
         self.participant.wait_until(condition, seconds, what)
 
+    def falls_silent(self, robot, teller, parameter):
+        """Name once each of ``teller.hearers()``, (topic, node), to whom ``robot`` says nothing: ``parameter`` is 0."""
+        for hearer in teller.hearers():
+            if hearer not in self._silent_to:
+                self._silent_to.add(hearer)
+                topic, node = hearer
+                rospy.logwarn('%s: %s listens to %s, which says nothing on the way: %s is 0', rospy.get_name(), node,
+                              topic, parameter)
+                if self.participant.is_member(node):
+                    self.participant.log(robot.name, 'listens_in_vain', (node, topic, parameter), sub=robot.index)
+
+    def show_rates(self, text):
+        """Have the state say ``text()``: what is told at which rate, and to whom."""
+        self._rates = text
+
+    def rates_changed(self):
+        """What :meth:`show_rates` says has changed; the caller has the turn."""
+        if self._rates is not None and not self._is_rates_note_due:
+            self._is_rates_note_due = True
+            self.participant.add(self._rates_note)
+
+    def _rates_note(self):
+        self._is_rates_note_due = False
+        return wire.note(wire.NoteKind.TELLS, self._rates())
+
+    def listeners_changed(self):
+        """Somebody listens no more, or hears less of it than before."""
+        if self.simulation is not None and self.participant.scheduler.acts():
+            self.rates_changed()
+
+    def listener_came(self):
+        """Somebody begins to listen to what robots tell: a participant, in this one's turn, or anybody else."""
+        if self.simulation is None:
+            return
+        if self.participant.scheduler.acts():
+            with self.lock:
+                self.simulation.advance(self.participant.now_ns)
+                self._wake()
+        else:
+            self._has_onlookers = self._ever_had_onlookers = True  # it takes no part: it is told from the next turn on
+
+    def _wake(self):
+        self.rates_changed()
+        with outlets.nobody_hears():
+            self.simulation.wake()
+
     def record(self, index):
         """Return what takes the :class:`TraceEntry` of the robot with ``index``: the run's event log."""
         def log(entry):
@@ -74,6 +127,10 @@ class LockstepClock:
     def next_due_ns(self):
         """Return when the next event is due [ns], or None."""
         return self.simulation.next_due_ns()
+
+    def is_background(self):
+        """Return whether all that is due is for onlookers: time does not go on for it alone."""
+        return self._ever_had_onlookers and self.simulation.queue.is_for_onlookers()
 
     def foresee(self, before_ns, most):
         """As :meth:`EventQueue.foresee`."""
@@ -94,3 +151,6 @@ class LockstepClock:
         """Let everything happen that is due up to ``now_ns`` [ns]."""
         with self.lock:
             self.simulation.advance(now_ns)
+            if self._has_onlookers:
+                self._has_onlookers = False
+                self._wake()

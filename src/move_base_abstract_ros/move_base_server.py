@@ -66,6 +66,7 @@ class MoveBaseServer(NavigatorListener):
         self._map = RobotMap(self._names, settings, self._clock)
         self._goal_server = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._host,
                                        self._trace, values['min_answer_delay'])
+        self.is_feedback_heard = self._host.timing.when_heard(self._goal_server.has_feedback_listeners)
         robot, self._frames, self._ledger, self.navigator = make_robot_parts(
             settings, self._names.robot, robot_index, self._clock.simulation, self._goal_server, self,
             self._lookup.lookup, StraightLinePlanner(settings.bounds, self._map.check))
@@ -129,12 +130,15 @@ class MoveBaseServer(NavigatorListener):
             if config['controller_frequency'] != self._controller_frequency:
                 self._controller_frequency = config['controller_frequency']
                 self.navigator.set_feedback_frequency(config['controller_frequency'])
+                self._host.rates.changed()
         self._planner_interface.set_add_unreachable_goal(config['make_plan_add_unreachable_goal'])
 
     def departed(self, robot, goal, now_ns):
         """Show that the robot starts."""
         self._trace.departed(goal, now_ns)
         self._publisher.departed(now_ns)
+        if not self.navigator.feedback_frequency:
+            self._clock.falls_silent(robot, self._goal_server, 'feedback_freq')
         self._planner_interface.show(robot.pose_at(now_ns), goal, now_ns)
 
     def stands(self, robot, now_ns):

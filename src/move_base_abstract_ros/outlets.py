@@ -4,8 +4,11 @@ A robot has a dozen topics that tell where it is and what it does; most of them 
 making a message costs more than all the rest of an event. What is to be sent is a packer, see :mod:`packing`.
 """
 import threading
+from contextlib import contextmanager
 
 import rospy
+
+from move_base_abstract.event_queue import NOBODY, ONLOOKERS, PARTICIPANTS
 
 from . import beforehand
 
@@ -15,6 +18,33 @@ class _Header:
 
     seq = 0
     frame_id = ''
+
+
+class _Newcomers:
+    """Who is told, before anything else, that somebody begins to listen, or ends; whether what is sent is for none."""
+
+    tell = staticmethod(lambda: None)
+    tell_leaving = staticmethod(lambda: None)
+    is_quiet = False
+
+
+_newcomers = _Newcomers()
+
+
+def follow_listeners(came, left):
+    """Have ``came()`` called whenever somebody begins to hear a robot's topic, ``left()`` at the end."""
+    _newcomers.tell = came
+    _newcomers.tell_leaving = left
+
+
+@contextmanager
+def nobody_hears():
+    """Give a context in which what is sent reaches nobody; what is shown is kept for those who come later."""
+    _newcomers.is_quiet = True
+    try:
+        yield
+    finally:
+        _newcomers.is_quiet = False
 
 
 class Packed:
@@ -31,17 +61,65 @@ class Packed:
         buffer.write(self._pack(self.header.seq))
 
 
-class Outlet:
+class Outlet(rospy.SubscribeListener):
     """A publisher of packers. Threading: as of rospy's."""
 
-    def __init__(self, topic, message_type, queue_size, tcp_nodelay=False, latch=False, subscriber_listener=None):
-        self._publisher = rospy.Publisher(topic, message_type, subscriber_listener=subscriber_listener, latch=latch,
+    def __init__(self, topic, message_type, queue_size, tcp_nodelay=False, latch=False):
+        super().__init__()
+        self._publisher = rospy.Publisher(topic, message_type, subscriber_listener=self, latch=latch,
                                           queue_size=queue_size, tcp_nodelay=tcp_nodelay)
         self._impl = self._publisher.impl
 
     def is_heard(self):
-        """Return whether anybody listens."""
-        return bool(self._impl.connections)
+        """Return who listens, and not only seems to, see :meth:`.links.MemberLinks.is_heard`: 0 is nobody."""
+        return self._heard_by('is_heard')
+
+    def _heard_by(self, attribute):
+        heard = NOBODY
+        for connection in self._impl.connections:
+            if not hasattr(connection, attribute):
+                heard = max(heard, ONLOOKERS)
+            elif getattr(connection, attribute):
+                return PARTICIPANTS
+        return heard
+
+    def peer_subscribe(self, _topic_name, _topic_publish, peer_publish):
+        """Somebody begins to listen."""
+        _newcomers.tell()
+        self.greet(peer_publish)
+
+    def peer_unsubscribe(self, _topic_name, _num_peers):
+        """A listener has gone."""
+        _newcomers.tell_leaving()
+
+    @staticmethod
+    def begins_to_hear():
+        """Somebody who listened without any effect hears from now on."""
+        _newcomers.tell()
+
+    @staticmethod
+    def hears_less():
+        """Of what somebody listens to, less has an effect than before."""
+        _newcomers.tell_leaving()
+
+    def greet(self, peer_publish):
+        """Tell a newcomer, or have rospy tell it, what it has missed."""
+
+    def is_heard_again(self):
+        """Return on whom, of those who listen, repeating what was said has any effect: 0 is nobody."""
+        return self._heard_by('is_heard_again')
+
+    def hearers(self):
+        """Return (topic, name) of each node that listens to it."""
+        return self._names('hearers')
+
+    def hearers_of_repetition(self):
+        """Return (topic, name) of each node on which repeating what was said has any effect."""
+        return self._names('hearers_of_repetition')
+
+    def _names(self, attribute):
+        return [(self._impl.resolved_name, name) for connection in self._impl.connections
+                for name in getattr(connection, attribute, (connection.endpoint_id,))]
 
     def send(self, pack):
         """Send what ``pack`` makes to all who listen.
@@ -49,7 +127,7 @@ class Outlet:
         :raises rospy.ROSException: if the topic has been closed while the node goes on.
         """
         impl = self._impl
-        if not impl.connections:
+        if _newcomers.is_quiet or not self.is_heard():
             return
         impl.acquire()
         try:
@@ -76,7 +154,7 @@ class Outlet:
         self._publisher.unregister()
 
 
-class LatchedOutlet(rospy.SubscribeListener):
+class LatchedOutlet(Outlet):
     """A latched publisher. Who comes late gets what was shown or sent last; what was shown is made at that moment.
 
     ``make(*shown)`` returns the packer of what was shown. It is called in the caller's thread, or in the one in which
@@ -84,13 +162,10 @@ class LatchedOutlet(rospy.SubscribeListener):
     """
 
     def __init__(self, topic, message_type, make, queue_size=10, tcp_nodelay=False):
-        super().__init__()
         self._make = make
         self._shown = None
         self._sent = None
-        self._outlet = Outlet(topic, message_type, queue_size, tcp_nodelay, latch=True, subscriber_listener=self)
-        self.is_heard = self._outlet.is_heard
-        self.unregister = self._outlet.unregister
+        super().__init__(topic, message_type, queue_size, tcp_nodelay, latch=True)
 
     def show(self, *shown):
         """Send ``make(*shown)`` if anybody listens, and keep it for those who come later."""
@@ -98,20 +173,20 @@ class LatchedOutlet(rospy.SubscribeListener):
         beforehand.changes(self, '_sent')
         self._shown, self._sent = shown, None
         if self.is_heard():
-            self._outlet.send(self._make(*shown))
+            super().send(self._make(*shown))
 
     def send(self, pack):
         """Send what ``pack`` makes, and keep it for those who come later."""
         beforehand.changes(self, '_sent')
         self._sent = pack
-        self._outlet.send(pack)
+        super().send(pack)
 
-    def peer_subscribe(self, _topic_name, _topic_publish, _peer_publish):
+    def greet(self, _peer_publish):
         """Make the latched message, which rospy is about to send to a new listener."""
         if self._sent is not None:
-            self._outlet.latch(self._sent)
+            self.latch(self._sent)
         elif self._shown is not None:
-            self._outlet.latch(self._make(*self._shown))
+            self.latch(self._make(*self._shown))
 
 
 class LatchedOutlets:
@@ -136,6 +211,14 @@ class LatchedOutlets:
                 if outlet.is_heard():
                     outlet.send(outlet.make(*shown))
 
+    def is_heard(self):
+        """Return who listens to any of them: 0 is nobody."""
+        return max((outlet.is_heard() for outlet in self._outlets), default=NOBODY)
+
+    def hearers(self):
+        """Return (topic, name) of each node that listens to one of them."""
+        return [hearer for outlet in self._outlets for hearer in outlet.hearers()]
+
     def begin(self, outlet):
         """Make what a newcomer to ``outlet`` gets."""
         with self._lock:
@@ -146,7 +229,7 @@ class LatchedOutlets:
     def end(self):
         """Look whether anybody is left, now that somebody has gone."""
         with self._lock:
-            self._is_heard = any(outlet.is_heard() for outlet in self._outlets)
+            self._is_heard = bool(self.is_heard())
 
     def unregister(self):
         """Leave the graph."""
@@ -154,18 +237,19 @@ class LatchedOutlets:
             outlet.unregister()
 
 
-class _Member(Outlet, rospy.SubscribeListener):
+class _Member(Outlet):
     """One of several topics that show the same."""
 
     def __init__(self, group, topic, message_type, make, queue_size):
-        super().__init__(topic, message_type, queue_size, latch=True, subscriber_listener=self)
         self._group = group
         self.make = make
+        super().__init__(topic, message_type, queue_size, latch=True)
 
-    def peer_subscribe(self, _topic_name, _topic_publish, _peer_publish):
+    def greet(self, _peer_publish):
         """Make the latched message, which rospy is about to send to a new listener."""
         self._group.begin(self)
 
-    def peer_unsubscribe(self, _topic_name, _num_peers):
+    def peer_unsubscribe(self, topic_name, num_peers):
         """A listener has gone."""
+        super().peer_unsubscribe(topic_name, num_peers)
         self._group.end()

@@ -44,6 +44,7 @@ _CLOCK = 'goes on with simulated time, for the program'
 _CHANCE = "follows from the run's seed and the node's name, for the program"
 _SORTED = 'sorts what the file system has in any order'
 _TOLD = 'labels the run where the program calls it'
+_HEARS = 'tells the time master whether feedback has any effect on an action client'
 _LOCK = 'gives the turn away where another thread of the program holds it'
 
 _ROWS = (
@@ -73,6 +74,10 @@ _ROWS = (
         'counts the messages of participants only, so that no onlooker changes a header', ('9486c44240ef',)),
     Row('rospy.topics._PublisherImpl.remove_connection', LOCKSTEP,
         'tells the program of participants that listen no more, not of onlookers', ('10b24a0193f3',)),
+    Row('rospy.topics._SubscriberImpl.add_callback', LOCKSTEP, _HEARS, ('90f7f53760a6',)),
+    Row('rospy.topics._SubscriberImpl.remove_callback', LOCKSTEP, _HEARS, ('228e3a0979b0',)),
+    Row('actionlib.action_client.GoalManager.init_goal', LOCKSTEP, _HEARS, ('275ffe4ed965',)),
+    Row('actionlib.simple_action_client.SimpleActionClient.feedback_cb', LOCKSTEP, _HEARS),
     Row('rospy.impl.tcpros_pubsub.TCPROSHandler.create_transport', LOCKSTEP,
         'makes no connections to participants', ('d7554043c626',)),
     Row('rospy.topics._TopicImpl.get_num_connections', LOCKSTEP,

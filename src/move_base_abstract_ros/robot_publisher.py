@@ -3,7 +3,7 @@ import rospy
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
 
-from . import conversions, lockstep
+from . import conversions, lockstep, tf_hub
 from .outlets import Outlet
 from .packing import ZERO_TWIST, InFrame
 
@@ -24,17 +24,29 @@ class RobotPublisher:
         self._cmd_vel = Outlet(names.topic('cmd_vel'), Twist, queue_size=10)
         self._recovery = rospy.Publisher(names.action('recovery_status'), RecoveryStatus, queue_size=1)
         self._updates = simulation.series(robot.index, settings.values['pose_update_freq'], self._update,
-                                          only_tells=True)
+                                          only_tells=True, is_heard=host.timing.when_heard(self._is_heard))
         self._updates_beat = settings.values['pose_update_freq'] >= settings.values['tf_heartbeat_freq']
+        self._beats = settings.values['tf_heartbeat_freq'] > 0.0
         self._heartbeat = host.tf_heartbeat(settings.values['tf_heartbeat_freq'], settings.values['max_pose_rate'])
-        self._heartbeat.add(self._beat)
+        self._heartbeat.add(self._beat, self._is_heard)
+        self._rates = host.rates
+        self._told = self._tell_rates(settings.values['pose_update_freq'], settings.values['tf_heartbeat_freq'])
         self.place(simulation.now_ns)
+
+    def _tell_rates(self, pose_frequency, tf_frequency):
+        # Under way, poses go to tf as well.
+        return [self._rates.add('poses', lambda: pose_frequency, self._pose_hearers),
+                self._rates.add('tf', lambda: max(pose_frequency, tf_frequency), tf_hub.hearers)]
 
     def departed(self, now_ns):
         """The robot starts to move."""
         self.place(now_ns)
         if self._updates is not None:
             self._updates.start(now_ns)
+        else:
+            self._clock.falls_silent(self._robot, self._backend, 'pose_update_freq')
+            if not self._beats:
+                self._clock.falls_silent(self._robot, tf_hub, 'tf_heartbeat_freq')
 
     def stands(self, now_ns):
         """The robot stands from now on."""
@@ -71,12 +83,20 @@ class RobotPublisher:
     def close(self):
         """Publish nothing any more."""
         self._heartbeat.remove(self._beat)
+        for told in self._told:
+            self._rates.remove(told)
         if self._updates is not None:
             self._updates.stop()
         self._backend.close()
         self._costmaps.close()
         for publisher in (self._current_goal, self._cmd_vel, self._recovery):
             publisher.unregister()
+
+    def _pose_hearers(self):
+        return self._backend.hearers()  # not every backend has it, and this is asked of builtin's only
+
+    def _is_heard(self):
+        return max(tf_hub.is_heard(), self._backend.is_heard(), self._costmaps.is_heard())
 
     def _update(self, due_ns, _now_ns):
         if self._pose_throttle.ready():

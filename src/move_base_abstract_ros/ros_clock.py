@@ -81,6 +81,12 @@ class RosClock:
         """
         self._restart_followers.append(follower)
 
+    def show_rates(self, _text):
+        """As of LockstepClock; what is told at a rate is told anyhow."""
+
+    def rates_changed(self):
+        """As of :meth:`show_rates`."""
+
     def leave_restarts(self, follower):
         """Call it no more."""
         self._restart_followers.remove(follower)
@@ -96,6 +102,9 @@ class RosClock:
         deadline = time.monotonic() + seconds
         while not condition() and time.monotonic() < deadline and not rospy.is_shutdown():
             time.sleep(_WAIT_POLL_SECONDS)
+
+    def falls_silent(self, _robot, _teller, _parameter):
+        """As of LockstepClock; what is switched off here was switched off by name."""
 
     def wall_to_ns(self, seconds):
         """Return how far simulated time [ns] moves in ``seconds`` of the wall clock, at its present speed.

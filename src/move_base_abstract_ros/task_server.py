@@ -29,8 +29,9 @@ class TaskServer:
             with self._clock.lock:
                 self._clock.now_ns()
                 self._tasks = TimedTaskRunner(self._clock.simulation, robot_index, ledger, durations, self._begun,
-                                              self._publish_feedback, feedback_frequency)
-            self._shell.open(ledger)
+                                              self._publish_feedback, feedback_frequency,
+                                              host.timing.when_heard(self._shell.has_feedback_listeners))
+            self._shell.open(ledger, lambda: feedback_frequency)
             self._shell.listen(self._on_goal, self._on_cancel)
         self._clock.follow_restarts(self._tasks.restart)
         host.add_robot()

@@ -6,18 +6,26 @@ one is sent the latest transforms of all frames, as if /tf were latched.
 import threading
 from contextlib import contextmanager
 
-import rospy
 from tf2_msgs.msg import TFMessage
+
+from move_base_abstract.event_queue import NOBODY
 
 from . import beforehand, packing
 from .outlets import Outlet, Packed
 
 
-class _Hub(rospy.SubscribeListener):
+class _TfOutlet(Outlet):
+    """The publisher of /tf; ``greet``: how newcomers are."""
+
+    def __init__(self, greet):
+        self.greet = greet
+        super().__init__('/tf', TFMessage, queue_size=100)
+
+
+class _Hub:
     """Publishes transforms, at once or collected."""
 
     def __init__(self):
-        super().__init__()
         self._latest = None
         self._lock = threading.RLock()
         self._outlet = None
@@ -43,7 +51,13 @@ class _Hub(rospy.SubscribeListener):
             if self._latest is not None:
                 self._latest.pop(key, None)
 
-    def peer_subscribe(self, _topic_name, _topic_publish, peer_publish):
+    def is_heard(self):
+        return NOBODY if self._outlet is None else self._outlet.is_heard()
+
+    def hearers(self):
+        return [] if self._outlet is None else self._outlet.hearers()
+
+    def _greet(self, peer_publish):
         with self._lock:
             if self._latest:
                 peer_publish(Packed(_packer(self._latest.values())))
@@ -61,7 +75,7 @@ class _Hub(rospy.SubscribeListener):
 
     def _publish(self, makes):
         if self._outlet is None:
-            self._outlet = Outlet('/tf', TFMessage, queue_size=100, subscriber_listener=self)
+            self._outlet = _TfOutlet(self._greet)
         if self._outlet.is_heard():
             self._outlet.send(_packer(makes))
 
@@ -80,6 +94,16 @@ def send(key, make):
     ``key``: whose they are. Nothing is made where nobody listens.
     """
     _HUB.send(key, make)
+
+
+def is_heard():
+    """Return who listens to /tf: 0 is nobody."""
+    return _HUB.is_heard()
+
+
+def hearers():
+    """Return ('/tf', name) of each node that listens to it."""
+    return _HUB.hearers()
 
 
 def tell_newcomers():

@@ -9,7 +9,7 @@ import rospy
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.settings import EVENTS_ONLY
 
-from . import lockstep, tf_hub, tf_watch
+from . import lockstep, outlets, tf_hub, tf_watch
 from .clock_watch import watch_clock
 from .lockstep_clock import LockstepClock
 from .ros_clock import RosClock
@@ -25,7 +25,25 @@ _TASK_FEEDBACK_FREQUENCY = 5.0  # Hz, simulated
 
 def make_timing():
     """Return the timing of this process: in lockstep if the time master works so, or will."""
-    return LockstepTiming() if lockstep.is_lockstep() else ScaledTiming()
+    events_only = _events_only()
+    if lockstep.is_lockstep():
+        return LockstepTiming(events_only)
+    if events_only:
+        rospy.logwarn('%s: parameter events_only is for lockstep (/time_master/mode); it has no effect here',
+                      rospy.get_name())
+    return ScaledTiming()
+
+
+def _events_only():
+    """Return what the parameter ``events_only`` says, the node's own or the nearest one further up.
+
+    :raises ConfigurationError: if it is neither true nor false.
+    """
+    found = rospy.search_param('events_only')
+    value = rospy.get_param(found) if found else False
+    if not isinstance(value, bool):
+        raise ConfigurationError('parameter {}: got {!r}; allowed: true or false'.format(found, value))
+    return value
 
 
 class ScaledTiming:
@@ -37,6 +55,10 @@ class ScaledTiming:
     status_frequency = _STATUS_FREQUENCY
     #: how often tasks tell how far they are, if no parameter says so [Hz, simulated]
     task_feedback_frequency = _TASK_FEEDBACK_FREQUENCY
+
+    @staticmethod
+    def when_heard(_is_heard):
+        """Return None: what is told at a rate, unless a throttle or its topic says otherwise, is told."""
 
     @staticmethod
     def make_clock():
@@ -88,20 +110,29 @@ class ScaledTiming:
 
 
 class LockstepTiming:
-    """Time leaps from event to event and waits for all who take part: nothing is left out, and nothing repeats itself.
+    """Time leaps from event to event and waits for all who take part: nothing is left out.
 
-    Answers are as of :class:`ScaledTiming`.
+    What is told at a rate has an instant each time, as long as anybody hears it. ``events_only``: nothing is told at a
+    rate unless a parameter of its own says so. Answers are as of :class:`ScaledTiming`.
     """
 
-    base_settings = EVENTS_ONLY
-    status_frequency = 0.0  # transitions only
-    task_feedback_frequency = 0.0
+    def __init__(self, events_only=False):
+        self.base_settings = EVENTS_ONLY if events_only else {}
+        self.status_frequency = 0.0 if events_only else _STATUS_FREQUENCY  # 0: transitions only
+        self.task_feedback_frequency = 0.0 if events_only else _TASK_FEEDBACK_FREQUENCY
+
+    @staticmethod
+    def when_heard(is_heard):
+        """Return ``is_heard``: time stops for what is told at a rate only while somebody hears it."""
+        return is_heard
 
     @staticmethod
     def make_clock():
         """Return the clock of this process, not started."""
-        return LockstepClock(lambda: lockstep.join(rank=rospy.get_param('~lockstep_rank', ROBOTS_RANK),
-                                                   own_threads=False))
+        clock = LockstepClock(lambda: lockstep.join(rank=rospy.get_param('~lockstep_rank', ROBOTS_RANK),
+                                                    own_threads=False))
+        outlets.follow_listeners(clock.listener_came, clock.listeners_changed)
+        return clock
 
     @staticmethod
     def answer_delay(_seconds):

@@ -85,6 +85,9 @@ class Run:
         """Return the events of one robot, or of the client, as (kind, values)."""
         return [event[2:] for event in self.events if event[1] == robot]
 
+#: nothing is told at rates
+SILENT = {'feedback_freq': 0.0, 'pose_update_freq': 0.0, 'tf_heartbeat_freq': 0.0}
+
 
 def fleet(names, parts=1, own=None, **parameters):
     """Return the hosts that are one fleet in ``parts`` processes; ``own``: parameters of all robots."""
@@ -150,7 +153,7 @@ class LockstepFleet(unittest.TestCase):
         self.assertEqual(Run('goals', TWO, nodes(TWO)).text, first.text)
 
     def test_nothing_is_told_on_the_way_unless_it_is_asked_for_and_then_all_of_it(self):
-        silent = Run('telling', TWO, fleet(TWO))
+        silent = Run('telling', TWO, fleet(TWO, own=SILENT))
         self.assertEqual(silent.of('client'), [('pose', [0.0]), ('pose', [0.0]), ('pose', [2.0])])
         told = Run('telling', TWO, fleet(TWO, own={'feedback_freq': 100.0, 'pose_update_freq': 50.0}))
         grid = [number / 50.0 for number in range(100)]
@@ -159,7 +162,10 @@ class LockstepFleet(unittest.TestCase):
         poses = [values[0] for kind, values in told.of('client') if kind == 'pose']
         # as latched, departure, the series from the departure on, arrival
         self.assertEqual([round(x, 9) for x in poses], [0.0, 0.0] + grid[::2] + [2.0])
-        self.assertEqual(told.of('robot_0'), silent.of('robot_0'))
+        in_vain = [values for kind, values in silent.of('robot_0') if kind == 'listens_in_vain']
+        self.assertEqual(in_vain, [['/client', '/robot_0/robot_pose', 'pose_update_freq'],
+                                   ['/client', '/robot_0/move_base/feedback', 'feedback_freq']])
+        self.assertEqual(told.of('robot_0'), [record for record in silent.of('robot_0') if record[1] not in in_vain])
 
     def test_who_begins_to_listen_to_tf_learns_where_all_robots_are_and_then_each_event(self):
         def pairs(stamp, *places):
@@ -168,13 +174,13 @@ class LockstepFleet(unittest.TestCase):
 
         def told(run):
             return [[kind, list(itertools.chain.from_iterable(values))] for kind, values in run.of('client')]
-        one = Run('tf', TWO, fleet(TWO))
+        one = Run('tf', TWO, fleet(TWO, own=SILENT))
         begin = 101 * NS_PER_S
         self.assertEqual(told(one), [
             pairs(NS_PER_S, ('robot_0', 0.0), ('robot_1', 0.0)), pairs(begin, ('robot_0', 0.0)),
             pairs(begin, ('robot_1', 0.0)), pairs(begin + NS_PER_S, ('robot_0', 2.0)),
             pairs(begin + NS_PER_S, ('robot_1', 2.0))])
-        two = Run('tf', TWO, fleet(TWO, parts=2))
+        two = Run('tf', TWO, fleet(TWO, parts=2, own=SILENT))
         self.assertEqual(told(two), [pairs(NS_PER_S, ('robot_0', 0.0)), pairs(NS_PER_S, ('robot_1', 0.0)),
                                      *told(one)[1:]])
 

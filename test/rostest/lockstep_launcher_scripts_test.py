@@ -58,13 +58,13 @@ class DrivingTest(unittest.TestCase):
     def test_a_polling_loop_ticks_once_a_second(self):
         ticks = [line.split()[:3] for line in self.printed('poller')]
         self.assertEqual(ticks, [['%.9f' % (1.0 + n), 'tick', str(n)] for n in range(1, 21)])
-        # It drives at 1 m/s: to 2 m from 1 s to 3 s, and back from 3.05 s to 5.05 s.
-        self.assertIn(' x=2.000000 ', self.printed('poller')[2])
+        # It drives at 1 m/s: to 2 m from 1 s to 3 s, and back from 3.05 s to 5.05 s, and tells its pose at 10 Hz.
+        self.assertIn(' x=1.100000 ', self.printed('poller')[2])
         self.assertIn(' x=0.000000 ', self.printed('poller')[4])
 
     def test_callbacks_set_flags_for_a_loop_of_sleeps(self):
         self.assertEqual(self.printed('flags'), [
-            '3.050000000 at 2.0 after 41 looks', '5.100000000 at 0.0 after 41 looks', 'feedbacks: 0'])
+            '3.050000000 at 2.0 after 41 looks', '5.100000000 at 0.0 after 41 looks', 'feedbacks: 82'])
 
     def test_goals_that_are_chained_in_done_cb(self):
         self.assertEqual(self.printed('tour'), [

@@ -33,7 +33,10 @@ def test_both_timings_answer_the_same_questions_in_the_same_form():
     def questions(name):
         asked = {}
         for node in classes[name].body:
-            if isinstance(node, ast.FunctionDef):
+            if isinstance(node, ast.FunctionDef) and node.name == '__init__':
+                asked.update((target.attr, None) for target in ast.walk(node)
+                             if isinstance(target, ast.Attribute) and isinstance(target.ctx, ast.Store))
+            elif isinstance(node, ast.FunctionDef):
                 asked[node.name] = [argument.arg.strip('_') for argument in node.args.args]
             elif isinstance(node, ast.Assign):
                 asked[node.targets[0].id] = None

@@ -48,6 +48,14 @@ class BuiltinBackend:
         self._tf_stamp_ns, self._tf_pose = stamp_ns, pose
         tf_hub.send(self._base_frame, lambda: self._transforms(pose, stamp_ns))
 
+    def is_heard(self):
+        """Return who listens to the robot's pose, other than by tf: 0 is nobody."""
+        return self._outlets.is_heard()
+
+    def hearers(self):
+        """Return (topic, name) of each node that listens to the robot's pose, other than by tf."""
+        return self._outlets.hearers()
+
     def restart(self):
         """Time has started anew."""
         self._tf_stamp_ns = -1

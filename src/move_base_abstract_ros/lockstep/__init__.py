@@ -16,10 +16,11 @@ from move_base_abstract.parameter_table import Parameter, checked, integer
 
 from .. import replaced
 from . import finish, fork, looks, threads, waits
-from .participant import Participant, connect, is_lockstep
-from .topics import sender
+from .access import connect, is_lockstep
+from .links import repetition, sender
+from .participant import Participant
 
-__all__ = ['Participant', 'is_lockstep', 'join', 'participant', 'sender']
+__all__ = ['Participant', 'is_lockstep', 'join', 'participant', 'repetition', 'sender']
 
 RANK = Parameter('lockstep_rank', None, integer(-MAX_RANK - 1, MAX_RANK),
                  'a whole number in {}..{}'.format(-MAX_RANK - 1, MAX_RANK))

@@ -18,8 +18,8 @@ from rospy.impl import tcpros_service
 from move_base_abstract.lockstep import wire
 
 from ..replaced import replaced
+from .access import secret
 from .connection import Closed, Connection
-from .participant import secret
 from .queries import QUESTIONS
 from .waits import replaced_within
 

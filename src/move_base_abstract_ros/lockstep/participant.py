@@ -8,18 +8,19 @@ from math import isfinite
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.lockstep import wire, wire_format
+from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.charge import NoCharge
 from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_lock
-from move_base_abstract.lockstep.secret import run_secret
 from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
 from . import finish, pools, silence
-from .connection import Closed, Connection
+from .access import secret
+from .connection import Closed
 from .foresight import Foresight
+from .links import sender
 from .report_delays import make_delay
 from .services import Services
-from .topics import Topics, sender
+from .topics import Topics
 
 _SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
 _LOOK_SECONDS = 0.05  # wall; so soon the end of lockstep is seen by who waits for something else
@@ -67,6 +68,7 @@ class Participant:
         self.charge = charge
         self._is_charged = type(charge) is not NoCharge
         self._foresight = None
+        self._source_is_background = None
         self._is_granted = False
         self.is_at_rest = False
         self._has_mail = False
@@ -80,7 +82,7 @@ class Participant:
                           wire.SUBSCRIBER: self.topics.on_subscriber, wire.NO_SUBSCRIBER: self.topics.on_no_subscriber,
                           wire.DELIVER: self.topics.on_deliver, wire.CALL_IN: self.services.on_called,
                           wire.ANSWER: self.services.on_answered, wire.FOUND: self.services.on_found,
-                          wire.HAPPENED: self._on_happened}
+                          wire.HAPPENED: self._on_happened, wire.HEARD: self.topics.on_heard}
 
     # --- what users call --------------------------------------------------------------------------------------------
 
@@ -132,6 +134,7 @@ class Participant:
         One that can tell some of them beforehand has what :class:`.Foresight` asks for.
         """
         self.scheduler.set_source(source)
+        self._source_is_background = getattr(source, 'is_background', None)
         if not self._is_charged and hasattr(source, 'foresee') and rospy.get_param('~foresee', True) is not False:
             self._foresight = Foresight(source)
 
@@ -287,7 +290,9 @@ class Participant:
             self._told = told
             self._items.append(wire.note(wire.NoteKind.WAITS_FOR, told))
         self._is_granted = self.is_starting = False
-        if may_foresee and self._foresight is not None and self.scheduler.can_foresee and next_ns > self.now_ns:
+        if may_foresee and self.now_ns < next_ns < wire.NEVER and self._is_background():
+            self._items.append(wire.background())
+        elif may_foresee and self._foresight is not None and self.scheduler.can_foresee and next_ns > self.now_ns:
             with sender(None):
                 next_ns = self._foresight.tell(self.scheduler.next_besides_source_ns(), self._items)
         if self._delay is not None:
@@ -296,6 +301,11 @@ class Participant:
             self.connection.send(wire.report(self._round, False, next_ns, len(waits), self._take_items()))
         except Closed as error:
             self._lost(str(error))
+
+    def _is_background(self):
+        """Whether only onlookers would notice, if time did not go on to the next event."""
+        return (self._source_is_background is not None and self.scheduler.can_foresee
+                and self.scheduler.next_besides_source_ns() == wire.NEVER and self._source_is_background())
 
     def _await_grant(self):
         """Return what the next grant lists, as functions to be called in this order."""
@@ -362,39 +372,3 @@ class Participant:
             # Not in this thread: it may be one that a shutdown hook waits for.
             finish.end_node(reason, as_wished)
         raise TurnLost()
-
-
-def connect():
-    """Return a :class:`Connection` to the time master that the parameter names; wait for it as long as ROS is there.
-
-    :raises ConfigurationError: if the time master is not in lockstep any more.
-    """
-    warn_at = time.monotonic() + wire_format.CONNECT_REMINDER_MS * 1e-3
-    while not rospy.is_shutdown():
-        if not is_lockstep():
-            raise ConfigurationError("{}: parameter /time_master/mode: got {!r}; allowed, for a node that takes part: "
-                                     "'lockstep'".format(rospy.get_name(), rospy.get_param('/time_master/mode', '')))
-        address = str(rospy.get_param('/time_master/lockstep_address', ''))
-        host, _, port = address.rpartition(':')
-        if host and port.isdigit():
-            try:
-                return Connection(host, int(port), 1.0)
-            except OSError:
-                pass  # left there by one that died; another will come
-        if time.monotonic() > warn_at:
-            rospy.logwarn('lockstep: %s waits for the time master (/time_master/lockstep_address is %s)',
-                          rospy.get_name(), address + ', where nobody listens' if address else 'not set')
-            warn_at += wire_format.CONNECT_REMINDER_MS * 1e-3
-        time.sleep(wire_format.CONNECT_RETRY_MS * 1e-3)
-    raise rospy.ROSInterruptException('ROS shutdown request')
-
-
-def secret():
-    """Return the secret of the run (bytes), which the parameters tell."""
-    return run_secret(rospy.get_param('/time_master/lockstep_secret', ''),
-                      rospy.get_param('/time_master/lockstep_secret_file', ''))
-
-
-def is_lockstep():
-    """Return whether the time master works, or will work, in lockstep (parameter ``/time_master/mode``)."""
-    return rospy.get_param('/time_master/mode', 'scaled') == 'lockstep'

@@ -82,7 +82,7 @@ def _replace_publishing(topics):
         def _publish(self, message, connection_override=None):
             receivers = self.connections if connection_override is None else (connection_override,)
             lock = self.publock  # none once the topic is closed; rospy says then what that means
-            if lock is None or any(map(topics.is_link, receivers)):
+            if lock is None or any(topics.is_link(receiver) and receiver.is_heard for receiver in receivers):
                 return publish(self, message, connection_override)
             with lock:
                 number = self.seq

@@ -16,7 +16,7 @@ from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
 
 from ..replaced import replace
-from .topics import creating_index
+from .links import creating_index
 
 #: how the services end that rospy itself offers in each node; those do not count
 _OF_ROSPY = ('/get_loggers', '/set_logger_level')

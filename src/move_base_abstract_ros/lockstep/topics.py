@@ -1,174 +1,16 @@
 """Topics between participants, put in the place of rospy's connections.
 
-rospy's own topic objects stay in use: for all participants that listen, a publisher has one connection that writes into
-the report; a subscriber has one connection per participant that publishes. Connections to all other nodes are rospy's.
+rospy's own topic objects stay in use, with connections of their own, see :mod:`links`, between participants.
+Connections to all other nodes are rospy's.
 """
-import threading
-from collections import deque
-
-import rospy
 from rospy.impl import registration
 from rospy.impl.registration import Registration
 
 from move_base_abstract.lockstep import wire
 
 from . import rospy_topics
-
-_local = threading.local()
-
-
-class sender:  # noqa: N801 - it is called like a function
-    """A context: what is created or published inside belongs to the robot with ``index``, and comes in its place."""
-
-    __slots__ = ('_index', '_before')
-
-    def __init__(self, index):
-        self._index = index
-        self._before = None
-
-    def __enter__(self):
-        self._before = getattr(_local, 'index', None)
-        _local.index = self._index
-
-    def __exit__(self, *_error):
-        _local.index = self._before
-
-
-def creating_index():
-    """Return the robot's index of what is created now."""
-    return getattr(_local, 'index', None) or 0
-
-
-class MemberLinks:
-    """The connection of a publisher to all participants that listen to it. Has what rospy expects of one."""
-
-    direction, transport_type = 'o', 'LOCKSTEP'
-    done = False
-    cleanup_cb = None
-    latch = None
-    is_latched = False
-    stat_bytes = 0
-    stat_num_msg = 0
-    id = 0
-    endpoint_id = callerid_pub = 'lockstep'
-
-    def __init__(self, participant, topic, sub, impl=None):
-        self._impl = impl
-        self._participant = participant
-        self._topic = topic
-        self.sub = sub
-        self.target = 0
-        self.members = []
-
-    def is_latching(self):
-        """Return whether the publisher's last message is kept for those who come later."""
-        return self.target == 0 and self._impl is not None and self._impl.is_latch
-
-    def for_one(self, member):
-        """Return a connection to one of them."""
-        link = MemberLinks(self._participant, self._topic, self.sub, self._impl)
-        link.target = member
-        link.members = [member]
-        return link
-
-    def add(self, member):
-        """One more node listens."""
-        self.members = self.members + [member]
-
-    def remove(self, member):
-        """A node listens no more."""
-        self.members = [other for other in self.members if other != member]
-
-    @property
-    def count(self):
-        """How many nodes are behind it."""
-        return len(self.members)
-
-    def has_name(self, name):
-        """Return whether the node is one of them."""
-        return any(self._participant.names.get(member) == name for member in self.members)
-
-    def write_data(self, data):
-        """Have a serialised message, with its length before it, in the report."""
-        self.write_message(data[4:])
-        return True
-
-    def write_message(self, data):
-        """Have a serialised message in the report."""
-        self.stat_bytes += len(data)
-        self.stat_num_msg += 1
-        index = getattr(_local, 'index', None)
-        sub = self.sub if index is None else index
-        # Who begins to listen in this round gets what is latched when this publisher has been told of it, not before.
-        for target in self.members if self.is_latching() else (self.target,):
-            self._participant.add(wire.send(self._topic, sub, target, data))
-
-    def fileno(self):
-        """There is no file."""
-
-    def set_cleanup_callback(self, callback):
-        """It is never closed from the other side."""
-
-    def get_transport_info(self):
-        """Return what rosnode shows."""
-        return 'lockstep, through the time master'
-
-    def close(self):
-        """Nothing is open."""
-
-
-class PublisherLink(MemberLinks):
-    """The connection of a subscriber to one participant that publishes; its callbacks run one after the other."""
-
-    direction = 'i'
-
-    def __init__(self, participant, topic, impl, member, header):
-        super().__init__(participant, topic, 0, impl)
-        self.members = [member]
-        self.endpoint_id = participant.uris.get(header['callerid'], header['callerid'])
-        self.callerid_pub = header['callerid']
-        self.header = header
-        self.is_latched = header['latching'] == '1'
-        self._backlog = deque()
-        self._is_busy = False
-
-    def take(self, data):
-        """Call the callbacks with a serialised message, behind those that are not through yet."""
-        if self._is_busy:
-            self._backlog.append(data)
-            self._trim()
-            return
-        self._is_busy = True
-        try:
-            self._deliver(data)
-            while self._backlog:
-                self._deliver(self._backlog.popleft())
-        finally:
-            self._is_busy = False
-
-    def _trim(self):
-        """A subscriber's queue_size keeps the newest, as rospy does when it reads from a socket."""
-        size = self._impl.queue_size
-        while size is not None and len(self._backlog) > size:
-            self._backlog.popleft()
-
-    def _deliver(self, data):
-        impl = self._impl
-        if impl.closed:
-            return
-        self.stat_bytes += len(data)
-        self.stat_num_msg += 1
-        message = impl.data_class()
-        try:
-            message.deserialize(data)
-        except Exception as error:
-            rospy.logerr('%s: a message on %s from %s cannot be read: %s', rospy.get_name(), impl.resolved_name,
-                         self.callerid_pub, error)
-            return
-        message._connection_header = self.header
-        if self.is_latched:
-            self.latch = message
-        impl.receive_callback([message], self)
+from .hearing import Hearing
+from .links import MemberLinks, PublisherLink, creating_index
 
 
 class Topics:
@@ -183,11 +25,19 @@ class Topics:
         self._links = {}
         self._publisher_links = {}
         self._told_types = set()
+        self.hearing = Hearing(self)
+
+    def tell_hearing(self, impl, what):
+        """Tell which messages (wire.Hearing) have any effect on a subscription."""
+        number = self._numbers.get(impl.resolved_name)
+        if number is not None:
+            self._participant.add(wire.hears(number, what))
 
     def install(self):
         """Take rospy's topics over: those that there are, and those to come."""
         manager = registration.get_topic_manager()
         rospy_topics.install(self)
+        self.hearing.install()
         for reg_type, topics in ((Registration.PUB, manager.pubs), (Registration.SUB, manager.subs)):
             for impl in topics.values():
                 self.added(impl, reg_type)
@@ -227,6 +77,7 @@ class Topics:
         if number is None:
             return
         if reg_type == Registration.SUB:
+            self.hearing.forget(impl)
             self._participant.add(wire.unsubscribe(number))
             for key in [key for key in self._publisher_links if key[0] == number]:
                 del self._publisher_links[key]
@@ -299,6 +150,20 @@ class Topics:
         count = impl.get_num_connections()
         for listener in impl.subscriber_listeners:
             listener.peer_unsubscribe(impl.resolved_name, count)
+
+    def on_heard(self, number, member, what):
+        """Some of what this one publishes (wire.Hearing) has an effect on a participant that listens."""
+        return lambda: self._note_hearing(number, member, what)
+
+    def _note_hearing(self, number, member, what):
+        link = self._links.get(number)
+        impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
+        if link is None or impl is None or impl.closed or member not in link.members:
+            return
+        link.hearing(member, what)
+        for listener in impl.subscriber_listeners:
+            if hasattr(listener, 'begins_to_hear'):
+                listener.hears_less() if what == wire.Hearing.NOTHING else listener.begins_to_hear()
 
     def on_deliver(self, number, member, data):
         """A participant's message."""

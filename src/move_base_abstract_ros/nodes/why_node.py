@@ -180,6 +180,7 @@ def _participant_lines(state):
         yield f'{one.name}: {"; ".join(part for part in (threads, one.waits_for) if part)}'
     if len(stuck) > SHOWN:
         yield f'... and {len(stuck) - SHOWN} more that wait'
+    yield from (f'{one.name} tells {one.tells}' for one in state.participants[:SHOWN] if one.tells)
     yield f'participants: {_some([one.name for one in state.participants])}'
     if state.bystanders:
         yield f'not waited for (they use /clock and do not take part): {_some(state.bystanders)}'

@@ -57,10 +57,12 @@ def _start_nodes(ros, spec, names, folder):
     nodes = [ros.run('time_master', 'time_master', parameters=_clock(spec, folder))]
     config = spec.config
     places = start_places(config.robots, spec.seed, truth_of(config).grid)
+    quiet = {'events_only': True} if spec.clock != 'scaled' else {}  # the coordinator goes by what happens
     nodes.append(ros.run('fleet', 'fleet', parameters={
+        **quiet,
         'defaults': {'max_speed': config.speed},
         'robots': [{'name': name, 'start_x': x, 'start_y': y} for name, (x, y) in zip(names, places)]}))
-    nodes.append(ros.run('task_server', 'task_server', parameters={'robots': names, 'task': TASK}))
+    nodes.append(ros.run('task_server', 'task_server', parameters={**quiet, 'robots': names, 'task': TASK}))
     if spec.charge != 'none':
         kind, _, path = spec.charge.partition(':')
         if kind.startswith('measured') and not path:
