@@ -141,7 +141,7 @@ class VerifyTest(OwnFolder, unittest.TestCase):
 
     def test_delays_are_asked_for_by_a_variable_that_python_and_cpp_check(self):
         for node in (NODE.format('ticks'), '<node pkg="move_base_abstract" type="shim_listener" name="listener"/>'):
-            code, said = self.verify('--time-limit', '10', self.launch_file(node),
+            code, said = self.verify('--time-limit', '60', self.launch_file(node),
                                      MOVE_BASE_ABSTRACT_REPORT_DELAY='often')
             self.assertIn(code, (1, 3), said)
             self.assertIn('MOVE_BASE_ABSTRACT_REPORT_DELAY must be SEED:MILLISECONDS', said)
