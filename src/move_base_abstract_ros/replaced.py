@@ -43,6 +43,7 @@ _QUESTION = 'is asked after the others have done what they do at this instant'
 _CLOCK = 'goes on with simulated time, for the program'
 _CHANCE = "follows from the run's seed and the node's name, for the program"
 _SORTED = 'sorts what the file system has in any order'
+_ROUNDS = 'has garbage collected after so many rounds, or not'
 _TOLD = 'labels the run where the program calls it'
 _HEARS = 'tells the time master whether feedback has any effect on an action client'
 _LOCK = 'gives the turn away where another thread of the program holds it'
@@ -143,6 +144,8 @@ _ROWS = (
     Row('os.listdir', LAUNCHER, _SORTED),
     Row('os.scandir', LAUNCHER, _SORTED),
     Row('concurrent.futures._base.Future.__hash__', LAUNCHER, 'is a number, so that sets of futures have one order'),
+    Row('gc.enable', LAUNCHER, _ROUNDS),
+    Row('gc.disable', LAUNCHER, _ROUNDS),
     Row('os.getpid', LAUNCHER, _TOLD),
     Row('os.getppid', LAUNCHER, _TOLD),
     Row('os.times', LAUNCHER, _TOLD),

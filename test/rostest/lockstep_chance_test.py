@@ -131,6 +131,17 @@ class ThreadsTest(unittest.TestCase):
         self.assertIn('texts are hashed in another way in each run', ' '.join(self.stray.state.not_repeatable_because))
 
 
+class GarbageTest(unittest.TestCase):
+    def test_garbage_is_collected_in_rounds(self):
+        runs = [run_programs({'litter': ['litter.py']}, until=30.0, load=load) for load in (0, 2)]
+        self.assertEqual([run.codes for run in runs], [{'litter': 0}] * 2, runs[0].outputs)
+        said = runs[0].printed('litter')
+        self.assertEqual(said[0], 'at once 0')
+        self.assertEqual(len(said), 2 + 30)
+        self.assertEqual(said[-1], 'waited 0.25')
+        assert_same(self, runs)
+
+
 class PoolsTest(unittest.TestCase):
     def test_pools_of_threads_do_the_same_in_each_run_whatever_their_addresses(self):
         runs = [run_programs({'pools': ['pools.py']}, until=10.0)]

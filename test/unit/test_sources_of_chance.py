@@ -13,7 +13,7 @@ LOCKSTEP = ROOT / 'src' / 'move_base_abstract_ros' / 'lockstep'
 SHIM_ROW = re.compile(r'^REPLACED\(([\w+]+), "[^"]+",\s+"([^"]+)",', re.MULTILINE)
 #: of Python's: names of a clock, of a sleep, of chance, of the machine
 PYTHON_SOURCE = re.compile(
-    r'(time|uuid|os|_posixsubprocess|random|tempfile|numpy|resource|signal|select)\.|threading\._time$|queue\.time$')
+    r'(time|uuid|os|gc|_posixsubprocess|random|tempfile|numpy|resource|signal|select)\.|threading\._time$|queue\.time$')
 #: what is a source without being replaced: it is seeded, or the program's text has it handed on
 FOLLOWED = {'random', 'numpy.random', 'datetime.now', 'datetime.utcnow', 'datetime.today', 'date.today', 'tempfile',
             'concurrent.futures', 'multiprocessing.pool', 'uuid.uuid4'}

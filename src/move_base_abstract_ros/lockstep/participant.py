@@ -13,7 +13,7 @@ from move_base_abstract.lockstep.charge import NoCharge
 from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_lock
 from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
-from . import finish, pools, silence
+from . import finish, garbage, pools, silence
 from .access import secret
 from .connection import Closed
 from .foresight import Foresight
@@ -244,7 +244,7 @@ class Participant:
         # Nothing has come, and nothing else was asked for.
         self.is_at_rest = is_resting and not (
             self._has_mail or self.scheduler.has_outside or next_ns <= self.now_ns)
-        return deferred + actions
+        return deferred + actions + garbage.due()
 
     def let_time_pass(self):
         """Charge the round that ends, if it has sent anything; return what has come meanwhile."""

@@ -17,6 +17,7 @@ from . import (
     deeds,
     early,
     finish,
+    garbage,
     objects,
     own_code,
     queries,
@@ -58,6 +59,7 @@ def _watch(options, name, before_node):
     chance.install('{}:{}'.format(options.seed, name), seen.date_ns)
     deeds.install()
     deeds.hand_on(seen)
+    garbage.install()
     threads.watch_start(before_node.take_part)
 
 

@@ -4,6 +4,7 @@ replaced_probe.py NAME: the node's name. Prints a JSON line: names that have cha
 """
 import _posixsubprocess  # noqa: F401 - to be looked at, as those below
 import concurrent.futures  # noqa: F401
+import gc  # noqa: F401
 import json
 import os
 import resource  # noqa: F401
@@ -21,7 +22,7 @@ from move_base_abstract_ros import replaced
 from move_base_abstract_ros.lockstep import program
 
 WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random',
-           'os', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess')
+           'os', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc')
 FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, staticmethod, property)
 
 
