@@ -8,6 +8,7 @@ import threading
 import rospy
 
 from move_base_abstract.lockstep import wire
+from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.simulation import Simulation
 
 from . import beforehand, outlets
@@ -30,8 +31,11 @@ class LockstepClock:
         self._is_rates_note_due = False
 
     def start(self):
-        """Take part; returns when the clock has started."""
-        self.participant = self._join()
+        """Take part; return True when the clock has started, False if the run ends before."""
+        try:
+            self.participant = self._join()
+        except TurnLost:
+            return False  # why has been told, and the node ends
         with self.lock:
             self.simulation = Simulation(self.participant.now_ns)
         self.participant.constant('/tf_static')

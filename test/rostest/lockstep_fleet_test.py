@@ -4,6 +4,7 @@ import itertools
 import json
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
@@ -16,7 +17,7 @@ from roslib import packages
 
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract_ros.loopback import Loopback
+from move_base_abstract_ros.loopback import Loopback, find_executable
 
 GUARD = 60.0  # s, wall; only ends a test that would never end
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -151,6 +152,21 @@ class LockstepFleet(unittest.TestCase):
         first = Run('goals', TWO, nodes(TWO))
         self.assertEqual(first.events, oracle(TWO))
         self.assertEqual(Run('goals', TWO, nodes(TWO)).text, first.text)
+
+    def test_a_run_that_ends_before_it_has_begun_is_no_error_of_the_program(self):
+        with Loopback() as ros:
+            master = ros.run('time_master', 'time_master', parameters={
+                'mode': 'lockstep', 'participants': ['/robots', '/never']})
+            robots = ros.run('fleet', 'robots', parameters={'robots': [{'name': 'robot_0'}]})
+            deadline = time.monotonic() + GUARD
+            told = ''
+            while ('/never owes' not in told or '/robots owes' in told) and time.monotonic() < deadline:
+                told = subprocess.run([find_executable('why')], env=ros.environment, stdout=subprocess.PIPE,
+                                      universal_newlines=True, check=False).stdout
+            ros.end(master)
+            robots.process.wait(GUARD)
+            self.assertIn('the time master has ended lockstep', robots.last_lines())
+            self.assertNotIn('please report', robots.last_lines())
 
     def test_nothing_is_told_on_the_way_unless_it_is_asked_for_and_then_all_of_it(self):
         silent = Run('telling', TWO, fleet(TWO, own=SILENT))
