@@ -1,6 +1,7 @@
 // The event log of a run: its lines, their order, and labels.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>

@@ -1,6 +1,7 @@
 // Turns that a report tells beforehand: they come as if they had been granted.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <string>
