@@ -20,6 +20,8 @@ GUARD = 120.0  # s, wall; only ends a run that would never end
 #: a node that takes no part, and listens to all that robots tell
 ONLOOKER = """
 import time
+import xmlrpc.client
+import rosgraph
 import rospy
 from rospy import AnyMsg
 from std_srvs.srv import Trigger
@@ -33,12 +35,14 @@ def state_when(phase, seconds=0):
         state = rospy.wait_for_message('/time_master/state', TimeState)
         if state.phase == phase and state.sim_time.secs >= seconds:
             return state
-state_when('paused')  # all is advertised: stock rospy may lose a topic that is advertised while it subscribes
+state_when('paused')  # all is advertised
 heard = [hear('/%s/%s' % (robot, topic)) for robot in ('robot_0', 'robot_1')
          for topic in ('odom', 'amcl_pose', 'robot_pose', 'move_base/feedback', 'move_base/status')]
 hear('/tf', lambda message: None)
-while not all(one.get_num_connections() for one in heard):
-    time.sleep(0.02)
+fleet = xmlrpc.client.ServerProxy(rosgraph.Master('/onlooker').lookupNode('/fleet'))
+while not {one.resolved_name for one in heard} <= {
+        topic for _, node, _, _, topic, *_ in fleet.getBusInfo('/onlooker')[2] if node == '/onlooker'}:
+    time.sleep(0.02)  # it is the fleet that must have taken the connections
 rospy.ServiceProxy('/time_master/run_until', RunUntil)(rospy.Time(12))
 for one in state_when('paused', 12).participants:
     print('tells', one.name, one.tells)
