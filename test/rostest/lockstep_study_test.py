@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""A whole study of others by its unchanged launch file: one log, called repeatable, whatever is done to the run.
+
+Nothing in test/rostest/study knows of lockstep, and no node there has a prefix. It has chance (in C++ by the time of day),
+sets of objects, loops without a sleep, a service that is called before init_node, logging everywhere, feedback that
+steers, a node that counts all topics, and rosbag beside.
+"""
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import psutil
+import rostest
+from busy_cores import busy
+
+from move_base_abstract.event_log import EventLog
+from move_base_abstract_ros.loopback import find_executable
+
+STUDY = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'study')
+GUARD = 300.0  # s, wall; only ends what would never end
+
+
+class Run:
+    """One run: ``events`` and ``end`` of its log. ``disturb(process)`` is called once while it runs."""
+
+    def __init__(self, folder, *options, disturb=None):
+        self.folder = tempfile.mkdtemp(dir=folder)
+        log = os.path.join(self.folder, 'events.jsonl')
+        environment = dict(os.environ, ROS_HOME=self.folder, ROSCONSOLE_STDOUT_LINE_BUFFERED='1',
+                           ROS_PACKAGE_PATH=os.pathsep.join([folder, os.environ['ROS_PACKAGE_PATH']]))
+        process = subprocess.Popen(
+            [find_executable('lockstep_launch'), '--event-log', log, '--log-messages', *options,
+             os.path.join(folder, 'study.launch'), 'bag:=' + os.path.join(self.folder, 'all.bag')],
+            env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        said = []
+        for line in process.stdout:
+            said.append(line)
+            if 'the clock starts' in line and disturb is not None:
+                disturb(process)
+        process.stdout.close()
+        self.said, self.code = ''.join(said), process.wait(GUARD)
+        with open(log) as stream:
+            read = EventLog(stream.readlines(), 'the run')
+        self.events = [event.compared for event in read]
+        self.end = read.end
+
+
+def stop_and_go_on(process):
+    """Stop one of the run's processes now and then, and let it go on."""
+    chance = random.Random(1)
+    for _ in range(8):
+        children = [child for child in psutil.Process(process.pid).children(recursive=True) if 'queue_node' in ' '.join(
+            child.cmdline()) or 'study_agent' in ' '.join(child.cmdline()) or 'time_master' in child.name()]
+        if not children:
+            return
+        one = chance.choice(sorted(children, key=lambda child: child.cmdline()))
+        one.suspend()
+        time.sleep(0.3)  # of wall time, which must not matter
+        one.resume()
+
+
+class StudyTest(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix='lockstep_study_')
+        for name in os.listdir(STUDY):
+            shutil.copy(os.path.join(STUDY, name), cls.folder)
+            os.chmod(os.path.join(cls.folder, name), 0o755)
+        cls.first = Run(cls.folder)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def assert_same(self, run):
+        for mine, its in zip(self.first.events, run.events):
+            self.assertEqual(mine, its)
+        self.assertEqual(len(self.first.events), len(run.events), run.end)
+        self.assert_repeatable(run)
+
+    def assert_repeatable(self, run):
+        self.assertEqual(run.code, 0, run.said)
+        self.assertEqual(run.end['not_repeatable_because'] + run.end['degraded_because'], [], run.said)
+
+    def test_the_study_comes_to_its_end_and_is_called_repeatable(self):
+        self.assert_repeatable(self.first)
+        self.assertIn('/coordinator', self.first.end['reason'])
+        self.assertIn('12 tasks in', self.first.said)
+        self.assertNotIn('Traceback', self.first.said)
+
+    def test_the_log_is_the_same_under_load_and_with_processes_stopped(self):
+        with busy(os.cpu_count()):
+            self.assert_same(Run(self.folder, disturb=stop_and_go_on))
+
+    def test_the_log_is_the_same_at_twenty_times_real_time(self):
+        self.assert_same(Run(self.folder, '--speed-limit', '20'))
+
+    def test_a_run_that_is_interrupted_is_the_begin_of_the_others(self):
+        def interrupt(process):
+            time.sleep(1.0)
+            process.send_signal(signal.SIGINT)
+
+        run = Run(self.folder, '--speed-limit', '10', disturb=interrupt)
+        self.assert_repeatable(run)
+        self.assertLess(len(run.events), len(self.first.events))
+        self.assertEqual(run.events, self.first.events[:len(run.events)])
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_study', StudyTest, sysargs=sys.argv)
