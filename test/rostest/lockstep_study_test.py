@@ -2,8 +2,8 @@
 """A whole study of others by its unchanged launch file: one log, called repeatable, whatever is done to the run.
 
 Nothing in test/rostest/study knows of lockstep, and no node there has a prefix. It has chance (in C++ by the time of
-day), sets of objects, loops without a sleep, a service that is called before init_node, logging everywhere, feedback that
-steers, a node that counts all topics, and rosbag beside.
+day), sets of objects, loops without a sleep, a service that is called before init_node, logging everywhere, feedback
+that steers, a node that counts all topics, and rosbag beside.
 """
 import os
 import random
