@@ -28,6 +28,18 @@ def program(monkeypatch):
     return made
 
 
+@pytest.mark.parametrize(('own', 'make'), [(CooperativeLock, threading.Lock), (CooperativeRLock, threading.RLock)])
+def test_a_lock_has_all_that_pythons_has(own, make):
+    assert set(dir(make())) - set(dir(own())) == set()
+
+
+def test_how_often_a_lock_is_taken_is_told_to_its_owner(program):
+    lock = CooperativeRLock()
+    assert (lock._recursion_count(), lock.locked()) == (0, False)
+    with lock, lock:
+        assert (lock._recursion_count(), lock.locked()) == (2, True)
+
+
 @pytest.mark.parametrize('make', [CooperativeLock, CooperativeRLock])
 def test_who_waits_for_a_lock_lets_its_holder_go_on_and_gets_it_in_turn(program, make):
     lock = make()

@@ -127,6 +127,9 @@ class CooperativeLock:
         self._lock = _make_lock()
         self._waiting = None
 
+    # Python's old names of the same.
+    acquire_lock, release_lock, locked_lock = acquire, release, locked
+
 
 class CooperativeRLock:
     """A lock that its owner may take again, made of a :class:`CooperativeLock`."""
@@ -183,3 +186,12 @@ class CooperativeRLock:
     def _at_fork_reinit(self):
         self._block._at_fork_reinit()
         self._owner, self._count = None, 0
+
+    # What multiprocessing asks for, from Python 3.12 on, and anybody from 3.14 on.
+
+    def _recursion_count(self):
+        return self._count if self._owner == get_ident() else 0
+
+    def locked(self):
+        """As threading.RLock.locked."""
+        return self._owner is not None
