@@ -85,8 +85,13 @@ class EventQueue:
 
     def is_for_onlookers(self):
         """Return whether there are events, and all only tell what is heard by none but onlookers."""
-        due = [event.telling for *_, event in self._heap if event.action is not None]
-        return bool(due) and all(series is not None and series.is_heard() == ONLOOKERS for series in due)
+        is_any = False
+        for *_, event in self._heap:
+            if event.action is not None:
+                if event.telling is None or event.telling.is_heard() != ONLOOKERS:
+                    return False
+                is_any = True
+        return is_any
 
     def run_until(self, now_ns, enter=lambda due_ns: None):
         """Let all happen that is due at ``now_ns`` [ns] or before, in order, what is scheduled meanwhile included.
@@ -145,6 +150,8 @@ class EventQueue:
     def shift(self, by_ns):
         """Move all that is due by ``by_ns`` [ns]; the order stays."""
         self._heap = [(due_ns + by_ns, *rest) for due_ns, *rest in self._heap]
+        for series in self._asleep:
+            series.shift(by_ns)
 
 
 class Series:
@@ -205,6 +212,10 @@ class Series:
         self._queue.count_telling(1)
         self._schedule(due_ns + missed * self.period_ns)
         return due_ns + (missed - 1) * self.period_ns if missed else None
+
+    def shift(self, by_ns):
+        """As :meth:`EventQueue.shift`, of a series that is asleep."""
+        self._asleep_until_ns += by_ns
 
     def _go_on(self, due_ns):
         if self.is_heard():

@@ -57,6 +57,10 @@ class CostmapTopics:
         """Return who listens to what moves with the robot: 0 is nobody."""
         return max(self._footprints.is_heard(), self._window.is_heard())
 
+    def hearers(self):
+        """Return (topic, name) of each node that listens to what moves with the robot."""
+        return self._footprints.hearers() + self._window.hearers()
+
     def close(self):
         """Leave the graph."""
         for topic in (self._grid, self._window, *self._updates, self._footprints):

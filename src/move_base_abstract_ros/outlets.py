@@ -20,31 +20,31 @@ class _Header:
     frame_id = ''
 
 
-class _Newcomers:
+class _Listeners:
     """Who is told, before anything else, that somebody begins to listen, or ends; whether what is sent is for none."""
 
-    tell = staticmethod(lambda: None)
-    tell_leaving = staticmethod(lambda: None)
+    came = staticmethod(lambda: None)
+    left = staticmethod(lambda: None)
     is_quiet = False
 
 
-_newcomers = _Newcomers()
+_listeners = _Listeners()
 
 
 def follow_listeners(came, left):
     """Have ``came()`` called whenever somebody begins to hear a robot's topic, ``left()`` at the end."""
-    _newcomers.tell = came
-    _newcomers.tell_leaving = left
+    _listeners.came = came
+    _listeners.left = left
 
 
 @contextmanager
 def nobody_hears():
     """Give a context in which what is sent reaches nobody; what is shown is kept for those who come later."""
-    _newcomers.is_quiet = True
+    _listeners.is_quiet = True
     try:
         yield
     finally:
-        _newcomers.is_quiet = False
+        _listeners.is_quiet = False
 
 
 class Packed:
@@ -85,22 +85,22 @@ class Outlet(rospy.SubscribeListener):
 
     def peer_subscribe(self, _topic_name, _topic_publish, peer_publish):
         """Somebody begins to listen."""
-        _newcomers.tell()
+        _listeners.came()
         self.greet(peer_publish)
 
     def peer_unsubscribe(self, _topic_name, _num_peers):
         """A listener has gone."""
-        _newcomers.tell_leaving()
+        _listeners.left()
 
     @staticmethod
     def begins_to_hear():
         """Somebody who listened without any effect hears from now on."""
-        _newcomers.tell()
+        _listeners.came()
 
     @staticmethod
     def hears_less():
         """Of what somebody listens to, less has an effect than before."""
-        _newcomers.tell_leaving()
+        _listeners.left()
 
     def greet(self, peer_publish):
         """Tell a newcomer, or have rospy tell it, what it has missed."""
@@ -127,7 +127,7 @@ class Outlet(rospy.SubscribeListener):
         :raises rospy.ROSException: if the topic has been closed while the node goes on.
         """
         impl = self._impl
-        if _newcomers.is_quiet or not self.is_heard():
+        if _listeners.is_quiet or not self.is_heard():
             return
         impl.acquire()
         try:

@@ -93,7 +93,8 @@ class RobotPublisher:
             publisher.unregister()
 
     def _pose_hearers(self):
-        return self._backend.hearers()  # not every backend has it, and this is asked of builtin's only
+        # Not every backend has it: it is asked in lockstep only, where the backend is builtin's.
+        return self._backend.hearers() + self._costmaps.hearers()
 
     def _is_heard(self):
         return max(tf_hub.is_heard(), self._backend.is_heard(), self._costmaps.is_heard())

@@ -118,3 +118,14 @@ def test_events_for_onlookers_only_are_known_as_such():
     assert queue.is_for_onlookers()
     heard.heard[0] = PARTICIPANTS
     assert not queue.is_for_onlookers()
+
+
+def test_what_sleeps_is_shifted_with_all_that_is_due():
+    heard = Heard()
+    heard.until(0)
+    heard.simulation.queue.shift(3)
+    heard.until(35)
+    heard.heard[0] = True
+    heard.simulation.wake()
+    assert heard.told == [(33, 0)]
+    assert heard.until(45) == [(33, 0), (43, 0)]

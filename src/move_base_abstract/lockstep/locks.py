@@ -187,7 +187,7 @@ class CooperativeRLock:
         self._block._at_fork_reinit()
         self._owner, self._count = None, 0
 
-    # What multiprocessing asks for, from Python 3.12 on, and anybody from 3.14 on.
+    # What newer Pythons ask for: multiprocessing from 3.13 on, anybody from 3.14 on.
 
     def _recursion_count(self):
         return self._count if self._owner == get_ident() else 0

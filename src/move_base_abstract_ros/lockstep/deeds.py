@@ -5,9 +5,9 @@ Only what the program's own code has done counts, not what ROS or Python's libra
 """
 import builtins
 import os
-import resource
-import select
-import signal
+import resource  # noqa: F401 - replaced by name, as those two
+import select  # noqa: F401
+import signal  # noqa: F401
 import sys
 import time
 import types
@@ -189,5 +189,3 @@ def _hashed(value):
         told.tell(sys._getframe(1), 'hash', _ADDRESS)
     return value
 
-
-assert resource and select and signal  # their functions are replaced by name
