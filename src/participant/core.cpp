@@ -16,6 +16,9 @@ namespace {
 
 std::atomic<bool> exists{false};  // two cores would both set ros::Time
 
+/** When the library is loaded: a node handle from before the Participant has started ROS. */
+__attribute__((constructor)) void beforeRos() { Membership::beforeRos(); }
+
 }  // namespace
 
 Core::Core(const Options& options) {

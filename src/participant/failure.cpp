@@ -1,10 +1,8 @@
 #include "failure.h"
 
-#include <XmlRpc.h>
 #include <poll.h>
 #include <ros/console.h>
 #include <ros/init.h>
-#include <ros/master.h>
 
 #include <atomic>
 #include <chrono>
@@ -18,9 +16,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kOwnSignal{1};    // wall
-constexpr std::chrono::seconds kMasterLimit{1};  // wall
-constexpr int kLookMilliseconds = 10;            // wall
+constexpr std::chrono::seconds kOwnSignal{1};  // wall
+constexpr int kLookMilliseconds = 10;          // wall
 
 std::atomic<bool> has_failed{false};
 
@@ -30,25 +27,6 @@ void endWithError() {
     std::_Exit(1);
   }
 }
-
-/** @brief One question to the ROS master that does not wait for ever. */
-class Question : private XmlRpc::XmlRpcClient {
- public:
-  Question()
-      : XmlRpcClient(ros::master::getHost().c_str(), static_cast<int>(ros::master::getPort()),
-                     "/") {}
-
-  bool ask(const char* method, const XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& response) {
-    const auto end = Clock::now() + kMasterLimit;
-    bool is_answered = false;
-    for (bool is_asked = executeNonBlock(method, request);
-         is_asked && !is_answered && Clock::now() < end;) {
-      _disp.work(0.05);
-      is_answered = executeCheckDone(response);
-    }
-    return is_answered && response.valid();
-  }
-};
 
 /** As soon as the library is loaded, so that it comes after all that the program has to do at its
  * end. */
@@ -72,21 +50,6 @@ bool awaitsOwnSignal() {
     ::poll(nullptr, 0, kLookMilliseconds);
   }
   return !ros::ok() || stopSignalCame();
-}
-
-bool isNameTaken(const Presence& presence) {
-  XmlRpc::XmlRpcValue request, response;
-  request[0] = presence.name;
-  request[1] = presence.name;
-  if (!Question().ask("lookupNode", request, response) ||
-      response.getType() != XmlRpc::XmlRpcValue::TypeArray || response.size() != 3) {
-    return false;
-  }
-  XmlRpc::XmlRpcValue& code = response[0];
-  XmlRpc::XmlRpcValue& uri = response[2];
-  return code.getType() == XmlRpc::XmlRpcValue::TypeInt && static_cast<int>(code) == 1 &&
-         uri.getType() == XmlRpc::XmlRpcValue::TypeString &&
-         static_cast<std::string>(uri) != presence.uri;
 }
 
 }  // namespace move_base_abstract::lockstep::internal

@@ -4,8 +4,6 @@
 
 #include <string>
 
-#include "joining.h"
-
 namespace move_base_abstract::lockstep::internal {
 
 /** @brief Say so in a fatal line; the process ends with 1. */
@@ -17,9 +15,6 @@ void fail(const std::string& name, const std::string& reason);
  * @return whether a signal, or a shutdown of ROS, ends this process too.
  */
 bool awaitsOwnSignal();
-
-/** @return whether the ROS master knows another node by this one's name. */
-bool isNameTaken(const Presence& presence);
 
 }  // namespace move_base_abstract::lockstep::internal
 

@@ -12,7 +12,6 @@
 #include <variant>
 
 #include "failure.h"
-#include "stop_signals.h"
 #include "thread_stack.h"
 
 namespace move_base_abstract::lockstep::internal {
@@ -22,6 +21,7 @@ using Lock = std::lock_guard<Program>;
 
 constexpr int kPollMilliseconds = 100;  // wall; how soon an end of ROS is noticed
 const char* const kClosed = "the time master has closed the connection";
+const char* const kReplaced = "another node of its name has taken its place";
 
 }  // namespace
 
@@ -54,8 +54,8 @@ void Membership::join() {
 }
 
 bool Membership::leave(const std::string& reason, State as, bool is_asked_to) {
-  if (isActive() && (is_asked_to || !ros::ok()) && !stopSignalCame() && isNameTaken(presence_)) {
-    fail(name(), "another node of its name has taken its place");
+  if (isActive() && isReplaced()) {
+    fail(name(), kReplaced);
   }
   const Lock lock(program_);
   if (state_ == State::kNew || isOver()) {
@@ -89,8 +89,13 @@ void Membership::end(const std::string& reason, bool as_wished) {
   link_.close();
   if (as_wished && ros::ok()) {
     ROS_INFO("lockstep: the run is over for %s: %s", name().c_str(), reason.c_str());
-  } else if (!awaitsOwnSignal()) {
-    fail(name(), reason);
+  } else {
+    const bool is_told_to_end = awaitsOwnSignal();  // the time master may be quicker than that
+    if (isReplaced()) {
+      fail(name(), kReplaced);
+    } else if (!is_told_to_end) {
+      fail(name(), reason);
+    }
   }
   program_.onEnd();
 }

@@ -15,6 +15,7 @@
 #include "joining.h"
 #include "link.h"
 #include "lockstep/wire.h"
+#include "namesake.h"
 #include "report_delay.h"
 #include "silence.h"
 
@@ -75,6 +76,9 @@ class Membership {
   enum class State { kNew, kJoining, kTurn, kReported, kLeft, kOver };
 
   explicit Membership(Program& program) : program_(program) {}
+
+  /** @brief Listen to why the node is shut down. Before ros::start(). */
+  static void beforeRos() { watchForNamesake(); }
 
   // ---- joining and leaving
   /** @brief What it shows of itself. Before connect(). */

@@ -69,6 +69,7 @@ void startRos(void (*start)()) {
   beginToFollow();
   const Inside inside;  // the threads that it starts are roscpp's own
   checkFit();
+  lockstep::internal::Membership::beforeRos();
   t_is_starting = true;
   start();
   t_is_starting = false;

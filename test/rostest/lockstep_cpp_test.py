@@ -14,6 +14,7 @@ import unittest
 import rosgraph
 import rospy
 import rostest
+from lockstep_roscpp_run import take_name
 from std_msgs.msg import Time
 from std_srvs.srv import Trigger
 
@@ -178,6 +179,16 @@ class LockstepCppTest(unittest.TestCase):
         self.assert_ends(ticker, 1)  # though its main function returns 0
         self.assertRegex(output(ticker), 'FATAL.*the run is over for /ticker')
         self.assert_ends(listener, 1)  # its sleep did not come to its end
+
+    def test_a_node_whose_name_is_taken_says_so_and_ends_with_an_error(self):
+        with Loopback() as ros:
+            self.start(ros, '/ticker', '/listener', speed_limit=20.0)
+            ticker = ros.run('lockstep_ticker', 'ticker')
+            listener = ros.run('lockstep_listener', 'listener', parameters=dict(until=1e9))
+            wait_for('a tick', lambda: lines(listener))
+            take_name(ros, '/ticker')
+            self.assert_ends(ticker, 1)  # though its main function returns 0
+            self.assertRegex(output(ticker), 'FATAL.*/ticker: another node of its name has taken its place')
 
     def test_sigint_ends_a_node_and_nobody_else(self):
         with Loopback() as ros:

@@ -139,6 +139,14 @@ def wait_for_end(children):
     return children[0].process.returncode
 
 
+def take_name(ros, name):
+    """Tell the ROS master of another node of this name, which is gone at once."""
+    master = rosgraph.Master(name, master_uri=ros.uri)
+    newcomer = 'http://127.0.0.1:1/'
+    master.registerPublisher('/elsewhere', 'std_msgs/String', newcomer)
+    master.unregisterPublisher('/elsewhere', newcomer)
+
+
 def read(child):
     """Return what a node has printed."""
     with open(child.log_path, errors='replace') as log:

@@ -17,7 +17,7 @@ import unittest
 import rosbag
 import rostest
 from lockstep_raw_client import RawClient
-from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder
+from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder, take_name
 
 from move_base_abstract_ros.lockstep.binary import find_shim
 from move_base_abstract_ros.loopback import Loopback, find_executable
@@ -205,6 +205,15 @@ class OutsideTest(unittest.TestCase):
             listener.signal(signal.SIGKILL)
             self.assertEqual(child.process.wait(GUARD), 0, read(child))
             self.assertIn("'/listener' died", read(master))
+
+    def test_a_program_whose_name_is_taken_says_so_and_ends_with_an_error(self):
+        with Loopback() as ros:
+            master = self.start(ros, '/rate')
+            child = RUNS.start(rate(frequency=1.0, ticks=10 ** 7))
+            wait_for(lambda: 'the clock starts' in read(master))
+            take_name(ros, '/rate')
+            self.assertEqual(child.process.wait(GUARD), 1, read(child))
+            self.assertRegex(read(child), 'FATAL.*/rate: another node of its name has taken its place')
 
     def test_the_launcher_says_what_it_cannot_preload_into(self):
         with Loopback() as ros:

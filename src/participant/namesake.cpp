@@ -1,0 +1,41 @@
+#include "namesake.h"
+
+#include <XmlRpc.h>
+#include <ros/xmlrpc_manager.h>
+
+#include <atomic>
+#include <string>
+
+namespace ros {
+
+/** What roscpp itself does when somebody asks it to end; no header has it. */
+void shutdownCallback(XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& response);
+
+}  // namespace ros
+
+namespace move_base_abstract::lockstep::internal {
+namespace {
+
+const char* const kNamesake = "same name";  // in the ROS master's reason
+
+std::atomic<bool> is_replaced{false};
+
+void onShutdown(XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& response) {
+  if (request.getType() == XmlRpc::XmlRpcValue::TypeArray && request.size() > 1 &&
+      request[1].getType() == XmlRpc::XmlRpcValue::TypeString &&
+      static_cast<std::string>(request[1]).find(kNamesake) != std::string::npos) {
+    is_replaced = true;
+  }
+  ros::shutdownCallback(request, response);
+}
+
+}  // namespace
+
+void watchForNamesake() {
+  // Whoever binds first stays: ros::start() tries to, later.
+  ros::XMLRPCManager::instance()->bind("shutdown", onShutdown);
+}
+
+bool isReplaced() { return is_replaced; }
+
+}  // namespace move_base_abstract::lockstep::internal
