@@ -5,5 +5,6 @@ from setuptools import find_packages, setup
 setup(**generate_distutils_setup(
     packages=find_packages('src'),
     package_dir={'': 'src'},
-    package_data={'soil_mapping': ['data/*.npy', 'data/*.csv', 'data/README.md', '*.txt', 'study/templates/*.j2']},
+    package_data={'move_base_abstract_experiments': ['report/templates/*.j2'],
+                  'soil_mapping': ['data/*.npy', 'data/*.csv', 'data/README.md', '*.txt', 'study/templates/*.j2']},
 ))

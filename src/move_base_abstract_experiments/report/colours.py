@@ -1,0 +1,73 @@
+"""Colours and marks of configurations: the same on the whole page, told apart also by those who see fewer colours.
+
+A colour stands for a level of one factor, a mark for a level of another one.
+"""
+
+from typing import NamedTuple
+
+#: (on white, on black) per level; chosen for a distance of at least 20 (CIELAB) of any two, also as seen without red,
+#: green or blue cones (Machado, Oliveira and Fernandes 2009), and a contrast of 3 with the page.
+PALETTE = (('#1c49cd', '#8667ff'), ('#df680d', '#f7b624'), ('#007b45', '#148b79'), ('#ad5181', '#a86ec2'),
+           ('#633200', '#e6764a'), ('#3a94f6', '#a5e0ff'))
+#: ends and middle of the ramp for more levels: blue over grey to ochre, which all tell apart
+_RAMP = ((('#1c49cd', '#7f9dff'), ('#6f7480', '#a9adb8'), ('#a86a00', '#ffc44d')))
+MARKS = ('circle', 'square', 'diamond', 'triangle', 'cross', 'wedge')
+
+
+class Look(NamedTuple):
+    """How a configuration or a level is drawn: number of its colour (class cN of the page), name of its mark."""
+
+    colour: int
+    mark: str
+
+
+class Looks:
+    """The Looks of an experiment's configurations.
+
+    The factor that gives the colours is the first one with a few levels that are no numbers, else the first with a few,
+    else the first that varies; the next such factor gives the marks.
+    """
+
+    def __init__(self, experiment):
+        self._factors = experiment.factors
+        varied = [place for place, factor in enumerate(self._factors) if len(factor.levels) > 1]
+        few = [place for place in varied if len(self._factors[place].levels) <= len(PALETTE)]
+        few.sort(key=lambda place: self._factors[place].is_numeric)
+        self.colour_factor = (few or varied or [None])[0]
+        rest = [place for place in few if place != self.colour_factor]
+        self.mark_factor = rest[0] if rest else None
+        count = len(self._factors[self.colour_factor].levels) if varied else 1
+        self.colours = palette(count)  # (on white, on black) per number
+
+    def of_levels(self, levels):
+        """Return the Look of a configuration by the places of its levels."""
+        colour = levels[self.colour_factor] if self.colour_factor is not None else 0
+        mark = levels[self.mark_factor] if self.mark_factor is not None else 0
+        return Look(colour or 0, MARKS[mark or 0])
+
+    def of_level(self, factor, level):
+        """Return the Look of a level of a factor; a colour of None is the text's own."""
+        is_colour = factor == self.colour_factor
+        return Look(level if is_colour else None,
+                    MARKS[level % len(MARKS)] if factor == self.mark_factor or not is_colour else MARKS[0])
+
+
+def palette(count):
+    """Return so many (on white, on black) pairs of colours."""
+    if count <= len(PALETTE):
+        return PALETTE[:count]
+    return tuple(tuple(_between([stop[mode] for stop in _RAMP], place / (count - 1)) for mode in (0, 1))
+                 for place in range(count))
+
+
+def _between(stops, share):
+    """Return the colour at a share of the way along the stops."""
+    position = share * (len(stops) - 1)
+    place = min(int(position), len(stops) - 2)
+    part = position - place
+    return '#' + ''.join(f'{round((1.0 - part) * one + part * two):02x}'
+                         for one, two in zip(_channels(stops[place]), _channels(stops[place + 1])))
+
+
+def _channels(colour):
+    return [int(colour[at:at + 2], 16) for at in (1, 3, 5)]

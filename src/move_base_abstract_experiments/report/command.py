@@ -1,0 +1,104 @@
+"""Write the report of an experiment's folder: report.html, tables/*.csv, and replays of the trials worth a look.
+
+Exit codes: 0 it is written; 1 it cannot be written; 2 wrong arguments, or no experiment's folder.
+"""
+
+import argparse
+import importlib
+import os
+import sys
+from pathlib import Path
+
+from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.own_files import PART, FolderKind, check_file, whole_file
+
+from . import extension, frames, outcome, page, picked
+
+REPLAY = 'move_base_abstract_replay.page'
+NAMES = ('trials', 'means', 'main_effects', 'differences', 'interactions', 'robots')
+KIND = FolderKind("folder of an experiment's tables", tuple(f'{name}.csv' for name in NAMES))
+
+
+def write_report(out):
+    """Write report, tables and replays of an experiment into its folder; return the path of report.html.
+
+    :raises ConfigurationError: if the folder holds no plan, or something by one of the names that is not ours.
+    :raises OutputError: if something cannot be written.
+    """
+    path, _ = write(Path(out))
+    return path
+
+
+def write(out, with_own=True):
+    """As write_report; returns the path and lines about what could not be made.
+
+    :param with_own: whether the sections are added that the plan asks for.
+    """
+    experiment = outcome.read(out)
+    target = out / 'report.html'
+    for path in (target, out / ('report.html' + PART)):
+        check_file(path, lambda line: page.MARK.encode() in line)
+    names = extension.names_of(experiment.plan) if with_own else []
+    analysis = page.analyse(experiment)
+    tables = _tables(analysis)
+    _write_tables(out / 'tables', tables)
+    problems = _replays(experiment)
+    given = extension.Tables(experiment, **{name: tables[name] for name in NAMES if name != 'robots'})
+    added = [section for name in names for section in extension.sections(name, given)]
+    text = page.render(analysis, added, problems)
+    with whole_file(target, encoding='utf-8') as stream:
+        stream.write(text)
+    return target, problems
+
+
+def _tables(analysis):
+    experiment = analysis.experiment
+    return {'trials': frames.trials(experiment), 'means': frames.means(experiment),
+            **{name: frames.differences(experiment, found) for name, found in (
+                ('main_effects', analysis.mains), ('differences', analysis.singles),
+                ('interactions', analysis.changes))}, 'robots': frames.robots(experiment)}
+
+
+def _write_tables(folder, tables):
+    marker = KIND.make(folder)
+    try:
+        for name in NAMES:
+            if name != 'trials':  # the runner's own is beside
+                with whole_file(folder / f'{name}.csv', encoding='utf-8', newline='') as stream:
+                    stream.write(frames.csv_text(tables[name]))
+    finally:
+        os.close(marker)
+
+
+def _replays(experiment):
+    """Write the replays of the trials worth a look where the replay is installed; return what went wrong."""
+    metric = picked.primary_metric(experiment)
+    if metric is None:
+        return []
+    try:
+        write_page = importlib.import_module(REPLAY).write_page
+    except ImportError:
+        return []
+    return picked.write_replays(experiment, picked.picks(experiment, metric), write_page)
+
+
+def main(words=None):
+    """Run the command of these words, or those of the shell; return the exit code."""
+    parser = argparse.ArgumentParser(prog='experiment report', description='Write report.html and tables/*.csv of an '
+                                     'experiment into its folder, from what is there, also of one that still runs.')
+    parser.add_argument('out', type=Path, metavar='OUT', help='the folder of the experiment')
+    parser.add_argument('--without-own-sections', action='store_true', help="run none of the functions that the "
+                        "experiment names under 'report': for folders of others")
+    arguments = parser.parse_args(words)
+    try:
+        path, problems = write(arguments.out, not arguments.without_own_sections)
+    except ConfigurationError as error:
+        print(f'experiment report: {error}', file=sys.stderr)
+        return 2
+    except (SimulatorError, OSError) as error:
+        print(f'experiment report: {error}', file=sys.stderr)
+        return 1
+    for problem in problems:
+        print(f'experiment report: {problem}', file=sys.stderr)
+    print(path)
+    return 0

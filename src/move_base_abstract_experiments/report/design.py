@@ -1,0 +1,121 @@
+"""The design of an experiment: its factors, their levels, the configurations that they make, and what is measured."""
+
+import json
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+NO_LEVEL = 'none'
+_SHARE_UNITS = ('', '1', 'share', 'yes/no')
+
+
+class Factor(NamedTuple):
+    """What is varied."""
+
+    name: str
+    title: str
+    levels: tuple  # of texts, in the order of the plan
+    keys: tuple  # of texts: the values of the levels as JSON
+    is_numeric: bool
+
+
+class Configuration(NamedTuple):
+    """One combination of levels."""
+
+    place: int
+    levels: tuple  # per factor: the place of its level, None where it has none
+    label: str
+
+
+@dataclass(frozen=True)
+class Metric:
+    """What is measured of each trial."""
+
+    name: str
+    title: str
+    unit: str
+    better: object  # 'lower', 'higher' or None
+    is_share: bool = False  # yes or no in each trial: means are shares
+
+
+def factors_of(plan):
+    """Return the Factors of a plan (a mapping): those that it names, then what else its trials differ in."""
+    named = {str(name): list(values) for name, values in plan.get('factors', {}).items()}
+    for trial in plan['trials']:
+        for name, value in trial.get('configuration', {}).items():
+            levels = named.setdefault(name, [])
+            if key_of(value) not in [key_of(level) for level in levels]:
+                levels.append(value)
+    return tuple(_factor(name, values) for name, values in named.items())
+
+
+def _factor(name, values):
+    values = list({key_of(value): value for value in values}.values())
+    is_numeric = bool(values) and all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in values)
+    return Factor(name, words(name), tuple(map(level_text, values)), tuple(map(key_of, values)), is_numeric)
+
+
+def key_of(value):
+    """Return a text that two values share only if they are the same."""
+    return json.dumps(value, sort_keys=True)
+
+
+def level_text(value):
+    """Return a level as it is shown."""
+    if isinstance(value, str):
+        return value if value.strip() else "''"
+    if value is None:
+        return NO_LEVEL
+    if isinstance(value, float) and math.isfinite(value):
+        return f'{value:.6g}'
+    return json.dumps(value, ensure_ascii=False, sort_keys=True)
+
+
+def words(name):
+    """Return a name of a program's as words."""
+    return ' '.join(str(name).replace('_', ' ').split()) or '(no name)'
+
+
+def level_label(factors, place, level):
+    """Return a level so that it can be told from those of other factors: 'auction', 'robots 4'."""
+    factor = factors[place]
+    text = factor.levels[level]
+    elsewhere = any(text in other.levels for number, other in enumerate(factors) if number != place)
+    is_word = json.loads(factor.keys[level]).__class__ is str and any(sign.isalpha() for sign in text)
+    return text if is_word and not elsewhere else f'{factor.title} {text}'
+
+
+def configurations_of(factors, planned):
+    """Return the Configurations of the plan's trials, in the order of the levels, and per trial its configuration."""
+    combinations = [tuple(_place(factor, trial.get('configuration', {})) for factor in factors) for trial in planned]
+    in_order = sorted(dict.fromkeys(combinations), key=lambda levels: [-1 if each is None else each for each in levels])
+    configurations = tuple(Configuration(place, levels, _label(factors, levels))
+                           for place, levels in enumerate(in_order))
+    places = {configuration.levels: configuration.place for configuration in configurations}
+    return configurations, [places[levels] for levels in combinations]
+
+
+def _place(factor, configuration):
+    return factor.keys.index(key_of(configuration[factor.name])) if factor.name in configuration else None
+
+
+def _label(factors, levels):
+    return ', '.join(level_label(factors, place, level) for place, level in enumerate(levels)
+                     if level is not None) or 'the only configuration'
+
+
+def metrics_of(plan, trials):
+    """Return the Metrics: those of the plan in its order, then what else complete Trials have."""
+    told = {str(name): about if isinstance(about, dict) else {} for name, about in plan.get('metrics', {}).items()}
+    for trial in trials:
+        for name in trial.metrics:
+            told.setdefault(name, {})
+    found = []
+    for name, about in told.items():
+        title = str(about.get('title') or words(name).capitalize())
+        unit = str(about.get('unit') or '')
+        better = about.get('better') if about.get('better') in ('lower', 'higher') else None
+        values = {trial.metrics[name] for trial in trials if not math.isnan(trial.metrics.get(name, math.nan))}
+        is_share = unit in _SHARE_UNITS and bool(values) and values <= {0.0, 1.0}
+        found.append(Metric(name, title, unit, better, is_share))
+    return tuple(found)

@@ -1,0 +1,56 @@
+"""Sections that a study adds to the report: functions that its plan names under 'report', as 'module:function'.
+
+Such a function is called with the Tables and returns parts.Sections (one, or a list). It runs as part of the report, as
+the study's metrics do as part of a trial: whoever makes a report of a folder trusts the modules that it names.
+"""
+
+import importlib
+from typing import NamedTuple
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.shown import shown, shown_text
+
+from .parts import Figure, Html, Section, Table
+
+
+class Tables(NamedTuple):
+    """What such a function is given."""
+
+    experiment: object  # outcome.Experiment: plan, factors, configurations, metrics, folder
+    trials: object  # pandas.DataFrame, a row per planned trial; columns as of trials.csv
+    means: object  # pandas.DataFrame, a row per metric and configuration (tables/means.csv)
+    main_effects: object  # tables/main_effects.csv
+    differences: object  # tables/differences.csv
+    interactions: object  # tables/interactions.csv
+
+
+def names_of(plan):
+    """Return the names of the functions that a plan asks for. :raises ConfigurationError: if they are no such names."""
+    asked = plan.get('report') or []
+    names = [asked] if isinstance(asked, str) else asked
+    if not isinstance(names, list) or not all(isinstance(name, str) and name.count(':') == 1 for name in names):
+        raise ConfigurationError("plan.json: 'report' must be 'module:function', or a list of such, got "
+                                 f'{shown(asked)}')
+    return names
+
+
+def sections(name, tables):
+    """Return the Sections that a function adds; one that fails adds a Section that says so."""
+    module, _, function = name.partition(':')
+    try:
+        found = getattr(importlib.import_module(module), function)(tables)
+        found = [found] if isinstance(found, Section) else list(found)
+        for section in found:
+            _check(section)
+        return found
+    except Exception as error:  # whatever it raises: the rest of the report stands
+        problem = shown_text(str(error).strip().splitlines()[0] if str(error).strip() else '')
+        return [Section(f'Sections of {name}', (f'They could not be made: {type(error).__name__}: {problem}',))]
+
+
+def _check(section):
+    if not isinstance(section, Section):
+        raise TypeError(f'must give Sections, got {shown(section)}')
+    for part in section.parts:
+        if not isinstance(part, (str, Table, Figure, Html)):
+            raise TypeError(f'{section.heading}: a part must be a text, Table, Figure or Html, got {shown(part)}')

@@ -1,0 +1,106 @@
+"""The tables behind the page as data frames, and as CSV files: one row per fact, numbers in the metrics' own units."""
+
+import math
+
+import pandas as pd
+
+from . import effects, findings, intervals
+from .outcome import COMPLETE
+
+DIGITS = '%.10g'  # more would be left of rounding
+_TRIAL_COLUMNS = ('simulated_seconds', 'wall_seconds', 'times_real_time', 'repeatable', 'verified', 'error')
+
+
+def trials(experiment):
+    """Return a row per planned trial: ID, factors, replication, seed, status, metrics, ...
+
+    A metric by the name of another column is called metric.NAME there, a factor factor.NAME.
+    """
+    fixed = ('id', 'replication', 'seed', 'status', 'labels', *_TRIAL_COLUMNS)
+    rows = []
+    for trial in experiment.trials:
+        configuration = experiment.configurations[trial.configuration]
+        row = {'id': trial.id}
+        for factor, level in zip(experiment.factors, configuration.levels):
+            row[_free(factor.name, fixed, 'factor')] = '' if level is None else factor.levels[level]
+        row.update(replication=trial.replication, seed=trial.seed, status=trial.status)
+        taken = (*fixed, *row)
+        for metric in experiment.metrics:
+            row[_free(metric.name, taken, 'metric')] = trial.metrics.get(metric.name, math.nan)
+        row.update({name: getattr(trial, name) for name in _TRIAL_COLUMNS}, labels='; '.join(trial.labels))
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _free(name, taken, kind):
+    return f'{kind}.{name}' if name in taken else name
+
+
+def means(experiment):
+    """Return a row per metric and configuration: n, mean, its interval, and what the values are like."""
+    rows = []
+    for metric in experiment.metrics:
+        values = experiment.values(metric.name)
+        for configuration, own, estimate in zip(experiment.configurations, values, effects.summary(experiment, metric)):
+            seen = intervals.known(own)
+            median = intervals.median_estimate(seen)
+            rows.append({
+                'metric': metric.name, 'unit': metric.unit, **_levels(experiment, configuration.levels),
+                **_estimate(estimate), 'sd': intervals.mean_and_sd(seen)[1] if len(seen) > 1 else math.nan,
+                'least': min(seen, default=math.nan), 'median': median.value, 'median_low': median.low,
+                'median_high': median.high, 'most': max(seen, default=math.nan),
+                'skewed': intervals.is_skewed(seen)})
+    return pd.DataFrame(rows)
+
+
+def _levels(experiment, levels):
+    return {f'factor.{factor.name}': '' if level is None else factor.levels[level]
+            for factor, level in zip(experiment.factors, levels)}
+
+
+def _estimate(estimate):
+    return {'n': estimate.n, 'value': estimate.value, 'low_95': estimate.low, 'high_95': estimate.high,
+            'interval': estimate.method}
+
+
+def differences(experiment, found):
+    """Return a row per effects.Difference."""
+    rows = []
+    for each in found:
+        first, second = findings.names_of(experiment, each)
+        rows.append({
+            'metric': each.metric.name, 'unit': each.metric.unit,
+            'factor': '' if each.factor is None else experiment.factors[each.factor].name,
+            'first': first, 'second': second, 'at': findings.at_text(experiment, each), **_estimate(each.estimate),
+            'p': each.p, 'p_holm': each.p_holm, 'verdict': findings.verdict_of(each),
+            'mean_of_first': each.reference, 'configurations_used': each.used,
+            'configurations_possible': each.possible,
+            'median': each.median.value if each.median else math.nan,
+            'median_low': each.median.low if each.median else math.nan,
+            'median_high': each.median.high if each.median else math.nan})
+    return pd.DataFrame(rows)
+
+
+def robots(experiment):
+    """Return a row per configuration, robot and quantity: the mean over complete trials."""
+    sums = {}
+    for trial in experiment.trials:
+        if trial.status == COMPLETE:
+            for robot, quantities in trial.robots.items():
+                for quantity, value in quantities.items():
+                    sums.setdefault((trial.configuration, robot, quantity), []).append(value)
+    rows = []
+    for (place, robot, quantity), values in sorted(sums.items(), key=lambda item: item[0][0]):
+        levels = _levels(experiment, experiment.configurations[place].levels)
+        rows.append({**levels, 'robot': robot, 'quantity': quantity, **_estimate(intervals.mean_estimate(values))})
+    return pd.DataFrame(rows)
+
+
+def csv_text(frame):
+    """Return a frame as CSV; numbers with ten digits, no value as nothing."""
+    return frame.to_csv(index=False, float_format=DIGITS, **_line_end())
+
+
+def _line_end():
+    """Return pandas' option for the end of lines, which it has renamed in 1.5."""
+    return {'lineterminator' if tuple(map(int, pd.__version__.split('.')[:2])) >= (1, 5) else 'line_terminator': '\n'}

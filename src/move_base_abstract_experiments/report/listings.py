@@ -1,0 +1,216 @@
+"""The page's tables: texts in cells, with units, as many rows as can be read."""
+
+import json
+import math
+
+from . import findings, intervals, picked
+from .outcome import COMPLETE, FAILED, MISSING
+from .parts import Cell, Table
+from .wording import NBSP, UNKNOWN, counted, digits, estimate_texts, probability, whole, with_interval
+
+MOST_ROWS = 200  # of a table of the page
+_VERDICT = {'better': 'better', 'worse': 'worse', 'differs': 'differs', 'weak': 'too weak among so many',
+            'none': 'not shown', 'same': 'the same', 'untold': 'too few'}
+_INTERVALS = {'t': 'Student', 'wilson': 'Wilson', 'newcombe': 'Newcombe', 'order': 'order statistics',
+              'constant': 'all the same', 'none': 'none'}
+
+
+def cut(rows, note, where):
+    """Return as many rows as the page shows, and a note that says where the others are."""
+    if len(rows) <= MOST_ROWS:
+        return tuple(rows), note
+    return tuple(rows[:MOST_ROWS]), f'The first {MOST_ROWS} of {whole(len(rows))}; all of them: {where}. {note}'.strip()
+
+
+def means(experiment, metric, scale, estimates):
+    """Return the table of a metric's means."""
+    values = experiment.values(metric.name) * scale.factor
+    rows, skewed = [], False
+    picks = picked.picks(experiment, metric) if metric.better else []
+    chosen = {(pick.configuration, pick.role): pick for pick in picks}
+    for configuration, own, estimate in zip(experiment.configurations, values, estimates):
+        seen = intervals.known(own)
+        is_skewed = not metric.is_share and intervals.is_skewed(seen)
+        skewed = skewed or is_skewed
+        sd = intervals.mean_and_sd(seen)[1] if len(seen) > 1 else math.nan
+        median = intervals.median_estimate(seen)
+        unit = scale._replace(factor=1.0, unit='')
+        rows.append((configuration.label + (' *' if is_skewed else ''), whole(estimate.n),
+                     with_interval(estimate, scale._replace(unit='')), _INTERVALS[estimate.method], digits(sd, 3),
+                     digits(min(seen, default=math.nan)), with_interval(median, unit),
+                     digits(max(seen, default=math.nan)),
+                     *(_link(experiment, chosen.get((configuration.place, role))) for role in ('median', 'worst')
+                       if chosen)))
+    header = ('configuration', 'trials', 'mean (95 % interval)', 'interval', 'sd', 'least', 'median (95 % interval)',
+              'most', *(('median trial', 'worst trial') if chosen else ()))
+    note = 'sd: standard deviation of the trials.'
+    if skewed:
+        note += ' *: the values are skewed, so that the interval of the mean is in doubt; read the median.'
+    rows, note = cut(rows, note, 'tables/means.csv')
+    return Table(f'Means{_in(scale)}', header, rows, note)
+
+
+def _in(scale):
+    return f' in {scale.unit}' if scale.unit else ''
+
+
+def _link(experiment, pick):
+    return Cell(pick.trial.id, picked.link(experiment, pick.trial)) if pick else ''
+
+
+def differences(experiment, title, found, scale, where):
+    """Return the table of one metric's effects.Differences, or None if there are none."""
+    if not found:
+        return None
+    unit = findings.difference_scale(found[0].metric, scale)
+    rows, cut_down = [], False
+    for each in found:
+        first, second = findings.names_of(experiment, each)
+        value, low, high = estimate_texts(each.estimate, unit)
+        cut_down = cut_down or each.used < each.possible
+        rows.append((f'{second} − {first}', findings.at_text(experiment, each) or 'all', whole(each.estimate.n), value,
+                     f'{low} to {high}' if low else UNKNOWN, _probability(each.p), _probability(each.p_holm),
+                     _VERDICT[findings.verdict_of(each)],
+                     *((f'{each.used} of {each.possible}',) if any(one.possible > 1 for one in found) else ())))
+    header = ('difference', 'with', 'pairs', 'mean difference', '95 % interval', 'p', 'Holm p', 'verdict',
+              *(('configurations used',) if any(one.possible > 1 for one in found) else ()))
+    note = 'Left out of a mean are configurations in which most trials failed.' if cut_down else ''
+    rows, note = cut(rows, note, where)
+    return Table(f'{title}{_in(unit)}', header, rows, note)
+
+
+def _probability(p):
+    return probability(p).replace(f'={NBSP}', '')
+
+
+def changes(experiment, found, scale):
+    """Return the table of one metric's interactions, or None."""
+    if not found:
+        return None
+    unit = findings.difference_scale(found[0].metric, scale)
+    rows = []
+    for each in found:
+        first, second = findings.names_of(experiment, each)
+        places = [findings.level_label(experiment.factors, *place) for place in each.at]
+        value, low, high = estimate_texts(each.estimate, unit)
+        rows.append((f'{second} − {first}', f'{places[1]} − {places[0]}', whole(each.estimate.n), value,
+                     f'{low} to {high}' if low else UNKNOWN, _probability(each.p), _probability(each.p_holm),
+                     _VERDICT[findings.verdict_of(each)].replace('better', 'differs').replace('worse', 'differs')))
+    rows, note = cut(rows, '', 'tables/interactions.csv')
+    return Table(f'How differences depend on other factors{_in(unit)}',
+                 ('difference of', 'from', 'replications', 'change', '95 % interval', 'p', 'Holm p', 'verdict'), rows,
+                 note)
+
+
+def configurations(experiment):
+    """Return the table of what was run."""
+    rows = []
+    for configuration in experiment.configurations:
+        own = [trial for trial in experiment.trials if trial.configuration == configuration.place]
+        counts = [sum(trial.status == status for trial in own) for status in (COMPLETE, FAILED, MISSING)]
+        complete = [trial for trial in own if trial.status == COMPLETE]
+        speed = intervals.median_estimate([trial.times_real_time for trial in complete])
+        span = intervals.mean_estimate([trial.simulated_seconds for trial in complete])
+        rows.append((configuration.label, *map(whole, counts), digits(span.value), digits(speed.value, 2)))
+    rows, note = cut(rows, '', 'trials.csv')
+    return Table('Configurations', ('configuration', 'complete', 'failed', 'not run', 'simulated s per trial',
+                                    'times real time (median)'), rows, note)
+
+
+def factors(experiment):
+    """Return the table of the factors, or None."""
+    if not experiment.factors:
+        return None
+    return Table('Factors and levels', ('factor', 'levels'),
+                 tuple((factor.title, ', '.join(factor.levels)) for factor in experiment.factors))
+
+
+def worth_a_look(experiment, metric, scale, found):
+    """Return the table of the worst and the median trial of each configuration."""
+    rows = []
+    for pick in found:
+        rows.append((experiment.configurations[pick.configuration].label, pick.role,
+                     digits(pick.value * scale.factor) + scale.suffix, str(pick.trial.replication),
+                     str(pick.trial.seed), Cell(pick.trial.id, picked.link(experiment, pick.trial))))
+    rows, note = cut(rows, '', 'trials.csv')
+    return Table('Worst and median trials', ('configuration', 'which', metric.title, 'replication', 'seed', 'trial'),
+                 rows, note, is_open=len(rows) <= 24)
+
+
+def failures(experiment):
+    """Return the table of failed trials by their error, or None."""
+    groups = {}
+    for trial in experiment.trials:
+        if trial.status == FAILED:
+            groups.setdefault(trial.error, []).append(trial)
+    if not groups:
+        return None
+    rows = []
+    for error, trials in sorted(groups.items(), key=lambda item: -len(item[1])):
+        first = trials[0]
+        where = picked.node_logs(experiment, first) or picked.event_log(experiment, first)
+        labels = list(dict.fromkeys(experiment.configurations[trial.configuration].label for trial in trials))
+        rows.append((error, whole(len(trials)), '; '.join(labels[:3]) + ('; ...' if len(labels) > 3 else ''),
+                     Cell(first.id, where), whole(max(trial.attempts for trial in trials))))
+    rows, note = cut(rows, '', 'trials.csv')
+    header = ('error', 'trials', 'configurations', 'first of them', 'attempts')
+    return Table('Failed trials by the first line of their error', header, rows, note, is_open=True)
+
+
+def labels(experiment):
+    """Return the table of why trials may not be repeatable, or None."""
+    counts = {}
+    for trial in experiment.complete:
+        for label in dict.fromkeys(trial.labels):
+            counts[label] = counts.get(label, 0) + 1
+    if not counts:
+        return None
+    rows, note = cut([(label, whole(count)) for label, count in sorted(counts.items(), key=lambda item: -item[1])], '',
+                     'trials.csv')
+    return Table('Why trials may not be repeatable', ('label', 'trials'), rows, note)
+
+
+def not_identical(experiment):
+    """Return the table of trials whose second run was another one, or None."""
+    rows = [(experiment.configurations[trial.configuration].label, Cell(trial.id, picked.event_log(experiment, trial)),
+             trial.difference or 'not told') for trial in experiment.complete if trial.verified == 'different']
+    if not rows:
+        return None
+    rows, note = cut(rows, '', 'trials.csv')
+    return Table('Trials that were another one when run again', ('configuration', 'trial', 'first difference'), rows,
+                 note, is_open=True)
+
+
+def robots(frame):
+    """Return the table of what robots did (frames.robots), or None."""
+    if frame.empty:
+        return None
+    names = {'distance_m': 'distance [m]', 'moving_s': 'moving [s]', 'idle_s': 'idle [s]', 'waiting_s': 'waiting [s]'}
+    columns = list(dict.fromkeys(frame['quantity']))
+    factors_of = [name for name in frame.columns if name.startswith('factor.')]
+    rows = {}
+    for record in frame.to_dict('records'):
+        key = tuple(record[name] for name in factors_of), record['robot']
+        rows.setdefault(key, {})[record['quantity']] = digits(record['value'])
+    cells = [(', '.join(filter(None, levels)) or UNKNOWN, robot, *(values.get(name, '') for name in columns))
+             for (levels, robot), values in rows.items()]
+    cells, note = cut(cells, 'Means of the complete trials.', 'tables/robots.csv')
+    return Table('Each robot', ('configuration', 'robot', *(names.get(name, name) for name in columns)), cells, note)
+
+
+def provenance(experiment):
+    """Return the table of what all this was made with."""
+    rows = list(_flat('', experiment.plan.get('provenance') or {}))
+    seeds = list(dict.fromkeys(str(trial.seed) for trial in experiment.trials))
+    shown = ', '.join(seeds[:12]) + (f', ... ({counted(len(seeds), "seeds")})' if len(seeds) > 12 else '')
+    rows.append(('seeds', shown or 'none'))
+    return Table('Versions, machine, seeds', ('what', 'value'), tuple(rows[:MOST_ROWS]), is_open=True)
+
+
+def _flat(name, value):
+    """Yield (name, text) of each value in mappings within mappings."""
+    if isinstance(value, dict) and value:
+        for key, inner in value.items():
+            yield from _flat(f'{name}, {key}' if name else str(key), inner)
+    else:
+        yield (name or 'provenance', value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)[:1000])

@@ -1,0 +1,217 @@
+"""What an experiment's folder says: the plan, and of each planned trial what became of it."""
+
+import csv
+import json
+import math
+import os
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from move_base_abstract.csv_files import open_csv
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.shown import shown, shown_text
+
+from . import design
+
+FORMAT = 1
+MAX_BYTES = 64 * 1024 * 1024  # of plan.json and of a trial.json
+COMPLETE, FAILED, MISSING = 'complete', 'failed', 'not run'
+SAFE_ID = re.compile(r'[A-Za-z0-9_][A-Za-z0-9._-]{0,199}')
+LARGEST = 1e100  # of a value; what is larger was not measured
+_STATES = {'identical', 'different'}
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One planned trial and what became of it. Durations in s; of one that is not complete only the plan is known."""
+
+    id: str
+    configuration: int  # its place in Experiment.configurations
+    replication: int
+    seed: object
+    status: str  # COMPLETE, FAILED or MISSING
+    error: str = ''
+    metrics: dict = field(default_factory=dict)  # name: float, NaN where the trial has none
+    simulated_seconds: float = math.nan
+    wall_seconds: float = math.nan
+    times_real_time: float = math.nan
+    repeatable: object = None  # True, False or None: not told
+    labels: tuple = ()
+    verified: object = None  # 'identical', 'different' or None: not run again
+    difference: str = ''
+    robots: dict = field(default_factory=dict)  # name: {quantity: float}
+    attempts: int = 1
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """An experiment as its folder tells it."""
+
+    folder: Path
+    plan: dict
+    factors: tuple  # of design.Factor
+    configurations: tuple  # of design.Configuration
+    metrics: tuple  # of design.Metric
+    trials: tuple  # of Trial, in the order of the plan
+
+    @property
+    def name(self):
+        """What the user calls it."""
+        return str(self.plan.get('experiment') or 'experiment')
+
+    @property
+    def complete(self):
+        """The complete Trials."""
+        return [trial for trial in self.trials if trial.status == COMPLETE]
+
+    def values(self, name):
+        """Return the values of a metric, shape (configurations, replications); NaN: failed, not run, no value.
+
+        Columns are replications in ascending order: what stands in one column had the same seed.
+        """
+        columns = {number: place for place, number in enumerate(sorted({each.replication for each in self.trials}))}
+        table = np.full((len(self.configurations), len(columns)), math.nan)
+        for trial in self.complete:
+            table[trial.configuration, columns[trial.replication]] = trial.metrics.get(name, math.nan)
+        return table
+
+
+def read(folder):
+    """Return the Experiment of a folder.
+
+    :raises ConfigurationError: if there is no plan, or it cannot be understood. A trial that cannot be understood is
+        one that failed: its error says why.
+    """
+    folder = Path(folder)
+    plan = _json(folder / 'plan.json')
+    _check_plan(plan, folder / 'plan.json')
+    planned = plan['trials']
+    factors = design.factors_of(plan)
+    configurations, places = design.configurations_of(factors, planned)
+    rows = {} if (folder / 'trials').is_dir() else _rows_of_csv(folder / 'trials.csv', plan.get('metrics', {}))
+    trials = tuple(_trial(folder, each, places[place], rows) for place, each in enumerate(planned))
+    return Experiment(folder, plan, factors, configurations, design.metrics_of(plan, trials), trials)
+
+
+def _json(path):
+    """Return the mapping that a JSON file holds. :raises ConfigurationError: naming the file and what is wrong."""
+    try:
+        if os.stat(path).st_size > MAX_BYTES:
+            raise ConfigurationError(f'{path}: must be of at most {MAX_BYTES} bytes, got {os.stat(path).st_size}')
+        content = json.loads(path.read_text(encoding='utf-8'))
+    except FileNotFoundError:
+        raise ConfigurationError(f'{path}: is not there; it must be a folder that `experiment run` made') from None
+    except (OSError, ValueError, RecursionError) as error:
+        raise ConfigurationError(f'{path}: cannot be read as JSON: {error}') from None
+    if not isinstance(content, dict):
+        raise ConfigurationError(f'{path}: must be a mapping, got {shown(content)}')
+    return content
+
+
+def _check_plan(plan, path):
+    if plan.get('format') != FORMAT:
+        raise ConfigurationError(f"{path}: 'format' must be {FORMAT}, got {shown(plan.get('format'))}")
+    for key, kind, name in (('trials', list, 'list'), ('factors', dict, 'mapping'), ('metrics', dict, 'mapping')):
+        if not isinstance(plan.get(key, kind()), kind):
+            raise ConfigurationError(f"{path}: '{key}' must be a {name}, got {shown(plan[key])}")
+    for name, levels in plan.get('factors', {}).items():
+        if not isinstance(levels, list):
+            raise ConfigurationError(f'{path}: factors[{shown(name)}] must be a list, got {shown(levels)}')
+    plan.setdefault('trials', [])
+    seen = set()
+    for place, trial in enumerate(plan['trials']):
+        where = f'{path}: trials[{place}]'
+        if not isinstance(trial, dict) or not isinstance(trial.get('configuration', {}), dict):
+            raise ConfigurationError(f"{where}: must be a mapping with a mapping 'configuration', got {shown(trial)}")
+        if not isinstance(trial.get('id'), str) or not SAFE_ID.fullmatch(trial['id']):
+            raise ConfigurationError(f"{where}: 'id' must be letters, digits, '.', '_' and '-', got "
+                                     f"{shown(trial.get('id'))}")
+        if isinstance(trial.get('replication'), bool) or not isinstance(trial.get('replication'), int):
+            raise ConfigurationError(f"{where}: 'replication' must be a whole number, got "
+                                     f"{shown(trial.get('replication'))}")
+        same = json.dumps(trial.get('configuration', {}), sort_keys=True), trial['replication']
+        if trial['id'] in seen or same in seen:
+            raise ConfigurationError(f"{where}: is planned twice: {shown(trial['id'])}")
+        seen.update((trial['id'], same))
+
+
+def _rows_of_csv(path, metrics):
+    """Return the rows of trials.csv by ID, as trial.json would say them; for a folder whose trials were left behind."""
+    if not path.is_file():
+        return {}
+    with open_csv(path) as stream:
+        return {row['id']: _of_row(row, metrics) for row in csv.DictReader(stream) if row.get('id')}
+
+
+def _of_row(row, metrics):
+    known = {key: value for key, value in row.items() if isinstance(key, str) and value not in ('', None)}
+    labels = known.pop('labels', '')
+    told = {**known, 'metrics': {key: _number(known.get(key)) for key in metrics},
+            'labels': [labels] if labels else []}
+    if 'repeatable' in told:
+        told['repeatable'] = told['repeatable'].lower() in ('true', '1', 'yes')
+    return told
+
+
+def _trial(folder, planned, configuration, rows):
+    """Return the Trial of an entry of the plan."""
+    base = dict(id=planned['id'], configuration=configuration, replication=planned['replication'],
+                seed=planned.get('seed'))
+    path = folder / 'trials' / planned['id'] / 'trial.json'
+    try:
+        if path.is_file():
+            told = _json(path)
+            _check_same(told, planned, path)
+        elif planned['id'] in rows:
+            told = rows[planned['id']]
+        else:
+            return Trial(**base, status=MISSING)
+        return _told(base, told)
+    except ConfigurationError as error:
+        return Trial(**base, status=FAILED, error=str(error))
+
+
+def _check_same(told, planned, path):
+    for key in ('configuration', 'replication', 'seed'):
+        if key in told and told[key] != planned.get(key):
+            raise ConfigurationError(f"{path}: is of another plan: its '{key}' is {shown(told[key])}, planned is "
+                                     f'{shown(planned.get(key))}')
+
+
+def _told(base, told):
+    """Return the Trial that a trial.json (a mapping) tells of; nothing in it needs to be there or to be right."""
+    status = told.get('status')
+    if status != COMPLETE:
+        error = told.get('error') or ('' if status == FAILED else f'its status is {shown(status)}')
+        lines = str(error).strip().splitlines()
+        return Trial(**base, status=FAILED, error=lines[0][:1000] if lines else 'no reason was recorded',
+                     attempts=_count(told.get('attempts')))
+    robots = told.get('robots') if isinstance(told.get('robots'), dict) else {}
+    labels = told.get('labels') if isinstance(told.get('labels'), list) else []
+    metrics = told.get('metrics') if isinstance(told.get('metrics'), dict) else {}
+    return Trial(
+        **base, status=COMPLETE, metrics={str(name): _number(value) for name, value in metrics.items()},
+        **{name: _number(told.get(name)) for name in ('simulated_seconds', 'wall_seconds', 'times_real_time')},
+        repeatable=told.get('repeatable') if isinstance(told.get('repeatable'), bool) else None,
+        labels=tuple(map(str, labels)),
+        verified=told.get('verified') if told.get('verified') in _STATES else None,
+        difference=shown_text(told.get('difference') or ''),
+        robots={str(name): {str(key): _number(value) for key, value in each.items()}
+                for name, each in robots.items() if isinstance(each, dict)},
+        attempts=_count(told.get('attempts')))
+
+
+def _number(value):
+    """Return a float that can be squared, or NaN for all else that a file may hold: null, text, infinity."""
+    try:
+        number = float(value) if isinstance(value, (int, float, str)) else math.nan
+    except (ValueError, OverflowError):
+        return math.nan
+    return number if abs(number) <= LARGEST else math.nan
+
+
+def _count(value):
+    return value if isinstance(value, int) and not isinstance(value, bool) and value > 0 else 1

@@ -1,0 +1,313 @@
+"""The page: what stands on it, from the experiment and its statistics. Its markup is the templates', by Jinja2."""
+
+import itertools
+import json
+import math
+import re
+from pathlib import Path
+from typing import NamedTuple
+from urllib.parse import quote
+
+import jinja2
+
+from . import effects, findings, frames, intervals, listings, picked, pictures
+from .colours import Looks
+from .outcome import FAILED, MISSING
+from .parts import Section
+from .wording import MINUS, NBSP, UNKNOWN, counted, digits, duration, listed, scale_of, whole
+
+MARK = 'report of an experiment of move_base_abstract'
+MOST_ROWS = 16  # of configurations that are shown at once; more are folded
+MOST_PLOTTED = 5  # factors that are plotted in pairs
+_TEMPLATES = Path(__file__).with_name('templates')
+_NUMBER = re.compile(f'[{MINUS}+<{NBSP}]*[0-9][0-9,.]*(·10.*)?|{UNKNOWN}|')
+_SHARES = (('moving_s', 'moving'), ('waiting_s', 'waiting'), ('idle_s', 'idle'))
+
+
+class Analysis(NamedTuple):
+    """An experiment and the statistics of it that page and tables share."""
+
+    experiment: object
+    scales: dict  # metric name: wording.Scale
+    looks: Looks
+    mains: list  # of effects.Difference
+    singles: list
+    changes: list
+
+
+class Shares(NamedTuple):
+    """A section with bars: what the robots' time went into."""
+
+    heading: str
+    shares: tuple  # of (label, look, (name, per cent) pairs, text)
+    parts: tuple
+
+
+def analyse(experiment):
+    """Return the Analysis of an Experiment."""
+    scales = {}
+    for metric in experiment.metrics:
+        values = intervals.known(experiment.values(metric.name))
+        scales[metric.name] = scale_of(metric, max(map(abs, values), default=0.0))
+    return Analysis(experiment, scales, Looks(experiment), effects.main_effects(experiment),
+                    effects.single_differences(experiment), effects.interactions(experiment))
+
+
+def render(analysis, added, problems=()):
+    """Return the page as text.
+
+    :param added: parts.Sections of the study's own. :param problems: lines about what could not be made.
+    """
+    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(str(_TEMPLATES)), trim_blocks=True,
+                                     lstrip_blocks=True, autoescape=True, undefined=jinja2.StrictUndefined)
+    environment.filters['address'] = lambda text: quote(str(text), safe="/:#?&=%@!$'()*+,;~-._")
+    environment.filters['columns'] = _columns
+    text = environment.get_template('report.html.j2').render(page=_page(analysis, added, problems), mark=MARK,
+                                                             colours=analysis.looks.colours)
+    return '\n'.join(line for line in (each.rstrip() for each in text.splitlines()) if line) + '\n'
+
+
+def _columns(table):
+    """Return per column of a parts.Table the class of its cells: 'n' for numbers, which stand at the right."""
+    columns = [[getattr(row[place], 'text', row[place]) for row in table.rows if place < len(row)]
+               for place in range(len(table.header))]
+    return ['n' if texts and all(_NUMBER.fullmatch(str(text)) for text in texts) else '' for texts in columns]
+
+
+def _page(analysis, added, problems):
+    experiment = analysis.experiment
+    told = findings.findings(experiment, analysis.scales, analysis.mains, analysis.singles, analysis.changes)
+    with_result = {each.metric for each in told if each.is_result}  # of other metrics all is told at once
+    return dict(
+        title=experiment.name, lede=_lede(experiment), warnings=_warnings(experiment), most_rows=MOST_ROWS,
+        results=_by_metric(each for each in told if each.is_result or each.metric not in with_result),
+        no_results=_by_metric(each for each in told if not each.is_result and each.metric in with_result),
+        findings_notes=_findings_notes(analysis), facts=_facts(experiment),
+        run_tables=list(filter(None, (listings.factors(experiment), listings.configurations(experiment)))),
+        metrics_notes=_metrics_notes(experiment),
+        metrics=[_metric(analysis, metric) for metric in experiment.metrics],
+        sections=list(filter(None, (_robots(analysis), *added, _looks(analysis), _repeatable(experiment),
+                                    _failures(experiment), _method(analysis), _provenance(experiment, problems)))))
+
+
+def _by_metric(told):
+    """Return (title of the metric, its Findings) pairs."""
+    groups = {}
+    for each in told:
+        groups.setdefault(each.metric, []).append(each)
+    return list(groups.items())
+
+
+def _lede(experiment):
+    varied = [factor.title for factor in experiment.factors if len(factor.levels) > 1]
+    what = f'{counted(len(experiment.configurations), "configurations")}'
+    by = f' of {listed(varied)}' if varied else ''
+    trials = f'{counted(len(experiment.complete), "trials")} complete of {whole(len(experiment.trials))} planned'
+    return f'{what}{by}; {trials}.'
+
+
+def _warnings(experiment):
+    """Return what a reader must know before the findings."""
+    texts = []
+    failed = sum(trial.status == FAILED for trial in experiment.trials)
+    missing = sum(trial.status == MISSING for trial in experiment.trials)
+    if failed:
+        share = intervals.share_estimate([trial.status == FAILED for trial in experiment.trials
+                                          if trial.status != MISSING])
+        value, low, high = (round(100.0 * each, 1) for each in share[:3])
+        texts.append(f'{counted(failed, "trials")} failed ({digits(value, 2)} %, 95 % interval {digits(low, 2)} to '
+                     f'{digits(high, 2)} %). All figures are of the others: if what failed is what was hard, they '
+                     'flatter. A replication counts in a comparison only where all that is compared is complete.')
+    if missing:
+        texts.append(f'{counted(missing, "trials")} of the plan {"is" if missing == 1 else "are"} not run yet.')
+    different = sum(trial.verified == 'different' for trial in experiment.complete)
+    if different:
+        texts.append(f'{counted(different, "trials")} that {"was" if different == 1 else "were"} run again gave '
+                     'another run: see Repeatability.')
+    return texts
+
+
+def _findings_notes(analysis):
+    count = len(analysis.mains or analysis.singles)
+    if not count:
+        return []
+    averaged = ' averaged over the levels of the other factors,' if len(analysis.experiment.factors) > 1 else ''
+    return [f'Differences are taken within replications (same seed),{averaged} and are said to be there only if they '
+            f'hold at 5 % with all {whole(count)} comparisons of levels and metrics counted (Holm). The intervals hold '
+            'one at a time. The little pictures: difference and interval, dashed at 0; a scale per metric and factor.']
+
+
+def _metrics_notes(experiment):
+    if not experiment.complete:
+        return []
+    return ['Each tick is a trial, the mark is the mean, its bar the 95 % interval of the mean. In plots over factors '
+            'means go over all levels of the factors that are not named, levels stand at equal distances, and bars are '
+            '95 % intervals. Differences within replications are sharper than bars that overlap suggest: they are in '
+            'the tables.']
+
+
+def _facts(experiment):
+    complete = experiment.complete
+    plan = experiment.plan
+    varied = [f'{factor.title}: {counted(len(factor.levels), "levels")}' for factor in experiment.factors
+              if len(factor.levels) > 1]
+    simulated = intervals.known([trial.simulated_seconds for trial in complete])
+    wall = intervals.known([trial.wall_seconds for trial in complete])
+    speeds = intervals.known([trial.times_real_time for trial in complete])
+    facts = [('Trials complete', f'{whole(len(complete))} of {whole(len(experiment.trials))}', ''),
+             ('Configurations', whole(len(experiment.configurations)), '; '.join(varied)),
+             ('Replications', whole(len({trial.replication for trial in experiment.trials})),
+              'replication k has the same seed in every configuration'),
+             ('A trial lasts', until_text(plan.get('until')), '')]
+    if len(simulated):
+        facts.append(('Simulated time', duration(math.fsum(simulated)), 'all complete trials together'))
+    if len(speeds):
+        median = intervals.median_estimate(speeds).value
+        ends = [digits(each, 2) for each in (min(speeds), max(speeds))]
+        facts.append(('Speed', f'{digits(median, 2)} times real time',
+                      f'median; {ends[0]} to {ends[1]}' if ends[0] != ends[1] else ''))
+    if len(wall):
+        facts.append(('Wall time of the trials', duration(math.fsum(wall)), 'one after the other'))
+    return facts
+
+
+def until_text(until):
+    """Return in words when a trial ends, as the plan tells it."""
+    if not isinstance(until, dict) or not until:
+        return 'until it ends' if not until else json.dumps(until, ensure_ascii=False)
+    words = []
+    for key, value in until.items():
+        if key == 'seconds' and isinstance(value, (int, float)):
+            words.append(f'{digits(float(value), 6)} s simulated')
+        elif key == 'topic':
+            words.append(f'until a message on {value}')
+        elif key == 'idle' and value is True:
+            words.append('until all are idle')
+        else:
+            words.append(f'{key} {value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)}')
+    return ', or '.join(words)
+
+
+def _metric(analysis, metric):
+    """Return what the page shows of a metric."""
+    experiment, looks = analysis.experiment, analysis.looks
+    scale = analysis.scales[metric.name]
+    estimates = effects.summary(experiment, metric)
+    shown = pictures.strips(experiment, metric, scale, looks, estimates)
+    better = {'lower': 'lower is better', 'higher': 'higher is better'}.get(metric.better, '')
+    if metric.is_share:
+        better = ', '.join(filter(None, ('share of trials with yes', better)))
+    about = dict(title=metric.title, unit=scale.in_brackets, better=better, strips=shown, plots=[], tables=[],
+                 problem='' if shown else 'No complete trial has a value.')
+    if shown is None:
+        return about
+    lacking = sum(math.isnan(trial.metrics.get(metric.name, math.nan)) for trial in experiment.complete)
+    if lacking:
+        about['problem'] = f'{counted(lacking, "trials")} of {whole(len(experiment.complete))} that are complete ' \
+                           f'{"has" if lacking == 1 else "have"} no value of it and count for nothing here.'
+    about['plots'] = _plots(experiment, metric, scale, looks)
+    own = [[each for each in found if each.metric is metric]
+           for found in (analysis.mains, analysis.singles, analysis.changes)]
+    is_one = len([factor for factor in experiment.factors if len(factor.levels) > 1]) < 2
+    about['tables'] = list(filter(None, (
+        listings.means(experiment, metric, scale, estimates),
+        listings.differences(experiment, 'Differences between levels', own[0], scale, 'tables/main_effects.csv'),
+        None if is_one and own[0] else listings.differences(
+            experiment, 'Differences between configurations', own[1], scale, 'tables/differences.csv'),
+        listings.changes(experiment, own[2], scale))))
+    return about
+
+
+def _plots(experiment, metric, scale, looks):
+    varied = [place for place, factor in enumerate(experiment.factors) if len(factor.levels) > 1]
+    plots = [pictures.factor_plot(experiment, metric, scale, looks, place) for place in varied]
+    plots += [pictures.pair_plot(experiment, metric, scale, looks, pair)
+              for pair in itertools.combinations(varied[:MOST_PLOTTED], 2)]
+    return [plot for plot in plots if plot is not None]
+
+
+def _robots(analysis):
+    """Return the section about what the robots' time went into, or None."""
+    experiment = analysis.experiment
+    table = listings.robots(frames.robots(experiment))
+    rows = []
+    for configuration in experiment.configurations:
+        sums = [math.fsum(intervals.known([robot.get(key, math.nan) for trial in experiment.complete
+                                           if trial.configuration == configuration.place
+                                           for robot in trial.robots.values()])) for key, _ in _SHARES]
+        total = math.fsum(sums)
+        if total > 0.0:
+            shares = [100.0 * each / total for each in sums]
+            rows.append((configuration.label, analysis.looks.of_levels(configuration.levels),
+                         tuple((name, round(share, 2)) for (_, name), share in zip(_SHARES, shares)),
+                         ', '.join(f'{share:.0f} % {name}' for (_, name), share in zip(_SHARES, shares))))
+    if table is None:
+        return None
+    if not rows:
+        return Section('What the robots did', (table,))
+    return Shares('What the robots did', tuple(rows[:listings.MOST_ROWS]),
+                  (f'Shares of the time of all robots in all complete trials{_cut_text(rows)}.', table))
+
+
+def _cut_text(rows):
+    return f'; the first {listings.MOST_ROWS} configurations' if len(rows) > listings.MOST_ROWS else ''
+
+
+def _looks(analysis):
+    experiment = analysis.experiment
+    metric = picked.primary_metric(experiment)
+    if metric is None:
+        return None
+    table = listings.worth_a_look(experiment, metric, analysis.scales[metric.name], picked.picks(experiment, metric))
+    return Section('Trials worth a look', (
+        f'The worst and the median trial of each configuration, by {metric.title}. Links lead to the replay, or to the '
+        'event log where there is none.', table))
+
+
+def _repeatable(experiment):
+    complete = experiment.complete
+    again = [trial for trial in complete if trial.verified]
+    told = [trial for trial in complete if trial.repeatable is not None]
+    parts = []
+    if again:
+        same = sum(trial.verified == 'identical' for trial in again)
+        low = intervals.share_estimate([trial.verified == 'identical' for trial in again]).low
+        parts.append(f'Run again under other conditions, event logs compared to the byte: identical: {whole(same)} of '
+                     f'{whole(len(again))}. So at least {digits(math.floor(1000.0 * low) / 10.0, 3)} % of such trials '
+                     'repeat (Wilson, 95 % interval).')
+    else:
+        parts.append('No trial was run again to see whether it is the same.')
+    if told:
+        parts.append(f'Repeatable by what the run says of itself: {whole(sum(trial.repeatable for trial in told))} of '
+                     f'{whole(len(told))}.')
+    parts += filter(None, (listings.not_identical(experiment), listings.labels(experiment)))
+    return Section('Repeatability', tuple(parts)) if complete else None
+
+
+def _failures(experiment):
+    table = listings.failures(experiment)
+    return Section('Failures', (table,)) if table else None
+
+
+def _method(analysis):
+    """Return the section that says what the intervals are."""
+    parts = [
+        "Means of configurations have Student's 95 % interval; shares of yes and no have Wilson's; medians have the "
+        'interval between two order statistics, which asks nothing of the distribution.',
+        'Comparisons are of pairs: replication k has the same seed in every configuration, so the difference within '
+        'each replication is taken first (over several configurations: their mean). The mean of these differences has '
+        "Student's interval and test. Shares of two configurations are compared by Newcombe's interval and McNemar's "
+        'exact test. Where all differences are the same, the test is that of signs.',
+        'p is of one comparison. Holm p counts all comparisons of the same kind on this page: if nothing differed, any '
+        'would be below 5 % in at most 5 % of experiments. Three kinds are counted apart: between levels, between '
+        'configurations, and how one depends on the other.',
+        'Values or differences are called skewed where there are fewer than 25 times their squared skewness (Cochran) '
+        'and the skewness is no chance (p < 1 %); then their median is told too.',
+        "Figures are rounded to one or two digits of their interval's half width; those without interval to four. The "
+        "tables in tables/ have all digits, in the metrics' own units."]
+    return Section('How the figures were made', tuple(parts)) if analysis.experiment.metrics else None
+
+
+def _provenance(experiment, problems):
+    parts = [listings.provenance(experiment), *problems]
+    return Section('Provenance', tuple(parts))

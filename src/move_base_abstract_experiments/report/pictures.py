@@ -1,0 +1,170 @@
+"""The pictures as numbers: rows of trials with their means, means over levels. How they look is the templates' matter.
+
+Places are percentages of a row's width, or units of a plot's own size, so that text keeps its size on any screen.
+"""
+
+import math
+from typing import NamedTuple
+
+from . import effects
+from .axes import axis
+from .wording import counted, shortened, with_interval
+
+TICK_STEPS = 1000  # places at which a trial can be drawn in a row
+PLOT_WIDTH, PLOT_HEIGHT = 360.0, 230.0
+_LEFT, _RIGHT, _TOP, _BOTTOM = 52.0, 350.0, 10.0, 196.0  # of the area in which the lines are
+_LETTER = 6.4  # width of one, at most
+_DODGE = 7.0  # between the marks of two lines at one level
+
+
+class Row(NamedTuple):
+    """One configuration: its trials as ticks, its mean with the interval; places in per cent."""
+
+    label: str
+    look: object  # colours.Look
+    ticks: str  # an SVG path, x in 0..TICK_STEPS, y in 0..10
+    mid: object  # None where there is no value
+    low: object
+    high: object
+    text: str
+    note: str
+
+
+class Strips(NamedTuple):
+    """Rows over one axis."""
+
+    rows: tuple
+    ticks: tuple  # of (per cent, text)
+
+
+class Point(NamedTuple):
+    """A mean in a plot, in the plot's units; low and high are None where there is no interval."""
+
+    x: float
+    y: float
+    low: object
+    high: object
+    tip: str
+
+
+class Line(NamedTuple):
+    """The means of one level of a factor, or of all trials."""
+
+    label: str
+    look: object
+    path: str
+    points: tuple  # of (colours.Look, Point)
+    dash: str
+
+
+class Plot(NamedTuple):
+    """Means over the levels of a factor; with two factors one line per level of the second."""
+
+    title: str
+    y_ticks: tuple  # of (y, text)
+    x_ticks: tuple  # of (x, text, whole text)
+    lines: tuple
+    note: str
+
+
+def strips(experiment, metric, scale, looks, estimates):
+    """Return the Strips of a metric, or None if no trial has a value."""
+    values = [[value * scale.factor for value in row if not math.isnan(value)]
+              for row in experiment.values(metric.name)]
+    seen = [value for row in values for value in row]
+    if not seen:
+        return None
+    for estimate in estimates:
+        seen += [bound * scale.factor for bound in estimate[1:3] if estimate.has_interval]
+    along = axis(seen)
+    rows = tuple(_row(configuration.label, looks.of_levels(configuration.levels), row, estimate, scale, along)
+                 for configuration, row, estimate in zip(experiment.configurations, values, estimates))
+    return Strips(rows, tuple((_percent(along.share(value)), text) for value, text in along.ticks))
+
+
+def _row(label, look, values, estimate, scale, along):
+    places = sorted({round(TICK_STEPS * along.share(value)) for value in values})
+    mid, low, high = (None if math.isnan(value) else _percent(along.share(value * scale.factor))
+                      for value in estimate[:3])
+    return Row(label, look, ''.join(f'M{place} 0v10' for place in places), mid, low, high,
+               with_interval(estimate, scale), counted(estimate.n, 'trials'))
+
+
+def _percent(share):
+    return round(100.0 * share, 2)
+
+
+def factor_plot(experiment, metric, scale, looks, factor):
+    """Return the Plot of a metric over the levels of a factor, or None if no level has a value."""
+    levels, is_like_for_like = effects.levels_of(experiment, metric, factor)
+    about = experiment.factors[factor]
+    lines = [('', None, levels)]
+    note = '' if is_like_for_like else 'Not all levels were run with the same levels of the other factors.'
+    return _plot(f'by {about.title}', about, lines, scale, note,
+                 lambda level: looks.of_level(factor, level))
+
+
+def pair_plot(experiment, metric, scale, looks, pair):
+    """Return the Plot of a metric over two factors, or None: lines are the levels of the one that gives the colours."""
+    across, along = _roles(experiment.factors, pair, looks)
+    lines = []
+    for level, text in enumerate(experiment.factors[across].levels):
+        found, _ = effects.levels_of(experiment, metric, along, ((across, level),))
+        if found:
+            lines.append((text, looks.of_level(across, level), found))
+    about = experiment.factors[along]
+    return _plot(f'by {about.title} and {experiment.factors[across].title}', about, lines, scale, '')
+
+
+def _roles(factors, pair, looks):
+    """Return which of two factors makes the lines, and which lies along the axis."""
+    if looks.colour_factor in pair:
+        across = looks.colour_factor
+    else:
+        across = min(pair, key=lambda place: (factors[place].is_numeric, len(factors[place].levels)))
+    return across, pair[0] if pair[1] == across else pair[1]
+
+
+def _plot(title, about, lines, scale, note, look_of=None):
+    """Return the Plot of (label, look, effects.Levels) lines; look_of: the look of a level where a line has none."""
+    seen = [bound * scale.factor for _, _, levels in lines for each in levels for bound in each.estimate[:3]
+            if not math.isnan(bound)]
+    if not seen:
+        return None
+    up = axis(seen, parts=5, pad=0.06)
+    count = len(about.levels)
+    drawn = []
+    for number, (label, look, levels) in enumerate(lines):
+        shift = _DODGE * (number - (len(lines) - 1) / 2.0) * min(1.0, 5.0 / len(lines))
+        points = [(look or look_of(each.level), _point(each, about, label, scale, up, count, shift))
+                  for each in levels if not math.isnan(each.estimate.value)]
+        is_joined = len(points) > 1 and (about.is_numeric or label)
+        path = 'M' + 'L'.join(f'{point.x:g} {point.y:g}' for _, point in points) if is_joined else ''
+        drawn.append(Line(label, look, path, tuple(points), _dash(number, look)))
+    wide = max(4, int((_RIGHT - _LEFT) / count / _LETTER))
+    every = max(1, math.ceil(count / 12))
+    x_ticks = tuple((_x(place, count), shortened(text, wide) if place % every == 0 else '', text)
+                    for place, text in enumerate(about.levels))
+    return Plot(title, tuple((_y(up, value), text) for value, text in up.ticks), x_ticks, tuple(drawn), note)
+
+
+def _dash(number, look):
+    """Return the pattern of a line: those without a colour of their own are told apart by it."""
+    if look is None or look.colour is not None:
+        return ''
+    return ('', '6 3', '2 3', '8 3 2 3', '1 2', '10 4')[number % 6]
+
+
+def _point(level, about, label, scale, up, count, shift):
+    value, low, high = (None if math.isnan(each) else _y(up, each * scale.factor) for each in level.estimate[:3])
+    where = ', '.join(filter(None, (f'{about.title} {about.levels[level.level]}', label)))
+    return Point(round(_x(level.level, count) + shift, 1), value, low, high,
+                 f'{where}: {with_interval(level.estimate, scale)}')
+
+
+def _x(place, count):
+    return round(_LEFT + (_RIGHT - _LEFT) * (place + 0.5) / count, 1)
+
+
+def _y(up, value):
+    return round(_BOTTOM - (_BOTTOM - _TOP) * up.share(value), 1)

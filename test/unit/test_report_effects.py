@@ -1,0 +1,161 @@
+"""What the report compares, on tables whose effects are known because they were put in."""
+
+import json
+import math
+
+import pytest
+
+from experiment_folder import write
+from move_base_abstract_experiments.report import effects, findings, outcome, page
+
+NOISE = [3.0, -1.0, 0.5, -2.5, 0.0, 4.0]  # of a replication: the same in all configurations
+OWN = [0.1, -0.1, 0.05, -0.05, 0.0, 0.02]
+
+
+def experiment(folder, factors, measure, replications=6, **plan):
+    return outcome.read(write(folder, factors, replications, measure, **plan))
+
+
+def told(found):
+    analysis = page.analyse(found)
+    return findings.findings(found, analysis.scales, analysis.mains, analysis.singles, analysis.changes)
+
+
+def two_by_two(configuration, replication):
+    auction, many = configuration['method'] == 'auction', configuration['robots'] == 8
+    sign = 1.0 if auction else -1.0
+    return {'makespan_s': 600.0 + NOISE[replication] - 12.0 * auction - 200.0 * many - 6.0 * auction * many
+            + sign * OWN[replication] + many * auction * OWN[replication - 1], 'goals': 40.0}
+
+
+def of(differences, metric, factor, first=0, second=1):
+    return next(each for each in differences
+                if (each.metric.name, each.factor, each.first, each.second) == (metric, factor, first, second))
+
+
+FACTORS = {'method': ['greedy', 'auction'], 'robots': [2, 8]}
+
+
+def test_main_effects_are_what_was_put_in_without_the_noise_of_replications(tmp_path):
+    found = effects.main_effects(experiment(tmp_path, FACTORS, two_by_two))
+    method = of(found, 'makespan_s', 0)
+    assert method.estimate.value == pytest.approx(-15.0 + 2.5 * sum(OWN) / 6.0)  # half of the interaction is in it
+    assert method.estimate.n == 6 and method.used == method.possible == 2 and method.is_shown
+    assert method.estimate.high - method.estimate.low < 0.4
+    assert of(found, 'makespan_s', 1).estimate.value == pytest.approx(-203.0 + sum(OWN) / 12.0)
+
+
+def test_an_interaction_is_what_was_put_in(tmp_path):
+    change = of(effects.interactions(experiment(tmp_path, FACTORS, two_by_two)), 'makespan_s', 0)
+    assert change.estimate.value == pytest.approx(-6.0 + sum(OWN) / 6.0)
+    assert change.at == ((1, 0), (1, 1)) and change.is_shown
+
+
+def test_single_differences_are_of_configurations_that_differ_in_one_factor(tmp_path):
+    found = effects.single_differences(experiment(tmp_path, FACTORS, two_by_two))
+    own = [(each.factor, each.at) for each in found if each.metric.name == 'makespan_s']
+    assert own == [(0, ((1, 0),)), (0, ((1, 1),)), (1, ((0, 0),)), (1, ((0, 1),))]
+
+
+def test_a_replication_counts_only_where_all_that_is_compared_is_complete(tmp_path):
+    def measure(configuration, replication):
+        if replication == 2 and configuration == {'method': 'auction', 'robots': 8}:
+            return {'status': 'failed', 'error': 'x'}
+        return two_by_two(configuration, replication)
+    found = experiment(tmp_path, FACTORS, measure)
+    assert of(effects.main_effects(found), 'makespan_s', 0).estimate.n == 5
+    assert of(effects.single_differences(found), 'makespan_s', 0).estimate.n == 6
+
+
+def test_a_configuration_that_nearly_always_fails_does_not_take_the_others_with_it(tmp_path):
+    def measure(configuration, replication):
+        if replication != 2 and configuration == {'method': 'auction', 'robots': 8}:
+            return {'status': 'failed', 'error': 'x'}
+        return two_by_two(configuration, replication)
+    method = of(effects.main_effects(experiment(tmp_path, FACTORS, measure)), 'makespan_s', 0)
+    assert (method.used, method.possible, method.estimate.n) == (1, 2, 6)
+    assert method.estimate.value == pytest.approx(-12.0 + 2.0 * sum(OWN) / 6.0)
+
+
+def test_findings_are_sentences_with_intervals(tmp_path):
+    texts = [(each.metric, each.verdict, each.text.replace('\N{NO-BREAK SPACE}', ' '))
+             for each in told(experiment(tmp_path, {'method': ['greedy', 'auction']},
+                                         lambda c, k: {'makespan_s': 150.0 - 12.0 * (c['method'] == 'auction')
+                                                       + NOISE[k] + (c['method'] == 'auction') * 10.0 * OWN[k],
+                                                       'goals': 40.0 + 0.1 * (c['method'] == 'auction') * NOISE[k]}))]
+    assert texts == [
+        ('Makespan', 'better', '12.0 s (7.9 %) lower with auction than with greedy (95 % interval 11.2 to 12.7 s; '
+         '6 pairs).'),
+        ('Goals reached', 'none', 'No difference that 6 pairs can show between auction and greedy: 0.07 goals, 95 % '
+         'interval −0.19 to 0.32 goals.')]
+
+
+def test_nothing_is_better_without_an_interval(tmp_path):
+    one = told(experiment(tmp_path, FACTORS, two_by_two, replications=1))
+    assert {each.verdict for each in one} == {'untold'}
+    assert 'no interval' in one[0].text
+
+
+def test_among_many_comparisons_a_weak_one_is_called_weak(tmp_path):
+    metrics = {f'm{number}': {'unit': 's', 'title': f'M{number}', 'better': 'lower'} for number in range(30)}
+    drift = [0.5, 1.0, 0.0, 0.9, 0.1, 0.6]
+
+    def measure(configuration, replication):
+        second = configuration['method'] == 'auction'
+        return {name: NOISE[replication] + second * (drift[replication] if name == 'm0' else OWN[replication])
+                for name in metrics}
+    found = told(experiment(tmp_path, {'method': ['greedy', 'auction']}, measure, metrics=metrics))
+    assert found[0].verdict == 'weak' and 'too weak to count' in found[0].text.lower()
+    assert {each.verdict for each in found[1:]} == {'none'}
+
+
+def test_yes_and_no_are_shares_and_differ_by_percentage_points(tmp_path):
+    metrics = {'done': {'unit': '', 'title': 'All done', 'better': 'higher'}}
+    found = experiment(tmp_path, {'method': ['greedy', 'auction']},
+                       lambda c, k: {'done': c['method'] == 'auction' or k < 2}, replications=20, metrics=metrics)
+    assert found.metrics[0].is_share
+    assert [each.method for each in effects.summary(found, found.metrics[0])] == ['wilson', 'wilson']
+    only = told(found)[0]
+    assert only.verdict == 'better' and '90\N{NO-BREAK SPACE}percentage points higher' in only.text
+
+
+def test_numbers_are_told_by_their_ends_and_many_words_by_their_extremes(tmp_path):
+    found = told(experiment(tmp_path, {'robots': [1, 2, 3, 4], 'method': ['a', 'b', 'c', 'd', 'e']},
+                            lambda c, k: {'makespan_s': 100.0 * c['robots'] + ord(c['method']) + OWN[k] * c['robots']
+                                          + OWN[(k * ord(c['method'])) % 6]}))
+    makespan = [each.text for each in found if each.metric == 'Makespan']
+    assert len(makespan) == 2
+    assert 'robots 4 than with robots 1' in makespan[0] and 'All 6 pairs of levels differ.' in makespan[0]
+    assert 'e than with a' in makespan[1]
+
+
+def test_designs_with_gaps_compare_what_can_be_compared(tmp_path):
+    found = write(tmp_path, FACTORS, 6, two_by_two)
+    whole = outcome.read(found)
+    gone = [each for each in whole.plan['trials'] if each['configuration'] != {'method': 'auction', 'robots': 8}]
+    (tmp_path / 'plan.json').write_text(json.dumps({**whole.plan, 'trials': gone}))
+    rest = outcome.read(tmp_path)
+    assert len(rest.configurations) == 3
+    assert of(effects.main_effects(rest), 'makespan_s', 0).possible == 1
+    levels, is_like_for_like = effects.levels_of(rest, rest.metrics[0], 0)
+    assert not is_like_for_like and levels[0].estimate.value == pytest.approx(600.0 + sum(NOISE) / 6 - sum(OWN) / 6)
+    assert effects.interactions(rest) == []
+
+
+def test_configurations_without_a_common_factor_are_compared_as_wholes(tmp_path):
+    plan = write(tmp_path, FACTORS, 6, two_by_two)
+    content = outcome.read(plan).plan
+    content['trials'] = [each for each in content['trials']
+                         if each['configuration'] in ({'method': 'greedy', 'robots': 2},
+                                                      {'method': 'auction', 'robots': 8})]
+    (tmp_path / 'plan.json').write_text(json.dumps(content))
+    rest = outcome.read(tmp_path)
+    assert effects.main_effects(rest) == []
+    only = effects.single_differences(rest)[0]
+    assert only.factor is None and only.estimate.value == pytest.approx(-218.0 + 3.0 * sum(OWN) / 6)
+    assert 'auction, robots 8 than with greedy, robots 2' in told(rest)[0].text
+
+
+def test_no_value_anywhere_is_no_comparison(tmp_path):
+    found = effects.main_effects(experiment(tmp_path, FACTORS, lambda c, k: {'makespan_s': None}))
+    assert all(each.estimate.n == 0 and math.isnan(each.p_holm) and not each.is_shown for each in found)

@@ -1,0 +1,107 @@
+"""The report's statistics against scipy, published figures and what can be counted by hand."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from move_base_abstract_experiments.report import intervals
+from move_base_abstract_experiments.report.intervals import (
+    holm,
+    is_skewed,
+    mean_estimate,
+    median_estimate,
+    paired,
+    paired_shares,
+    share_estimate,
+)
+
+VALUES = [12.1, 9.8, 11.4, 10.0, 13.9, 8.7, 10.6]
+NAN = math.nan
+
+
+def test_mean_has_the_interval_of_scipy():
+    low, high = stats.t.interval(0.95, len(VALUES) - 1, np.mean(VALUES), stats.sem(VALUES))
+    found = mean_estimate([*VALUES, NAN])
+    assert found.value == pytest.approx(np.mean(VALUES)) and found[3:] == (7, 't')
+    assert (found.low, found.high) == pytest.approx((low, high), rel=1e-12)
+
+
+def test_no_value_and_one_value_have_no_interval():
+    assert mean_estimate([]).n == mean_estimate([NAN]).n == 0
+    assert not mean_estimate([3.0]).has_interval and mean_estimate([3.0]).value == 3.0
+
+
+def test_values_that_differ_by_rounding_only_are_the_same():
+    found = mean_estimate([0.1 + 0.2, 0.3, 0.3])
+    assert found.method == 'constant' and found.low == found.high == found.value
+
+
+@pytest.mark.parametrize(('ones', 'n', 'low', 'high'), [
+    (81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)])
+def test_shares_have_the_score_intervals_of_newcombes_table(ones, n, low, high):
+    # R. G. Newcombe, Statistics in Medicine 17 (1998) 857-872, table I, method 3
+    found = share_estimate([1] * ones + [0] * (n - ones))
+    assert (round(found.low, 4), round(found.high, 4)) == (low, high)
+
+
+def test_all_of_all_is_bounded_by_one():
+    assert share_estimate([1] * 18)[:3] == (1.0, pytest.approx(0.8241, abs=5e-5), 1.0)
+
+
+@pytest.mark.parametrize(('n', 'low', 'high'), [(6, 1, 6), (10, 2, 9), (20, 6, 15), (30, 10, 21)])
+def test_median_lies_between_tabulated_order_statistics(n, low, high):
+    found = median_estimate(range(n, 0, -1))
+    assert (found.low, found.high) == (low, high)
+    outside = 2.0 * stats.binom.cdf(low - 1, n, 0.5)
+    assert outside <= 0.05 < 2.0 * stats.binom.cdf(low, n, 0.5)
+
+
+def test_median_of_five_has_no_interval():
+    assert median_estimate([1, 2, 3, 4, 5])[:1] == (3.0,) and not median_estimate([1, 2, 3, 4, 5]).has_interval
+
+
+def test_paired_differences_have_the_test_of_scipy():
+    other = [10.0, 9.9, 10.1, 8.8, 12.0, 8.8, 9.1]
+    found = paired(np.array(VALUES) - other)
+    assert found.p == pytest.approx(stats.ttest_rel(VALUES, other).pvalue, rel=1e-9)
+
+
+def test_differences_that_are_all_the_same_are_tested_by_their_signs():
+    assert paired([0.0] * 5).p == 1.0
+    assert paired([2.0] * 5).p == 2.0 / 2 ** 5
+    assert math.isnan(paired([2.0]).p)
+
+
+def test_paired_shares_have_newcombes_interval():
+    # R. G. Newcombe, Statistics in Medicine 17 (1998) 2635-2650, method 10, the example 36, 12, 2, 0
+    second, first = [1] * 36 + [1] * 12 + [0] * 2, [1] * 36 + [0] * 12 + [1] * 2
+    found = paired_shares([*first, NAN, 1.0], [*second, 1.0, NAN])
+    assert [round(each, 4) for each in found.estimate[:3]] == [0.2, 0.0569, 0.3404]
+    assert found.estimate.n == 50
+    assert found.p == pytest.approx(2.0 * sum(math.comb(14, each) for each in range(3)) / 2 ** 14)
+
+
+def test_paired_shares_that_all_agree_show_no_difference():
+    found = paired_shares([1.0] * 8, [1.0] * 8)
+    assert found.p == 1.0 and found.estimate.low < 0.0 < found.estimate.high
+
+
+def test_holm_by_hand():
+    assert holm([0.01, 0.04, NAN, 0.03, 0.005])[:2] == pytest.approx([0.03, 0.06])
+    assert holm([0.01, 0.04, NAN, 0.03, 0.005])[3:] == pytest.approx([0.06, 0.02])
+    assert holm([0.5, 0.9]) == [1.0, 1.0] and math.isnan(holm([NAN])[0]) and holm([]) == []
+
+
+def test_skewed_is_what_has_a_long_tail_for_so_few_values():
+    tail = [1.0] * 9 + [1.1] * 9 + [0.9] * 9 + [40.0, 55.0, 90.0]
+    assert is_skewed(tail) and not is_skewed([*range(30)]) and not is_skewed([1.0] * 30)
+    assert not is_skewed(tail[-5:])
+
+
+def test_students_interval_holds_its_level():
+    draws = np.random.default_rng(1).normal(5.0, 2.0, size=(1000, 8))
+    hits = sum(each.low <= 5.0 <= each.high for each in map(mean_estimate, draws))
+    low, high = stats.binom.ppf([0.0005, 0.9995], 1000, intervals.LEVEL)
+    assert low <= hits <= high
