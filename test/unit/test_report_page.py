@@ -131,6 +131,15 @@ def test_the_same_folder_gives_the_same_bytes_wherever_it_is(tmp_path):
     assert pages[0] == pages[1]
 
 
+@pytest.mark.parametrize(('until', 'says'), [
+    ({'seconds': 3600.0, 'topic': None, 'idle': False}, '3,600 s simulated'), (None, 'until it ends'),
+    ({'seconds': 60, 'topic': '/done', 'idle': True},
+     '60 s simulated, or until a message on /done, or until all are idle'), ({}, 'until it ends'),
+    ({'idle': False}, 'until it ends'), ({'topic': {'name': '/x'}}, 'until a message on {"name": "/x"}'), (3, '3')])
+def test_the_end_of_a_trial_is_told_in_words(until, says):
+    assert page.until_text(until) == says
+
+
 def test_failures_are_told_before_the_findings(tmp_path):
     said = report(tmp_path, {'method': ['greedy', 'auction']}, 10, lambda c, k: usual(c, k) if k else
                   {'status': 'failed', 'error': 'no map', 'attempts': 2}).said

@@ -177,15 +177,17 @@ def until_text(until):
         return 'until it ends' if not until else json.dumps(until, ensure_ascii=False)
     words = []
     for key, value in until.items():
+        if value is None or value is False:
+            continue
         if key == 'seconds' and isinstance(value, (int, float)):
             words.append(f'{digits(float(value), 6)} s simulated')
         elif key == 'topic':
-            words.append(f'until a message on {value}')
-        elif key == 'idle' and value is True:
+            words.append(f'until a message on {value if isinstance(value, str) else json.dumps(value)}')
+        elif key == 'idle':
             words.append('until all are idle')
         else:
             words.append(f'{key} {value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)}')
-    return ', or '.join(words)
+    return ', or '.join(words) or 'until it ends'
 
 
 def _metric(analysis, metric):
