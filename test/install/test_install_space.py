@@ -106,14 +106,22 @@ def test_the_installed_python_packages_are_imported(installed, prefix):
         assert Path(path).is_relative_to(prefix)
 
 
-def test_every_file_beside_the_python_of_the_study_is_installed(prefix):
-    source = ROOT / 'src' / 'soil_mapping'
-    installed, = prefix.glob('lib/python3*/*-packages/soil_mapping')
-    code = ('.py', '.pyc', '.toml')  # with its settings for lint
-    wanted = {path.relative_to(source) for path in source.rglob('*') if path.is_file() and path.suffix not in code}
-    assert {path.parts[0] for path in wanted} == {'data', 'study', 'requirements.txt', 'constraints.txt'}
-    assert wanted == {path.relative_to(installed) for path in installed.rglob('*')
-                      if path.is_file() and path.suffix not in code}
+@pytest.mark.parametrize(('package', 'folders'), [
+    ('soil_mapping', {'data', 'study', 'requirements.txt', 'constraints.txt'}),
+    ('move_base_abstract_experiments', {'report'})])
+def test_every_file_beside_the_python_of_a_package_is_installed(prefix, package, folders):
+    source = ROOT / 'src' / package
+    installed, = prefix.glob(f'lib/python3*/*-packages/{package}')
+    wanted = _beside_the_python(source)
+    assert {path.parts[0] for path in wanted} == folders
+    assert wanted == _beside_the_python(installed)
+
+
+def _beside_the_python(folder):
+    """Return the files below a folder that are neither code, with its settings for lint, nor what tools leave."""
+    return {path.relative_to(folder) for path in folder.rglob('*')
+            if path.is_file() and path.suffix not in ('.py', '.pyc', '.toml')
+            and not any(part.startswith('.') for part in path.relative_to(folder).parts)}
 
 
 def test_every_file_that_people_start_with_is_installed(prefix):

@@ -119,6 +119,14 @@ def test_yes_and_no_are_shares_and_differ_by_percentage_points(tmp_path):
     assert only.verdict == 'better' and '90\N{NO-BREAK SPACE}percentage points higher' in only.text
 
 
+def test_means_of_shares_have_no_bounds_beyond_all(tmp_path):
+    metrics = {'done': {'unit': '', 'title': 'All done', 'better': 'higher'}}
+    found = experiment(tmp_path, FACTORS, lambda c, k: {'done': k != 1 or c['robots'] == 2}, metrics=metrics)
+    levels, _ = effects.levels_of(found, found.metrics[0], 0)
+    assert [each.estimate.value for each in levels] == pytest.approx([11.0 / 12.0] * 2)
+    assert [each.estimate.high for each in levels] == [1.0, 1.0]
+
+
 def test_numbers_are_told_by_their_ends_and_many_words_by_their_extremes(tmp_path):
     found = told(experiment(tmp_path, {'robots': [1, 2, 3, 4], 'method': ['a', 'b', 'c', 'd', 'e']},
                             lambda c, k: {'makespan_s': 100.0 * c['robots'] + ord(c['method']) + OWN[k] * c['robots']

@@ -204,4 +204,7 @@ def _mean_of_rows(metric, rows):
     if metric.is_share and len(rows) == 1:
         return intervals.share_estimate(rows[0])
     used, blocks = complete_blocks(rows)
-    return intervals.mean_estimate(rows[used][:, blocks].mean(axis=0) if blocks.any() else [])
+    mean = intervals.mean_estimate(rows[used][:, blocks].mean(axis=0) if blocks.any() else [])
+    if metric.is_share and mean.has_interval:  # a mean of shares: Student's bounds may lie beyond what there can be
+        return mean._replace(low=max(0.0, mean.low), high=min(1.0, mean.high))
+    return mean

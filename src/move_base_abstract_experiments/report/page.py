@@ -199,7 +199,8 @@ def _metric(analysis, metric):
     better = {'lower': 'lower is better', 'higher': 'higher is better'}.get(metric.better, '')
     if metric.is_share:
         better = ', '.join(filter(None, ('share of trials with yes', better)))
-    about = dict(title=metric.title, unit=scale.in_brackets, better=better, strips=shown, plots=[], tables=[],
+    unit = '' if scale.unit == metric.title.lower() else scale.in_brackets
+    about = dict(title=metric.title, unit=unit, better=better, strips=shown, plots=[], tables=[],
                  problem='' if shown else 'No complete trial has a value.')
     if shown is None:
         return about
@@ -242,7 +243,7 @@ def _robots(analysis):
             shares = [100.0 * each / total for each in sums]
             rows.append((configuration.label, analysis.looks.of_levels(configuration.levels),
                          tuple((name, round(share, 2)) for (_, name), share in zip(_SHARES, shares)),
-                         ', '.join(f'{share:.0f} % {name}' for (_, name), share in zip(_SHARES, shares))))
+                         ' / '.join(f'{share:.0f}' for share in shares) + f'{NBSP}%'))
     if table is None:
         return None
     if not rows:

@@ -56,8 +56,9 @@ def figure_of(figure, caption):
     with matplotlib.rc_context({'svg.hashsalt': f'{_HASH_SALT} {caption}', 'svg.fonttype': 'none'}):
         for artist in figure.findobj():
             _in_ink(artist, matplotlib.colors)
-        FigureCanvasSVG(figure).print_svg(stream, metadata={'Date': None, 'Creator': None})
+        FigureCanvasSVG(figure).print_svg(stream)
     text = stream.getvalue()
+    # The metadata has a date, and more that no page needs.
     text = re.sub(r'<metadata>.*?</metadata>', '', text[text.index('<svg'):], flags=re.DOTALL)
     text = re.sub(r'<g id="[^"]*"', '<g', text)  # every figure has these, and nothing refers to them
     return Figure(caption, text.replace(_INK, 'currentColor'))
