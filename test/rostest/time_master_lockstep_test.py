@@ -67,7 +67,8 @@ class LockstepTest(LockstepCase):
         first.turn(next_ns=START + 7)
         grant = second.grant()
         self.assert_no_grant(first)
-        state = self.state.wait('b owing', lambda state: [one.name for one in state.waiting_for] == ['/b'])
+        state = self.state.wait('b owing in round 1', lambda state: (
+            state.rounds == 1 and [one.name for one in state.waiting_for] == ['/b']))
         self.assertIn('the report of round 1', state.waiting_for[0].owes)
         second.report(grant, next_ns=START + 5)
         self.assertEqual(second.turn()[1:3], (START + 5, 0))
