@@ -20,7 +20,8 @@ GUARD = 40.0  # s, wall
 #: the programs' logs are read while they run
 os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
 #: keeps both cores busy
-LOAD = 'while True:\n    sum(range(1000))\n'
+# Ends with who started it, also where a test is killed.
+LOAD = 'import os\nparent = os.getppid()\nwhile os.getppid() == parent:\n    sum(range(1000))\n'
 
 
 def own(name):
