@@ -3,11 +3,14 @@ import subprocess
 import sys
 from contextlib import contextmanager
 
+# Ends with who started it, also where a test is killed.
+_LOOP = 'import os\nparent = os.getppid()\nwhile os.getppid() == parent:\n    pass\n'
+
 
 @contextmanager
 def busy(count):
     """Keep ``count`` cores busy meanwhile."""
-    processes = [subprocess.Popen([sys.executable, '-c', 'while True: pass']) for _ in range(count)]
+    processes = [subprocess.Popen([sys.executable, '-c', _LOOP]) for _ in range(count)]
     try:
         yield
     finally:
