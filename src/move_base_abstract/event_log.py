@@ -50,6 +50,7 @@ class EventLog:
         """lines: an iterable of text lines with their ends; name: for error texts."""
         self.name = name
         self.events = 0  # read so far
+        self.start_ns = 0  # when the clock began, if the head says so
         self.end = None  # the end record, a dict; None: the run did not end properly
         self._lines = enumerate(lines, 1)
         self._csv = False
@@ -83,6 +84,8 @@ class EventLog:
         version = head.get('event_log') if isinstance(head, dict) else None
         if version != FORMAT or isinstance(version, bool):
             raise self._error(number, f'is not the head of an event log of format {FORMAT}', line)
+        start_ns = head.get('start_ns')
+        self.start_ns = start_ns if type(start_ns) is int else 0
         if self._csv:
             number, line = next(self._lines, (2, ''))
             if line.rstrip('\r\n').split(',') != CSV_COLUMNS:

@@ -144,15 +144,18 @@ class _Member(NavigatorListener):
         settings = spec.settings
         self._fleet = fleet
         self._settings = settings
-        self._trace = RobotTrace(spec.name, None if fleet.trace is None else fleet.trace.append)
+        self._trace = RobotTrace(spec.name, None if fleet.trace is None else fleet.trace.append,
+                                 settings.values['log_motion'])
         self.goal_numbers = itertools.count(1)
         self.robot, _, self._ledger, self.navigator = make_robot_parts(
             settings, spec.name, index, fleet.simulation, self, self, _no_lookup, planner)
+        self._trace.motion(self.robot, fleet.now_ns)
 
     def reset(self, now_ns):
         self.navigator.shut_down(ROBOT_RESET, now_ns)
         self._ledger.clear()
         self.robot.reset(self._settings.start, now_ns)
+        self._trace.motion(self.robot, now_ns)
         self.stands(self.robot, now_ns)
 
     def departed(self, robot, goal, now_ns):

@@ -30,6 +30,11 @@ class Robot:
         """The MotionLimits of the next leg."""
         return self._limits
 
+    @property
+    def tolerances(self):
+        """The Tolerances of the next leg."""
+        return self._tolerances
+
     def set_motion(self, limits, tolerances):
         """Travel with these MotionLimits and Tolerances from the next leg on."""
         self._limits = limits

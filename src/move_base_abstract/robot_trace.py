@@ -1,12 +1,15 @@
 """What is written down of a robot: the same entries in the trace of the plain Python fleet and in a run's event log."""
+import math
 from typing import Any, NamedTuple
 
 
 class TraceEntry(NamedTuple):
     """Something that happened: when [ns], to which robot, what, and the details.
 
-    Kinds and values: ``departed`` (x, y, yaw of the goal), ``stands`` (x, y, yaw), ``ended`` (goal id, state, text).
-    Positions in m, yaw in rad, global frame.
+    Kinds and values: ``departed`` (x, y, yaw of the goal), ``stands`` (x, y, yaw), ``ended`` (goal id, state, text);
+    and, where it is asked for, ``motion`` (x, y, yaw of the robot, then by what it travels from the next leg on:
+    max_speed, acceleration, turn_rate, xy_goal_tolerance, yaw_goal_tolerance, as the parameters of these names, in
+    which 0 is an acceleration or a turn rate without limit). Positions in m, yaw in rad, global frame.
     """
 
     time_ns: int
@@ -16,11 +19,23 @@ class TraceEntry(NamedTuple):
 
 
 class RobotTrace:
-    """Makes the entries of one robot and hands them to ``record(entry)``; None records nothing."""
+    """Makes the entries of one robot and hands them to ``record(entry)``; None records nothing.
 
-    def __init__(self, robot_name, record=None):
+    ``with_motion``: also by which limits the robot travels, so that its legs can be computed again from the entries.
+    """
+
+    def __init__(self, robot_name, record=None, with_motion=False):
         self._robot_name = robot_name
         self._record = record
+        self._with_motion = with_motion
+
+    def motion(self, robot, now_ns):
+        """``robot`` (Robot) is there, or has got other limits or tolerances."""
+        if self._with_motion:
+            pose, limits, tolerances = robot.pose_at(now_ns), robot.limits, robot.tolerances
+            self._add(now_ns, 'motion', pose.x, pose.y, pose.yaw, limits.max_speed,
+                      *(0.0 if math.isinf(limit) else limit for limit in (limits.acceleration, limits.turn_rate)),
+                      tolerances.xy, tolerances.yaw)
 
     def departed(self, goal, now_ns):
         """The robot starts for ``goal`` (Pose2D)."""

@@ -74,6 +74,7 @@ TABLE = (
     Parameter('gazebo_model', None, name, "the name of one of Gazebo's models"),
     Parameter('gazebo_reference_frame', 'world', name, "the name of a frame of Gazebo's"),
     Parameter('gazebo_z', 0.0, number(), _FINITE + " [m], height of the model's origin"),
+    Parameter('log_motion', False, boolean, 'true or false'),
     Parameter('bad_frame_policy', 'abort', one_of('abort', 'wait'), "'abort' or 'wait'"),
     Parameter('frame_timeout', 1.0, number(0.0, 60.0), 'a number in 0..60 [s, wall]'),
     Parameter('abort_policy', 'fast', one_of('fast', 'upstream'), "'fast' or 'upstream'"),

@@ -39,7 +39,7 @@ class MoveBaseServer(NavigatorListener):
         self._in_global_frame = InFrame(settings.values['global_frame'])
         self._told = None  # (goal id, stamp [ns]) of the latest feedback
         self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
-        self._trace = RobotTrace(names.robot, clock.record(robot_index))
+        self._trace = RobotTrace(names.robot, clock.record(robot_index), settings.values['log_motion'])
         with lockstep.sender(robot_index):
             self._set_up(robot_index)
         clock.follow_restarts(self._restart)
@@ -70,6 +70,7 @@ class MoveBaseServer(NavigatorListener):
         robot, self._frames, self._ledger, self.navigator = make_robot_parts(
             settings, self._names.robot, robot_index, self._clock.simulation, self._goal_server, self,
             self._lookup.lookup, StraightLinePlanner(settings.bounds, self._map.check))
+        self._trace.motion(robot, self._clock.look_ns())
         self.navigator.set_feedback_frequency(values['feedback_freq'])
         self._feedback_throttle = self._host.throttle(values['max_feedback_rate'])
         costmaps = CostmapTopics(self._names, settings, self._host, self._map)
@@ -109,6 +110,7 @@ class MoveBaseServer(NavigatorListener):
             self._goal_server.reset()
             self.navigator.robot.set_motion(settings.limits, settings.tolerances)
             self.navigator.robot.reset(settings.start, now_ns)
+            self._trace.motion(self.navigator.robot, now_ns)
             self.stands(self.navigator.robot, now_ns)
 
     def _restart(self, before_ns, now_ns):
@@ -119,6 +121,7 @@ class MoveBaseServer(NavigatorListener):
         """Travel with other limits from the next leg on."""
         with self._clock.lock:
             self.navigator.robot.set_motion(limits, tolerances)
+            self._trace.motion(self.navigator.robot, self._clock.look_ns())
 
     def reconfigure_goals(self, config):
         """Take over what dynamic_reconfigure says of move_base itself."""

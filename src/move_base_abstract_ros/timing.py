@@ -25,21 +25,21 @@ _TASK_FEEDBACK_FREQUENCY = 5.0  # Hz, simulated
 
 def make_timing():
     """Return the timing of this process: in lockstep if the time master works so, or will."""
-    events_only = _events_only()
+    events_only = _switch('events_only')
     if lockstep.is_lockstep():
-        return LockstepTiming(events_only)
+        return LockstepTiming(events_only, _switch('log_motion'))
     if events_only:
         rospy.logwarn('%s: parameter events_only is for lockstep (/time_master/mode); it has no effect here',
                       rospy.get_name())
     return ScaledTiming()
 
 
-def _events_only():
-    """Return what the parameter ``events_only`` says, the node's own or the nearest one further up.
+def _switch(name):
+    """Return what the parameter ``name`` says, the node's own or the nearest one further up; false where none is.
 
     :raises ConfigurationError: if it is neither true nor false.
     """
-    found = rospy.search_param('events_only')
+    found = rospy.search_param(name)
     value = rospy.get_param(found) if found else False
     if not isinstance(value, bool):
         raise ConfigurationError('parameter {}: got {!r}; allowed: true or false'.format(found, value))
@@ -113,11 +113,12 @@ class LockstepTiming:
     """Time leaps from event to event and waits for all who take part: nothing is left out.
 
     What is told at a rate has an instant each time, as long as anybody hears it. ``events_only``: nothing is told at a
-    rate unless a parameter of its own says so. Answers are as of :class:`ScaledTiming`.
+    rate unless a parameter of its own says so. ``log_motion``: robots write into the event log by which limits they
+    travel. Answers are as of :class:`ScaledTiming`.
     """
 
-    def __init__(self, events_only=False):
-        self.base_settings = EVENTS_ONLY if events_only else {}
+    def __init__(self, events_only=False, log_motion=False):
+        self.base_settings = {**(EVENTS_ONLY if events_only else {}), **({'log_motion': True} if log_motion else {})}
         self.status_frequency = 0.0 if events_only else _STATUS_FREQUENCY  # 0: transitions only
         self.task_feedback_frequency = 0.0 if events_only else _TASK_FEEDBACK_FREQUENCY
 

@@ -124,6 +124,14 @@ def _beside_the_python(folder):
             and not any(part.startswith('.') for part in path.relative_to(folder).parts)}
 
 
+def test_an_installed_replay_shows_a_log(installed, tmp_path):
+    log, page = tmp_path / 'run.jsonl', tmp_path / 'replay.html'
+    log.write_text('{"event_log":1,"start_ns":0}\n{"time_ns":0,"robot":"r","kind":"stands","values":[1.0,2.0,0.0]}\n')
+    run('rosrun', 'move_base_abstract', 'replay', log, '-o', page, env=installed)
+    templates = ROOT / 'src' / 'move_base_abstract_replay' / 'templates'
+    assert (templates / 'motion.js').read_text().strip() in page.read_text()
+
+
 def test_every_file_that_people_start_with_is_installed(prefix):
     for folder in ('launch', 'config', 'maps', 'worlds', 'rviz'):
         wanted = {path.relative_to(ROOT) for path in (ROOT / folder).rglob('*') if path.is_file()}

@@ -43,15 +43,16 @@ rospy.spin()
 class Run:
     """One run of a plan on a ROS master of its own, to its end."""
 
-    def __init__(self, plan, names, hosts, outside=(), awaited=None):
+    def __init__(self, plan, names, hosts, outside=(), awaited=None, of_all=None):
         """hosts: {node: (executable, namespace, parameters)}; outside: commands of nodes that do not take part;
-        awaited: a topic that they publish before anything else is started.
+        awaited: a topic that they publish before anything else is started; of_all: parameters below /.
         """
         self._folder = tempfile.mkdtemp(prefix='lockstep_fleet_')
         log = os.path.join(self._folder, 'run.jsonl')
         try:
             with Loopback() as ros:
-                ros.set_param('/time_master/mode', 'lockstep')
+                for name, value in {'time_master/mode': 'lockstep', **(of_all or {})}.items():
+                    ros.set_param('/' + name, value)
                 for name, command in enumerate(outside):
                     ros.spawn('/outside_{}'.format(name), command)
                 while awaited and awaited not in dict(rosgraph.Master('/test', ros.uri).getSystemState()[0]):
@@ -104,8 +105,8 @@ def nodes(names):
             for number, name in enumerate(names)}
 
 
-def oracle(names):
-    """Return what the plain Python fleet does with the client's plan ``goals``."""
+def oracle(names, own=None):
+    """Return what the plain Python fleet does with the client's plan ``goals``; ``own`` as of fleet()."""
     goals, counts = plan_of(names), {name: itertools.count(1) for name in names}
 
     def send(fleet, name, *place):
@@ -115,7 +116,7 @@ def oracle(names):
         if goals[name]:
             send(plain, name, *goals[name].pop(0))
 
-    robots = next(iter(globals()['fleet'](names).values()))[2]
+    robots = next(iter(globals()['fleet'](names, own=own).values()))[2]
     plain = Fleet(make_scenario({key: robots[key] for key in ('defaults', 'robots')}), on_end=on_end)
     for name in names:
         plain.at(2 * NS_PER_S, lambda fleet, name=name: send(fleet, name, *goals[name].pop(0)))
@@ -142,6 +143,17 @@ class LockstepFleet(unittest.TestCase):
         self.assert_repeatable(one)
         three = Run('goals', TWELVE, fleet(TWELVE, parts=3))
         self.assertEqual(three.text, one.text)
+
+    def test_where_robots_start_and_how_they_travel_is_in_the_log_if_a_parameter_asks_for_it(self):
+        own = {'acceleration': 0.5, 'turn_rate': 1.0}
+        expected = oracle(TWO, dict(own, log_motion=True))
+        self.assertEqual(expected[1], (NS_PER_S, 'robot_1', 'motion', [0.0, 2.0, 0.0, 2.0, 0.5, 1.0, 0.0, 0.0]))
+        self.assertEqual(Run('goals', TWO, fleet(TWO, own=dict(own, log_motion=True))).events, expected)
+        asked = Run('goals', TWO, fleet(TWO, parts=2, own=own), of_all={'log_motion': True})
+        self.assertEqual(asked.events, expected)
+        alone = Run('goals', TWO, nodes(TWO), of_all={'log_motion': True})
+        self.assertEqual([event for event in alone.events if event[2] != 'motion'], oracle(TWO))
+        self.assertEqual([event[1:3] for event in alone.events[:2]], [(name, 'motion') for name in TWO])
 
     def test_what_robots_send_at_one_instant_comes_in_the_order_of_their_indices(self):
         one = Run('backwards', TWELVE, fleet(TWELVE))

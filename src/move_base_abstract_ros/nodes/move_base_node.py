@@ -15,7 +15,7 @@ from move_base_abstract_ros.timing import make_timing
 
 _LAST_WORDS_SECONDS = 0.1
 #: private parameters that are read elsewhere
-LOCKSTEP_PARAMETERS = ('lockstep_rank', 'lockstep_charge', 'foresee', 'events_only')
+LOCKSTEP_PARAMETERS = ('lockstep_rank', 'lockstep_charge', 'foresee', 'events_only', 'log_motion')
 
 
 def main():

@@ -1,0 +1,46 @@
+"""A map as the page has it: its cells, no more of them than a screen can show, and where they lie."""
+import os
+
+import numpy as np
+
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract_ros.map_files import load_map, read_description
+
+from .packed import Packer
+
+_MOST_CELLS = 2048  # along a side
+_UNKNOWN = 255  # in the page; 0 to 100 as in a nav_msgs/OccupancyGrid
+
+
+def packed_map(path):
+    """Return (the text that data.js unpacks, its box [m], warnings) of the map of a YAML file.
+
+    :raises ConfigurationError: if it cannot be read; the text names the file.
+    """
+    description = read_description(os.fspath(path))
+    grid = load_map(description)
+    step = -(-max(grid.width, grid.height) // _MOST_CELLS)
+    cells = _coarser(grid.cells, step)
+    packer = Packer()
+    packer.add('cells', 'u1', np.where(cells < 0, _UNKNOWN, cells).astype(np.uint8).tobytes())
+    text = packer.text({'columns': cells.shape[1], 'rows': cells.shape[0], 'resolution': grid.resolution * step,
+                        'width': grid.size[0], 'height': grid.size[1],
+                        'origin': [grid.origin.x, grid.origin.y, grid.origin.yaw]})
+    return text, _box(grid), list(description.warnings)
+
+
+def _box(grid):
+    """Return (x_min, y_min, x_max, y_max) [m, map frame] around an OccupancyMap."""
+    corners = [grid.origin.compose(Pose2D(x, y)) for x in (0.0, grid.size[0]) for y in (0.0, grid.size[1])]
+    xs, ys = [corner.x for corner in corners], [corner.y for corner in corners]
+    return min(xs), min(ys), max(xs), max(ys)
+
+
+def _coarser(cells, step):
+    """Return the cells with ``step`` by ``step`` of them as one: the most occupied one counts."""
+    if step == 1:
+        return cells
+    rows, columns = (-(-side // step) * step for side in cells.shape)
+    whole = np.full((rows, columns), -1, np.int8)
+    whole[:cells.shape[0], :cells.shape[1]] = cells
+    return whole.reshape(rows // step, step, columns // step, step).max(axis=(1, 3))

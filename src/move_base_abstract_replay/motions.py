@@ -1,0 +1,141 @@
+"""Where robots are at any instant, found in the events of a log: legs by their closed form, and places.
+
+A log that says by which limits its robots travel (``motion``, see robot_trace) gives their legs exactly; each is
+compared with where the log says that it ended. Of other legs only the ends are known: they are drawn straight and even.
+"""
+import json
+import math
+from dataclasses import dataclass, field
+from typing import List, NamedTuple, Optional
+
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion import Leg, MotionLimits, Tolerances
+
+#: how a robot gets from one pose to the other: it is there; evenly; by the limits with this number less LIMITED
+PLACED, EVEN, LIMITED = 0, 1, 2
+_CLOSE = 1e-6  # m, and rad: where a leg may end beside what the log says; texts of numbers are exact
+#: kinds of events that say where a robot is; :mod:`move_base_abstract.robot_trace`
+KINDS = ('motion', 'departed', 'stands')
+
+
+class Motion(NamedTuple):
+    """A leg or a place: from ``begin_ns`` on, until ``end_ns`` if it is a leg. Poses are (x, y, yaw) [m, m, rad].
+
+    Of an even leg ``goal`` is where it ended; of one by limits it is the goal itself, before which it may have ended.
+    """
+
+    begin_ns: int
+    end_ns: int
+    law: int
+    start: tuple
+    goal: tuple
+
+
+@dataclass
+class Track:
+    """What the log says of one robot's motion, in the order of time."""
+
+    name: str
+    motions: List[Motion] = field(default_factory=list)
+    _pose: Optional[tuple] = None
+    _limits: Optional[int] = None
+    _departed: Optional[tuple] = None  # (time, start, goal, limits) of the leg under way
+
+
+class Motions:
+    """The tracks of all robots of a log: ``tracks`` {name: Track}, ``limits`` the different ones, and what was missing.
+
+    ``limits`` are (max_speed, acceleration, turn_rate, xy tolerance, yaw tolerance), 0 where there is no limit.
+    """
+
+    def __init__(self, recording):
+        self.tracks = {}
+        self.limits = []
+        self.even = 0  # legs of which the log says no limits
+        self.astray = 0  # legs that end elsewhere than their limits say
+        self.startless = 0  # legs of which nobody says where they began
+        self._numbers = {}
+        handlers = {'motion': self._motion, 'departed': self._departed, 'stands': self._stands}
+        for time_ns, name, kind, values in recording:
+            handler = handlers.get(kind)
+            numbers = _numbers(values) if handler else None
+            if numbers is not None and len(numbers) == (8 if kind == 'motion' else 3):
+                track = self.tracks.get(name)
+                if track is None:
+                    track = self.tracks[name] = Track(name)
+                handler(track, time_ns, numbers)
+        for track in self.tracks.values():
+            self._close(track, recording.end_ns, None)
+
+    def _motion(self, track, time_ns, numbers):
+        if not (numbers[3] > 0.0 and min(numbers[4:]) >= 0.0):
+            return
+        limits = numbers[3:]
+        track._limits = self._numbers.setdefault(limits, len(self._numbers))
+        if track._limits == len(self.limits):
+            self.limits.append(limits)
+        if track._departed is None and track._pose != numbers[:3]:
+            self._place(track, time_ns, numbers[:3])
+
+    def _departed(self, track, time_ns, goal):
+        self._close(track, time_ns, None)
+        track._departed = (time_ns, track._pose, goal, track._limits)
+        if track._pose is None:
+            self.startless += 1
+
+    def _stands(self, track, time_ns, pose):
+        if not self._close(track, time_ns, pose):
+            self._place(track, time_ns, pose)
+        track._pose = pose
+
+    def _place(self, track, time_ns, pose):
+        track._pose = pose
+        track.motions.append(Motion(time_ns, time_ns, PLACED, pose, pose))
+
+    def _close(self, track, time_ns, pose):
+        """End the leg under way at ``pose``, None if nobody says where; return whether that says where it is."""
+        if track._departed is None:
+            return False
+        begin_ns, start, goal, limits = track._departed
+        track._departed = None
+        if start is None:
+            return False
+        law = EVEN
+        if limits is not None:
+            end = make_leg(start, goal, self.limits[limits], begin_ns).pose_at(time_ns)
+            if pose is None or _is_close(end, pose):
+                law = LIMITED + limits
+                pose = (end.x, end.y, end.yaw)
+            else:
+                self.astray += 1
+        else:
+            self.even += 1
+        if pose is None:
+            return False  # under way at the end of the log, nobody knows how far
+        track.motions.append(Motion(begin_ns, time_ns, law, start, goal if law >= LIMITED else pose))
+        track._pose = pose
+        return True
+
+
+def make_leg(start, goal, limits, depart_ns):
+    """Return the core's Leg between two poses (x, y, yaw) by ``limits`` as of :class:`Motions`."""
+    speed, acceleration, turn_rate, xy, yaw = limits
+    return Leg(Pose2D(*start), Pose2D(*goal), MotionLimits(speed, acceleration or math.inf, turn_rate or math.inf),
+               Tolerances(xy, yaw), depart_ns)
+
+
+def _is_close(end, pose):
+    turned = math.remainder(end.yaw - pose[2], 2.0 * math.pi)
+    return max(abs(end.x - pose[0]), abs(end.y - pose[1]), abs(turned)) <= _CLOSE
+
+
+def _numbers(text):
+    """Return a JSON array as a tuple of finite floats, or None: anybody may write a line of this kind."""
+    values = json.loads(text)
+    if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+        return None
+    try:
+        numbers = tuple(map(float, values))
+    except OverflowError:
+        return None
+    return numbers if all(map(math.isfinite, numbers)) else None

@@ -1,0 +1,93 @@
+"""The page: one file of HTML that shows one or two runs, and needs nothing else, no network either."""
+import json
+from pathlib import Path
+
+import jinja2
+
+from move_base_abstract import own_files, run_difference
+from move_base_abstract.run_difference import told_lines
+
+from .map_data import packed_map
+from .page_data import Run
+from .recording import ReplayError, read_recording
+from .states import IDLE, NAMES
+
+_TEMPLATES = Path(__file__).with_name('templates')
+_SCRIPTS = ('motion', 'data', 'words', 'canvas', 'map_view', 'timeline', 'event_list', 'player')
+_FIRST_LINE = b'<!doctype html><!-- move_base_abstract replay -->'
+_MOST_LOGS = 2
+_LEGEND = ('moving', 'waiting', 'task', 'charging', 'failed', IDLE)
+
+
+def write_page(logs, output, map_file=None):
+    """Write the page ``output`` of one or two event logs (paths), with the map of a YAML file if one is given.
+
+    A page that this program made is replaced, nothing else is. Returns notes for the user, as texts.
+
+    :raises EventLogError: if a log cannot be read. :raises ConfigurationError: if the map cannot be, or something else
+        than a page of ours is in the way. :raises OutputError: if the page cannot be written.
+    """
+    logs = [str(log) for log in logs]
+    if not 1 <= len(logs) <= _MOST_LOGS:
+        raise ReplayError('replay: got {} logs; allowed: one, or two to be compared'.format(len(logs)))
+    own_files.check_file(str(output), lambda line: line.startswith(_FIRST_LINE))
+    recordings = [read_recording(log) for log in logs]
+    ground = packed_map(map_file) if map_file else None
+    text = render(recordings, ground, find_difference(recordings) if len(logs) > 1 else None)
+    with own_files.whole_file(output, 'w', encoding='utf-8') as stream:
+        stream.write(text)
+    return ground[2] if ground else []
+
+
+def find_difference(recordings):
+    """Return the first run_difference.Difference of the logs of two Recordings, and how many events come before it.
+
+    The difference is None where there is none.
+    """
+    compared = run_difference.compare(*(recording.path for recording in recordings))
+    return compared.difference, compared.events + compared.messages
+
+
+def render(recordings, ground=None, difference=None):
+    """Return the page of some Recordings; ``ground``: as of packed_map(); ``difference``: as of find_difference()."""
+    runs = [Run(recording) for recording in recordings]
+    notes = ['{}: {}'.format(run.name, note) if len(runs) > 1 else note for run in runs for note in run.notes]
+    box = _union([run.box for run in runs if run.box])
+    if box and ground:
+        box = _union([box, ground[1]])
+    first, before = difference or (None, 0)
+    about = {'box': box, 'difference': first and {
+        'time': first.time_ns, 'event': -1 if any(run.recording.left_out for run in runs) else before}}
+    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(str(_TEMPLATES)), autoescape=True,
+                                     trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    return environment.get_template('replay.html.j2').render(
+        runs=[{'name': run.name, 'facts': run.facts, 'text': run.packed()} for run in runs],
+        notes=notes, box=box, states=_legend(runs), difference=first and _told(first),
+        marked=any(line.failures for run in runs for line in run.timelines),
+        packed_map=ground and ground[0], about=json.dumps(about), style=_file('replay.css'),
+        script='\n'.join(_file(name + '.js') for name in _SCRIPTS)) + '\n'
+
+
+def _file(name):
+    return (_TEMPLATES / name).read_text(encoding='utf-8').strip()
+
+
+def _legend(runs):
+    """Return the names of the states that the timelines show, idle last."""
+    seen = {NAMES[span.state] for run in runs for line in run.timelines for span in line.spans}
+    return [name for name in _LEGEND if name in seen or name == IDLE]
+
+
+def _told(difference):
+    """Return what the page says of a Difference."""
+    return {'at': '{:.9f} s'.format(difference.time_ns * 1e-9), 'place': difference.place,
+            'told': [told_lines(event).partition(': ')[2] if event else 'no more events'
+                     for event in (difference.first, difference.second)]}
+
+
+def _union(boxes):
+    """Return the box around some boxes (x_min, y_min, x_max, y_max), or None."""
+    if not boxes:
+        return None
+    least, most = zip(*(box[:2] for box in boxes)), zip(*(box[2:] for box in boxes))
+    return [*map(min, least), *map(max, most)]

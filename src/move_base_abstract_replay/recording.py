@@ -1,0 +1,84 @@
+"""An event log in memory, as columns: what the page lists, and what legs and states are found in."""
+from array import array
+
+from move_base_abstract import event_log
+from move_base_abstract.errors import SimulatorError
+from move_base_abstract.event_log import EventLog
+from move_base_abstract.run_difference import MESSAGES
+
+#: events that are kept of a log at most; robots' own are all kept, messages only as far as there is room
+MOST_EVENTS = 500_000
+
+
+class ReplayError(SimulatorError):
+    """A replay that cannot be made; the text says of what, and why."""
+
+
+class Recording:
+    """The events of one log, in their order: ``times`` [ns], ``names``, ``kinds`` and ``values`` (JSON), side by side.
+
+    ``name_of`` and ``kind_of`` hold the texts behind the numbers in ``names`` and ``kinds``. ``begin_ns`` and
+    ``end_ns`` are the instants between which the log says anything; ``remarks`` what must be known of the run.
+    """
+
+    def __init__(self, path):
+        self.path = str(path)
+        self.times = array('q')
+        self.names = array('L')
+        self.kinds = array('L')
+        self.values = []
+        self.name_of, self.kind_of = [], []
+        self.events = 0  # of the log
+        self.left_out = 0  # messages for which there was no room
+        self.begin_ns = self.end_ns = 0
+        self.remarks = []
+        self.is_repeatable = True
+
+    def __len__(self):
+        return len(self.times)
+
+    def __iter__(self):
+        """Iterate over the kept events as (time [ns], name, kind, values as JSON)."""
+        name_of, kind_of = self.name_of, self.kind_of
+        return ((time_ns, name_of[name], kind_of[kind], values)
+                for time_ns, name, kind, values in zip(self.times, self.names, self.kinds, self.values))
+
+
+def read_recording(path, most=MOST_EVENTS):
+    """Return the :class:`Recording` of an event log. Of more than ``most`` events messages are left out.
+
+    :raises EventLogError: if the file is no event log, or damaged; it names file and line.
+    """
+    recording = Recording(path)
+    names, kinds = _Numbers(recording.name_of), _Numbers(recording.kind_of)
+    with event_log.open_text(path) as stream:
+        log = EventLog(stream, recording.path)
+        recording.begin_ns = recording.end_ns = log.start_ns
+        for event in log:
+            recording.end_ns = max(recording.end_ns, event.time_ns)
+            if event.kind in MESSAGES and len(recording.times) >= most:
+                recording.left_out += 1
+                continue
+            recording.times.append(event.time_ns)
+            recording.names.append(names.of(event.robot))
+            recording.kinds.append(kinds.of(event.kind))
+            recording.values.append(event.values)
+    recording.events = log.events
+    recording.remarks = log.remarks()
+    recording.is_repeatable = not recording.remarks
+    return recording
+
+
+class _Numbers:
+    """Gives texts numbers, in the order in which they come."""
+
+    def __init__(self, texts):
+        self._texts = texts
+        self._numbers = {}
+
+    def of(self, text):
+        number = self._numbers.get(text)
+        if number is None:
+            number = self._numbers[text] = len(self._texts)
+            self._texts.append(text)
+        return number

@@ -1,0 +1,102 @@
+// What page_data.py packed, and questions to it. Binary search everywhere: nothing here walks through a whole run.
+const PLACED = 0, EVEN = 1, LIMITED = 2;
+
+// Return {about, columns} of the text that packed.py made.
+async function unpack(text) {
+  const letters = atob(text.trim());
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i += 1) bytes[i] = letters.charCodeAt(i);
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+  const data = await new Response(stream).arrayBuffer();
+  const length = new DataView(data).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+  const kinds = {f8: Float64Array, u4: Uint32Array, u2: Uint16Array, u1: Uint8Array, text: Uint8Array};
+  const columns = {};
+  for (const [name, [kind, begin, count]] of Object.entries(head.columns)) {
+    columns[name] = new kinds[kind](data, 4 + length + begin, count);
+    if (kind === 'text') columns[name] = count ? new TextDecoder().decode(columns[name]).split('\n') : [];
+  }
+  return {about: head.about, columns};
+}
+
+// Return the first index from begin to end at which values[index] > wanted; end if there is none. Values ascend.
+function upperBound(values, wanted, begin, end) {
+  while (begin < end) {
+    const middle = (begin + end) >>> 1;
+    if (values[middle] > wanted) end = middle;
+    else begin = middle + 1;
+  }
+  return begin;
+}
+
+// One log. Times in ns. Rows are those of the timeline; the first `robots` of them are robots.
+class Run {
+  constructor({about, columns}) {
+    Object.assign(this, columns);
+    this.name = about.name;
+    this.begin = about.begin;
+    this.end = about.end;
+    this.names = about.names;
+    this.kinds = about.kinds;
+    this.limits = about.limits;
+    this.states = about.states;
+    this.rows = about.rows;
+    this.robots = about.rows.filter((row) => row.robot).length;
+    this.events = this.event_time.length;
+    this.legs = new Array(this.robots); // the latest that was asked for
+  }
+
+  start(motion) {
+    return {x: this.motion_x[motion], y: this.motion_y[motion], yaw: this.motion_yaw[motion]};
+  }
+
+  goal(motion) {
+    return {x: this.motion_goal_x[motion], y: this.motion_goal_y[motion], yaw: this.motion_goal_yaw[motion]};
+  }
+
+  // The motion that a robot is in or has been in last; -1 before the log says where it is.
+  motionAt(robot, time) {
+    const first = this.motion_first[robot];
+    const found = upperBound(this.motion_begin, time, first, this.motion_first[robot + 1]) - 1;
+    return found < first ? -1 : found;
+  }
+
+  legOf(robot, motion) {
+    const cached = this.legs[robot];
+    if (cached && cached.motion === motion) return cached.leg;
+    const limits = this.limits[this.motion_law[motion] - LIMITED];
+    const leg = makeLeg(this.start(motion), this.goal(motion), limits, this.motion_begin[motion]);
+    this.legs[robot] = {motion, leg};
+    return leg;
+  }
+
+  // {x, y, yaw, motion, speed} of a robot, or null before the log says where it is.
+  poseAt(robot, time) {
+    const motion = this.motionAt(robot, time);
+    if (motion < 0) return null;
+    const law = this.motion_law[motion], until = Math.min(time, this.motion_end[motion]);
+    if (law === PLACED) return {...this.start(motion), motion};
+    if (law === EVEN) {
+      const [begin, end] = [this.motion_begin[motion], this.motion_end[motion]];
+      return time >= end ? {...this.goal(motion), motion}
+                         : {...evenPose(this.start(motion), this.goal(motion), begin, end, until), motion};
+    }
+    return {...legPose(this.legOf(robot, motion), until), motion};
+  }
+
+  isUnderWay(motion, time) {
+    return this.motion_law[motion] !== PLACED && time < this.motion_end[motion];
+  }
+
+  // The place of a row's state among `states`; the last one, idle, where no span holds.
+  stateAt(row, time) {
+    const first = this.span_first[row];
+    const span = upperBound(this.span_begin, time, first, this.span_first[row + 1]) - 1;
+    return span >= first && time < this.span_end[span] ? this.span_state[span] : this.states.length - 1;
+  }
+
+  // The number of events up to and at a time.
+  eventsUntil(time) {
+    return upperBound(this.event_time, time, 0, this.events);
+  }
+}

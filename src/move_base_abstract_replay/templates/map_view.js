@@ -1,0 +1,272 @@
+// The map from above with one run's robots. All views of a page share one camera.
+const TRAIL_LEGS = 12, TRAILS = 60; // of one robot, and of all: more hide one another
+const NAMED_ROBOTS = 60; // more have no names, but for the chosen one
+
+class Camera {
+  constructor(box) {
+    this.box = box;
+    this.isFitted = true;
+  }
+
+  fit(width, height) {
+    const [x0, y0, x1, y1] = this.box;
+    const margin = 28;
+    this.scale = Math.min((width - 2 * margin) / Math.max(x1 - x0, 1), (height - 2 * margin) / Math.max(y1 - y0, 1));
+    this.scale = Math.max(this.scale, 1e-6); // px/m
+    [this.x, this.y] = [(x0 + x1) / 2, (y0 + y1) / 2];
+  }
+
+  zoom(factor, east, north) {
+    this.isFitted = false;
+    const scale = Math.min(Math.max(this.scale * factor, 1e-6), 1e5);
+    this.x = east + (this.x - east) * this.scale / scale;
+    this.y = north + (this.y - north) * this.scale / scale;
+    this.scale = scale;
+  }
+}
+
+class Ground {
+  constructor(packed) {
+    const {about} = packed;
+    Object.assign(this, about, {cells: packed.columns.cells});
+    this.picture = document.createElement('canvas');
+    Object.assign(this.picture, {width: about.columns, height: about.rows});
+  }
+
+  paint() {
+    const context = this.picture.getContext('2d');
+    const image = context.createImageData(this.picture.width, this.picture.height);
+    const [wall, floor, unknown] = [COLOURS.wall, COLOURS.floor, COLOURS.unknown].map(rgb);
+    const {width, height} = this.picture;
+    for (let row = 0; row < height; row += 1) {
+      for (let column = 0; column < width; column += 1) {
+        const cell = this.cells[(height - 1 - row) * width + column], at = 4 * (row * width + column);
+        const share = cell / 100;
+        for (let k = 0; k < 3; k += 1) {
+          image.data[at + k] = cell === 255 ? unknown[k] : floor[k] + share * (wall[k] - floor[k]);
+        }
+        image.data[at + 3] = 255;
+      }
+    }
+    context.putImageData(image, 0, 0);
+  }
+}
+
+class MapView {
+  constructor(figure, run, player) {
+    this.canvas = figure.querySelector('canvas');
+    this.readout = figure.querySelector('output');
+    Object.assign(this, {figure, run, player, grip: new Map()});
+    this.trail = Math.max(2, Math.min(TRAIL_LEGS, Math.floor(TRAILS / Math.max(run.robots, 1))));
+    this.canvas.addEventListener('pointerdown', (event) => this.take(event));
+    this.canvas.addEventListener('pointermove', (event) => this.move(event));
+    for (const name of ['pointerup', 'pointercancel']) {
+      this.canvas.addEventListener(name, (event) => this.release(event));
+    }
+    this.canvas.addEventListener('wheel', (event) => this.wheel(event), {passive: false});
+  }
+
+  get camera() {
+    return this.player.camera;
+  }
+
+  world(event) {
+    const box = this.canvas.getBoundingClientRect(), camera = this.camera;
+    return [camera.x + (event.clientX - box.left - box.width / 2) / camera.scale,
+            camera.y - (event.clientY - box.top - box.height / 2) / camera.scale];
+  }
+
+  wheel(event) {
+    event.preventDefault();
+    this.camera.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), ...this.world(event));
+    this.player.redraw();
+  }
+
+  take(event) {
+    this.canvas.setPointerCapture(event.pointerId);
+    this.grip.set(event.pointerId, [event.clientX, event.clientY]);
+    this.pressed = [event.clientX, event.clientY];
+  }
+
+  move(event) {
+    if (!this.grip.has(event.pointerId)) return;
+    const [x, y] = this.grip.get(event.pointerId), camera = this.camera;
+    const other = [...this.grip].find(([id]) => id !== event.pointerId);
+    camera.isFitted = false;
+    if (other) { // two fingers
+      const distance = (a, b) => Math.hypot(a - other[1][0], b - other[1][1]);
+      camera.zoom(distance(event.clientX, event.clientY) / Math.max(distance(x, y), 1), ...this.world(event));
+    } else {
+      camera.x -= (event.clientX - x) / camera.scale;
+      camera.y += (event.clientY - y) / camera.scale;
+    }
+    this.grip.set(event.pointerId, [event.clientX, event.clientY]);
+    this.player.redraw();
+  }
+
+  release(event) {
+    this.grip.delete(event.pointerId);
+    const isClick = this.pressed && Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) < 4;
+    this.pressed = null;
+    if (isClick && event.type === 'pointerup') this.choose(...this.world(event));
+  }
+
+  choose(x, y) {
+    let nearest = null, least = 18 / this.camera.scale;
+    for (let robot = 0; robot < this.run.robots; robot += 1) {
+      const pose = this.run.poseAt(robot, this.player.time);
+      const distance = pose ? Math.hypot(pose.x - x, pose.y - y) : Infinity;
+      if (distance < least) [nearest, least] = [this.run.rows[robot].name, distance];
+    }
+    this.player.choose(nearest);
+  }
+
+  draw() {
+    const {clientWidth: width, clientHeight: height} = this.canvas;
+    const context = prepare(this.canvas, width, height);
+    if (!context) return;
+    const camera = this.camera;
+    if (camera.isFitted) camera.fit(width, height);
+    this.toX = (x) => width / 2 + (x - camera.x) * camera.scale;
+    this.toY = (y) => height / 2 - (y - camera.y) * camera.scale;
+    context.fillStyle = this.player.ground ? COLOURS.unknown : COLOURS.panel;
+    context.fillRect(0, 0, width, height);
+    if (this.player.ground) this.drawGround(context, this.player.ground);
+    else this.drawGrid(context, width, height);
+    const poses = [];
+    for (let robot = 0; robot < this.run.robots; robot += 1) poses.push(this.run.poseAt(robot, this.player.time));
+    poses.forEach((pose, robot) => pose && this.drawWay(context, robot, pose));
+    poses.forEach((pose, robot) => pose && this.drawRobot(context, robot, pose));
+    poses.forEach((pose, robot) => pose && this.drawName(context, robot, pose, width));
+    this.drawScale(context, height);
+    this.tell(poses);
+  }
+
+  drawGround(context, ground) {
+    const [x, y, yaw] = ground.origin, cell = this.camera.scale * ground.resolution;
+    context.save();
+    context.translate(this.toX(x), this.toY(y));
+    context.rotate(-yaw);
+    context.imageSmoothingEnabled = cell < 1;
+    context.drawImage(ground.picture, 0, -ground.rows * cell, ground.columns * cell, ground.rows * cell);
+    context.restore();
+  }
+
+  drawGrid(context, width, height) {
+    const step = niceStep(64 / this.camera.scale), camera = this.camera;
+    context.strokeStyle = COLOURS.line;
+    context.lineWidth = 1;
+    context.beginPath();
+    const [left, bottom] = [camera.x - width / 2 / camera.scale, camera.y - height / 2 / camera.scale];
+    for (let k = Math.ceil(left / step); this.toX(k * step) < width; k += 1) {
+      const x = Math.round(this.toX(k * step)) + 0.5;
+      context.moveTo(x, 0);
+      context.lineTo(x, height);
+    }
+    for (let k = Math.ceil(bottom / step); this.toY(k * step) > 0; k += 1) {
+      const y = Math.round(this.toY(k * step)) + 0.5;
+      context.moveTo(0, y);
+      context.lineTo(width, y);
+    }
+    context.stroke();
+  }
+
+  colour(robot) {
+    return COLOURS[this.run.states[this.run.stateAt(robot, this.player.time)]];
+  }
+
+  drawWay(context, robot, pose) {
+    const run = this.run, {motion} = pose, isChosen = run.rows[robot].name === this.player.chosen;
+    context.strokeStyle = isChosen ? COLOURS.accent : COLOURS.muted;
+    context.lineWidth = isChosen ? 2 : 1.25;
+    if (this.player.showsTrails || isChosen) {
+      const first = Math.max(run.motion_first[robot], motion - (isChosen ? TRAIL_LEGS : this.trail));
+      context.globalAlpha = isChosen ? 0.7 : 0.4;
+      context.beginPath();
+      context.moveTo(this.toX(run.motion_x[first]), this.toY(run.motion_y[first]));
+      for (let k = first + 1; k <= motion; k += 1) {
+        const [x, y] = [this.toX(run.motion_x[k]), this.toY(run.motion_y[k])];
+        if (run.motion_law[k] === PLACED) context.moveTo(x, y);
+        else context.lineTo(x, y);
+      }
+      context.lineTo(this.toX(pose.x), this.toY(pose.y));
+      context.stroke();
+    }
+    if (run.isUnderWay(motion, this.player.time)) {
+      const [x, y] = [this.toX(run.motion_goal_x[motion]), this.toY(run.motion_goal_y[motion])];
+      context.globalAlpha = 0.8;
+      context.setLineDash([4, 4]);
+      context.beginPath();
+      context.moveTo(this.toX(pose.x), this.toY(pose.y));
+      context.lineTo(x, y);
+      context.stroke();
+      context.setLineDash([]);
+      context.beginPath();
+      context.arc(x, y, 3.5, 0, 2 * Math.PI);
+      context.stroke();
+    }
+    context.globalAlpha = 1;
+  }
+
+  drawRobot(context, robot, pose) {
+    const isChosen = this.run.rows[robot].name === this.player.chosen, size = isChosen ? 10 : 8;
+    context.save();
+    context.translate(this.toX(pose.x), this.toY(pose.y));
+    context.rotate(-pose.yaw);
+    context.beginPath();
+    context.moveTo(1.25 * size, 0);
+    context.lineTo(-0.85 * size, 0.8 * size);
+    context.lineTo(-0.45 * size, 0);
+    context.lineTo(-0.85 * size, -0.8 * size);
+    context.closePath();
+    context.lineJoin = 'round';
+    context.lineWidth = 4;
+    context.strokeStyle = COLOURS.panel;
+    context.stroke();
+    context.fillStyle = this.colour(robot);
+    context.fill();
+    context.lineWidth = isChosen ? 2 : 1;
+    context.strokeStyle = isChosen ? COLOURS.accent : COLOURS.ink;
+    context.stroke();
+    context.restore();
+  }
+
+  drawName(context, robot, pose, width) {
+    const {name} = this.run.rows[robot];
+    if (this.run.robots > NAMED_ROBOTS && name !== this.player.chosen) return;
+    context.font = `${name === this.player.chosen ? '600 ' : ''}12px ${FONT}`;
+    context.textBaseline = 'middle';
+    context.lineWidth = 3;
+    context.lineJoin = 'round';
+    context.strokeStyle = COLOURS.panel;
+    context.fillStyle = COLOURS.ink;
+    const length = context.measureText(name).width, y = this.toY(pose.y) - 11;
+    const right = this.toX(pose.x) + 13, x = right + length > width - 4 ? right - 26 - length : right;
+    context.strokeText(name, x, y);
+    context.fillText(name, x, y);
+  }
+
+  drawScale(context, height) {
+    const step = niceStep(48 / this.camera.scale), length = step * this.camera.scale;
+    context.font = `12px ${FONT}`;
+    context.textBaseline = 'alphabetic';
+    const text = step >= 1000 ? `${step / 1000} km` : `${grouped(String(+step.toPrecision(3)))} m`;
+    const wide = Math.max(length, context.measureText(text).width);
+    context.globalAlpha = 0.85;
+    context.fillStyle = COLOURS.panel;
+    context.fillRect(10, height - 34, wide + 12, 26);
+    context.globalAlpha = 1;
+    context.fillStyle = COLOURS.ink;
+    context.fillText(text, 16, height - 20);
+    context.fillRect(16, height - 15, length, 2);
+  }
+
+  // Say in words what the chosen robot does.
+  tell(poses) {
+    const robot = this.run.rows.findIndex((row) => row.robot && row.name === this.player.chosen);
+    const state = robot < 0 ? '' : this.run.states[this.run.stateAt(robot, this.player.time)];
+    const pose = poses[robot];
+    const text = robot < 0 ? '' : `${this.player.chosen} · ${state}${pose ? ` · ${place(pose.x, pose.y, pose.yaw)}` : ''}`;
+    if (this.readout.textContent !== text) this.readout.textContent = text;
+  }
+}

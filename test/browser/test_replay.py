@@ -1,0 +1,146 @@
+"""A replay in Chromium: what a person does with it, and that its legs are the simulator's."""
+import math
+import random
+from pathlib import Path
+
+import pytest
+from replay_test_pages import many_legs, page, small_run
+
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract_replay.motions import make_leg
+
+S = 1_000_000_000
+MAP = Path(__file__).resolve().parents[2] / 'maps' / 'farm_yard.yaml'
+TIME = 'return window.replay.time'
+#: (x, y, yaw) of a robot of a run as the page has it
+POSE = ('const p = window.replay.runs[arguments[0]].poseAt(arguments[1], window.replay.time); '
+        'return [p.x, p.y, p.yaw]')
+CURRENT = "return document.querySelector('.event.current:not([hidden])').textContent"
+
+
+@pytest.fixture(scope='module')
+def pages(tmp_path_factory):
+    """Return a folder for pages, and the page of a small run."""
+    folder = tmp_path_factory.mktemp('replay')
+    return folder, page(folder, 'small', small_run(), map_file=MAP)
+
+
+def random_legs(count):
+    """Return (start, goal, limits, departure [ns]) of legs of all kinds: short and long, with and without limits."""
+    draw = random.Random(11)
+
+    def pose(size):
+        return draw.uniform(-size, size), draw.uniform(-size, size), draw.uniform(-math.pi, math.pi)
+
+    for number in range(count):
+        size = draw.choice([1e-9, 0.1, 5.0, 500.0])
+        start = pose(size)
+        goal = start if number % 17 == 0 else pose(size)
+        limits = (draw.uniform(0.1, 5.0), draw.choice([0.0, draw.uniform(0.05, 3.0)]),
+                  draw.choice([0.0, draw.uniform(0.1, 3.0)]), draw.choice([0.0, 0.3]), draw.choice([0.0, 0.2]))
+        yield start, goal, limits, draw.randrange(1, 10 ** 15)
+
+
+def test_legs_are_those_of_the_simulator(browser, pages):
+    legs = list(random_legs(400))
+    cores = [make_leg(*leg) for leg in legs]
+    times = [[core.depart_ns + core.duration_ns * k // 7 for k in range(-1, 9)] for core in cores]
+    browser.open(pages[1])
+    found = browser.run("""
+        const {makeLeg, legPose} = window.replay.motion, pose = ([x, y, yaw]) => ({x, y, yaw});
+        return arguments[0].map(([start, goal, limits, depart], k) => {
+          const leg = makeLeg(pose(start), pose(goal), limits, depart);
+          return [leg.arriveNs, arguments[1][k].map((time) => {
+            const {x, y, yaw} = legPose(leg, time);
+            return [x, y, yaw];
+          })];
+        });""", legs, times)
+    for core, instants, (arrive_ns, poses) in zip(cores, times, found):
+        assert abs(arrive_ns - core.arrive_ns) <= 1
+        for time_ns, (x, y, yaw) in zip(instants, poses):
+            expected = core.pose_at(time_ns)
+            assert (x, y) == pytest.approx((expected.x, expected.y), abs=1e-6)
+            assert abs(math.remainder(yaw - expected.yaw, 2.0 * math.pi)) < 1e-6
+
+
+def test_it_plays_pauses_and_goes_where_the_slider_the_events_and_the_keys_say(browser, pages):
+    from selenium.webdriver.common.keys import Keys
+    browser.open(pages[1])
+    assert browser.run(TIME) == S
+    browser.click('#play')
+    browser.wait('return window.replay.time > 2e9')
+    browser.click('#play')
+    stopped = browser.run(TIME)
+    browser.frame()
+    assert browser.run(TIME) == stopped
+    slider = browser.driver.find_element('css selector', '#slider')
+    slider.click()  # its middle
+    middle = browser.run('return (window.replay.begin + window.replay.end) / 2')
+    assert browser.run(TIME) == pytest.approx(middle, rel=0.02)
+    browser.run('window.replay.seek(0); window.replay.seek(60e9)')
+    assert '60.000' in browser.run(CURRENT) and 'departs for (4.00, 4.00) m' in browser.run(CURRENT)
+    browser.press(',')
+    before = browser.run(TIME)
+    assert before < 60 * S and browser.run(CURRENT).endswith('robot_1-2')
+    browser.press('.', Keys.END)
+    assert browser.run(TIME) == browser.run('return window.replay.end')
+    browser.press(Keys.HOME, ' ')
+    browser.wait('return window.replay.time > window.replay.begin')
+    browser.press(' ')
+    assert not browser.run('return window.replay.isPlaying')
+
+
+def test_a_click_on_an_event_goes_to_its_instant_where_robots_are_as_the_log_says(browser, pages):
+    browser.open(pages[1])
+    browser.run("const s = window.replay.events.search; s.value = 'robot_1'; s.dispatchEvent(new Event('input'))")
+    browser.wait("return document.querySelector('.count').textContent.includes(' of ')")
+    lines = browser.driver.find_elements('css selector', '.event:not([hidden])')
+    [stopped] = [line for line in lines if line.get_attribute('data-kind') == 'stands'][:1]
+    stopped.click()
+    assert browser.run(TIME) == 10 * S
+    logged = [entry for entry in small_run() if entry.kind == 'stands' and entry.robot == 'robot_1'][0]
+    assert browser.run(POSE, 0, 1) == pytest.approx(logged.values, abs=1e-9)
+    assert browser.run('return window.replay.runs[0].poseAt(1, 9e9).y') < logged.values[1]
+
+
+def test_it_fits_a_phone_and_a_dark_room(browser, pages):
+    browser.open(pages[1], 400, 800, dark=True)
+    browser.frame()
+    assert browser.run('return document.documentElement.scrollWidth') <= 400
+    assert browser.run('return getComputedStyle(document.body).backgroundColor') == 'rgb(17, 21, 23)'
+    wall = browser.run("return document.querySelector('.map canvas').getContext('2d') !== null")
+    assert wall
+
+
+def test_two_runs_stand_side_by_side_and_a_button_shows_the_first_difference(browser, pages):
+    browser.open(page(pages[0], 'two', small_run(), small_run((30.0, 4.0))))
+    browser.click('#jump')
+    assert browser.run(TIME) == 60 * S
+    assert 'departs for (4.00, 4.00) m' in browser.run(CURRENT)
+    browser.click('[data-list="1"]')
+    assert 'departs for (30.00, 4.00) m' in browser.run(CURRENT)
+    browser.run('window.replay.seek(window.replay.end)')
+    assert [browser.run(POSE, run, 0)[:2] for run in (0, 1)] == [pytest.approx((4.0, 4.0)), pytest.approx((30.0, 4.0))]
+    assert len(browser.driver.find_elements('css selector', '.map canvas')) == 2
+
+
+def test_a_hundred_thousand_legs_are_played_and_their_events_scrolled(browser, pages):
+    entries = many_legs()
+    browser.open(page(pages[0], 'many', entries))
+    browser.run("document.getElementById('speed').value = '1000'")
+    browser.press(' ')
+    browser.wait('return window.replay.time > 300e9')
+    browser.press(' ')
+    browser.run("const s = document.querySelector('.scroller'); s.scrollTop = s.scrollHeight")
+    last = '{:.3f}'.format(entries[-1][0] / S).replace('5000', '5\u202f000')
+    browser.wait("return [...document.querySelectorAll('.event:not([hidden])')].some((line) => "
+                 "line.textContent.startsWith('{}'))".format(last))
+    assert len(browser.driver.find_elements('css selector', '.event')) < 60
+    browser.run('window.replay.seek(2500.25e9)')
+    goal = next(entry for entry in entries if entry[0] == 2500 * S and entry[1] == 'robot_7' and entry[2] == 'departed')
+    start = next(entry for entry in entries if entry[0] == 2499 * S + 3 * S // 4 and entry[1] == 'robot_7')
+    third = [a + (b - a) / 3 for a, b in zip(start[3], goal[3])]
+    assert browser.run(POSE, 0, 7)[:2] == pytest.approx(third[:2])
+    assert Pose2D(*third).x != start[3][0]
+    browser.press('+', '+')
+    browser.frame()

@@ -1,0 +1,105 @@
+"""The page of a replay, as a text: what it holds, that it needs nothing else, and that it replaces nothing else."""
+import base64
+import json
+import re
+import zlib
+from pathlib import Path
+
+import pytest
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_replay.packed import Packer
+from move_base_abstract_replay.page import write_page
+from move_base_abstract_replay.recording import ReplayError
+from test_replay_recording import S, log_text
+
+MAP = Path(__file__).resolve().parents[2] / 'maps' / 'farm_yard.yaml'
+LEG = [(S, 'r', 'motion', (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)), (S, 'r', 'departed', (4.0, 0.0, 0.0)),
+       (5 * S, 'r', 'stands', (4.0, 0.0, 0.0)), (5 * S, 'r', 'ended', ('g', 'SUCCEEDED', 'Goal reached.'))]
+
+
+@pytest.fixture
+def log(tmp_path):
+    """Return what writes entries as the log of a name."""
+    def write(name, entries):
+        (tmp_path / name).write_text(log_text(entries))
+        return tmp_path / name
+    return write
+
+
+def unpacked(text):
+    """Return (about, {name: bytes}) of a packed text, as data.js reads it."""
+    data = zlib.decompress(base64.b64decode(text))
+    length = int.from_bytes(data[:4], 'little')
+    head = json.loads(data[4:4 + length])
+    size = {'f8': 8, 'u4': 4, 'u2': 2, 'u1': 1, 'text': 1}
+    columns = {name: data[4 + length + begin:4 + length + begin + count * size[kind]]
+               for name, (kind, begin, count) in head['columns'].items()}
+    return head['about'], columns
+
+
+def test_what_is_packed_comes_out_and_numbers_lie_where_typed_arrays_may_begin():
+    packer = Packer()
+    packer.add('a', 'u1', [1, 2, 3])
+    packer.add('b', 'f8', [0.5])
+    packer.add('c', 'text', ['x', 'é'])
+    data = zlib.decompress(base64.b64decode(packer.text({'k': 1})))
+    assert (4 + int.from_bytes(data[:4], 'little')) % 8 == 0
+    about, columns = unpacked(packer.text({'k': 1}))
+    assert (about, columns['a'], columns['c'].decode()) == ({'k': 1}, b'\1\2\3', 'x\né')
+    assert columns['b'] == b'\0\0\0\0\0\0\xe0\x3f'
+
+
+def test_the_page_holds_the_log_and_loads_nothing(log, tmp_path):
+    page = tmp_path / 'replay.html'
+    assert write_page([log('run.jsonl', LEG)], page, MAP) == []
+    text = page.read_text()
+    about, columns = unpacked(re.search(r'data-run>([^<]+)<', text).group(1))
+    assert (about['begin'], about['end'], about['rows']) == (S, 5 * S, [{'name': 'r', 'robot': True}])
+    assert len(columns['event_time']) == 8 * 4
+    assert unpacked(re.search(r'id="packed-map">([^<]+)<', text).group(1))[0]['resolution'] == pytest.approx(0.1)
+    assert "default-src 'none'" in text
+    assert not re.search(r'(?:https?:)?//[\w.]+\.\w+/|\bsrc=|@import|url\(', text)
+
+
+def test_equal_logs_give_equal_pages(log, tmp_path):
+    for name in ('one.html', 'two.html'):
+        write_page([log('run.jsonl', LEG)], tmp_path / name)
+    assert (tmp_path / 'one.html').read_bytes() == (tmp_path / 'two.html').read_bytes()
+
+
+def test_texts_of_others_are_no_markup(log, tmp_path):
+    write_page([log('run<b>.jsonl', [*LEG, (5 * S, '</script><i>', 'x', ('<script>',))])], tmp_path / 'p.html')
+    text = (tmp_path / 'p.html').read_text()
+    assert 'run&lt;b&gt;.jsonl' in text and '<b>' not in text and '<i>' not in text
+
+
+def test_a_page_is_replaced_and_nothing_else_is(log, tmp_path):
+    run, page = log('run.jsonl', LEG), tmp_path / 'p.html'
+    write_page([run], page)
+    write_page([run], page)
+    page.write_text('<!doctype html>\nmine')
+    with pytest.raises(ConfigurationError, match='p.html: is there already'):
+        write_page([run], page)
+    assert page.read_text() == '<!doctype html>\nmine'
+
+
+def test_a_log_without_robots_has_a_page_without_a_map(log, tmp_path):
+    write_page([log('run.jsonl', [(S, 'asker', 'answer', ('yes',))])], tmp_path / 'p.html')
+    text = (tmp_path / 'p.html').read_text()
+    assert 'class="nowhere"' in text and '1 other name' in text and 'No robot of this log says where it is' in text
+
+
+def test_two_logs_are_compared_and_the_first_difference_is_told(log, tmp_path):
+    other = [*LEG[:2], (6 * S, 'r', 'stands', (4.0, 0.0, 0.0))]
+    write_page([log('a.jsonl', LEG), log('b.jsonl', other)], tmp_path / 'p.html')
+    text = (tmp_path / 'p.html').read_text()
+    assert json.loads(re.search(r'id="about">(.*?)<', text).group(1))['difference'] == {'time': 5 * S, 'event': 2}
+    assert 'The first difference is at 5.000000000 s' in text
+    write_page([log('a.jsonl', LEG), log('b.jsonl', LEG)], tmp_path / 'p.html')
+    assert 'hold the same events' in (tmp_path / 'p.html').read_text()
+
+
+def test_three_logs_are_an_error(log, tmp_path):
+    with pytest.raises(ReplayError, match='got 3 logs'):
+        write_page([log('a.jsonl', LEG)] * 3, tmp_path / 'p.html')

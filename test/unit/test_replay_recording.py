@@ -1,0 +1,141 @@
+"""What a replay finds in an event log: events, legs and places, states."""
+import json
+
+import pytest
+
+from move_base_abstract.event_log import EventLogError
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract.scenario import make_scenario
+from move_base_abstract_replay.motions import EVEN, LIMITED, PLACED, Motions, make_leg
+from move_base_abstract_replay.recording import read_recording
+from move_base_abstract_replay.states import IDLE, NAMES, find_timelines, natural
+
+S = 1_000_000_000
+GONE = {'max_speed': 2.0, 'acceleration': 0.5, 'turn_rate': 1.0, 'log_motion': True}
+
+
+def log_text(entries, end=True):
+    lines = ['{"event_log":1,"start_ns":1000000000}']
+    lines += [json.dumps(dict(zip(('time_ns', 'robot', 'kind', 'values'), (*entry[:3], list(entry[3])))))
+              for entry in entries]
+    if end:
+        lines.append(json.dumps({'end': {'events': len(entries), 'not_repeatable_because': [],
+                                         'degraded_because': []}}))
+    return '\n'.join(lines) + '\n'
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Return what reads entries as a log."""
+    def reader(entries, **options):
+        path = tmp_path / 'run.jsonl'
+        path.write_text(log_text(entries, options.pop('end', True)))
+        return read_recording(path, **options)
+    return reader
+
+
+def make_fleet(**settings):
+    return Fleet(make_scenario({'robots': [dict(GONE, name='r_0', start_x=1.0, **settings), dict(GONE, name='r_1')]}))
+
+
+def test_a_fleet_that_says_its_motion_is_followed_exactly_at_every_instant(read):
+    fleet = make_fleet(xy_goal_tolerance=0.25, yaw_goal_tolerance=0.1)
+    fleet.send('r_0', 8.0, 3.0, 1.0)
+    fleet.at(3 * S, lambda fleet: fleet.send('r_0', -4.0, 2.0, -3.0))  # before the first is reached
+    fleet.at(40 * S, lambda fleet: fleet.place('r_0', Pose2D(0.5, 0.5, 0.5)))
+    fleet.at(41 * S, lambda fleet: fleet.send('r_0', 5.0, 0.0))
+    poses = {}
+    for k in range(1, 240):
+        time_ns = k * S // 4 + 1
+        fleet.at(max(time_ns, S), lambda fleet: poses.update({fleet.now_ns: fleet.pose('r_0')}))
+    fleet.run()
+    motions = Motions(read(fleet.trace))
+    track = motions.tracks['r_0'].motions
+    assert [motion.law for motion in track] == [PLACED, LIMITED, LIMITED, PLACED, LIMITED]
+    assert (motions.even, motions.astray, motions.startless) == (0, 0, 0)
+    for time_ns, pose in poses.items():
+        motion = [motion for motion in track if motion.begin_ns <= time_ns][-1]
+        until = min(time_ns, motion.end_ns)
+        found = (Pose2D(*motion.start) if motion.law == PLACED else make_leg(
+            motion.start, motion.goal, motions.limits[motion.law - LIMITED], motion.begin_ns).pose_at(until))
+        assert (found.x, found.y, found.yaw) == pytest.approx((pose.x, pose.y, pose.yaw), abs=1e-9)
+
+
+def test_nothing_is_said_of_motion_unless_it_is_asked_for():
+    fleet = make_fleet(log_motion=False)
+    assert [entry.robot for entry in fleet.trace if entry.kind == 'motion'] == ['r_1']
+
+
+def test_without_limits_a_leg_is_straight_and_even_and_the_first_one_has_no_beginning(read):
+    motions = Motions(read([(S, 'a', 'departed', (4.0, 0.0, 0.0)), (3 * S, 'a', 'stands', (4.0, 0.0, 0.0)),
+                            (5 * S, 'a', 'departed', (9.0, 9.0, 0.0)), (6 * S, 'a', 'stands', (5.0, 1.0, 0.5)),
+                            (7 * S, 'a', 'departed', (1.0, 1.0, 0.0))]))
+    assert [tuple(motion) for motion in motions.tracks['a'].motions] == [
+        (3 * S, 3 * S, PLACED, (4.0, 0.0, 0.0), (4.0, 0.0, 0.0)),
+        (5 * S, 6 * S, EVEN, (4.0, 0.0, 0.0), (5.0, 1.0, 0.5))]
+    assert (motions.startless, motions.even) == (1, 2)
+
+
+def test_a_leg_that_ends_elsewhere_than_its_limits_say_is_drawn_as_the_log_says(read):
+    motions = Motions(read([(S, 'a', 'motion', (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)),
+                            (S, 'a', 'departed', (4.0, 0.0, 0.0)), (3 * S, 'a', 'stands', (4.0, 0.0, 0.0))]))
+    assert (motions.tracks['a'].motions[-1].law, motions.astray) == (EVEN, 1)
+
+
+@pytest.mark.parametrize('values', [(), ('a', 1.0, 2.0), (1e400, 0.0, 0.0), (True, 0.0, 0.0), (0.0, 0.0),
+                                    (10 ** 400, 0, 0)])
+def test_lines_of_others_under_the_same_names_are_events_and_nothing_else(read, values):
+    recording = read([(S, 'a', 'departed', values), (S, 'a', 'stands', values), (S, 'a', 'motion', values)])
+    assert len(recording) == 3
+    assert Motions(recording).tracks == {}
+
+
+def spans(line):
+    return [(span.begin_ns // S, span.end_ns // S, NAMES[span.state]) for span in line.spans]
+
+
+def test_states_come_from_pairs_of_events_and_moving_hides_a_task(read):
+    recording = read([(S, 'r', 'departed', (1.0, 0.0, 0.0)), (4 * S, 'r', 'stands', (1.0, 0.0, 0.0)),
+                      (4 * S, 'r/dig', 'task_began', ('x', 2 * S)), (6 * S, 'r/dig', 'task_ended', ('x', 'ABORTED')),
+                      (7 * S, 'r', 'charging_began', ()), (8 * S, 'r', 'task_began', ('y', S)),
+                      (9 * S, 'r', 'charging_ended', ()), (9 * S, 'other', 'note', ()),
+                      (9 * S, 'r', 'ended', ('g', 'ABORTED', ''))])
+    robot, other = find_timelines(recording, ['r'])
+    assert spans(robot) == [(1, 4, 'moving'), (4, 6, 'task'), (7, 9, 'charging')]
+    assert robot.failures == [6 * S, 9 * S]
+    assert (other.name, other.is_robot, other.ticks) == ('other', False, [9 * S])
+    assert NAMES[-1] == IDLE
+
+
+def test_a_robot_with_a_goal_that_does_not_move_waits_where_the_log_has_messages(read):
+    recording = read([(S, '/r/move_base/goal', 'message', ('/boss', '/r/move_base', 9, 'ff')),
+                      (3 * S, 'r', 'departed', (1.0, 0.0, 0.0)), (4 * S, 'r', 'stands', (1.0, 0.0, 0.0)),
+                      (4 * S, 'r', 'ended', ('g', 'SUCCEEDED', '')),
+                      (5 * S, '/ask', 'call', ('/boss', '/r/move_base', 9, 'ff'))])
+    robot, boss = find_timelines(recording, ['r'])
+    assert spans(robot) == [(1, 3, 'waiting'), (3, 4, 'moving')]
+    assert (boss.name, boss.ticks) == ('/boss', [S, 5 * S])
+
+
+def test_of_too_many_events_messages_are_left_out(read):
+    entries = [(S + k, '/t', 'message', ('/a', '/b', 9, 'ff')) for k in range(5)] + [(9 * S, 'r', 'note', ())]
+    recording = read(entries, most=3)
+    assert [kind for _, _, kind, _ in recording] == ['message'] * 3 + ['note']
+    assert (recording.left_out, recording.events, recording.begin_ns, recording.end_ns) == (2, 6, S, 9 * S)
+
+
+def test_an_unfinished_run_is_read_and_says_so(read):
+    recording = read([(S, 'a', 'note', ())], end=False)
+    assert (len(recording), recording.is_repeatable, len(recording.remarks)) == (1, False, 1)
+
+
+def test_what_is_no_log_is_an_error_that_names_the_file(tmp_path):
+    path = tmp_path / 'no.jsonl'
+    path.write_text('{}\n')
+    with pytest.raises(EventLogError, match='no.jsonl:1: is not the head'):
+        read_recording(path)
+
+
+def test_names_are_sorted_as_people_count():
+    assert sorted(['r_10', 'r_2', 'a', 'r_2/x', '10', '9'], key=natural) == ['9', '10', 'a', 'r_2', 'r_2/x', 'r_10']
