@@ -1,35 +1,75 @@
 """Show one run, or two side by side, from their event logs: a page that opens in any browser, without network.
 
     rosrun move_base_abstract replay RUN.jsonl [OTHER.jsonl] [--map MAP.yaml] [-o replay.html]
+    rosrun move_base_abstract replay RUN.jsonl --mcap RUN.mcap --bag RUN.bag
 
 Exit codes: 0 written; 2 a file cannot be read or written, or wrong arguments.
 """
 import argparse
+import math
 import sys
 
 from move_base_abstract.errors import SimulatorError
+from move_base_abstract.shown import shown
 
-from .page import write_page
+_PAGE = 'replay.html'
+_MOST_RATE = 1000.0  # Hz
 
 
 def main(words=None):
     """Write what the command line asks for, and exit with the code."""
-    parser = argparse.ArgumentParser(prog='replay', description='Show a run, or two side by side, from event logs: a '
-                                     'page that opens in any browser.',
-                                     epilog='exit codes: 0 written, 2 a file cannot be read or written')
-    parser.add_argument('logs', metavar='RUN', nargs='+', help='event log (JSON lines or CSV); or two')
-    parser.add_argument('--map', metavar='MAP.yaml', help='the map to show it on, as map_server takes it')
-    parser.add_argument('-o', '--output', metavar='PAGE', default='replay.html',
-                        help='the page (default: %(default)s); one that this program made is replaced, nothing else is')
-    options = parser.parse_args(words)
-    if len(options.logs) > 2:
-        parser.error('got {} logs; allowed: one, or two to be compared'.format(len(options.logs)))
+    options = _parse(words)
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors='backslashreplace')  # names may hold bytes that are no text
     try:
-        for note in write_page(options.logs, options.output, options.map):
-            print('replay: note: {}'.format(note), file=sys.stderr)
+        for output in _write(options):
+            print(output)
     except SimulatorError as error:
         print('replay: {}'.format(error), file=sys.stderr)
         sys.exit(2)
-    print(options.output)
+
+
+def _parse(words):
+    parser = argparse.ArgumentParser(prog='replay', description='Show a run, or two side by side, from event logs: a '
+                                     'page that opens in any browser; or files of ROS messages.',
+                                     epilog='exit codes: 0 written, 2 a file cannot be read or written')
+    parser.add_argument('logs', metavar='RUN', nargs='+', help='event log (JSON lines or CSV); or two')
+    parser.add_argument('--map', metavar='MAP.yaml', help='the map to show it on, as map_server takes it')
+    parser.add_argument('-o', '--output', metavar='PAGE',
+                        help='the page (default: {}, unless another file is asked for); one that this program made is '
+                        'replaced, nothing else is'.format(_PAGE))
+    parser.add_argument('--mcap', metavar='FILE', help='the run as ROS 1 messages in an MCAP file, a new one')
+    parser.add_argument('--bag', metavar='FILE', help='the same as a bag, a new one')
+    parser.add_argument('--rate', type=_rate, default=10.0, metavar='HZ', help='of poses of robots under way in --mcap '
+                        'and --bag, simulated (default: %(default)g)')
+    parser.add_argument('--frame', default='map', help='frame of the poses in --mcap and --bag (default: %(default)s)')
+    options = parser.parse_args(words)
+    if len(options.logs) > 2:
+        parser.error('got {} logs; allowed: one, or two to be compared'.format(len(options.logs)))
+    if len(options.logs) > 1 and (options.mcap or options.bag):
+        parser.error('got two logs; allowed with --mcap and --bag: one')
+    if options.output is None and not (options.mcap or options.bag):
+        options.output = _PAGE
+    return options
+
+
+def _write(options):
+    """Write the files that are asked for; return an iterator over their names, each when it is there."""
+    if options.output is not None:
+        from .page import write_page  # each of them takes a while to import
+        for note in write_page(options.logs, options.output, options.map):
+            print('replay: note: {}'.format(note), file=sys.stderr)
+        yield options.output
+    if options.mcap or options.bag:
+        from .export import write_bag, write_mcap
+        for write, output in ((write_mcap, options.mcap), (write_bag, options.bag)):
+            if output:
+                write(options.logs[0], output, options.rate, options.frame)
+                yield output
+
+
+def _rate(text):
+    value = float(text)
+    if not 0.0 < value <= _MOST_RATE or math.isnan(value):
+        raise argparse.ArgumentTypeError('must be > 0 and <= {:g} [Hz], got {}'.format(_MOST_RATE, shown(text)))
+    return value

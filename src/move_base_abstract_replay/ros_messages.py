@@ -1,0 +1,151 @@
+"""A run as ROS messages: what its robots would have told on their topics, computed from the log."""
+import heapq
+import io
+import json
+import math
+from typing import Any, NamedTuple
+
+from actionlib_msgs.msg import GoalStatus
+from genpy import Time
+from geometry_msgs.msg import PoseStamped, TransformStamped
+from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult
+from nav_msgs.msg import Odometry
+from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
+
+from move_base_abstract.geometry import Pose2D, normalize_angle, quaternion_of_yaw
+from move_base_abstract.units import NS_PER_S
+
+from .motions import EVEN, LIMITED, make_leg
+
+EVENTS_TOPIC = '/event_log'  # every event of the log, a line of JSON each
+
+
+class Told(NamedTuple):
+    """A message on a topic at an instant [ns]."""
+
+    time_ns: int
+    topic: str
+    message: Any
+
+    @property
+    def data(self):
+        """The message as bytes."""
+        buffer = io.BytesIO()
+        self.message.serialize(buffer)
+        return buffer.getvalue()
+
+
+def messages_of(recording, motions, rate, frame):
+    """Return an iterator over the Told of a run, in the order of time; of one instant first poses, then events.
+
+    ``rate`` [Hz, simulated]: poses of robots under way, on multiples of its period, and where a leg begins and ends.
+    ``frame``: what the poses are in.
+    """
+    poses = [_poses(track, motions.limits, rate, frame) for track in motions.tracks.values()]
+    return heapq.merge(*poses, _events(recording, motions, frame), key=lambda told: told.time_ns)
+
+
+def _instants(motion, period_ns):
+    """Return the instants [ns] of a motion at which its pose is told: its ends, and the grid between them."""
+    yield motion.begin_ns
+    if motion.end_ns > motion.begin_ns:
+        yield from range((motion.begin_ns // period_ns + 1) * period_ns, motion.end_ns, period_ns)
+        yield motion.end_ns
+
+
+def _poses(track, limits, rate, frame):
+    period_ns = max(1, round(NS_PER_S / rate))
+    for motion in track.motions:
+        leg = make_leg(motion.start, motion.goal, limits[motion.law - LIMITED],
+                       motion.begin_ns) if motion.law >= LIMITED else None
+        for time_ns in _instants(motion, period_ns):
+            pose, speeds = _state_at(motion, leg, time_ns)
+            yield from _told_pose(track.name, time_ns, pose, speeds, frame)
+
+
+def _state_at(motion, leg, time_ns):
+    """Return the pose (Pose2D) and (forward [m/s], turning [rad/s]) in a motion."""
+    if leg is not None:
+        return leg.pose_at(time_ns), (0.0, 0.0) if time_ns >= motion.end_ns else leg.velocity_at(time_ns)
+    if motion.law != EVEN or time_ns >= motion.end_ns:
+        return Pose2D(*motion.goal), (0.0, 0.0)
+    start, goal, seconds = Pose2D(*motion.start), Pose2D(*motion.goal), (motion.end_ns - motion.begin_ns) / NS_PER_S
+    share, way = (time_ns - motion.begin_ns) / (motion.end_ns - motion.begin_ns), start.distance_to(goal)
+    turn = 0.0 if way else normalize_angle(goal.yaw - start.yaw)
+    pose = Pose2D(start.x + share * (goal.x - start.x), start.y + share * (goal.y - start.y),
+                  start.bearing_to(goal) if way else start.yaw + share * turn)
+    return pose, (way / seconds, turn / seconds)
+
+
+def _told_pose(name, time_ns, pose, speeds, frame):
+    prefix, child = '/' + name.strip('/'), name.strip('/') + '/base_link'
+    stamped = _stamped(PoseStamped(), time_ns, frame)
+    _fill(stamped.pose, pose)
+    odometry = _stamped(Odometry(child_frame_id=child), time_ns, frame)
+    _fill(odometry.pose.pose, pose)
+    odometry.twist.twist.linear.x, odometry.twist.twist.angular.z = speeds
+    transform = _stamped(TransformStamped(child_frame_id=child), time_ns, frame)
+    transform.transform.translation.x, transform.transform.translation.y = pose.x, pose.y
+    _turn(transform.transform.rotation, pose.yaw)
+    yield Told(time_ns, prefix + '/robot_pose', stamped)
+    yield Told(time_ns, prefix + '/odom', odometry)
+    yield Told(time_ns, '/tf', TFMessage([transform]))
+
+
+def _events(recording, motions, frame):
+    """Return the Told of all events, and of robots' goals and results."""
+    goals = _goal_ids(recording, motions)
+    for number, (time_ns, name, kind, values) in enumerate(recording):
+        line = json.dumps({'time_ns': time_ns, 'robot': name, 'kind': kind, 'values': json.loads(values)})
+        yield Told(time_ns, EVENTS_TOPIC, String(line))
+        if name in motions.tracks and kind in ('departed', 'ended'):
+            yield from (_goal if kind == 'departed' else _result)(
+                '/' + name.strip('/') + '/move_base/', time_ns, json.loads(values), goals.get(number, ''), frame)
+
+
+def _goal_ids(recording, motions):
+    """Return {place of a departure among the events: id of its goal}, which the log tells when the goal ends."""
+    found, open_departures = {}, {}
+    for number, (_, name, kind, values) in enumerate(recording):
+        if kind == 'departed':
+            open_departures.setdefault(name, []).append(number)
+        elif kind == 'ended' and name in motions.tracks:
+            goal_id = (json.loads(values) or [''])[0]
+            found.update((departure, goal_id) for departure in open_departures.pop(name, ()) if type(goal_id) is str)
+    return found
+
+
+def _goal(prefix, time_ns, values, goal_id, frame):
+    if len(values) != 3 or not all(isinstance(value, (int, float)) and math.isfinite(value) for value in values):
+        return
+    message = _stamped(MoveBaseActionGoal(), time_ns, '')
+    message.goal_id.id = goal_id
+    message.goal_id.stamp = message.header.stamp
+    _stamped(message.goal.target_pose, time_ns, frame)
+    _fill(message.goal.target_pose.pose, Pose2D(*values))
+    yield Told(time_ns, prefix + 'goal', message)
+
+
+def _result(prefix, time_ns, values, _goal_id, _frame):
+    state = getattr(GoalStatus, str(values[1]), None) if len(values) == 3 else None
+    if type(state) is not int or not all(isinstance(value, str) for value in values):
+        return
+    message = _stamped(MoveBaseActionResult(), time_ns, '')
+    message.status.goal_id.id, message.status.status, message.status.text = values[0], state, values[2]
+    yield Told(time_ns, prefix + 'result', message)
+
+
+def _stamped(message, time_ns, frame):
+    message.header.stamp = Time(*divmod(time_ns, NS_PER_S))
+    message.header.frame_id = frame
+    return message
+
+
+def _fill(message, pose):
+    message.position.x, message.position.y = pose.x, pose.y
+    _turn(message.orientation, pose.yaw)
+
+
+def _turn(message, yaw):
+    message.x, message.y, message.z, message.w = quaternion_of_yaw(yaw)
