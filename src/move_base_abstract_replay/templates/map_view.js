@@ -10,10 +10,10 @@ class Camera {
 
   fit(width, height) {
     const [x0, y0, x1, y1] = this.box;
-    const margin = 28;
-    this.scale = Math.min((width - 2 * margin) / Math.max(x1 - x0, 1), (height - 2 * margin) / Math.max(y1 - y0, 1));
+    const [side, top, bottom] = [28, 34, 46]; // px; names and the scale lie there
+    this.scale = Math.min((width - 2 * side) / Math.max(x1 - x0, 1), (height - top - bottom) / Math.max(y1 - y0, 1));
     this.scale = Math.max(this.scale, 1e-6); // px/m
-    [this.x, this.y] = [(x0 + x1) / 2, (y0 + y1) / 2];
+    [this.x, this.y] = [(x0 + x1) / 2, (y0 + y1) / 2 - (bottom - top) / 2 / this.scale];
   }
 
   zoom(factor, east, north) {

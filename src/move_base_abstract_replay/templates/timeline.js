@@ -238,10 +238,10 @@ class Timeline {
     if (difference && difference.time >= this.from && difference.time <= this.to) {
       context.fillStyle = COLOURS.failed;
       const x = Math.round(this.toX(difference.time));
-      context.fillRect(x - 1, AXIS - 6, 2, this.height);
+      context.fillRect(x - 2, AXIS - 6, 4, this.height); // wider than the line of the present
       context.beginPath();
-      context.moveTo(x - 6, AXIS - 12);
-      context.lineTo(x + 6, AXIS - 12);
+      context.moveTo(x - 8, AXIS - 18);
+      context.lineTo(x + 8, AXIS - 18);
       context.lineTo(x, AXIS - 4);
       context.fill();
     }
