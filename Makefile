@@ -4,8 +4,8 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 # One goal after the other: two that install at the same time would be in each other's way.
 .NOTPARALLEL:
-.PHONY: help deps build demo test lint bench study study-trial picture clean
-.PHONY: deps-test deps-lint deps-bench deps-study deps-picture
+.PHONY: help deps build demo test lint bench study study-trial experiment picture clean
+.PHONY: deps-test deps-lint deps-bench deps-study deps-experiment deps-picture
 
 WS := $(CURDIR)/.ws
 # Debian's own Python, the one that ROS was built for; another python3 may come first on PATH.
@@ -37,7 +37,7 @@ deps:  ## install what is missing to build and to run: Debian packages, by apt
 	@tools/install_deps
 
 # What other targets need besides; it comes before `build`, so that all is installed at once.
-deps-test deps-lint deps-bench deps-study deps-picture:
+deps-test deps-lint deps-bench deps-study deps-experiment deps-picture:
 	@tools/install_deps $(patsubst deps-%,%,$@)
 
 build: deps  ## build the catkin package in .ws/
@@ -64,6 +64,10 @@ bench: deps-bench deps-test build  ## the measurements, as JSON lines
 	@$(ENTER) $(PYTHON) bench/lockstep $(BENCH_ARGS) && $(PYTHON) bench/launcher $(BENCH_ARGS) && \
 	  $(PYTHON) bench/dense $(BENCH_ARGS) && \
 	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS)
+
+experiment: deps-experiment build  ## a small experiment in .ws/experiment, resumable; EXPERIMENT=FILE another one
+	@$(ENTER) rosrun move_base_abstract experiment run '$(or $(EXPERIMENT),config/experiments/patrol.yaml)' \
+	  -o '$(WS)/experiment' $(EXPERIMENT_ARGS)
 
 study-trial: deps-study build  ## one trial of the soil mapping study; TRIAL_ARGS='--seed 3 --clock scaled --factor 10'
 	@$(ENTER) rosrun move_base_abstract study trial --field '$(STUDY_FIELD)' --output '$(WS)/trial' $(TRIAL_ARGS)

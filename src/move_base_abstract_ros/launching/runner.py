@@ -63,12 +63,12 @@ class Parent(roslaunch.parent.ROSLaunchParent):
 
     def _is_waited_for(self, name):
         """Whether the time master still waits for the participants, and this one is not there."""
-        state = _ask_state(_STATE_TIMEOUT)
+        state = ask_state(_STATE_TIMEOUT)
         return state is not None and state.phase == 'waiting_for_participants' and name not in [
             one.name for one in state.participants]
 
 
-def _ask_state(timeout):
+def ask_state(timeout):
     """Return what the time master says of itself, or None. Its state is latched and comes again and again."""
     import rospy
 

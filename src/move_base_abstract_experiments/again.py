@@ -1,0 +1,103 @@
+"""One trial again, here, and whether it is the same trial: in RViz, or up to an instant, if asked."""
+import io
+import os
+import sys
+import tarfile
+import tempfile
+
+from move_base_abstract import event_log, run_difference
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.event_log import EventLog
+
+from . import checks, jobs, outputs, plan, run, spec
+
+SAME, DIFFERENT, FAILED = 0, 1, 1
+
+
+def rerun(output, name, until=0.0, speed=0.0, rviz=False, logs=None, stream=sys.stdout):
+    """Run a trial of an experiment's folder again; return the exit code: 0 the same, 1 not, or it failed.
+
+    until: simulated s from its start, 0: to its own end. speed: at most so many times real time, 0: no limit.
+    """
+    known = outputs.read_plan(output)
+    experiment = spec.read(os.path.join(output, 'experiment.yaml'))._replace(folder=_folder_of(known, output))
+    one = _find(plan.trials(experiment), name)
+    if until:
+        experiment = experiment._replace(until=experiment.until._replace(
+            seconds=min(until, experiment.until.seconds or until)))
+    before = os.path.join(output, 'trials', one.id, run.LOG)
+    if not os.path.isfile(before):
+        raise ConfigurationError(f'{before}: is not there; the trial has not run to its end')
+    job = jobs.make_job(experiment, one._replace(verified_by=''), speed_limit=speed or (1.0 if rviz else 0.0),
+                        extra=_rviz_words() if rviz else ())
+    return _compare(_run(job, logs, stream), before, bool(until), stream)
+
+
+def _folder_of(known, output):
+    return known['provenance'].get('folder') or os.path.abspath(output)
+
+
+def _find(trials, name):
+    for one in trials:
+        if name == one.id or name == one.id.partition('-')[0] or name.isdigit() and (
+                int(name) == int(one.id.partition('-')[0])):
+            return one
+    raise checks.unknown('TRIAL', name, [one.id for one in trials][:20])
+
+
+def _rviz_words():
+    import shutil
+    path = shutil.which('rviz')
+    if path is None:
+        raise ConfigurationError('rviz is not on PATH; Debian has it as the package rviz (make deps-picture)')
+    return [path]
+
+
+def _run(job, logs, stream):
+    warm = jobs.WarmProcess()
+    try:
+        print(f"rerun: {job['id']} {job['configuration']}, seed {job['seed']}", file=stream, flush=True)
+        content = warm.run(job)
+    finally:
+        warm.close()
+    if logs is not None:
+        os.mkdir(logs)
+        with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
+            for member in outputs._checked(archive):
+                path = os.path.join(logs, member.name.replace('/', '_'))
+                with open(path, 'xb') as target:
+                    target.write(archive.extractfile(member).read())
+    return content
+
+
+def _compare(content, before, is_part, stream):
+    import json
+    with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive, \
+            tempfile.TemporaryDirectory(prefix='move_base_abstract_rerun_') as folder:
+        about = json.load(archive.extractfile('trial.json'))
+        if about['status'] != 'complete':
+            print(f"rerun: failed: {about['error']}", file=stream)
+            return FAILED
+        path = os.path.join(folder, run.LOG)
+        with open(path, 'wb') as target:
+            target.write(archive.extractfile(run.LOG).read())
+        difference, count = _difference(before, path, is_part)
+    if difference is None:
+        print(f'rerun: the same trial: {count} events' + (' up to there' if is_part else ''), file=stream)
+        return SAME
+    print(f'rerun: different: {difference}', file=stream)
+    return DIFFERENT
+
+
+def _difference(before, path, is_part):
+    """Return (the first difference of two logs as text, or None; events read); a part need only be the beginning."""
+    with event_log.open_text(before) as one, event_log.open_text(path) as other:
+        old, count = iter(EventLog(one, before)), 0
+        for event in EventLog(other, path):
+            was = next(old, None)
+            if was is None or was.compared != event.compared:
+                return ' / '.join(run_difference.told_lines(each) if each else 'no more events'
+                                  for each in (was, event)), count
+            count += 1
+        left = None if is_part else next(old, None)
+        return (f'no more events after {count}, but {run_difference.told_lines(left)}' if left else None), count

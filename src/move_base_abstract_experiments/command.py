@@ -1,0 +1,82 @@
+"""The command line: rosrun move_base_abstract experiment run|status|rerun."""
+import argparse
+import os
+import sys
+
+from move_base_abstract.errors import SimulatorError
+
+GOOD, BAD, CANNOT, INTERRUPTED = 0, 1, 2, 130
+
+
+def main(words):
+    """Run the command line; return the exit code: 0 good, 1 some trials failed, 2 it cannot be run like this."""
+    options = _parse(words)
+    try:
+        return options.act(options)
+    except SimulatorError as error:
+        print(f'experiment: {error}', file=sys.stderr)
+        return CANNOT
+
+
+def _parse(words):
+    parser = argparse.ArgumentParser(
+        prog='experiment', description='Run any system many times, on all cores, and say what came out.',
+        epilog='exit codes: 0 all trials are complete, 1 some failed or differ, 2 it cannot be run like this, '
+        '130 interrupted; what is complete stays, and the same command goes on')
+    verbs = parser.add_subparsers(dest='verb', metavar='run|status|rerun', required=True)
+    run = verbs.add_parser('run', help='run the trials that are not complete')
+    run.add_argument('file', metavar='FILE', help='the experiment, YAML')
+    run.add_argument('-o', '--output', required=True, metavar='OUT', help='folder: new, empty, or of this program')
+    where = run.add_mutually_exclusive_group()
+    where.add_argument('--workers', type=_count, default=None, metavar='N', help='processes here (default: one a core)')
+    where.add_argument('--scheduler', metavar='ADDRESS', help='a running Dask scheduler, tcp://HOST:PORT')
+    run.set_defaults(act=_run)
+    status = verbs.add_parser('status', help='say how far it is')
+    status.add_argument('output', metavar='OUT')
+    status.set_defaults(act=_status)
+    rerun = verbs.add_parser('rerun', help='run one trial again, here, and say whether it is the same')
+    rerun.add_argument('output', metavar='OUT')
+    rerun.add_argument('trial', metavar='TRIAL', help='its id, or the number that the id begins with')
+    rerun.add_argument('--rviz', action='store_true', help='show it in RViz')
+    rerun.add_argument('--until', type=_seconds, default=0.0, metavar='T', help='end after T simulated seconds')
+    rerun.add_argument('--speed', type=_seconds, default=0.0, metavar='F', help='at most F times real time')
+    rerun.add_argument('--logs', metavar='FOLDER', help='keep what it leaves in this new folder')
+    rerun.set_defaults(act=_rerun)
+    return parser.parse_args(words)
+
+
+def _count(text):
+    value = int(text)
+    if not 1 <= value <= 1024:
+        raise argparse.ArgumentTypeError(f'must be a whole number in 1..1024, got {text}')
+    return value
+
+
+def _seconds(text):
+    value = float(text)
+    if not 0.0 < value <= 1e9:
+        raise argparse.ArgumentTypeError(f'must be a number > 0, at most 1e9, got {text}')
+    return value
+
+
+def _run(options):
+    from . import sweep
+    try:
+        return BAD if sweep.run(options.file, options.output, options.workers or os.cpu_count() or 1,
+                                options.scheduler) else GOOD
+    except KeyboardInterrupt:
+        print('experiment: interrupted; what is complete stays, and the same command goes on', file=sys.stderr)
+        return INTERRUPTED
+
+
+def _status(options):
+    from . import state
+    for line in state.lines(options.output):
+        print(line)
+    return GOOD
+
+
+def _rerun(options):
+    from . import again
+    return again.rerun(options.output, options.trial, until=options.until, speed=options.speed, rviz=options.rviz,
+                       logs=options.logs)

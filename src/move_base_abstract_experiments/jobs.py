@@ -1,0 +1,125 @@
+"""What goes to a worker, as plain values, and what it does there with its warm process."""
+import contextlib
+import os
+import socket
+import subprocess
+import sys
+import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the warm process has one
+
+from . import plan, trial
+from .warm_nodes import interpreter_of
+
+_ANSWER_S = 1e7  # wall; the trial itself ends by its time limit
+_END_S = 10.0  # wall
+_state = threading.local()
+_all = []
+
+
+def make_job(experiment, one, **others):
+    """Return the job of a plan.Trial: plain values that JSON can carry."""
+    from . import checks
+    values = plan.values_of(one)
+    return {'id': one.id, 'configuration': one.configuration, 'replication': one.replication, 'seed': one.seed,
+            'launch': checks.filled(experiment.launch, values) if experiment.launch else '',
+            'arguments': plan.launch_arguments(experiment, one),
+            'command': [checks.filled(word, values) for word in experiment.command], 'folder': experiment.folder,
+            'participants': experiment.participants, 'leave_out': experiment.leave_out,
+            'replace': sorted(experiment.replace.items()), 'until': experiment.until, 'record': experiment.record,
+            'function': experiment.function, 'factors': list(experiment.factors), 'verified_by': one.verified_by,
+            'time_limit': experiment.time_limit, 'sleep': experiment.sleep, 'is_warm': True,
+            'made_of': plan.made_of(experiment, one), 'version': plan.package_version(), **others}
+
+
+class WorkerError(RuntimeError):
+    """The warm process of a worker did not start, or was lost."""
+
+
+class WarmProcess:
+    """A warm process and the connection to it; for one thread at a time."""
+
+    def __init__(self):
+        from move_base_abstract_ros.loopback import find_executable
+        own, other = socket.socketpair()
+        with other:
+            os.set_inheritable(other.fileno(), True)
+            python = interpreter_of(find_executable('lockstep')) or sys.executable
+            environment = {name: value for name, value in os.environ.items() if name not in (
+                'ROS_HOSTNAME', 'ROS_NAMESPACE')}
+            self._process = subprocess.Popen(
+                [python, '-m', 'move_base_abstract_experiments.warm', str(other.fileno())], env=environment,
+                pass_fds=[other.fileno()], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE, start_new_session=True)
+        self._socket = own
+        self._answers = own.makefile('rb')
+        if self._answers.readline() != b'ready\n':
+            self.close()
+            text = self._process.stderr.read().decode('utf-8', 'replace').strip()
+            raise WorkerError(f'the warm process did not start: {text[-500:] or "no text"}')
+
+    def run(self, job):
+        """Run the trial of a job; return its outputs as bytes. :raises WorkerError: if the process is lost."""
+        import json
+        try:
+            self._socket.sendall(json.dumps(job).encode() + b'\n')
+            line = self._answers.readline()
+            answer = json.loads(line) if line else None
+            if answer is None:
+                raise WorkerError('the warm process has gone')
+            path = os.path.join(answer['path'], trial.OUTPUTS)
+            try:
+                with open(path, 'rb') as stream:
+                    content = stream.read()
+            except FileNotFoundError:
+                content = None
+            text = _end_of(os.path.join(answer['path'], 'trial.txt'))
+            self._socket.sendall(b'taken\n')
+        except OSError as problem:
+            raise WorkerError(f'the warm process was lost: {problem}') from None
+        if content is None:
+            raise WorkerError(f"the trial's process ended with code {answer['code']}: {text}")
+        return content
+
+    def close(self):
+        """End it, and with it whatever it has started."""
+        with contextlib.suppress(OSError):
+            self._socket.shutdown(socket.SHUT_RDWR)
+        self._socket.close()
+        try:
+            self._process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+
+def _end_of(path):
+    try:
+        with open(path, encoding='utf-8', errors='replace') as stream:
+            return ' '.join(stream.read()[-500:].split()) or 'no text'
+    except OSError:
+        return 'no text'
+
+
+def carry_out(job):
+    """Run a job on this worker; return (who ran it, the outputs as bytes). The warm process stays for the next one."""
+    if getattr(_state, 'warm', None) is None:
+        _state.warm = WarmProcess()
+        _all.append(_state.warm)
+    try:
+        return f'{socket.gethostname()}:{os.getpid()}', _state.warm.run(job)
+    except WorkerError:
+        forget(_state.warm)
+        _state.warm = None
+        raise
+
+
+def forget(warm):
+    """End a warm process."""
+    with contextlib.suppress(ValueError):
+        _all.remove(warm)
+    warm.close()
+
+
+def end_all():
+    """End all warm processes of this worker, and with them what they run."""
+    while _all:
+        forget(_all[-1])

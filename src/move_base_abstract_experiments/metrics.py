@@ -1,0 +1,146 @@
+"""The built-in metrics of a trial, from its event log alone.
+
+A robot *moves* from `departed` to `stands`; it *waits* while it stands with a goal that it has set out for and that has
+not ended; else it is *idle*. Distances are straight legs between the places where it stood; where it stood before its
+first leg is not in the log and is given by who knows the launch file. A leg that the end of the run cuts off adds
+nothing to the distance, as nobody has told where it was cut.
+"""
+import hashlib
+import json
+import math
+import re
+from typing import NamedTuple
+
+from move_base_abstract import event_log
+from move_base_abstract.event_log import EventLog, EventLogError
+from move_base_abstract.run_difference import MESSAGES
+
+_NS_PER_S = 1e9  # dividing by it rounds once
+_END = re.compile(r' at ([0-9]+(?:\.[0-9]+)?) s\b')
+REACHED = 'SUCCEEDED'
+FAILED = ('ABORTED', 'REJECTED', 'LOST')
+ROBOT_VALUES = ('goals', 'distance_m', 'moving_s', 'idle_s', 'waiting_s')
+
+
+class Summary(NamedTuple):
+    """What a log says: the end record's labels, and numbers. ``robots``: {name: {one of ROBOT_VALUES: number}}."""
+
+    metrics: dict
+    robots: dict
+    simulated_seconds: float
+    events: int
+    repeatable: bool
+    labels: list
+    reason: str
+    by_fault: bool
+
+
+class _Robot:
+    """One robot while its events are read."""
+
+    def __init__(self, place, start_ns):
+        self.place = place  # (x, y) where it stands or last stood [m], or None
+        self.since_ns = start_ns
+        self.state = 'idle'
+        self.ns = {'moving': 0, 'idle': 0, 'waiting': 0}
+        self.goals = 0
+        self.distance = 0.0
+
+    def be(self, state, now_ns):
+        self.ns[self.state] += now_ns - self.since_ns
+        self.state, self.since_ns = state, now_ns
+
+    def stand(self, x, y, now_ns):
+        if self.state == 'moving':
+            self.distance += math.hypot(x - self.place[0], y - self.place[1]) if self.place is not None else 0.0
+            self.be('waiting', now_ns)
+        self.place = (x, y)
+
+    def values(self):
+        return {'goals': self.goals, 'distance_m': round(self.distance, 9),
+                **{f'{state}_s': self.ns[state] / _NS_PER_S for state in ('moving', 'idle', 'waiting')}}
+
+
+def summarise(path, starts=None):
+    """Return the Summary of an event log. ``starts``: {robot: (x, y)} [m], where they stand first.
+
+    :raises EventLogError: if it cannot be read, or the run did not end properly.
+    """
+    with event_log.open_text(path) as stream:
+        start_ns = _start_ns(path)
+        log = EventLog(stream, path)
+        robots, endings, last_ns = {}, {'reached': 0, 'failed': 0, 'last_ns': start_ns}, start_ns
+        for event in log:
+            last_ns = event.time_ns
+            if event.kind not in MESSAGES:
+                _take(robots, endings, event, starts or {}, start_ns)
+    if log.end is None:
+        raise EventLogError(f'{path}: has no end record: the run did not end properly')
+    end_ns = max(last_ns, _end_ns(log.end.get('reason', '')))
+    for robot in robots.values():
+        robot.be('idle', end_ns)
+    return _summary(robots, endings, log, start_ns, end_ns)
+
+
+def _take(robots, endings, event, starts, start_ns):
+    values = json.loads(event.values)
+    if event.kind in ('departed', 'stands') and len(values) >= 2:
+        robot = robots.setdefault(event.robot, None) or _Robot(starts.get(event.robot), start_ns)
+        robots[event.robot] = robot
+        if event.kind == 'stands':
+            robot.stand(values[0], values[1], event.time_ns)
+        else:
+            robot.be('moving', event.time_ns)
+    elif event.kind == 'ended' and len(values) >= 2:
+        endings['reached'] += values[1] == REACHED
+        endings['failed'] += values[1] in FAILED
+        endings['last_ns'] = event.time_ns
+        robot = robots.get(event.robot)
+        if robot is not None:
+            robot.goals += values[1] == REACHED
+            if robot.state == 'waiting':
+                robot.be('idle', event.time_ns)
+
+
+def _start_ns(path):
+    with event_log.open_text(path) as stream:
+        line = stream.readline()
+    try:
+        return int(json.loads(line.lstrip('# ')).get('start_ns', 0))
+    except (ValueError, AttributeError, TypeError):
+        return 0
+
+
+def _end_ns(reason):
+    found = _END.search(reason)
+    if found is None:
+        return 0
+    whole, _, part = found.group(1).partition('.')
+    return int(whole) * 10**9 + int((part + '0' * 9)[:9])
+
+
+def _summary(robots, endings, log, start_ns, end_ns):
+    seconds = (end_ns - start_ns) / _NS_PER_S
+    by_robot = {name: robots[name].values() for name in sorted(robots)}
+
+    def mean(key):
+        return round(sum(one[key] for one in by_robot.values()) / len(by_robot), 9) if by_robot else None
+    ended = endings['reached'] + endings['failed']
+    metrics = {
+        'goals': endings['reached'], 'goals_failed': endings['failed'],
+        'makespan': (endings['last_ns'] - start_ns) / _NS_PER_S if ended else None,
+        'distance': round(sum(one['distance_m'] for one in by_robot.values()), 9),
+        'moving': mean('moving_s'), 'idle': mean('idle_s'), 'waiting': mean('waiting_s'),
+        'throughput': endings['reached'] * 3600.0 / seconds if seconds > 0.0 else None}
+    labels = log.end['not_repeatable_because'] + log.end['degraded_because']
+    return Summary(metrics, by_robot, seconds, log.events, bool(log.end.get('repeatable')) and not labels, labels,
+                   log.end.get('reason', ''), bool(log.end.get('by_fault')))
+
+
+def digest(path):
+    """Return the SHA-256 of a file, as hex."""
+    found = hashlib.sha256()
+    with open(path, 'rb') as stream:
+        for piece in iter(lambda: stream.read(1 << 20), b''):
+            found.update(piece)
+    return found.hexdigest()

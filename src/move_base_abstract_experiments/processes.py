@@ -1,0 +1,215 @@
+"""Processes of a run: forked from this one, gone when it is gone, in groups of their own.
+
+Who calls this has one thread. A child that is forked either becomes another program (exec) or goes on as a Python
+program that has all imported already.
+"""
+import atexit
+import contextlib
+import ctypes
+import os
+import signal
+import sys
+import threading  # noqa: TID251 - who looks whether there is a second one
+import time
+import traceback
+
+PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
+_LIBC = ctypes.CDLL(None, use_errno=True)
+_POLL_S = 0.05  # wall
+_KILL_ROUNDS = 200
+_TASKS = '/proc/self/task'
+
+
+def assert_one_thread():
+    """Raise RuntimeError if this process has a second thread: a fork would leave its locks as they are."""
+    count = len(os.listdir(_TASKS)) if os.path.isdir(_TASKS) else threading.active_count()
+    if count != 1:
+        raise RuntimeError(f'{count} threads at a fork; allowed: one ({[one.name for one in threading.enumerate()]})')
+
+
+def adopt_orphans():
+    """Have processes whose parent has gone become children of this one, so that none is left at the end."""
+    _LIBC.prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+
+def die_with(parent):
+    """Have the kernel end this process when its parent ends."""
+    _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    if os.getppid() != parent:
+        os._exit(1)
+
+
+def fork(body, output=None, cwd=None, new_session=False):
+    """Start a child that calls body() and ends with its exit code; return its process id.
+
+    ``output``: the path of a file for what it prints. The child leads a process group of its own.
+    """
+    assert_one_thread()
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    parent = os.getpid()
+    pid = os.fork()
+    if pid:
+        if not new_session:
+            with contextlib.suppress(OSError):  # both do it, so that it is so for both
+                os.setpgid(pid, pid)
+        return pid
+    code = 1
+    try:
+        die_with(parent)
+        os.setsid() if new_session else os.setpgid(0, 0)
+        _take_defaults()
+        if output is not None:
+            _redirect(output)
+        if cwd is not None:
+            os.chdir(cwd)
+        code = _code_of(body)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        finish(code)
+    return pid  # never: finish does not return
+
+
+def execute(words, environment, output, cwd):
+    """Start a program; return its process id. What cannot be started says so in its output, and ends with 127."""
+    def become():
+        try:
+            os.execvpe(words[0], words, environment)
+        except OSError as error:
+            print(f'{words[0]}: cannot be started: {error.strerror}', file=sys.stderr)
+            sys.stderr.flush()
+            os._exit(127)
+    return fork(become, output, cwd)
+
+
+def finish(code):
+    """End this process as Python itself does it at its end; a process forked from others' frames cannot return."""
+    try:
+        threading._shutdown()
+        atexit._run_exitfuncs()
+    except BaseException:
+        code = code or 1
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(Exception):
+            stream.flush()
+    os._exit(code)
+
+
+def end(pids, polite, grace):
+    """End children and all that they have left: by the signal ``polite``, and by SIGKILL after ``grace`` [s, wall].
+
+    Return {pid: exit status as of waitpid} of those that have ended by then.
+    """
+    statuses = {}
+    for pid in pids:
+        signal_group(pid, polite)
+    await_ends(set(pids), grace, statuses)
+    for pid in pids:
+        signal_group(pid, signal.SIGKILL)
+    await_ends(set(pids) - set(statuses), grace, statuses)
+    return statuses
+
+
+def await_ends(waiting, seconds, statuses):
+    """Wait until all of these have ended, at most so long [s, wall]; their statuses go into ``statuses``."""
+    deadline = time.monotonic() + seconds
+    while waiting - set(statuses):
+        if reap(statuses):
+            continue
+        left = deadline - time.monotonic()
+        if left <= 0.0:
+            break
+        await_child(min(left, _POLL_S))
+
+
+def await_child(seconds):
+    """Wait until a child has ended, or so long; SIGCHLD is blocked in this process (block_child_signal)."""
+    signal.sigtimedwait({signal.SIGCHLD}, seconds)
+
+
+def block_child_signal():
+    """Have SIGCHLD wait until it is asked for."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
+
+
+def reap(statuses):
+    """Take the statuses of all children that have ended; return whether there was one."""
+    found = False
+    while True:
+        try:
+            pid, status = os.waitpid(-1, os.WNOHANG)
+        except ChildProcessError:
+            return found
+        if pid == 0:
+            return found
+        statuses[pid] = status
+        found = True
+
+
+def end_all_children():
+    """Kill whatever children this process has, adopted ones too, until there is none."""
+    for _ in range(_KILL_ROUNDS):
+        for pid in _children():
+            signal_group(pid, signal.SIGKILL)
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        try:
+            while os.waitpid(-1, os.WNOHANG)[0]:
+                pass
+        except ChildProcessError:
+            return
+        time.sleep(0.005)
+
+
+def _children():
+    found = []
+    for task in os.listdir(_TASKS):
+        with contextlib.suppress(OSError), open(f'{_TASKS}/{task}/children') as stream:
+            found += [int(word) for word in stream.read().split()]
+    return found
+
+
+def signal_group(pid, number):
+    """Send a signal to the process group that a child leads, if there is one left. Never to this process's own."""
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        if os.getpgid(pid) == pid:
+            os.killpg(pid, number)
+        else:
+            os.kill(pid, number)
+
+
+def code_of(status):
+    """Return the exit code of a status of waitpid; of a signal its negative number."""
+    return -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
+
+
+def _take_defaults():
+    """Have signals as a program has them that was started anew."""
+    signal.set_wakeup_fd(-1)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number in (signal.SIGTERM, signal.SIGCHLD, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_SETMASK, set())
+
+
+def _redirect(output):
+    descriptor = os.open(output, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    for target, source in ((0, nothing), (1, descriptor), (2, descriptor)):
+        os.dup2(source, target)
+    os.close(descriptor)
+    os.close(nothing)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(line_buffering=True, write_through=True)
+
+
+def _code_of(body):
+    try:
+        body()
+    except SystemExit as error:
+        if error.code is None or isinstance(error.code, int):
+            return error.code or 0
+        print(error.code, file=sys.stderr)
+        return 1
+    return 0

@@ -1,0 +1,63 @@
+"""How far a sweep is: one line that changes on a terminal, else a plain line every few seconds."""
+import time
+
+_EVERY_S = 5.0  # wall, without a terminal
+_OFTEN_S = 0.5  # wall, on one
+
+
+class Progress:
+    """Counts trials and says so."""
+
+    def __init__(self, stream, total, complete):
+        self._stream = stream
+        self._total = total
+        self._done = complete
+        self._new = 0
+        self._failed = 0
+        self._begin = time.monotonic()
+        self._last = self._begin
+        self._is_terminal = stream.isatty()
+        if complete:
+            print(f'experiment: {complete} of {total} trials are complete already', file=stream, flush=True)
+
+    def begin(self, client):
+        """The workers are there."""
+        address = client.scheduler_info().get('address', '')
+        link = getattr(client, 'dashboard_link', '') if client.scheduler_info().get('services') else ''
+        print(f'experiment: Dask scheduler {address}' + (f', dashboard {link}' if link else ''), file=self._stream,
+              flush=True)
+        self._begin = time.monotonic()
+
+    def count(self, about):
+        """A trial has ended."""
+        self._done += 1
+        self._new += 1
+        self._failed += about['status'] != 'complete'
+        if self._done == self._total:
+            self._say(0)
+            if self._is_terminal:
+                print(file=self._stream, flush=True)
+
+    def look(self, runner):
+        """Say something, if it is time."""
+        if time.monotonic() - self._last > (_OFTEN_S if self._is_terminal else _EVERY_S):
+            self._say(runner.workers)
+
+    def _say(self, workers):
+        self._last = time.monotonic()
+        seconds = max(1e-3, self._last - self._begin)
+        rate = self._new / seconds
+        left = (self._total - self._done) / rate if rate else 0.0
+        text = (f'{self._done} of {self._total} trials, {rate:.2f}/s'
+                + (f', about {_duration(left)} left' if rate and self._done < self._total else '')
+                + (f', {workers} workers' if workers else '') + (f', {self._failed} failed' if self._failed else ''))
+        if self._is_terminal:
+            print(f'\r{text:<78}', end='', file=self._stream, flush=True)
+        else:
+            print(text, file=self._stream, flush=True)
+
+
+def _duration(seconds):
+    minutes, rest = divmod(int(seconds + 0.5), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f'{hours} h {minutes} min' if hours else f'{minutes} min {rest} s' if minutes else f'{rest} s'

@@ -1,0 +1,59 @@
+"""A ROS master of a trial's own: on a free port of 127.0.0.1, in a process forked from this one."""
+import contextlib
+import os
+import select
+import sys
+import time
+import xmlrpc.client
+
+from move_base_abstract.errors import SimulatorError
+
+from . import processes
+
+_START_S = 20.0  # wall
+_ALIVE_S = 0.5  # wall
+
+
+class MasterError(SimulatorError):
+    """The ROS master did not come up."""
+
+
+def start(output):
+    """Start a ROS master; return (process id, URI). ``output``: the path of a file for what it prints."""
+    read, write = os.pipe()
+    pid = processes.fork(lambda: _serve(read, write), output)
+    os.close(write)
+    try:
+        ready, _, _ = select.select([read], [], [], _START_S)
+        uri = os.read(read, 4096).decode() if ready else ''
+    finally:
+        os.close(read)
+    if not uri:
+        raise MasterError(f'the ROS master did not come up; what it printed is in {output}')
+    return pid, uri
+
+
+def _serve(read, write):
+    from rosmaster.master import Master
+    os.close(read)
+    master = Master(0)
+    master.start()
+    os.write(write, master.uri.encode())
+    os.close(write)
+    with contextlib.suppress(KeyboardInterrupt):
+        while master.ok():
+            time.sleep(_ALIVE_S)
+    sys.exit(0)
+
+
+def set_parameters(uri, parameters):
+    """Set parameters, (key, value) pairs, in their order and in one call. :raises MasterError: if one cannot be set."""
+    calls = xmlrpc.client.MultiCall(xmlrpc.client.ServerProxy(uri))
+    for key, value in parameters:
+        calls.setParam('/experiment', key, value)
+    try:
+        for code, text, _ in calls():
+            if code != 1:
+                raise MasterError(f'a parameter cannot be set: {text}')
+    except (OSError, TypeError, OverflowError, xmlrpc.client.Error) as error:
+        raise MasterError(f'the parameters cannot be set: {error}') from None

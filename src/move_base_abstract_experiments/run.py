@@ -1,0 +1,297 @@
+"""One run of a launch file or a command in lockstep, from nothing to its end; called in a process of its own.
+
+No `roslaunch` process: the file is read by roslaunch's own loader, changed by the room `launching`, and its nodes are
+started from here. Everything that was started is gone when run() returns.
+"""
+import contextlib
+import fnmatch
+import json
+import os
+import re
+import shlex
+import signal
+import time
+from typing import NamedTuple
+
+from move_base_abstract.errors import ConfigurationError, SimulatorError
+
+from . import processes, ros_master, warm_nodes
+
+END_NODE, RECORDER_NODE = '/experiment_end', '/experiment_recorder'
+LOG, MESSAGES = 'events.jsonl', 'messages.jsonl'
+_ONLOOKER_GRACE_S = 5.0  # wall
+_OWN_END_S = 6.0  # wall, that participants may take to end by themselves once the run is over
+_LOOK_S = 0.2  # wall
+_BEFORE_START_S = 5.0  # wall, that the time master may take to be asked
+_NODE_FILE = re.compile(r'[^\w.-]+', re.ASCII)
+
+
+class RunError(SimulatorError):
+    """A run that could not be started, or did not come to its end."""
+
+
+class Wanted(NamedTuple):
+    """What is to be run. Words are filled in already."""
+
+    files: list  # [(path, [ARG:=VALUE])] of roslaunch, or empty
+    command: tuple
+    participants: object  # names, or None: all
+    leave_out: tuple
+    replace: tuple  # ((package, type), (package, type))
+    seed: int
+    sleep: str
+    until: object  # spec.Until
+    record: object  # spec.Record
+    time_limit: float  # s, wall
+    is_warm: bool = True
+    condition: object = None  # of launching.conditions
+    speed_limit: float = 0.0  # times real time; 0: none
+    extra: tuple = ()  # words of a program that looks on, such as RViz
+
+
+class Folders(NamedTuple):
+    """Where a run leaves what: its event log and messages, the nodes' own files, what they print."""
+
+    own: str
+    files: str
+    logs: str
+
+
+class Ended(NamedTuple):
+    """Where robots stood first as far as parameters say it, and the exit codes of nodes by their names."""
+
+    starts: dict  # {robot: (x, y)} [m]
+    codes: dict
+
+
+class _Process(NamedTuple):
+    name: str
+    pid: int
+    takes_part: bool
+    is_required: bool
+
+
+def make_folders(path):
+    """Make the Folders of a run below a folder that is there and empty."""
+    folders = Folders(path, os.path.join(path, 'files'), os.path.join(path, 'logs'))
+    os.mkdir(folders.files)
+    os.mkdir(folders.logs)
+    return folders
+
+
+def run(wanted, folders):
+    """Run it to its end; return an Ended.
+
+    :raises SimulatorError: if it cannot be started, or does not come to its end.
+    """
+    processes.adopt_orphans()
+    processes.block_child_signal()
+    try:
+        _enter(folders)
+        master, uri = ros_master.start(os.path.join(folders.logs, 'rosmaster.txt'))
+        os.environ['ROS_MASTER_URI'] = uri
+        config, taking = _plan(wanted, folders)
+        ros_master.set_parameters(uri, [(param.key, param.value) for param in config.params.values()])
+        started = _start_all(config, taking, uri, wanted, folders)
+        return Ended(_starts(config), _await_end(master, started, wanted, folders))
+    finally:
+        processes.end_all_children()
+
+
+def _enter(folders):
+    """Have this process, and all that it starts, use this computer's own address and the run's folders."""
+    for name in ('ROS_HOSTNAME', 'ROS_NAMESPACE'):
+        os.environ.pop(name, None)
+    os.environ.update(ROS_IP='127.0.0.1', ROS_LOG_DIR=folders.logs, ROS_HOME=folders.files,
+                      PYTHONUNBUFFERED='1', ROSCONSOLE_STDOUT_LINE_BUFFERED='1', **warm_nodes.ONE_THREAD)
+
+
+def _plan(wanted, folders):
+    """Return roslaunch's configuration, changed for lockstep, and the names of who takes part."""
+    import roslaunch.config
+    from roslaunch.core import RLException
+
+    from move_base_abstract_ros.launching import plan
+    plan.name_anonymous_ones_alike()
+    try:
+        config = roslaunch.config.load_config_default(wanted.files, None, verbose=False)
+    except RLException as error:
+        raise ConfigurationError(str(error)) from None
+    _add_own_nodes(config, wanted, folders)
+    wishes = _wishes(plan, config, wanted, folders)
+    return config, plan.plan_of(config, wishes).participants
+
+
+def _add_own_nodes(config, wanted, folders):
+    from roslaunch.core import Node, Param
+
+    from move_base_abstract_ros.loopback import PACKAGE
+
+    def add(name, kind, parameters, required):
+        node = Node(PACKAGE, kind, name=name.lstrip('/'), required=required)
+        node.machine = config.machines['']
+        config.nodes.append(node)
+        for key, value in parameters.items():
+            config.params[f'{name}/{key}'] = Param(f'{name}/{key}', value)
+    if wanted.until.topic:
+        add(END_NODE, 'end_at_message', {'topic': wanted.until.topic}, True)
+    if wanted.record.messages:
+        add(RECORDER_NODE, 'message_recorder', {'topics': list(wanted.record.messages),
+                                                'path': os.path.join(folders.own, MESSAGES)}, False)
+
+
+def _wishes(plan, config, wanted, folders):
+    from move_base_abstract_ros.launching import roles
+    start_s = config.params.get('/time_master/start_time')
+    start_s = 1.0 if start_s is None else start_s.value
+    parameters = {'event_log': os.path.join(folders.own, LOG), 'log_messages': wanted.record.hashes or None,
+                  'end_when_idle': wanted.until.idle or None, 'speed_limit': wanted.speed_limit or None,
+                  'end_at': start_s + wanted.until.seconds if wanted.until.seconds else None}
+    names = [roles.name_of(node) for node in config.nodes]
+    forced, kept_out = (), ()
+    if wanted.participants is not None and not wanted.command:
+        own = [name for name in (END_NODE, RECORDER_NODE) if name in names]
+        forced = wanted.participants
+        kept_out = tuple(name for node, name in zip(config.nodes, names) if name not in (*forced, *own)
+                         and not roles.is_time_master(node))
+    if wanted.command:
+        parameters['participants'] = list(wanted.participants)
+    condition = wanted.condition
+    own_environment = ()
+    if condition is not None and '--own-hash-seed' in condition.options:
+        own_environment = (('PYTHONHASHSEED', condition.options[condition.options.index('--own-hash-seed') + 1]),)
+    return plan.Wishes(parameters={key: value for key, value in parameters.items() if value is not None},
+                       launcher=('--sleep', wanted.sleep, '--seed', str(wanted.seed)), forced=forced,
+                       kept_out=kept_out, left_out=wanted.leave_out, replaced=wanted.replace,
+                       environment=condition.environment if condition is not None else (),
+                       own_environment=own_environment)
+
+
+def _start_all(config, taking, uri, wanted, folders):
+    """Start the time master and all nodes; return them as _Process objects, the time master first."""
+    from roslaunch.core import setup_env
+    from roslaunch.node_args import NodeParamsException, create_local_process_args
+
+    from move_base_abstract_ros.launching import roles
+    from move_base_abstract_ros.loopback import find_executable
+    launcher = find_executable('lockstep')
+    started = []
+    for node in sorted(config.nodes, key=lambda node: not roles.is_time_master(node)):
+        name = roles.name_of(node)
+        if node.machine_name and node.machine_name not in ('localhost', 'local'):
+            continue
+        stem = _NODE_FILE.sub('-', name.strip('/'))
+        try:
+            words = create_local_process_args(node, node.machine)
+        except (NodeParamsException, ValueError) as error:
+            raise RunError(f'{name} cannot be started: {error}') from None
+        words.append('__log:=' + os.path.join(folders.logs, stem + '.log'))
+        cwd = os.path.dirname(words[0]) if node.cwd == 'node' else folders.files
+        pid, _ = warm_nodes.start(words, setup_env(node, node.machine, uri), os.path.join(folders.logs, stem + '.txt'),
+                                  cwd, launcher, os.path.dirname(launcher), wanted.is_warm)
+        started.append(_Process(name, pid, name in taking, bool(node.required)))
+    for number, words in enumerate(words for words in (wanted.command, wanted.extra) if words):
+        pid = processes.execute(list(words), dict(os.environ), os.path.join(folders.logs, f'command_{number}.txt'),
+                                folders.files)
+        started.append(_Process('the command ' + shlex.quote(words[0]), pid, bool(wanted.command), False))
+    return started
+
+
+def _await_end(master, started, wanted, folders):
+    """Wait until the time master has ended, end everybody, return exit codes. :raises RunError: if it failed."""
+    time_master = started[0]
+    deadline = time.monotonic() + wanted.time_limit
+    statuses, seen, problem = {}, set(), None
+    while problem is None and time_master.pid not in statuses:
+        if not processes.reap(statuses):
+            processes.await_child(_LOOK_S)
+        for process in started:
+            if process.pid in statuses and process.pid not in seen and process is not time_master:
+                seen.add(process.pid)
+                problem = problem or _judge(process, processes.code_of(statuses[process.pid]), folders)
+        if master in statuses:
+            problem = problem or 'the ROS master ended'
+        if time.monotonic() > deadline:
+            problem = problem or f'it was not over after {wanted.time_limit:g} s of wall time (time_limit)'
+    if problem is None:
+        code = processes.code_of(statuses[time_master.pid])
+        problem = None if code == 0 else f'the run did not end as wished: the time master ended with exit code {code}'
+    else:
+        statuses.update(processes.end([time_master.pid], signal.SIGINT, _ONLOOKER_GRACE_S))
+    _end_others(started, statuses)
+    if problem is not None:
+        raise RunError(problem)
+    return {one.name: processes.code_of(statuses[one.pid]) for one in started if one.pid in statuses}
+
+
+def _judge(process, code, folders):
+    """Return what is wrong with the end of a process while the run goes on, or None."""
+    if process.is_required and not process.takes_part:
+        return f'{process.name}, which is required and looks on, ended (exit code {code})'
+    if process.takes_part and not os.path.exists(os.path.join(folders.own, LOG)):
+        names = _not_there_yet()
+        if names is not None and process.name not in names and not process.name.startswith('the command'):
+            return f'{process.name} ended (exit code {code}) before it took part, so that time never starts'
+        if process.name.startswith('the command') and code:
+            return f'{process.name} ended with exit code {code}'
+    return None
+
+
+def _not_there_yet():
+    """Return who takes part while the time master waits for others; None once time has started, or if it is mute.
+
+    A process of its own asks: this one has no thread.
+    """
+    read, write = os.pipe()
+
+    def ask():
+        from move_base_abstract_ros.launching.runner import ask_state
+        state = ask_state(_BEFORE_START_S)
+        is_waiting = state is not None and state.phase == 'waiting_for_participants'
+        os.write(write, json.dumps([one.name for one in state.participants] if is_waiting else None).encode())
+    pid = processes.fork(ask, os.devnull)
+    os.close(write)
+    with os.fdopen(read, 'rb') as stream:
+        text = stream.read()
+    processes.end([pid], signal.SIGKILL, 1.0)
+    return json.loads(text) if text else None
+
+
+def _end_others(started, statuses):
+    """End who looks on, politely, and give those who take part the time to end by themselves."""
+    onlookers = [one.pid for one in started if not one.takes_part and one.pid not in statuses]
+    for pid in onlookers:
+        processes.signal_group(pid, signal.SIGINT)
+    taking = [one.pid for one in started if one.takes_part and one.pid not in statuses]
+    processes.await_ends({*taking, *onlookers}, _OWN_END_S, statuses)
+    left = [pid for pid in (*taking, *onlookers) if pid not in statuses]
+    if left:
+        statuses.update(processes.end(left, signal.SIGINT, 1.0))
+
+
+def _starts(config):
+    """Return {robot: (x, y)} [m] of the robots that parameters name: of a move_base each, or of a fleet."""
+    found = {}
+    for key, param in config.params.items():
+        node, _, name = key.rpartition('/')
+        if node.endswith('/move_base'):
+            values = [config.params.get(f'{node}/{one}') for one in ('start_x', 'start_y')]
+            found[node.rpartition('/')[0].strip('/')] = _place([None if one is None else one.value for one in values])
+        elif name == 'robots' and isinstance(param.value, list):
+            found.update((one['name'], _place([one.get('start_x'), one.get('start_y')]))
+                         for one in param.value if isinstance(one, dict) and isinstance(one.get('name'), str))
+    return found
+
+
+def _place(values):
+    with contextlib.suppress(TypeError, ValueError):
+        return tuple(0.0 if value is None else float(value) for value in values)
+    return None
+
+
+def keep_files(folders, patterns):
+    """Return the paths of the files in the nodes' working folder that one of the patterns fits, sorted."""
+    return [os.path.join(folders.files, name) for name in sorted(os.listdir(folders.files))
+            if any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)
+            and os.path.isfile(os.path.join(folders.files, name)) and not os.path.islink(os.path.join(
+                folders.files, name))]

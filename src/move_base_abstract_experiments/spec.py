@@ -1,0 +1,228 @@
+"""What an experiment is: its file, read and checked as a whole before anything starts.
+
+An unknown key is an error that names the known one which is like it.
+"""
+import math
+import os
+import re
+from typing import NamedTuple, Optional
+
+from move_base_abstract.bounded_yaml import load_yaml_file
+from move_base_abstract.errors import ConfigurationError
+
+from . import checks
+from .metric_names import BUILT_IN, Metric
+
+KEYS = ('experiment', 'launch', 'command', 'participants', 'leave_out', 'replace', 'args', 'factors', 'replications',
+        'seed', 'until', 'record', 'metrics', 'verify', 'time_limit', 'sleep')
+UNTIL = ('seconds', 'topic', 'idle')
+RECORD = ('messages', 'files', 'hashes')
+METRICS = ('function', 'columns')
+COLUMN = ('title', 'unit', 'better')
+ALL = 'all'
+MOST_TRIALS = 1_000_000
+LONGEST_S = 1e9  # simulated, of a trial
+TIME_LIMIT_S = 600.0  # wall, of a trial
+LARGEST_SEED = 10**17
+OWN_COLUMNS = ('id', 'replication', 'seed', 'status', 'simulated_seconds', 'wall_seconds', 'times_real_time',
+               'repeatable', 'labels', 'events', 'log_sha256', 'verified', 'error')
+_TOPIC = re.compile(r'/?[A-Za-z][\w/]{0,255}\Z', re.ASCII)
+_FUNCTION = re.compile(r'[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*\Z', re.ASCII)
+_PATTERN = re.compile(r'[\w.*?\[\]-]{1,100}\Z', re.ASCII)
+_KIND = re.compile(r'[A-Za-z][\w.-]*/[\w.-]+\Z', re.ASCII)
+
+
+class Until(NamedTuple):
+    """What ends a trial, whichever comes first; besides, the end of a node that the launch file calls required."""
+
+    seconds: float = 0.0  # simulated, from the start; 0: no such end
+    topic: str = ''  # the first message on it
+    idle: bool = False  # when nobody has anything left to do
+
+
+class Record(NamedTuple):
+    """What is kept of a trial beside its event log."""
+
+    messages: tuple = ()  # topics
+    files: tuple = ()  # patterns of names of files that the nodes leave in their working folder
+    hashes: bool = False  # whether what participants send each other is in the event log, as hashes
+
+
+class Experiment(NamedTuple):
+    """An experiment's file, checked. ``folder``: where it lies; relative paths in it start there."""
+
+    name: str
+    folder: str
+    launch: str
+    command: tuple
+    participants: Optional[tuple]  # full names; None: all
+    leave_out: tuple
+    replace: dict
+    args: dict
+    factors: dict
+    replications: int
+    seed: int
+    until: Until
+    record: Record
+    function: str
+    columns: dict  # name: Metric, of the user's function
+    verify: float
+    time_limit: float  # s, wall
+    sleep: str
+
+    @property
+    def metrics(self):
+        """What is told of the metrics, as {name: Metric}: the built-in ones, then the user's."""
+        return {**BUILT_IN, **self.columns}
+
+
+def read(path):
+    """Return the Experiment in a YAML file. :raises ConfigurationError: naming the file, the place, what is allowed."""
+    document = load_yaml_file(path)
+    try:
+        return checked(document, os.path.dirname(os.path.abspath(path)))
+    except ConfigurationError as problem:
+        raise ConfigurationError(f'{path}: {problem}') from None
+
+
+def checked(document, folder):
+    """Return the Experiment of a document; see read()."""
+    given = checks.mapping('the experiment', document, KEYS)
+    if ('launch' in given) == ('command' in given):
+        raise ConfigurationError("one of 'launch' and 'command' is wanted" + (
+            ', not both' if 'launch' in given else ''))
+    if 'experiment' not in given:
+        raise ConfigurationError("'experiment' is missing: the name of the experiment")
+    experiment = Experiment(
+        name=checks.text('experiment', given['experiment'], 100), folder=folder,
+        launch=checks.text('launch', given['launch']) if 'launch' in given else '',
+        command=checks.texts('command', given.get('command', [])),
+        participants=_participants(given.get('participants', ALL)),
+        leave_out=_nodes('leave_out', given.get('leave_out', [])), replace=_replaced(given.get('replace', {})),
+        args=_args(given.get('args', {})), factors=_factors(given.get('factors', {})),
+        replications=checks.number('replications', given.get('replications', 1), 1, MOST_TRIALS, whole=True),
+        seed=checks.number('seed', given.get('seed', 0), 0, LARGEST_SEED, whole=True),
+        until=_until(given.get('until', {})), record=_record(given.get('record', {})),
+        **_metrics(given.get('metrics', {})),
+        verify=float(checks.number('verify', given.get('verify', 0), 0, 1)),
+        time_limit=float(checks.number('time_limit', given.get('time_limit', TIME_LIMIT_S), 1, 1e7)),
+        sleep=checks.one_of('sleep', given.get('sleep', 'wall'), ('wall', 'simulated')))
+    _check_together(experiment)
+    return experiment
+
+
+def configurations(experiment):
+    """Return all configurations, {factor: value}, the last factor changing fastest."""
+    found = [{}]
+    for name, values in experiment.factors.items():
+        found = [{**one, name: value} for one in found for value in values]
+    return found
+
+
+def _participants(value):
+    return None if value == ALL else _nodes('participants', value)
+
+
+def _nodes(where, value):
+    if not isinstance(value, list):
+        raise checks.error(where, value, 'a list of names of nodes' + (', or all' if where == 'participants' else ''))
+    names = checks.texts(where, value)
+    for name in names:
+        if not _TOPIC.match(name):
+            raise checks.error(where, name, 'names of nodes, such as /coordinator')
+    return tuple('/' + name.lstrip('/') for name in names)
+
+
+def _replaced(value):
+    pairs = checks.mapping('replace', value)
+    for kind in [*pairs, *pairs.values()]:
+        if not isinstance(kind, str) or not _KIND.match(kind):
+            raise checks.error('replace', kind, 'PACKAGE/TYPE: PACKAGE/TYPE, such as move_base/move_base')
+    return pairs
+
+
+def _args(value):
+    return {checks.identifier('args', name): checks.scalar(f'args.{name}', item)
+            for name, item in checks.mapping('args', value).items()}
+
+
+def _factors(value):
+    found = {}
+    for name, values in checks.mapping('factors', value).items():
+        checks.identifier('factors', name)
+        if name in OWN_COLUMNS or name in BUILT_IN:
+            raise ConfigurationError(f'factors: {name!r} is the name of a column of the table; name it otherwise')
+        if not isinstance(values, list) or not values:
+            raise checks.error(f'factors.{name}', values, f'a list, each {checks.SCALARS}')
+        found[name] = [checks.scalar(f'factors.{name}[{k}]', item) for k, item in enumerate(values)]
+        if len({(type(item), item) for item in found[name]}) < len(values):
+            raise checks.error(f'factors.{name}', values, 'each value once')
+    return found
+
+
+def _until(value):
+    given = checks.mapping('until', value, UNTIL)
+    topic = given.get('topic', '')
+    if topic and (not isinstance(topic, str) or not _TOPIC.match(topic)):
+        raise checks.error('until.topic', topic, 'the name of a topic, such as /done')
+    seconds = float(checks.number('until.seconds', given['seconds'], 1e-6, LONGEST_S)) if 'seconds' in given else 0.0
+    return Until(seconds, '/' + topic.lstrip('/') if topic else '',
+                 checks.flag('until.idle', given.get('idle', False)))
+
+
+def _record(value):
+    given = checks.mapping('record', value, RECORD)
+    topics = checks.texts('record.messages', given.get('messages', []))
+    for topic in topics:
+        if not _TOPIC.match(topic):
+            raise checks.error('record.messages', topic, 'names of topics, such as /idleness')
+    patterns = checks.texts('record.files', given.get('files', []))
+    for pattern in patterns:
+        if not _PATTERN.match(pattern):
+            raise checks.error('record.files', pattern, 'names of files without a folder, with * and ?, as *.csv')
+    return Record(tuple('/' + topic.lstrip('/') for topic in topics), patterns,
+                  checks.flag('record.hashes', given.get('hashes', False)))
+
+
+def _metrics(value):
+    given = {'function': value} if isinstance(value, str) else checks.mapping('metrics', value, METRICS)
+    function = given.get('function', '')
+    if function and (not isinstance(function, str) or not _FUNCTION.match(function)):
+        raise checks.error('metrics.function', function, 'module:function, such as my_package.metrics:summarise')
+    columns = {}
+    for name, told in checks.mapping('metrics.columns', given.get('columns', {})).items():
+        where = f'metrics.columns.{checks.identifier("metrics.columns", name)}'
+        about = checks.mapping(where, told, COLUMN)
+        if name in OWN_COLUMNS or name in BUILT_IN:
+            raise ConfigurationError(f'{where}: is the name of a column of the table already')
+        better = about.get('better')
+        columns[name] = Metric(checks.text(f'{where}.title', about.get('title', name), 100),
+                               checks.scalar(f'{where}.unit', about.get('unit', '')),
+                               better if better is None else checks.one_of(f'{where}.better', better,
+                                                                           ('lower', 'higher')))
+    if columns and not function:
+        raise ConfigurationError('metrics.columns: there is no metrics.function that gives them')
+    return {'function': function, 'columns': columns}
+
+
+def _check_together(experiment):
+    """Check what depends on several keys."""
+    known = [*experiment.factors, 'seed', 'replication']
+    for where, value in (('launch', experiment.launch), *(('args.' + key, value) for key, value in
+                         experiment.args.items()), *(('command', word) for word in experiment.command)):
+        checks.check_places(where, value, known)
+    for name in experiment.columns:
+        if name in experiment.factors:
+            raise ConfigurationError(f'metrics.columns.{name}: is a factor, too; name one of them otherwise')
+    count = experiment.replications * math.prod(len(values) for values in experiment.factors.values())
+    if count > MOST_TRIALS:
+        raise ConfigurationError(f'{count} trials; allowed: at most {MOST_TRIALS}')
+    if experiment.command:
+        if experiment.participants is None:
+            raise ConfigurationError('participants: a command does not say who takes part; name the nodes, such as '
+                                     '[/coordinator, /robot_0/move_base]')
+        for key in ('args', 'leave_out', 'replace'):
+            if getattr(experiment, key):
+                raise ConfigurationError(f"'{key}' is of a launch file; a command has its words")
+    elif not experiment.launch:
+        raise ConfigurationError('command: at least one word is wanted')

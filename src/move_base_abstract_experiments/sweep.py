@@ -1,0 +1,128 @@
+"""All trials of an experiment: those that are complete stay, the others run; then the table is written."""
+import io
+import json
+import os
+import sys
+import tarfile
+
+from . import checks, cluster, jobs, outputs, plan, spec, tables, trial
+from .progress import Progress
+
+
+def run(path, output, workers, scheduler, stream=sys.stdout):
+    """Run what is missing of the experiment in a file; return how many trials failed, or differ when run again.
+
+    :raises SimulatorError: if it cannot be run. :raises KeyboardInterrupt: after all that was started has ended.
+    """
+    experiment = spec.read(path)
+    with open(path, 'rb') as source:
+        text = source.read()
+    chosen = plan.trials(experiment)
+    if scheduler is None:
+        check(experiment, chosen)
+    with outputs.OutputFolder(output) as folder:
+        about = plan.describe(experiment, chosen, text)
+        folder.write('experiment.yaml', text)
+        folder.write('plan.json', tables.plan_text(about))
+        try:
+            _run_missing(experiment, chosen, folder, workers, scheduler, stream)
+        finally:
+            tables.write(folder, about)
+        return _tell(folder, about, stream)
+
+
+def check(experiment, chosen):
+    """Complain of a launch file or a function that cannot be used, before anything starts.
+
+    :raises ConfigurationError: naming it.
+    """
+    from move_base_abstract.errors import ConfigurationError
+    seen = set()
+    for one in chosen:
+        job = jobs.make_job(experiment, one)
+        key = (job['launch'], *job['arguments'])
+        if job['launch'] and one.replication == 0 and key not in seen:
+            seen.add(key)
+            _check_launch(job)
+    if experiment.function:
+        import subprocess
+        words = [sys.executable, '-c', 'import sys; from move_base_abstract_experiments.user_metrics import load; '
+                 'load(sys.argv[1], sys.argv[2])', experiment.function, experiment.folder]
+        done = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                              check=False)
+        if done.returncode:
+            last = done.stderr.decode('utf-8', 'replace').strip().splitlines()
+            raise ConfigurationError(f'metrics: {experiment.function} cannot be used: '
+                                     f'{last[-1] if last else "no text"}')
+
+
+def _check_launch(job):
+    import roslaunch.config
+    from roslaunch.core import RLException
+
+    from move_base_abstract.errors import ConfigurationError
+    from move_base_abstract_ros.launching import roles
+    try:
+        config = roslaunch.config.load_config_default(
+            [(trial.find_launch(job['launch'], job['folder']), job['arguments'])], None, verbose=False)
+    except RLException as error:
+        raise ConfigurationError(f"launch, with {' '.join(job['arguments']) or 'no arguments'}: {error}") from None
+    names = [roles.name_of(node) for node in config.nodes]
+    for key in ('participants', 'leave_out'):
+        for name in job[key] or ():
+            if name not in names:
+                raise checks.unknown(f'{key}: the node', name, names)
+
+
+def _run_missing(experiment, chosen, folder, workers, scheduler, stream):
+    missing = [one for one in chosen if not _is_complete(folder, one.id, plan.made_of(experiment, one))]
+    progress = Progress(stream, len(chosen), len(chosen) - len(missing))
+    if not missing:
+        return
+
+    def done(job, worker, content, problem, attempts):
+        about = folder.put(content, worker, attempts) if content is not None else failure(job, problem, attempts)
+        if content is None:
+            folder.put_failure(about)
+        progress.count(about)
+    with cluster.connected(min(workers, len(missing)), scheduler) as client:
+        progress.begin(client)
+        cluster.Runner(client, done, is_failure, progress.look).run(
+            jobs.make_job(experiment, one) for one in missing)
+
+
+def _is_complete(folder, name, made_of):
+    about = outputs.read_trial(folder.path, name)
+    return about is not None and about['status'] == trial.COMPLETE and about.get('made_of') == made_of
+
+
+def is_failure(content):
+    """Return whether the outputs of a trial say that it failed."""
+    with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
+        return json.load(archive.extractfile(archive.next()))['status'] != trial.COMPLETE
+
+
+def failure(job, problem, attempts):
+    """Return trial.json's content of a trial that has left nothing."""
+    return {'format': trial.FORMAT, **{key: job[key] for key in ('id', 'configuration', 'replication', 'seed',
+                                                                 'made_of')},
+            'status': trial.FAILED, 'error': problem, 'metrics': {}, 'simulated_seconds': None, 'wall_seconds': None,
+            'times_real_time': None, 'repeatable': False, 'labels': [], 'events': 0, 'log_sha256': None,
+            'verified': None, 'difference': None, 'robots': {}, 'worker': '', 'attempts': attempts}
+
+
+def _tell(folder, about, stream):
+    """Say in a few lines what came out; return how many trials are not as they should be."""
+    found = [outputs.read_trial(folder.path, one['id']) for one in about['trials']]
+    failed = [one for one in found if one is None or one['status'] != trial.COMPLETE]
+    different = [one for one in found if one is not None and one['verified'] == trial.DIFFERENT]
+    verified = sum(one is not None and one['verified'] == trial.IDENTICAL for one in found)
+    print(f'experiment: {len(found) - len(failed)} of {len(found)} trials are complete'
+          + (f'; run twice: {verified} identical, {len(different)} different' if verified or different else ''),
+          file=stream)
+    for one in [one for one in failed if one is not None][:5]:
+        print(f"  failed: {one['id']}: {one['error']}", file=stream)
+    for one in different[:5]:
+        print(f"  different: {one['id']}: {one['difference']}", file=stream)
+    print(f'table: {os.path.join(str(folder.path), "trials.csv")}', file=stream, flush=True)
+    return len(failed) + len(different)

@@ -1,0 +1,80 @@
+"""The tidy table of an experiment: one row per trial in the plan's order, as CSV, and Parquet where pyarrow is there.
+
+What depends on the machine stands in `wall_seconds` and `times_real_time`; all else is the same to the byte whenever
+and wherever the trials ran.
+"""
+import csv
+import importlib.util
+import io
+import json
+
+from . import outputs
+
+BEFORE = ('replication', 'seed', 'status')
+AFTER = ('simulated_seconds', 'wall_seconds', 'times_real_time', 'repeatable', 'labels', 'events', 'log_sha256',
+         'verified', 'error')
+WALL = ('wall_seconds', 'times_real_time')
+
+
+def metric_names(plan, found):
+    """Return the names of the metrics: those of the plan, then what else the trials have, by name."""
+    named = list(plan['metrics'])
+    return named + sorted({name for about in found for name in about['metrics']} - set(named))
+
+
+def columns(plan, metrics):
+    """Return the names of the columns."""
+    return ['id', *plan['factors'], *BEFORE, *metrics, *AFTER]
+
+
+def rows(plan, path):
+    """Return (names of metrics, rows of a table) of those trials of a plan that have ended."""
+    abouts = [outputs.read_trial(path, one['id']) for one in plan['trials']]
+    abouts = [about for about in abouts if about is not None]
+    metrics = metric_names(plan, abouts)
+    table = []
+    for about in abouts:
+        values = {**about['configuration'], **{name: about['metrics'].get(name) for name in metrics}, **about}
+        values['labels'] = '; '.join(about['labels'])
+        table.append([values.get(name) for name in columns(plan, metrics)])
+    return metrics, table
+
+
+def csv_text(names, table):
+    """Return a table as CSV: numbers in the shortest form that reads back the same; nothing for null."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator='\n')
+    writer.writerow(names)
+    writer.writerows([[_cell(value) for value in row] for row in table])
+    return stream.getvalue()
+
+
+def _cell(value):
+    if value is None:
+        return ''
+    return json.dumps(value) if isinstance(value, (bool, int, float)) else str(value)
+
+
+def write(folder, plan):
+    """Write trials.csv of an OutputFolder, and trials.parquet where that can be; add metrics to plan.json."""
+    metrics, table = rows(plan, folder.path)
+    names = columns(plan, metrics)
+    folder.write('trials.csv', csv_text(names, table).encode())
+    for name in metrics:
+        plan['metrics'].setdefault(name, {'unit': '', 'title': name, 'better': None})
+    folder.write('plan.json', plan_text(plan))
+    _write_parquet(folder, names, table)
+
+
+def plan_text(plan):
+    """Return plan.json as bytes."""
+    return (json.dumps(plan, indent=1, allow_nan=False) + '\n').encode()
+
+
+def _write_parquet(folder, names, table):
+    if not all(importlib.util.find_spec(name) for name in ('pandas', 'pyarrow')):
+        return
+    import pandas
+    stream = io.BytesIO()
+    pandas.DataFrame(table, columns=names).to_parquet(stream, engine='pyarrow', index=False)
+    folder.write('trials.parquet', stream.getvalue())

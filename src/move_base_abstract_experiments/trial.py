@@ -1,0 +1,194 @@
+"""One trial in its own process: the run, the run under another condition, the metrics, and what goes back.
+
+carry_out() leaves OUTPUTS in the trial's folder: an archive of trial.json, the event log, recorded messages and files,
+and what the nodes have printed.
+"""
+import json
+import os
+import re
+import tarfile
+import time
+import traceback
+
+from move_base_abstract import run_difference
+from move_base_abstract.errors import ConfigurationError, SimulatorError
+
+from . import metrics, plan, run, spec, user_metrics
+
+OUTPUTS = 'outputs.tar.gz'
+FORMAT = 1
+COMPLETE, FAILED = 'complete', 'failed'
+IDENTICAL, DIFFERENT = 'identical', 'different'
+MOST_BYTES = 512 * 1024 * 1024  # of a trial's outputs, before they are packed
+_MOST_LOG_BYTES = 1 << 20  # the end of what a node has printed
+_FIND = re.compile(r'\$\(find ([A-Za-z][\w-]*)\)')
+_ERROR_LINE = re.compile(r'^(?!Traceback)\S*(Error|Exception)\b.*|.*\[ *(ERROR|FATAL)\].*|.*\bterminate called\b.*')
+_STAMP = re.compile(r'\x1b\[[0-9;]*m|\[[0-9]+\.[0-9]+(, *[0-9.]+)?\]:? ?')
+_LONGEST_ERROR = 300
+_LEAVER = re.compile(r"'([^']+)' left at ")
+
+
+def carry_out(job, path):
+    """Run the trial of a job (see jobs.py) in an empty folder."""
+    about = {'format': FORMAT, 'id': job['id'], 'configuration': job['configuration'],
+             'replication': job['replication'], 'seed': job['seed'], 'status': FAILED, 'error': None, 'metrics': {},
+             'simulated_seconds': None, 'wall_seconds': None, 'times_real_time': None, 'repeatable': False,
+             'labels': [], 'events': 0, 'log_sha256': None, 'verified': None, 'difference': None, 'robots': {},
+             'made_of': job['made_of']}
+    folders = None
+    try:
+        _check_version(job)
+        os.mkdir(os.path.join(path, 'run'))
+        folders = run.make_folders(os.path.join(path, 'run'))
+        _run_first(job, folders, about)
+        if job['function']:
+            _measure(job, folders, about)
+        if job['verified_by']:
+            _verify(job, path, folders, about)
+    except (SimulatorError, OSError) as problem:
+        about['error'] = _first_line(str(problem), folders)
+    except Exception as problem:
+        traceback.print_exc()
+        about['error'] = _first_line(f'{type(problem).__name__}: {problem}', folders)
+    _pack(job, path, folders, about)
+
+
+def wanted_of(job):
+    """Return the run.Wanted of a job."""
+    files = [(find_launch(job['launch'], job['folder']), job['arguments'])] if job['launch'] else []
+    participants = job['participants']
+    return run.Wanted(files=files, command=tuple(job['command']),
+                      participants=None if participants is None else tuple(participants),
+                      leave_out=tuple(job['leave_out']),
+                      replace=tuple((tuple(old.split('/')), tuple(new.split('/'))) for old, new in job['replace']),
+                      seed=job['seed'], sleep=job['sleep'], until=spec.Until(*job['until']),
+                      record=spec.Record(*job['record']), time_limit=job['time_limit'], is_warm=job['is_warm'],
+                      speed_limit=job.get('speed_limit', 0.0), extra=tuple(job.get('extra', ())))
+
+
+def find_launch(text, folder):
+    """Return the path of a launch file: $(find PACKAGE) stands for a package, a relative path begins at the folder.
+
+    :raises ConfigurationError: if there is no such package or file.
+    """
+    import rospkg
+
+    def replaced(found):
+        try:
+            return rospkg.RosPack().get_path(found.group(1))
+        except rospkg.ResourceNotFound:
+            raise ConfigurationError(f"launch: the package '{found.group(1)}' is not found here; is its workspace "
+                                     'sourced?') from None
+    path = os.path.join(folder, _FIND.sub(replaced, text))
+    if not os.path.isfile(path):
+        raise ConfigurationError(f'launch: there is no file {path}')
+    return path
+
+
+def _check_version(job):
+    if job['version'] != plan.package_version():
+        raise ConfigurationError(f"move_base_abstract is {plan.package_version()} on this worker, and "
+                                 f"{job['version']} where the experiment was started; allowed: the same")
+
+
+def _run_first(job, folders, about):
+    begin = time.monotonic()
+    ended = run.run(wanted_of(job), folders)
+    about['wall_seconds'] = round(time.monotonic() - begin, 6)
+    log = os.path.join(folders.own, run.LOG)
+    summary = metrics.summarise(log, ended.starts)
+    about.update(metrics=dict(summary.metrics), simulated_seconds=summary.simulated_seconds,
+                 repeatable=summary.repeatable, labels=summary.labels, events=summary.events,
+                 robots=summary.robots, log_sha256=metrics.digest(log),
+                 times_real_time=round(summary.simulated_seconds / max(about['wall_seconds'], 1e-6), 3))
+    if summary.by_fault:
+        raise run.RunError(f'the run was ended by a fault: {summary.reason}')
+    leaver = _LEAVER.match(summary.reason)  # what others end with when the run is over says nothing
+    if leaver and ended.codes.get(leaver.group(1)):
+        raise run.RunError(f'{leaver.group(1)}, which is required, ended with exit code {ended.codes[leaver.group(1)]}')
+    about['status'] = COMPLETE
+
+
+def _measure(job, folders, about):
+    """Call the user's function; what is wrong with it is told and stops nothing."""
+    found, problem = user_metrics.call(job, folders, about)
+    about['metrics'].update(found)
+    if problem is not None:
+        about['error'] = f"metrics {job['function']}: {problem}"[:_LONGEST_ERROR]
+
+
+def _verify(job, path, folders, about):
+    """Run once more under another condition, each node started as a program, and compare."""
+    from move_base_abstract_ros.launching.conditions import CONDITIONS
+    condition = next(one for one in CONDITIONS if one.name == job['verified_by'])
+    os.mkdir(os.path.join(path, 'again'))
+    again = run.make_folders(os.path.join(path, 'again'))
+    try:
+        run.run(wanted_of(job)._replace(condition=condition, is_warm=False), again)
+        about['difference'] = compare(folders, again)
+    except SimulatorError as problem:
+        about['difference'] = f'the second run did not come to its end: {_first_line(str(problem), again)}'
+    about['verified'] = IDENTICAL if about['difference'] is None else DIFFERENT
+    if about['difference'] is not None:
+        about['difference'] = f"{job['verified_by']}: {about['difference']}"
+
+
+def compare(folders, again):
+    """Return where two runs differ, in a line, or None."""
+    found = run_difference.compare(os.path.join(folders.own, run.LOG), os.path.join(again.own, run.LOG)).difference
+    if found is not None:
+        return ' / '.join(run_difference.told_lines(event) if event else 'no more events'
+                          for event in (found.first, found.second))[:_LONGEST_ERROR]
+    for name in (run.MESSAGES,):
+        paths = [os.path.join(one.own, name) for one in (folders, again)]
+        if os.path.exists(paths[0]) and metrics.digest(paths[0]) != metrics.digest(paths[1]):
+            return f'{name}: recorded messages differ'
+    return None
+
+
+def _first_line(text, folders):
+    """Return the first line of an error, with the first error line of the nodes' outputs, without wall times."""
+    line = text.strip().splitlines()[0] if text.strip() else 'no text'
+    for name in sorted(os.listdir(folders.logs)) if folders is not None else ():
+        if name.endswith('.txt') and name != 'rosmaster.txt':  # it complains of who has gone
+            with open(os.path.join(folders.logs, name), encoding='utf-8', errors='replace') as stream:
+                found = next((_STAMP.sub('', one).strip() for one in stream if _ERROR_LINE.match(one)), None)
+            if found:
+                return f'{line}; {name[:-len(".txt")]}: {found}'[:_LONGEST_ERROR]
+    return line[:_LONGEST_ERROR]
+
+
+def _pack(job, path, folders, about):
+    members = []
+    if folders is not None:
+        members = [(os.path.join(folders.own, name), name) for name in (run.LOG, run.MESSAGES)]
+        members += [(one, 'files-' + os.path.basename(one)) for one in run.keep_files(folders, job['record'][1])]
+        if sum(os.path.getsize(one) for one, _ in members if os.path.exists(one)) > MOST_BYTES:
+            about.update(status=FAILED, error=f'its outputs are more than {MOST_BYTES} bytes; allowed: at most that')
+            members = []
+        ends = ('.txt',) if about['status'] == COMPLETE else ('.txt', '.log')
+        for name in sorted(os.listdir(folders.logs)):
+            if name.endswith(ends) and os.path.isfile(os.path.join(folders.logs, name)):
+                _cut(os.path.join(folders.logs, name))
+                members.append((os.path.join(folders.logs, name), 'logs/' + name))
+    if about['status'] == FAILED and os.path.exists(os.path.join(path, 'trial.txt')):
+        members.append((os.path.join(path, 'trial.txt'), 'logs/trial.txt'))
+    with open(os.path.join(path, 'trial.json'), 'w', encoding='utf-8') as stream:
+        json.dump(about, stream, allow_nan=False)
+    part = os.path.join(path, OUTPUTS + '.part')
+    with tarfile.open(part, 'w:gz', compresslevel=3) as archive:
+        for source, name in [(os.path.join(path, 'trial.json'), 'trial.json'), *members]:
+            if os.path.isfile(source) and not os.path.islink(source):
+                archive.add(source, name, recursive=False)
+    os.rename(part, os.path.join(path, OUTPUTS))
+
+
+def _cut(path):
+    """Leave the end of a long output."""
+    size = os.path.getsize(path)
+    if size > _MOST_LOG_BYTES:
+        with open(path, 'rb') as stream:
+            stream.seek(size - _MOST_LOG_BYTES)
+            end = stream.read()
+        with open(path, 'wb') as stream:
+            stream.write(b'... (the beginning is left out)\n' + end)

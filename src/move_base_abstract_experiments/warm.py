@@ -1,0 +1,99 @@
+"""The warm process of a worker: it has imported all, and forks a process for each trial. It has one thread.
+
+    python3 -m move_base_abstract_experiments.warm SOCKET_DESCRIPTOR
+
+A request on the socket is a line of JSON, {"job": ..., "path": ...}; the answer is a line as well, when the trial's
+process has ended: {"code": 0}. What the trial has to say is in its folder. When the other end of the socket is closed,
+because the worker has ended in whatever way, the trial is ended and its folder removed.
+"""
+import importlib
+import json
+import os
+import select
+import shutil
+import signal
+import socket
+import sys
+import tempfile
+
+from . import processes, warm_nodes
+
+_HASH_SEED = 'PYTHONHASHSEED'
+READY = b'ready\n'
+
+
+def main(words):
+    """Serve until the socket is closed."""
+    from move_base_abstract_ros.lockstep import address_layout
+    is_new = address_layout.choose(os.environ)
+    if is_new or _HASH_SEED not in os.environ or any(os.environ.get(name) != value for name, value in
+                                                     warm_nodes.ONE_THREAD.items()):
+        # Once: with one order of sets and one layout of memory, as the launcher does it.
+        os.environ.setdefault(_HASH_SEED, '0')
+        os.environ.update(warm_nodes.ONE_THREAD)
+        os.execv(sys.executable, [sys.executable, '-m', __spec__.name, *words])
+    for name in warm_nodes.MODULES:
+        importlib.import_module(name)
+    from . import trial  # noqa: F401 - for the forks
+    processes.assert_one_thread()
+    processes.adopt_orphans()
+    folder = tempfile.mkdtemp(prefix='move_base_abstract_trials_')
+    try:
+        with socket.socket(fileno=int(words[0])) as client:
+            _serve(client, folder)
+    finally:
+        processes.end_all_children()
+        shutil.rmtree(folder, ignore_errors=True)  # made above, by this process
+
+
+def _serve(client, folder):
+    wake, woken = os.pipe()
+    os.set_blocking(wake, False)
+    os.set_blocking(woken, False)
+    signal.signal(signal.SIGCHLD, lambda _number, _frame: None)
+    signal.set_wakeup_fd(woken, warn_on_full_buffer=False)
+    client.sendall(READY)
+    count = 0
+    with client.makefile('rb') as requests:
+        for line in requests:
+            count += 1
+            path = os.path.join(folder, f'{count:06d}')
+            os.mkdir(path)
+            pid = processes.fork(lambda line=line, path=path: _carry_out(line, path, client, (wake, woken)),
+                                 os.path.join(path, 'trial.txt'), new_session=True)
+            code = _await(pid, client, wake)
+            processes.end_all_children()
+            if code is None:
+                return
+            client.sendall(json.dumps({'code': code, 'path': path}).encode() + b'\n')
+            if requests.readline() != b'taken\n':
+                return
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def _carry_out(line, path, client, pipes):
+    from . import trial
+    client.close()
+    for descriptor in pipes:
+        os.close(descriptor)
+    trial.carry_out(json.loads(line), path)
+
+
+def _await(pid, client, wake):
+    """Return the exit code of the trial's process, or None if the worker has gone."""
+    while True:
+        ready, _, _ = select.select([client, wake], [], [])
+        if client in ready:  # nobody says anything meanwhile: it is closed
+            return None
+        try:
+            while os.read(wake, 512):
+                pass
+        except BlockingIOError:
+            pass
+        found, status = os.waitpid(pid, os.WNOHANG)
+        if found:
+            return processes.code_of(status)
+
+
+if __name__ == '__main__':
+    main(sys.argv[1:])

@@ -1,0 +1,79 @@
+"""How a node is started: as a program, or, where that is the same, in a fork of this process, which has all imported.
+
+It is the same for our launcher of Python programs and for this package's own nodes, where the node's environment asks
+for what this process was started with. Everything else is started as a program.
+"""
+import builtins
+import os
+import sys
+import types
+
+from . import processes
+
+_FIXED = ('PYTHON', 'LD_', 'MALLOC_', 'GLIBC_', 'OMP_', 'OPENBLAS_', 'MKL_', 'BLIS_', 'NUMEXPR_')
+_HASH_SEED = 'PYTHONHASHSEED'
+#: set for all nodes of a trial, warm or not: trials run side by side, and sums do not depend on the number of cores
+ONE_THREAD = {'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}
+#: what is imported before the fork: messages and libraries of others, and our own nodes
+MODULES = ('rospy', 'actionlib', 'actionlib_msgs.msg', 'dynamic_reconfigure.server', 'geometry_msgs.msg',
+           'move_base_msgs.msg', 'nav_msgs.msg', 'numpy', 'std_msgs.msg', 'std_srvs.srv', 'tf2_msgs.msg', 'tf2_ros',
+           'visualization_msgs.msg', 'roslaunch.config', 'roslaunch.node_args', 'roslaunch.substitution_args',
+           'rosmaster.master', 'move_base_abstract_ros.launching.plan', 'move_base_abstract_ros.lockstep.program',
+           'move_base_abstract_ros.nodes.lockstep_launcher', 'move_base_abstract_ros.nodes.fleet_node',
+           'move_base_abstract_ros.nodes.move_base_node', 'move_base_abstract_ros.nodes.task_server_node',
+           'move_base_abstract_ros.nodes.end_at_message_node', 'move_base_abstract_ros.nodes.message_recorder_node')
+
+
+def start(words, environment, output, cwd, launcher, own_folder, is_warm=True):
+    """Start a node; return (process id, whether it is a fork).
+
+    words: program and arguments. launcher: path of our launcher; own_folder: of this package's programs.
+    """
+    if is_warm and _is_fit(words, environment, launcher, own_folder):
+        return processes.fork(lambda: become(words, environment), output, cwd), True
+    return processes.execute(words, environment, output, cwd), False
+
+
+def _is_fit(words, environment, launcher, own_folder):
+    if words[0] != launcher and os.path.dirname(words[0]) != own_folder:
+        return False
+    if interpreter_of(words[0]) not in (sys.executable, os.path.realpath(sys.executable)):
+        return False
+    # Own nodes do not depend on it, and have none unless somebody asks; then it is that.
+    own_seed = os.environ.get(_HASH_SEED, '')
+    return environment.get(_HASH_SEED, own_seed) == own_seed and all(
+        environment.get(name) == os.environ.get(name) for name in {*environment, *os.environ}
+        if name.startswith(_FIXED) and name not in (_HASH_SEED, 'PYTHONUNBUFFERED', *ONE_THREAD))
+
+
+def interpreter_of(path):
+    """Return the Python in the first line of a script, or '' if it is no Python script."""
+    try:
+        with open(path, 'rb') as stream:
+            first = stream.readline(500)
+    except OSError:
+        return ''
+    words = first[2:].split() if first.startswith(b'#!') else []
+    return os.fsdecode(words[-1]) if words and b'python' in words[-1] and b'/' in words[-1] else ''
+
+
+def become(words, environment):
+    """Be the Python program of a command line, as if Python had been started with it."""
+    import rospy.names
+    from rosgraph.names import get_ros_namespace, load_mappings
+    os.environ.clear()
+    os.environ.update(environment)
+    path = words[0]
+    sys.argv = list(words)
+    sys.path[0] = os.path.dirname(os.path.realpath(path))
+    # What rospy read from the command line and the environment when it was imported.
+    rospy.names._mappings = load_mappings(sys.argv)
+    rospy.names._caller_namespace = get_ros_namespace()
+    rospy.names._caller_id = rospy.names._caller_namespace + 'unnamed'
+    with open(path, 'rb') as stream:
+        source = stream.read()
+    module = types.ModuleType('__main__')
+    module.__builtins__ = builtins
+    module.__file__ = path
+    sys.modules['__main__'] = module
+    exec(compile(source, path, 'exec', dont_inherit=True), module.__dict__)

@@ -1,0 +1,27 @@
+"""The node ``end_at_message``: takes part in a run, and leaves it at the first message on a topic.
+
+Its private parameter ``topic`` names it. A run that ends with this node (the time master's ``end_with``) ends there, at
+the same instant each time.
+"""
+import sys
+
+import rospy
+
+from move_base_abstract.errors import SimulatorError
+
+from .. import lockstep
+from ..node_process import parse_no_arguments
+
+
+def main():
+    """Wait for the message, and exit; with 1 when the parameter is missing, or the run ends before."""
+    parse_no_arguments('end_at_message', __doc__)
+    rospy.init_node('end_at_message', disable_rosout=True)
+    try:
+        topic = rospy.get_param('~topic')
+        lockstep.join()
+        rospy.wait_for_message(topic, rospy.AnyMsg)
+    except KeyError:
+        sys.exit('{}: the parameter topic is missing; allowed: the name of a topic'.format(rospy.get_name()))
+    except (SimulatorError, rospy.ROSException) as error:
+        sys.exit('{}: {}'.format(rospy.get_name(), error))

@@ -1,0 +1,9 @@
+"""Run any system many times: rosrun move_base_abstract experiment run|status|rerun; see docs/experiments.md."""
+
+
+def main():
+    """Run the command line and exit with its code."""
+    import sys
+
+    from move_base_abstract_experiments.command import main as command
+    sys.exit(command(sys.argv[1:]))

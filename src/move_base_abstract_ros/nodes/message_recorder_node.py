@@ -1,0 +1,63 @@
+"""The node ``message_recorder``: takes part in a run, and writes what is said on some topics to a file.
+
+Private parameters: ``topics``, a list of names; ``path``, of the file. Each line is a message as JSON:
+
+    {"time_ns":2500000000,"topic":"/idleness","type":"std_msgs/Float64","message":{"data":1.5}}
+
+``time_ns`` is the simulated instant at which it came. The file is equal for equal runs.
+"""
+import json
+import math
+import sys
+
+import genpy
+import rospy
+from roslib.message import get_message_class
+
+from move_base_abstract.errors import SimulatorError
+
+from .. import lockstep
+from ..node_process import parse_no_arguments
+
+
+def main():
+    """Record until the run is over; exits with 1 when a parameter is missing."""
+    parse_no_arguments('message_recorder', __doc__)
+    rospy.init_node('message_recorder', disable_rosout=True)
+    try:
+        topics, path = rospy.get_param('~topics'), rospy.get_param('~path')
+        lockstep.join()
+        with open(path, 'w', encoding='utf-8') as stream:
+            _record(topics, stream)
+            rospy.spin()
+    except KeyError as error:
+        sys.exit('{}: the parameter {} is missing; topics (a list) and path are wanted'.format(rospy.get_name(), error))
+    except (SimulatorError, OSError) as error:
+        sys.exit('{}: {}'.format(rospy.get_name(), error))
+
+
+def _record(topics, stream):
+    def hear(message, topic):
+        kind = message._connection_header['type']
+        known = get_message_class(kind)
+        if known is None:
+            rospy.logerr('%s: messages of %s on %s are not known here; they are left out', rospy.get_name(), kind,
+                         topic)
+            return
+        stream.write(json.dumps({
+            'time_ns': rospy.get_rostime().to_nsec(), 'topic': topic, 'type': kind,
+            'message': plain(known().deserialize(message._buff))}, separators=(',', ':'), allow_nan=False) + '\n')
+        stream.flush()
+    for topic in topics:
+        rospy.Subscriber(topic, rospy.AnyMsg, hear, callback_args=topic)
+
+
+def plain(value):
+    """Return a message, or a value in one, as JSON has it: times in s, bytes as numbers, null for what is no number."""
+    if isinstance(value, genpy.Message):
+        return {name: plain(getattr(value, name)) for name in value.__slots__}
+    if isinstance(value, genpy.rostime.TVal):
+        return value.to_nsec() * 1e-9
+    if isinstance(value, (list, tuple, bytes)):
+        return [plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,204 @@
+#!/usr/bin/env python3
+"""Experiments with real worker processes: killed workers and clients, failures, warm and cold starts, what is left."""
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import tarfile
+import time
+import unittest
+import uuid
+
+import psutil
+import rostest
+from own_folder import OwnFolder
+
+from move_base_abstract_experiments import jobs, outputs, plan, spec, tables
+from move_base_abstract_ros.loopback import find_executable
+
+GUARD = 200.0  # s, wall; only ends what would never end
+MARK = 'EXPERIMENT_TEST_MARK'
+SWEEP = """
+experiment: sweep
+launch: $(find move_base_abstract)/examples/experiments/patrol.launch
+replace: {move_base/move_base: move_base_abstract/move_base}
+args: {robots: 1, rounds: 1, pause: '{pause}'}
+factors: {pause: [1.0, 2.0]}
+replications: 2
+until: {idle: true}
+"""
+WRONG = """
+experiment: wrong
+launch: wrong.launch
+args: {what: '{what}'}
+factors: {what: [good, bad]}
+until: {topic: /said}
+record: {messages: [/said]}
+metrics: wrong_metrics:count
+"""
+LAUNCH = """<launch>
+  <arg name="what"/>
+  <node pkg="move_base_abstract" type="fleet" name="fleet"><rosparam>{robots: [{name: a}]}</rosparam></node>
+  <node pkg="sayings" type="say.py" name="say" required="true"><param name="what" value="$(arg what)"/></node>
+</launch>"""
+SAY = """#!/usr/bin/env python3
+import rospy
+from std_msgs.msg import String
+rospy.init_node('say')
+if rospy.get_param('~what') == 'bad':
+    raise ValueError('this one is wrong')
+publisher = rospy.Publisher('/said', String, queue_size=1)
+for k in range(5):
+    rospy.sleep(1.0)
+    publisher.publish(str(k))
+"""
+METRICS = """def count(trial):
+    said = [message['data'] for _, _, message in trial.messages('/said')]
+    if said != ['0']:
+        raise RuntimeError('heard %s' % said)
+    return {'said': len(said), 'events_of_a_log': len(list(trial.events()))}
+"""
+PACKAGE = """<package format="2"><name>sayings</name><version>1.0.0</version><description>x</description>
+<maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
+
+
+class Client:
+    """`experiment run` in a process of its own; what it starts is known by a mark in the environment."""
+
+    def __init__(self, folder, file, out, *options):
+        self.mark = uuid.uuid4().hex
+        environment = dict(os.environ, **{MARK: self.mark})
+        self.process = subprocess.Popen(
+            [sys.executable, find_executable('experiment'), 'run', file, '-o', out, '--workers', '2', *options],
+            cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            start_new_session=True)
+
+    def end(self):
+        """Return (exit code, output) at its end."""
+        try:
+            text = self.process.communicate(timeout=GUARD)[0].decode()
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise
+        return self.process.returncode, text
+
+    def workers(self):
+        """Return the worker processes."""
+        return [one for one in psutil.Process(self.process.pid).children()
+                if any('spawn_main' in word for word in one.cmdline())]
+
+    def left(self):
+        """Return the processes that it has left."""
+        found = []
+        for one in psutil.process_iter():
+            try:
+                if one.environ().get(MARK) == self.mark and one.status() != psutil.STATUS_ZOMBIE:
+                    found.append(one)
+            except psutil.Error:
+                pass
+        return found
+
+
+def wait_for(condition, what):
+    """Wait until condition() is true."""
+    deadline = time.monotonic() + GUARD
+    while not condition():
+        if time.monotonic() > deadline:
+            raise AssertionError('waited in vain for {}'.format(what))
+        time.sleep(0.05)
+
+
+def without_wall(path):
+    """Return a table as lists of cells, without the columns of wall time."""
+    with open(path) as stream:
+        rows = [line.rstrip('\n').split(',') for line in stream]
+    kept = [k for k, name in enumerate(rows[0]) if name not in tables.WALL]
+    return [[row[k] for k in kept] for row in rows]
+
+
+class Experiments(OwnFolder, unittest.TestCase):
+    """What `experiment run` promises."""
+
+    def complete(self, out):
+        folder = self.path(out + '/trials')
+        return [name for name in os.listdir(folder) if not name.endswith('.unfinished')] if os.path.isdir(
+            folder) else []
+
+    def test_killed_workers_and_clients_lose_nothing_and_change_nothing(self):
+        file = self.write('sweep.yaml', SWEEP)
+        whole = Client(self.folder, file, 'whole')
+        self.assertEqual(whole.end()[0], 0)
+        killed = Client(self.folder, file, 'killed')
+        wait_for(lambda: self.complete('killed'), 'the first trial')
+        killed.workers()[0].kill()
+        count = len(self.complete('killed'))
+        wait_for(lambda: len(self.complete('killed')) > count, 'a trial after the death of a worker')
+        killed.process.kill()
+        killed.end()
+        wait_for(lambda: not killed.left(), 'the end of all processes of a client that was killed')
+        before = {name: os.stat(self.path('killed/trials/{}/trial.json'.format(name))).st_mtime_ns
+                  for name in self.complete('killed')}
+        again = Client(self.folder, file, 'killed')
+        code, text = again.end()
+        self.assertEqual(code, 0, text)
+        self.assertIn('complete already', text)
+        self.assertEqual(without_wall(self.path('killed/trials.csv')),
+                         without_wall(self.path('whole/trials.csv')))
+        for name, stamp in before.items():
+            self.assertEqual(os.stat(self.path('killed/trials/{}/trial.json'.format(name))).st_mtime_ns, stamp)
+        self.assertEqual(len(without_wall(self.path('whole/trials.csv'))), 5)
+        self.assertFalse(again.left())
+
+    def test_ctrl_c_ends_what_was_started(self):
+        file = self.write('sweep.yaml', SWEEP)
+        client = Client(self.folder, file, 'out')
+        wait_for(lambda: self.complete('out'), 'the first trial')
+        os.killpg(client.process.pid, signal.SIGINT)
+        code, text = client.end()
+        self.assertEqual(code, 130, text)
+        self.assertNotIn('Traceback', text)
+        wait_for(lambda: not client.left(), 'the end of all processes')
+        self.assertTrue(os.path.isfile(self.path('out/trials.csv')))
+
+    def test_a_trial_that_fails_is_recorded_and_stops_nothing(self):
+        os.mkdir(self.path('sayings'))
+        self.write('sayings/package.xml', PACKAGE)
+        self.write('sayings/say.py', SAY, 0o755)
+        self.write('wrong_metrics.py', METRICS)
+        self.write('wrong.launch', LAUNCH)
+        file = self.write('wrong.yaml', WRONG)
+        os.environ['ROS_PACKAGE_PATH'] = self.folder + ':' + os.environ['ROS_PACKAGE_PATH']
+        code, text = Client(self.folder, file, 'out').end()
+        self.assertEqual(code, 1, text)
+        good, bad = (outputs.read_trial(self.path('out'), one['id']) for one in outputs.read_plan(
+            self.path('out'))['trials'])
+        self.assertEqual((good['status'], good['error'], good['metrics'].get('said')), ('complete', None, 1))
+        self.assertEqual(good['simulated_seconds'], 1.0)
+        self.assertEqual((bad['status'], bad['attempts']), ('failed', 2))
+        self.assertIn('ValueError: this one is wrong', bad['error'])
+        self.assertTrue(os.path.isfile(self.path('out/trials/{}/logs/say.txt'.format(bad['id']))))
+
+    def test_a_warm_start_changes_nothing(self):
+        experiment = spec.read(self.write('sweep.yaml', SWEEP.replace('until:', 'record: {hashes: true}\nuntil:')))
+        one = plan.trials(experiment)[0]
+        warm = jobs.WarmProcess()
+        try:
+            logs = [self.log_of(warm.run(jobs.make_job(experiment, one, is_warm=is_warm)))
+                    for is_warm in (True, False, True)]
+        finally:
+            warm.close()
+        self.assertGreater(len(logs[0]), 1000)
+        self.assertEqual(logs[0], logs[1])
+        self.assertEqual(logs[0], logs[2])
+
+    def log_of(self, content):
+        with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
+            about = json.load(archive.extractfile('trial.json'))
+            self.assertEqual((about['status'], about['error']), ('complete', None))
+            return archive.extractfile('events.jsonl').read()
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'experiment', Experiments)

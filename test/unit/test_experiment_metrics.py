@@ -1,0 +1,59 @@
+"""The built-in metrics, from event logs written by hand."""
+import json
+
+import pytest
+
+from move_base_abstract.event_log import EventLogError
+from move_base_abstract_experiments import metrics, user_metrics
+
+SECOND = 10**9
+
+
+def written(path, events, reason="'/a' left at 20.5 s", labels=()):
+    lines = [{'event_log': 1, 'start_ns': SECOND}]
+    lines += [{'time_ns': int(time * SECOND), 'robot': robot, 'kind': kind, 'values': values}
+              for time, robot, kind, values in events]
+    lines.append({'end': {'events': len(events), 'repeatable': not labels, 'not_repeatable_because': list(labels),
+                          'degraded_because': [], 'reason': reason}})
+    path.write_text(''.join(json.dumps(line) + '\n' for line in lines))
+    return str(path)
+
+
+def test_a_robot_moves_waits_and_is_idle(tmp_path):
+    path = written(tmp_path / 'log', [
+        (2, 'r', 'departed', [3, 4, 0]), (7, 'r', 'stands', [3, 4, 0]), (9, 'r', 'ended', ['g', 'SUCCEEDED', '']),
+        (10, 'r', 'departed', [3, 5, 0]), (11, 'r', 'stands', [3, 5, 0]), (11, 'r', 'ended', ['h', 'ABORTED', ''])])
+    found = metrics.summarise(path, {'r': (0.0, 0.0)})
+    assert found.robots == {'r': {'goals': 1, 'distance_m': 6.0, 'moving_s': 6.0, 'idle_s': 11.5, 'waiting_s': 2.0}}
+    assert found.metrics == {'goals': 1, 'goals_failed': 1, 'makespan': 10.0, 'distance': 6.0, 'moving': 6.0,
+                             'idle': 11.5, 'waiting': 2.0, 'throughput': 3600.0 / 19.5}
+    assert (found.simulated_seconds, found.events, found.repeatable) == (19.5, 6, True)
+
+
+def test_the_first_leg_needs_a_start_and_a_leg_that_is_cut_off_adds_nothing(tmp_path):
+    path = written(tmp_path / 'log', [(2, 'r', 'departed', [3, 4, 0]), (7, 'r', 'stands', [3, 4, 0]),
+                                      (7, 'r', 'departed', [9, 9, 0])])
+    found = metrics.summarise(path)
+    assert found.metrics['distance'] == 0.0
+    assert found.robots['r']['moving_s'] == 5.0 + 13.5
+    assert found.metrics['makespan'] is None
+
+
+def test_labels_are_told(tmp_path):
+    found = metrics.summarise(written(tmp_path / 'log', [], labels=['a clock']))
+    assert (found.repeatable, found.labels, found.metrics['moving']) == (False, ['a clock'], None)
+
+
+def test_a_run_without_an_end_is_an_error(tmp_path):
+    path = tmp_path / 'log'
+    path.write_text('{"event_log":1,"start_ns":0}\n')
+    with pytest.raises(EventLogError, match='did not end properly'):
+        metrics.summarise(str(path))
+
+
+def test_what_a_function_may_return():
+    assert user_metrics.checked({'a': 1, 'b': True, 'c': float('inf'), 'd': None}, []) == {
+        'a': 1, 'b': 1, 'c': None, 'd': None}
+    for bad in ([], {'a': 'x'}, {'a b': 1}, {'goals': 1}, {'robots': 1}):
+        with pytest.raises((TypeError, ValueError)):
+            user_metrics.checked(bad, ['robots'])

@@ -1,0 +1,93 @@
+"""The folder of an experiment: what comes into it, what is never replaced, and its table."""
+import io
+import json
+import tarfile
+
+import pytest
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_experiments import outputs, state, sweep, tables
+
+ID = '0001-abcdef'
+ABOUT = {'format': 1, 'id': ID, 'configuration': {'a': 1}, 'replication': 0, 'seed': 3, 'status': 'complete',
+         'error': None, 'metrics': {'goals': 2, 'extra': 0.5}, 'simulated_seconds': 1.5, 'wall_seconds': 0.25,
+         'times_real_time': 6.0, 'repeatable': True, 'labels': ['x', 'y'], 'events': 4, 'log_sha256': 'ab',
+         'verified': None, 'difference': None, 'robots': {}, 'made_of': 'm'}
+PLAN = {'format': 1, 'experiment': 'e', 'factors': {'a': [1]}, 'metrics': {'goals': {}}, 'trials': [{'id': ID}]}
+
+
+def packed(members):
+    stream = io.BytesIO()
+    with tarfile.open(fileobj=stream, mode='w:gz') as archive:
+        for name, content in members:
+            info = tarfile.TarInfo(name)
+            info.size = len(content)
+            archive.addfile(info, io.BytesIO(content))
+    return stream.getvalue()
+
+
+def trial(**others):
+    return [('trial.json', json.dumps({**ABOUT, **others}).encode()), ('events.jsonl', b'log'),
+            ('logs/a.txt', b'text')]
+
+
+def test_a_trial_comes_into_its_place_and_may_be_replaced(tmp_path):
+    with outputs.OutputFolder(tmp_path / 'out') as folder:
+        folder.put(packed(trial()), 'w', 1)
+        folder.put(packed(trial(seed=4)), 'w', 2)
+    about = outputs.read_trial(tmp_path / 'out', ID)
+    assert (about['seed'], about['worker'], about['attempts']) == (4, 'w', 2)
+    assert (tmp_path / 'out' / 'trials' / ID / 'logs' / 'a.txt').read_bytes() == b'text'
+    assert sorted(path.name for path in (tmp_path / 'out' / 'trials').iterdir()) == [ID]
+
+
+@pytest.mark.parametrize('name', ['../x', '/etc/x', 'logs/../../x', 'a/b', 'logs/.hidden'])
+def test_an_archive_with_other_names_is_refused(tmp_path, name):
+    with outputs.OutputFolder(tmp_path / 'out') as folder:
+        with pytest.raises(ConfigurationError, match='plain files'):
+            folder.put(packed([*trial(), (name, b'')]), 'w', 1)
+    assert not (tmp_path / 'x').exists()
+
+
+def test_a_folder_of_somebody_else_stays(tmp_path):
+    (tmp_path / 'mine').write_text('mine')
+    with pytest.raises(ConfigurationError, match='did not make it'):
+        outputs.OutputFolder(tmp_path).__enter__()
+    assert [path.name for path in tmp_path.iterdir()] == ['mine']
+
+
+def test_what_somebody_has_put_into_a_trial_stays(tmp_path):
+    with outputs.OutputFolder(tmp_path / 'out') as folder:
+        folder.put(packed(trial()), 'w', 1)
+        note = tmp_path / 'out' / 'trials' / ID / 'note'
+        note.write_text('mine')
+        with pytest.raises(ConfigurationError, match='note'):
+            folder.put(packed(trial()), 'w', 1)
+    assert note.read_text() == 'mine'
+
+
+def test_a_second_run_into_the_same_folder_is_refused(tmp_path):
+    with outputs.OutputFolder(tmp_path / 'out'):
+        with pytest.raises(ConfigurationError, match='another process'):
+            outputs.OutputFolder(tmp_path / 'out').__enter__()
+
+
+def test_the_table_has_a_row_per_trial(tmp_path):
+    with outputs.OutputFolder(tmp_path / 'out') as folder:
+        folder.put(packed(trial()), 'w', 1)
+        tables.write(folder, json.loads(json.dumps(PLAN)))
+    assert (tmp_path / 'out' / 'trials.csv').read_text() == (
+        'id,a,replication,seed,status,goals,extra,simulated_seconds,wall_seconds,times_real_time,repeatable,labels,'
+        'events,log_sha256,verified,error\n'
+        '0001-abcdef,1,0,3,complete,2,0.5,1.5,0.25,6.0,true,x; y,4,ab,,\n')
+    assert outputs.read_plan(tmp_path / 'out')['metrics']['extra'] == {'unit': '', 'title': 'extra', 'better': None}
+
+
+def test_a_failure_is_told(tmp_path):
+    job = {'id': ID, 'configuration': {'a': 1}, 'replication': 0, 'seed': 3, 'made_of': 'm'}
+    with outputs.OutputFolder(tmp_path / 'out') as folder:
+        folder.put_failure(sweep.failure(job, 'it was lost', 2))
+        folder.write('plan.json', tables.plan_text(PLAN))
+    lines = list(state.lines(tmp_path / 'out'))
+    assert lines[0] == 'e: 0 of 1 trials complete, 1 failed, 0 missing'
+    assert 'it was lost' in lines[1]

@@ -1,0 +1,98 @@
+"""What an experiment's file may say, and what is told of one that cannot be used."""
+import pytest
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_experiments import checks, plan, spec
+
+BASE = {'experiment': 'x', 'launch': 'x.launch'}
+
+
+def read(**others):
+    return spec.checked({**BASE, **others}, '/folder')
+
+
+@pytest.mark.parametrize('others, text', [
+    ({'replication': 3}, "did you mean 'replications'"),
+    ({'until': {'second': 3}}, "did you mean 'seconds'"),
+    ({'record': {'message': []}}, "did you mean 'messages'"),
+    ({'factors': {'robots': [1]}, 'args': {'robots': '{robot}'}}, "did you mean 'robots'"),
+    ({'factors': {'robots': [1, 1]}}, 'each value once'),
+    ({'factors': {'robots': []}}, 'a list'),
+    ({'factors': {'seed': [1]}}, 'name of a column'),
+    ({'factors': {'goals': [1]}}, 'name of a column'),
+    ({'factors': {'a': [float('nan')]}}, 'a number'),
+    ({'args': {'a;b': 1}}, 'letters, digits'),
+    ({'replications': 0}, 'in 1..'),
+    ({'replications': True}, 'in 1..'),
+    ({'verify': 1.5}, 'in 0..1'),
+    ({'command': ['x']}, 'not both'),
+    ({'metrics': 'import os; os.system(1)'}, 'module:function'),
+    ({'metrics': {'columns': {'a': {}}}}, 'no metrics.function'),
+    ({'record': {'files': ['../x']}}, 'without a folder'),
+    ({'until': {'topic': 'a b'}}, 'name of a topic'),
+    ({'participants': 'some'}, 'or all'),
+    ({'replace': {'a': 'b/c'}}, 'PACKAGE/TYPE'),
+    ({'factors': {'a': list(range(2000))}, 'replications': 1000}, 'at most 1000000'),
+])
+def test_what_cannot_be_used_is_told_with_what_is_allowed(others, text):
+    with pytest.raises(ConfigurationError, match=text.replace('(', r'\(')):
+        read(**others)
+
+
+def test_a_command_names_who_takes_part():
+    with pytest.raises(ConfigurationError, match='name the nodes'):
+        spec.checked({'experiment': 'x', 'command': ['run']}, '/folder')
+    assert spec.checked({'experiment': 'x', 'command': ['run', '{seed}'], 'participants': ['a']},
+                        '/').participants == ('/a',)
+
+
+def test_a_file_says_where_it_is_wrong(tmp_path):
+    path = tmp_path / 'x.yaml'
+    path.write_text('experiment: x\nlaunch: x.launch\nfactor: {a: [1]}\n')
+    with pytest.raises(ConfigurationError, match=f"{path}: .*did you mean 'factors'"):
+        spec.read(str(path))
+
+
+def test_replication_k_has_the_same_seed_in_every_configuration():
+    experiment = read(factors={'a': [1, 2], 'b': ['x', 'y']}, replications=3, seed=7)
+    trials = plan.trials(experiment)
+    assert len(trials) == 12
+    for replication in range(3):
+        same = [one for one in trials if one.replication == replication]
+        assert len(same) == 4
+        assert {one.seed for one in same} == {7 + replication}
+
+
+def test_more_replications_change_no_trial_that_was_there():
+    few = plan.trials(read(factors={'a': [1, 2]}, replications=2))
+    many = plan.trials(read(factors={'a': [1, 2]}, replications=5))
+    assert [one.id for one in many[:4]] == [one.id for one in few]
+    assert len({one.id for one in many}) == 10
+
+
+def test_the_share_that_runs_twice_is_the_same_choice_each_time():
+    experiment = read(factors={'a': [1, 2]}, replications=50, verify=0.05)
+    chosen = [one.id for one in plan.trials(experiment) if one.verified_by]
+    assert len(chosen) == 5
+    assert chosen == [one.id for one in plan.trials(experiment) if one.verified_by]
+    assert {one.verified_by for one in plan.trials(experiment)} == {'', *plan.CONDITIONS}
+
+
+def test_values_stand_in_arguments_as_a_launch_file_has_them():
+    experiment = read(factors={'flag': [True], 'x': [0.1], 'name': ['a b']},
+                      args={'a': '{flag}', 'b': 'x{x}y', 'c': '{name}', 'd': '{seed}', 'e': 3})
+    assert plan.launch_arguments(experiment, plan.trials(experiment)[0]) == [
+        'a:=true', 'b:=x0.1y', 'c:=a b', 'd:=0', 'e:=3']
+
+
+def test_a_value_with_braces_is_not_filled_again():
+    assert checks.filled('{a}', {'a': '{b}', 'b': 'no'}) == '{b}'
+
+
+def test_a_complete_trial_counts_only_if_what_it_is_made_of_is_the_same():
+    one = plan.trials(read())[0]
+    first = plan.made_of(read(), one)
+    assert first == plan.made_of(read(), one)
+    for others in ({'args': {'a': 1}}, {'until': {'seconds': 3}}, {'sleep': 'simulated'}, {'launch': 'y.launch'}):
+        assert plan.made_of(read(**others), one) != first
+    assert plan.made_of(read(), one._replace(seed=1)) != first
