@@ -1,4 +1,4 @@
-"""The command line: rosrun move_base_abstract experiment run|status|rerun."""
+"""The command line: rosrun move_base_abstract experiment run|status|rerun|report."""
 import argparse
 import os
 import sys
@@ -23,7 +23,7 @@ def _parse(words):
         prog='experiment', description='Run any system many times, on all cores, and say what came out.',
         epilog='exit codes: 0 all trials are complete, 1 some failed or differ, 2 it cannot be run like this, '
         '130 interrupted; what is complete stays, and the same command goes on')
-    verbs = parser.add_subparsers(dest='verb', metavar='run|status|rerun', required=True)
+    verbs = parser.add_subparsers(dest='verb', metavar='run|status|rerun|report', required=True)
     run = verbs.add_parser('run', help='run the trials that are not complete')
     run.add_argument('file', metavar='FILE', help='the experiment, YAML')
     run.add_argument('-o', '--output', required=True, metavar='OUT', help='folder: new, empty, or of this program')
@@ -42,6 +42,9 @@ def _parse(words):
     rerun.add_argument('--speed', type=_seconds, default=0.0, metavar='F', help='at most F times real time')
     rerun.add_argument('--logs', metavar='FOLDER', help='keep what it leaves in this new folder')
     rerun.set_defaults(act=_rerun)
+    report = verbs.add_parser('report', help='write report.html and tables: what came out')
+    report.add_argument('output', metavar='OUT')
+    report.set_defaults(act=_report)
     return parser.parse_args(words)
 
 
@@ -73,6 +76,12 @@ def _status(options):
     from . import state
     for line in state.lines(options.output):
         print(line)
+    return GOOD
+
+
+def _report(options):
+    from .report.command import write_report
+    print(f'report: {write_report(options.output)}')
     return GOOD
 
 

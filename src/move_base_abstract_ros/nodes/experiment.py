@@ -1,4 +1,4 @@
-"""Run any system many times: rosrun move_base_abstract experiment run|status|rerun; see docs/experiments.md."""
+"""Run any system many times: rosrun move_base_abstract experiment run|status|rerun|report; see docs/experiments.md."""
 
 
 def main():
