@@ -48,6 +48,11 @@ class Footprint:
 
     points: Tuple[Tuple[float, float], ...]
 
+    @property
+    def inscribed_radius(self):
+        """The distance [m] from the base frame's origin to the nearest point of the outline, as costmap_2d's."""
+        return min(_distance_to(*begin, *end) for begin, end in zip(self.points, self.points[1:] + self.points[:1]))
+
     def at(self, pose):
         """Return the corners [m] of the robot at ``pose``, in the frame of the pose."""
         cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
@@ -81,6 +86,14 @@ def read_costmaps(raw, where):
                                  'm/cell; allowed: at most {} cells'.format(where.rstrip('/'), LOCAL, width, height,
                                                                             resolution, _MAX_CELLS))
     return Costmaps(*footprints, Window(int(cells[0]), int(cells[1]), resolution)), used
+
+
+def _distance_to(x, y, end_x, end_y):
+    """Return the distance from (0, 0) to the straight piece between two points [m]."""
+    dx, dy = end_x - x, end_y - y
+    squared = dx * dx + dy * dy
+    share = min(1.0, max(0.0, -(x * dx + y * dy) / squared)) if squared > 0.0 else 0.0
+    return math.hypot(x + share * dx, y + share * dy)
 
 
 def _group(raw, costmap):

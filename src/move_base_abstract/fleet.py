@@ -11,9 +11,10 @@ import itertools
 
 from .errors import ConfigurationError, FrameError, TimeError
 from .geometry import quaternion_of_yaw
+from .map_check import MapCheck
 from .navigator import GoalPose, NavigatorListener
 from .outcome import ROBOT_REMOVED, ROBOT_RESET
-from .robot_parts import make_robot_parts
+from .robot_parts import make_planner, make_robot_parts
 from .robot_trace import RobotTrace, TraceEntry
 from .scenario import Scenario, make_robot
 from .simulation import Simulation
@@ -29,15 +30,18 @@ class Fleet:
     """Robots on one event queue. At equal times: lower robot index first, then first scheduled, then users' calls.
 
     ``on_end(robot, goal_id, state, text, now_ns)``, if given, is called when a goal ends, and may send the next one.
-    With ``trace=None`` nothing is recorded; else each :class:`TraceEntry` is appended to that list.
+    With ``trace=None`` nothing is recorded; else each :class:`TraceEntry` is appended to that list. ``occupancy``
+    (OccupancyMap, its frame the global one) is the map of the robots with ``use_map``; ``planner`` is in the place of
+    what the settings ask for.
     """
 
-    def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=()):
+    def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=(), occupancy=None):
         self.simulation = Simulation(start_ns)
         self.trace = None if trace is None else list(trace)
         self.scenario = scenario
         self._on_end = on_end
         self._planner = planner
+        self._occupancy = occupancy
         self._members = {}
         self._indices = itertools.count()
         for spec in scenario.robots:
@@ -88,6 +92,14 @@ class Fleet:
         """Put a robot at ``pose`` (Pose2D, global frame) at once; with a goal it goes on from there."""
         self._member(name).navigator.place(pose, self.now_ns)
 
+    def use_map(self, occupancy):
+        """Have another map (OccupancyMap) from now on; routes that it cuts are planned again."""
+        self._occupancy = occupancy
+        for member in self._members.values():
+            member.use_map(occupancy)
+        for member in self._members.values():
+            member.navigator.map_changed(self.now_ns)
+
     def pose(self, name):
         """Return a robot's present pose (Pose2D, global frame)."""
         return self._member(name).robot.pose_at(self.now_ns)
@@ -121,7 +133,7 @@ class Fleet:
         return self.run(self.now_ns + seconds_to_ns(seconds))
 
     def _add(self, spec):
-        self._members[spec.name] = _Member(self, spec, next(self._indices), self._planner)
+        self._members[spec.name] = _Member(self, spec, next(self._indices), self._planner, self._occupancy)
 
     def _member(self, name):
         try:
@@ -140,15 +152,20 @@ class Fleet:
 class _Member(NavigatorListener):
     """One robot of a fleet."""
 
-    def __init__(self, fleet, spec, index, planner):
+    def __init__(self, fleet, spec, index, planner, occupancy):
         settings = spec.settings
         self._fleet = fleet
         self._settings = settings
         self._trace = RobotTrace(spec.name, None if fleet.trace is None else fleet.trace.append,
                                  settings.values['log_motion'])
         self.goal_numbers = itertools.count(1)
+        values = settings.values
+        self._map_check = None
+        if occupancy is not None and values['use_map']:
+            self._map_check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
         self.robot, _, self._ledger, self.navigator = make_robot_parts(
-            settings, spec.name, index, fleet.simulation, self, self, _no_lookup, planner)
+            settings, spec.name, index, fleet.simulation, self, self, _no_lookup,
+            planner or make_planner(settings, self._map_check))
         self._trace.motion(self.robot, fleet.now_ns)
 
     def reset(self, now_ns):
@@ -158,8 +175,12 @@ class _Member(NavigatorListener):
         self._trace.motion(self.robot, now_ns)
         self.stands(self.robot, now_ns)
 
+    def use_map(self, occupancy):
+        if self._map_check is not None:
+            self._map_check.use(occupancy)
+
     def departed(self, robot, goal, now_ns):
-        self._trace.departed(goal, now_ns)
+        self._trace.departed(goal, now_ns, robot.leg.corners)
 
     def stands(self, robot, now_ns):
         self._trace.stands(robot.pose_at(now_ns), now_ns)

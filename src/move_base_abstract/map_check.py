@@ -19,12 +19,13 @@ class MapCheck:
     """What one robot makes of the map: where it may be sent.
 
     While there is no map (``occupancy`` is None) no goal can be judged; ``lacking`` says why.
+    ``allow_unknown``: whether unknown cells are as good as free ones.
     """
 
     def __init__(self, occupancy=None, allow_unknown=True, allow_occupied=False, lacking='no map has come yet'):
         self.occupancy = occupancy
         self.lacking = lacking
-        self._allow_unknown = allow_unknown
+        self.allow_unknown = allow_unknown
         self._allow_occupied = allow_occupied
 
     def use(self, occupancy):
@@ -41,7 +42,7 @@ class MapCheck:
         occupancy = self.occupancy
         if occupancy is None:
             return self.lacking
-        if self._allow_occupied or occupancy.is_free(pose, self._allow_unknown):
+        if self._allow_occupied or occupancy.is_free(pose, self.allow_unknown):
             return None
         ground = occupancy.ground_at(pose.x, pose.y)
         if ground is Ground.OFF_MAP:

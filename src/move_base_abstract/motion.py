@@ -118,12 +118,15 @@ class Leg:
     __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance',
                  '_profile', '_course', '_first_turn', '_last_turn', '_drive_ns', '_last_turn_ns', '_turn_rate')
 
+    #: none: it is straight, see :class:`.route.Route`
+    corners = ()
+
     def __init__(self, start, goal, limits, tolerances=Tolerances(), depart_ns=0):
         gap = start.distance_to(goal)
         self.distance = max(0.0, gap - tolerances.xy)
         self._course = start.bearing_to(goal) if self.distance > 0.0 else start.yaw
         self._first_turn = normalize_angle(self._course - start.yaw)
-        self._last_turn = _turn_within(normalize_angle(goal.yaw - self._course), tolerances.yaw)
+        self._last_turn = turn_within(normalize_angle(goal.yaw - self._course), tolerances.yaw)
         self._profile = SpeedProfile(self.distance, limits.max_speed, limits.acceleration)
         self._turn_rate = limits.turn_rate
         self.start = start
@@ -151,6 +154,11 @@ class Leg:
     def course(self):
         """The direction of the drive [rad]."""
         return self._course
+
+    @staticmethod
+    def corners_ahead(_now_ns):
+        """Return the corners that are still to come: none."""
+        return ()
 
     def distance_at(self, now_ns):
         """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
@@ -185,6 +193,6 @@ class Leg:
         return 0.0, math.copysign(self._turn_rate, self._last_turn)
 
 
-def _turn_within(turn, tolerance):
+def turn_within(turn, tolerance):
     """Return the part of ``turn`` [rad] that brings the heading within ``tolerance`` [rad]."""
     return math.copysign(max(0.0, abs(turn) - tolerance), turn)

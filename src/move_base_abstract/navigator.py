@@ -190,17 +190,21 @@ class Navigator:
         if self._starts_from_idle:
             self._listener.stop_wheels()
         self._listener.target(pose, now_ns)
-        if self.planner.reachable(pose):
-            self._travel(now_ns)
-            return
-        refusal = self.planner.refusal(pose)
+        corners = self.planner.corners(self.robot.pose_at(now_ns), pose)
+        if corners is None:
+            self._fail_to_plan(now_ns)
+        else:
+            self._travel(corners, now_ns)
+
+    def _fail_to_plan(self, now_ns):
+        refusal = self.planner.refusal_of_way(self.robot.pose_at(now_ns), self._target)
         if refusal:
             self._listener.warn(refusal)
         self._give_up(now_ns)
 
-    def _travel(self, now_ns):
+    def _travel(self, corners, now_ns):
         try:
-            leg = self.robot.depart(self._target, now_ns)
+            leg = self.robot.depart(self._target, now_ns, corners)
         except ValueError as error:
             self._end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
             return
@@ -257,7 +261,34 @@ class Navigator:
         self._listener.stands(self.robot, now_ns)
         if driving:
             self._forget_events()
-            self._travel(now_ns)
+            self._plan_again(now_ns)
+
+    def map_changed(self, now_ns):
+        """Another map counts from now on: a way that it cuts is planned again, from rest; so is one that there was not.
+
+        Where no way has corners a map counts for the goals that come after it only.
+        """
+        planner = self.planner
+        if planner.goes_straight or self._target is None or planner.lacking:
+            return
+        pose, leg = self.robot.pose_at(now_ns), self.robot.leg
+        if leg is None:
+            corners = planner.corners(pose, self._target)
+            if corners is not None:
+                self._forget_events()
+                self._travel(corners, now_ns)
+        elif not planner.is_clear([(pose.x, pose.y), *leg.corners_ahead(now_ns), (self._target.x, self._target.y)]):
+            self._forget_events()
+            self._halt(now_ns)
+            self._plan_again(now_ns)
+
+    def _plan_again(self, now_ns):
+        """Go on to the goal from where the robot stands; to give up takes as long as for a new goal."""
+        corners = () if self.planner.goes_straight else self.planner.corners(self.robot.pose_at(now_ns), self._target)
+        if corners is None:
+            self._fail_to_plan(now_ns)
+        else:
+            self._travel(corners, now_ns)
 
     def _halt(self, now_ns):
         if self.robot.leg is not None:

@@ -78,12 +78,22 @@ class OccupancyMap:
 
     def cell_at(self, x, y):
         """Return the value of the cell at (x, y) [m, map frame], or None off the map. A cell has its lower edges."""
-        dx, dy = x - self._origin.x, y - self._origin.y
-        column = (self._cos * dx + self._sin * dy) / self._resolution
-        row = (self._cos * dy - self._sin * dx) / self._resolution
+        column, row = self.to_cells(x, y)
         if not (0.0 <= column < self.width and 0.0 <= row < self.height):
             return None
         return int(self._cells[int(row), int(column)])
+
+    def to_cells(self, x, y):
+        """Return (column, row) of (x, y) [m, map frame], in cells from the south-west corner, with fractions."""
+        dx, dy = x - self._origin.x, y - self._origin.y
+        return ((self._cos * dx + self._sin * dy) / self._resolution,
+                (self._cos * dy - self._sin * dx) / self._resolution)
+
+    def from_cells(self, column, row):
+        """Return (x, y) [m, map frame] of a place in cells, the reverse of :meth:`to_cells`."""
+        east, north = column * self._resolution, row * self._resolution
+        return (self._origin.x + self._cos * east - self._sin * north,
+                self._origin.y + self._sin * east + self._cos * north)
 
     def ground_at(self, x, y):
         """Return the :class:`Ground` at (x, y) [m, map frame]."""

@@ -1,4 +1,7 @@
-"""Where a robot can go, and the way there: straight, whatever lies between. Without a map every place is free."""
+"""Where a robot can go, and the way there: straight, whatever lies between. Without a map every place is free.
+
+Ways around what a map shows are made by :mod:`grid_planner`.
+"""
 import itertools
 import math
 from dataclasses import dataclass
@@ -41,6 +44,9 @@ class WorldBounds:
 class StraightLinePlanner:
     """Plans straight ways to places inside ``bounds`` and, with a :class:`MapCheck`, to those that the map allows."""
 
+    #: whether no way has corners, so that none depends on what lies between
+    goes_straight = True
+
     def __init__(self, bounds=WorldBounds(), map_check=None):
         self._bounds = bounds
         self._map_check = map_check
@@ -56,15 +62,22 @@ class StraightLinePlanner:
         """Return what the map has against ``goal``, as a text, or None."""
         return None if self._map_check is None else self._map_check.refusal(goal)
 
+    def refusal_of_way(self, _start, goal):
+        """Return why there is no way to ``goal``, as a text, or None."""
+        return self.refusal(goal)
+
     def reachable(self, goal):
         """Return whether ``goal`` can be reached at all."""
         return self._bounds.contains(goal) and self.refusal(goal) is None
 
     def plan(self, start, goal):
         """Return the way from ``start`` to ``goal`` as a list of poses some 0.25 m apart, or [] where there is none."""
-        if not self.reachable(goal):
-            return []
-        return straight_path(start, goal)
+        corners = self.corners(start, goal)
+        return [] if corners is None else path_along(start, corners, goal)
+
+    def corners(self, _start, goal):
+        """Return the corners ((x, y), ...) [m] of the way, here none, or None where there is no way."""
+        return () if self.reachable(goal) else None
 
     def plan_near(self, start, goal, tolerance, add_goal=True):
         """Return the way to ``goal``, or to a place near it that lies within ``tolerance`` [m], or [].
@@ -73,16 +86,21 @@ class StraightLinePlanner:
         around the goal, three cells apart. With ``add_goal`` a goal that was missed is appended all the same, as
         move_base does by default.
         """
-        if self.reachable(goal):
-            return straight_path(start, goal)
-        near = self._near(goal, tolerance)
+        path = self.plan(start, goal)
+        if path:
+            return path
+        near = self._near(start, goal, tolerance)
         if near is None:
             return []
-        path = straight_path(start, near)
+        path = self.plan(start, near)
         return path + [goal] if add_goal else path
 
-    def _near(self, goal, tolerance):
-        """Return a reachable pose within ``tolerance`` [m] of ``goal``, or None."""
+    def _leads(self, _start, goal):
+        """Return whether there is a way to ``goal``."""
+        return self.reachable(goal)
+
+    def _near(self, start, goal, tolerance):
+        """Return a pose within ``tolerance`` [m] of ``goal`` to which a way leads, or None."""
         if self._map_check is None:
             near = self._bounds.nearest(goal)
             return near if near.distance_to(goal) <= tolerance else None
@@ -93,16 +111,31 @@ class StraightLinePlanner:
         limit = min(tolerance, occupancy.reach_from(goal.x, goal.y) + increment)
         offsets = itertools.islice(square_rings(increment, limit), _MAX_TRIES)
         tries = (Pose2D(goal.x + dx, goal.y + dy, goal.yaw) for dx, dy in offsets)
-        return next((pose for pose in tries if self.reachable(pose)), None)
+        return next((pose for pose in tries if self._leads(start, pose)), None)
 
 
-def straight_path(start, goal):
+def path_along(start, corners, goal):
+    """Return poses from ``start`` by ``corners`` [(x, y), m] to ``goal``, as of :func:`straight_path` for each piece.
+
+    At a corner the pose heads on to the next one.
+    """
+    points = [start] + [Pose2D(x, y) for x, y in corners] + [goal]
+    most = max(1, _MAX_PATH_STEPS // (len(points) - 1))
+    path = []
+    for begin, end in zip(points, points[1:]):
+        turns = path and begin.distance_to(end) > 0.0
+        place = Pose2D(begin.x, begin.y, begin.bearing_to(end)) if turns else begin
+        path += straight_path(place, end, most)[:-1]
+    return path + [goal]
+
+
+def straight_path(start, goal, most_steps=_MAX_PATH_STEPS):
     """Return poses from ``start`` to ``goal`` on a straight line, heading along it, the last one being the goal.
 
-    They are 0.25 m apart at most, but no more than 10,000 steps: a way that is very long has longer steps.
+    They are 0.25 m apart at most, but no more than ``most_steps``: a way that is very long has longer steps.
     """
     distance = start.distance_to(goal)
-    steps = max(1, int(math.ceil(min(distance / _PATH_SPACING, _MAX_PATH_STEPS))))
+    steps = max(1, int(math.ceil(min(distance / _PATH_SPACING, most_steps))))
     course = start.bearing_to(goal) if distance > 0.0 else start.yaw
     dx, dy = (goal.x - start.x) / steps, (goal.y - start.y) / steps
     return [start] + [Pose2D(start.x + k * dx, start.y + k * dy, course) for k in range(1, steps)] + [goal]

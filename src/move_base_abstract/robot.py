@@ -1,25 +1,29 @@
-"""One robot: where it is at any instant, and the leg it travels. It decides nothing about goals."""
+"""One robot: where it is at any instant, and the leg or route it travels. It decides nothing about goals."""
 from collections import deque
 
 from .errors import TimeError
 from .geometry import Pose2D
 from .motion import Leg, MotionLimits, Tolerances
+from .route import CornerLaw, Route
 from .units import check_reachable
 
 _REMEMBERED_LEGS = 64
 
 
 class Robot:
-    """A robot that stands or travels one leg at a time in the plane of the global frame.
+    """A robot that stands or travels one leg or route at a time in the plane of the global frame.
 
-    Other limits and tolerances (:meth:`set_motion`) take effect on the next leg.
+    Other limits and tolerances (:meth:`set_motion`) take effect on the next one. ``corner_law`` (CornerLaw): what the
+    robot does at the corners of a route.
     """
 
-    def __init__(self, index, name, pose=Pose2D(), limits=MotionLimits(0.5), tolerances=Tolerances(), since_ns=0):
+    def __init__(self, index, name, pose=Pose2D(), limits=MotionLimits(0.5), tolerances=Tolerances(), since_ns=0,
+                 corner_law=CornerLaw.KEEP):
         self.index = index
         self.name = name
         self._limits = limits
         self._tolerances = tolerances
+        self._corner_law = corner_law
         self._stand = _Stand(pose, since_ns)
         self._motion = self._stand
         self._past = deque([self._stand], maxlen=_REMEMBERED_LEGS)
@@ -42,8 +46,8 @@ class Robot:
 
     @property
     def leg(self):
-        """The :class:`Leg` under way, or None while the robot stands."""
-        return self._motion if isinstance(self._motion, Leg) else None
+        """The :class:`Leg` or :class:`Route` under way, or None while the robot stands."""
+        return None if isinstance(self._motion, _Stand) else self._motion
 
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns], the present or some of the past.
@@ -66,13 +70,19 @@ class Robot:
         """Return the distance [m] driven since the beginning, at ``now_ns`` [ns], not before the present leg."""
         return self._driven + self._motion.distance_at(now_ns)
 
-    def depart(self, goal, now_ns):
-        """Start for ``goal`` from where the robot is at ``now_ns`` [ns], from rest; return the :class:`Leg`.
+    def depart(self, goal, now_ns, corners=()):
+        """Start for ``goal`` from where the robot is at ``now_ns`` [ns], from rest, by ``corners`` [(x, y), m].
+
+        Return the :class:`Leg`, or where there are corners the :class:`Route`.
 
         :raises ValueError: if the goal is so far away that no number holds the distance or the time, or that the robot
             would arrive after the end of simulated time.
         """
-        leg = Leg(self.pose_at(now_ns), goal, self._limits, self._tolerances, now_ns)
+        start = self.pose_at(now_ns)
+        if corners:
+            leg = Route(start, goal, corners, self._limits, self._tolerances, now_ns, self._corner_law)
+        else:
+            leg = Leg(start, goal, self._limits, self._tolerances, now_ns)
         check_reachable(leg.arrive_ns, 'the arrival would be')
         self._driven = self.distance_at(now_ns)
         return self._begin(leg)

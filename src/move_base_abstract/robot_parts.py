@@ -1,11 +1,13 @@
 """One robot and what works on its goals, put together in one place: for the nodes and for the plain Python fleet."""
 from typing import NamedTuple
 
+from .errors import ConfigurationError
 from .frames import RobotFrames
 from .goal_ledger import GoalLedger
 from .navigator import Navigator
 from .planning import StraightLinePlanner
 from .robot import Robot
+from .route import CornerLaw
 from .units import seconds_to_ns
 
 
@@ -23,15 +25,29 @@ def make_robot_parts(settings, name, index, simulation, answers, listener, looku
 
     ``answers`` has ``publish_status()``, ``publish_result(record, stamp_ns)`` and ``new_id(now_ns)``, as of GoalLedger;
     ``listener`` is a NavigatorListener; ``lookup(frame_id, stamp_ns)`` finds foreign frames, as of RobotFrames;
-    ``planner`` is in the place of straight lines within the settings' bounds. Feedback is not switched on: see
+    ``planner`` is in the place of that of :func:`make_planner` without a map. Feedback is not switched on: see
     Navigator.set_feedback_frequency.
     """
     values = settings.values
-    robot = Robot(index, name, settings.start, settings.limits, settings.tolerances, simulation.now_ns)
+    robot = Robot(index, name, settings.start, settings.limits, settings.tolerances, simulation.now_ns,
+                  CornerLaw(values['corners']))
     frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
                          settings.frame(values['robot_base_frame']), lookup)
     ledger = GoalLedger(answers.publish_status, answers.publish_result, answers.new_id,
                         seconds_to_ns(values['status_list_timeout']))
-    navigator = Navigator(robot, simulation, ledger, frames, listener, planner or StraightLinePlanner(settings.bounds),
+    navigator = Navigator(robot, simulation, ledger, frames, listener, planner or make_planner(settings),
                           settings.bad_frame_policy, settings.recovery)
     return RobotParts(robot, frames, ledger, navigator)
+
+
+def make_planner(settings, map_check=None):
+    """Return the planner that ``settings`` (RobotSettings) ask for; ``map_check`` (MapCheck) judges by a map.
+
+    :raises ConfigurationError: where ways are to be planned on a map and there is none.
+    """
+    if settings.values['routes'] == 'none':
+        return StraightLinePlanner(settings.bounds, map_check)
+    if map_check is None:
+        raise ConfigurationError("routes: got 'grid' for robots that have no map; allowed: with a map only")
+    from .grid_planner import GridPlanner  # only who plans pays for numpy
+    return GridPlanner(map_check, settings.costmaps.global_footprint.inscribed_radius, settings.bounds)

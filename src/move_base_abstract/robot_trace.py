@@ -7,6 +7,7 @@ class TraceEntry(NamedTuple):
     """Something that happened: when [ns], to which robot, what, and the details.
 
     Kinds and values: ``departed`` (x, y, yaw of the goal), ``stands`` (x, y, yaw), ``ended`` (goal id, state, text);
+    ``route`` (x, y, x, y, ...), behind ``departed``: the corners of a way that has any;
     and, where it is asked for, ``motion`` (x, y, yaw of the robot, then by what it travels from the next leg on:
     max_speed, acceleration, turn_rate, xy_goal_tolerance, yaw_goal_tolerance, as the parameters of these names, in
     which 0 is an acceleration or a turn rate without limit). Positions in m, yaw in rad, global frame.
@@ -37,9 +38,11 @@ class RobotTrace:
                       *(0.0 if math.isinf(limit) else limit for limit in (limits.acceleration, limits.turn_rate)),
                       tolerances.xy, tolerances.yaw)
 
-    def departed(self, goal, now_ns):
-        """The robot starts for ``goal`` (Pose2D)."""
+    def departed(self, goal, now_ns, corners=()):
+        """The robot starts for ``goal`` (Pose2D), by ``corners`` [(x, y)]."""
         self._add(now_ns, 'departed', goal.x, goal.y, goal.yaw)
+        if corners:
+            self._add(now_ns, 'route', *(value for corner in corners for value in corner))
 
     def stands(self, pose, now_ns):
         """The robot arrived at ``pose`` (Pose2D), was stopped there or was placed there."""

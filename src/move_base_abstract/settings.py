@@ -85,6 +85,8 @@ TABLE = (
     Parameter('map_topic', None, topic, 'a topic name'),
     Parameter('allow_unknown', True, boolean, 'true or false'),
     Parameter('allow_occupied_goals', False, boolean, 'true or false'),
+    Parameter('routes', 'none', one_of('none', 'grid'), "'none' or 'grid'"),
+    Parameter('corners', 'keep', one_of('keep', 'stop'), "'keep' or 'stop'"),
     Parameter('controller_frequency', 20.0, number(above=0.0), _POSITIVE + ' [Hz, simulated]'),
     Parameter('planner_patience', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]'),
     Parameter('max_planning_retries', -1, integer(-1), 'a whole number >= -1'),
@@ -100,7 +102,7 @@ _COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
                    ('robot_base_frame', 'global_costmap', 'robot_base_frame', 'base_link'),
                    ('odom_frame', 'local_costmap', 'global_frame', None))
 _LIMITS = (SPEED, ACCELERATION, XY_TOLERANCE, YAW_TOLERANCE)
-OWN_NAMES = tuple(parameter.name for parameter in TABLE + _LIMITS) + ('recovery_behaviors',)
+OWN_NAMES = tuple(parameter.name for parameter in TABLE + _LIMITS) + ('recovery_behaviors', 'footprint', 'robot_radius')
 #: what a robot's settings are made of, before all that is given, where time leaps from event to event: each of these
 #: would be an event more that time has to stop for
 EVENTS_ONLY = {'feedback_freq': 0.0, 'pose_update_freq': 0.0, 'tf_heartbeat_freq': 0.0}
@@ -158,6 +160,7 @@ def read_settings(raw, where):
     if not isinstance(raw, dict):
         raise ConfigurationError('{}: got {}; allowed: a namespace of parameters'.format(where, shown(raw)))
     values = read_table(raw, TABLE, where)
+    _check_routes(values, where)
     planner = PlannerGroup(raw, where)
     speed = _limit(raw, SPEED, where, planner.speed)
     acceleration = _limit(raw, ACCELERATION, where, partial(planner.limit, ACCELERATION_LIMIT))
@@ -219,6 +222,15 @@ def _bounds(values, where):
         return WorldBounds(*values)
     except ValueError as error:
         raise ConfigurationError('parameter {}/world_bounds: {}'.format(where.rstrip('/'), error)) from None
+
+
+def _check_routes(values, where):
+    if values['routes'] != 'grid':
+        return
+    for key, allowed in (('use_map', True), ('allow_occupied_goals', False)):
+        if values[key] is not allowed:
+            raise ConfigurationError("parameter {}/routes: got 'grid' with {}: {}; allowed: with {}: {} only".format(
+                where.rstrip('/'), key, str(not allowed).lower(), key, str(allowed).lower()))
 
 
 def _recovery(values, behaviors):

@@ -16,8 +16,8 @@ _REMINDER_SECONDS = 5.0
 class MapListener:
     """Receives the maps of one topic; use :meth:`on` to get the process's listener of a topic.
 
-    Threading: ``follow`` and ``leave`` from any thread; followers are called one at a time, in the thread that
-    receives maps or in that of ``follow``, and must not wait for another lock that a caller of ``follow`` may hold.
+    Threading: ``follow`` and ``leave`` from any thread; followers are called in the thread that receives maps, one at a
+    time and without a lock that ``follow`` or ``leave`` wait for, or in that of ``follow``.
     """
 
     _listeners = {}
@@ -26,6 +26,7 @@ class MapListener:
     def __init__(self, topic):
         self.topic = topic
         self._lock = threading.RLock()
+        self._turn = threading.Lock()  # of the threads that receive maps: one publisher has one
         self._followers = []
         self._latest = None
         self._came = threading.Event()
@@ -70,10 +71,13 @@ class MapListener:
         except ValueError as error:
             rospy.logerr('%s: the map on %s is not used: %s', rospy.get_name(), self.topic, error)
             return
-        with self._lock:
-            self._latest = message, occupancy
-            for follower in self._followers:
-                follower(message, occupancy)
+        with self._turn:
+            with self._lock:
+                self._latest = message, occupancy
+                followers = list(self._followers)
+            for follower in followers:
+                if follower in self._followers:  # it may have left meanwhile
+                    follower(message, occupancy)
         self._came.set()
         rospy.loginfo('%s: map on %s: %d x %d cells of %g m in the frame %s', rospy.get_name(), self.topic,
                       occupancy.width, occupancy.height, occupancy.resolution, message.header.frame_id)

@@ -32,11 +32,11 @@ class Look:
 
 @dataclass(frozen=True)
 class View:
-    """Where the robot is, where it wants to be, and start and end of its leg; None for what it has not."""
+    """Where the robot is, where it wants to be, and start, corners and end of its leg; None for what it has not."""
 
     pose: Pose2D
     goal: Optional[Pose2D] = None
-    leg: Optional[Tuple[Pose2D, Pose2D]] = None
+    leg: Optional[Tuple[Pose2D, ...]] = None
 
     @property
     def route(self):
@@ -70,7 +70,7 @@ def body(look, view):
 def route(look, view):
     """Return the markers of goal and leg, or what takes them away."""
     return [_goal(look, view.goal) if view.goal else _deletion(look, GOAL),
-            _leg(look, *view.leg) if view.leg else _deletion(look, LEG)]
+            _leg(look, view.leg) if view.leg else _deletion(look, LEG)]
 
 
 def farewell(look):
@@ -85,10 +85,10 @@ def _goal(look, goal):
     return disc
 
 
-def _leg(look, start, end):
+def _leg(look, places):
     line = _marker(look, LEG, Marker.LINE_STRIP, Pose2D(), 0.0, 0.8)
     line.scale.x = 0.12 * look.size
-    line.points = [Point(start.x, start.y, _LEG_Z), Point(end.x, end.y, _LEG_Z)]
+    line.points = [Point(place.x, place.y, _LEG_Z) for place in places]
     return line
 
 

@@ -3,9 +3,8 @@ import rospy
 
 from move_base_abstract.navigator import NavigatorListener
 from move_base_abstract.outcome import NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
-from move_base_abstract.planning import StraightLinePlanner
 from move_base_abstract.recovery import RecoveryPolicy
-from move_base_abstract.robot_parts import make_robot_parts
+from move_base_abstract.robot_parts import make_planner, make_robot_parts
 from move_base_abstract.robot_trace import RobotTrace
 
 from . import backends, beforehand, lockstep, robot_markers, tf_watch
@@ -58,6 +57,7 @@ class MoveBaseServer(NavigatorListener):
         self._simple_goals = SimpleGoals(names, clock, None if through_the_topic else self._goal_server.take)
         self._goal_server.start(self._ledger, self.navigator, self._prefetch)
         self._simple_goals.listen()
+        self._map.follow_changes(self._map_changed)
 
     def _build(self, robot_index):
         settings, values = self._settings, self._settings.values
@@ -69,7 +69,7 @@ class MoveBaseServer(NavigatorListener):
         self.is_feedback_heard = self._host.timing.when_heard(self._goal_server.has_feedback_listeners)
         robot, self._frames, self._ledger, self.navigator = make_robot_parts(
             settings, self._names.robot, robot_index, self._clock.simulation, self._goal_server, self,
-            self._lookup.lookup, StraightLinePlanner(settings.bounds, self._map.check))
+            self._lookup.lookup, make_planner(settings, self._map.check))
         self._trace.motion(robot, self._clock.look_ns())
         self.navigator.set_feedback_frequency(values['feedback_freq'])
         self._feedback_throttle = self._host.throttle(values['max_feedback_rate'])
@@ -138,11 +138,12 @@ class MoveBaseServer(NavigatorListener):
 
     def departed(self, robot, goal, now_ns):
         """Show that the robot starts."""
-        self._trace.departed(goal, now_ns)
+        corners = robot.leg.corners
+        self._trace.departed(goal, now_ns, corners)
         self._publisher.departed(now_ns)
         if not self.navigator.feedback_frequency:
             self._clock.falls_silent(robot, self._goal_server, 'feedback_freq')
-        self._planner_interface.show(robot.pose_at(now_ns), goal, now_ns)
+        self._planner_interface.show(robot.pose_at(now_ns), corners, goal, now_ns)
 
     def stands(self, robot, now_ns):
         """Show that the robot stands."""
@@ -180,6 +181,11 @@ class MoveBaseServer(NavigatorListener):
         if text != self._last_warning or self._warning_throttle.ready():
             self._last_warning = text
             rospy.logwarn('%s: %s', self._names.robot, text)
+
+    def _map_changed(self):
+        with self._clock.lock:
+            if self.navigator.target is not None:
+                self.navigator.map_changed(self._clock.now_ns())
 
     def _prefetch(self, goal):
         self._map.wait()

@@ -1,10 +1,12 @@
 """The plans that move_base shows and makes on request."""
+from contextlib import nullcontext
+
 import rospy
 from nav_msgs.msg import Path
 from nav_msgs.srv import GetPlan, GetPlanResponse
 from std_srvs.srv import Empty, EmptyResponse
 
-from move_base_abstract.planning import straight_path
+from move_base_abstract.planning import path_along
 
 from . import conversions
 from .outlets import LatchedOutlets
@@ -42,12 +44,12 @@ class PlannerInterface:
         for service in self._services:
             service.shutdown('the robot is removed')
 
-    def show(self, start, goal, now_ns):
-        """Publish the way that the robot now takes; who comes later gets it, too."""
-        self._plans.show(start, goal, now_ns)
+    def show(self, start, corners, goal, now_ns):
+        """Publish the way by ``corners`` [(x, y), m] that the robot now takes; who comes later gets it, too."""
+        self._plans.show(start, corners, goal, now_ns)
 
-    def _pack_way(self, start, goal, now_ns):
-        return of_message(self._to_path(straight_path(start, goal), now_ns))
+    def _pack_way(self, start, corners, goal, now_ns):
+        return of_message(self._to_path(path_along(start, corners, goal), now_ns))
 
     def _make_plan_when_idle(self, request):
         with self._clock.lock:
@@ -71,7 +73,8 @@ class PlannerInterface:
             if request.start.header.frame_id:
                 start = self._in_global_frame(request.start)
             goal = self._in_global_frame(request.goal)
-            poses = self._navigator.planner.plan_near(start, goal, request.tolerance, self._add_unreachable_goal)
+            with nullcontext() if self._navigator.planner.goes_straight else self._clock.lock:
+                poses = self._navigator.planner.plan_near(start, goal, request.tolerance, self._add_unreachable_goal)
         except ValueError as error:
             raise rospy.ServiceException('make_plan: {}'.format(error)) from None
         return self._to_path(poses, now_ns)

@@ -39,6 +39,7 @@ class RobotMap:
         values = settings.values
         self.check = None
         self._followers = []
+        self._changed = lambda: None
         self._clock = clock
         self._has_come = False
         if not values['use_map']:
@@ -59,6 +60,10 @@ class RobotMap:
             self._followers.append(follower)
             self._listener.follow(follower)
 
+    def follow_changes(self, changed):
+        """Call ``changed()`` when goals are judged by another map than before."""
+        self._changed = changed
+
     def wait(self):
         """Wait for the first map, up to frame_timeout [s, of the clock's wait_until]. May block; no lock is held."""
         if self.check is not None:
@@ -78,3 +83,4 @@ class RobotMap:
             self.check.use_none("The map on '{}' cannot be used: it is given in the frame '{}', the robot's global "
                                 "frame is '{}'".format(self._listener.topic, frame_id, self._global_frame))
         self._has_come = True
+        self._changed()

@@ -9,6 +9,8 @@ import time
 import rospy
 from visualization_msgs.msg import MarkerArray
 
+from move_base_abstract.geometry import Pose2D
+
 from . import lockstep, marker_builder
 from .marker_builder import Look, View
 
@@ -65,7 +67,8 @@ class RobotMarkers:
     def view(self, now_ns):
         """Return the :class:`View` of the robot at ``now_ns`` [ns]; the caller holds the clock's lock."""
         robot, leg = self._navigator.robot, self._navigator.robot.leg
-        return View(robot.pose_at(now_ns), self._navigator.target, (leg.start, leg.end) if leg else None)
+        way = (leg.start, *(Pose2D(x, y) for x, y in leg.corners), leg.end) if leg else None
+        return View(robot.pose_at(now_ns), self._navigator.target, way)
 
 
 class _Board(rospy.SubscribeListener):

@@ -16,6 +16,11 @@ from move_base_abstract_ros import lockstep
 NS_PER_S = 1_000_000_000
 
 
+#: goals in the yard that ships: around buildings, and one in a building
+YARD = {'robot_0': [(10.0, 20.0), (30.0, 36.0, 1.0)], 'robot_1': [(50.0, 36.0), (10.0, 4.0)],
+        'robot_2': [(10.0, 12.0), (20.0, 36.0, 2.0)]}
+
+
 def plan_of(names, seed=5, goals=4):
     """Return {robot: [(x, y, yaw)]}, on a grid, so that many arrive at the same instant, and some have no way to go."""
     rng = random.Random(seed)
@@ -138,6 +143,16 @@ class Client:
         self.goals['robot_0'] = [(1.25, 0.25)]
         self.robots['robot_0'].send(2.25, 0.25)
         self.wait_for_ends(2)
+
+    def run_yard(self):
+        """Around the buildings of the yard; one robot is cancelled on its way."""
+        self.goals = {name: list(goals) for name, goals in YARD.items()}
+        self.sleep_until(2.0)
+        for name in self.names:
+            self.robots[name].send(*self.goals[name].pop(0))
+        self.sleep_until(9.0)
+        self.robots[self.names[1]].cancel()
+        self.wait_for_ends(sum(map(len, YARD.values())))
 
     def run_services(self):
         """Add a robot, send it somewhere, take it away on its way."""

@@ -12,16 +12,18 @@ import unittest
 
 import rosgraph
 import rostest
-from lockstep_fleet_client import NS_PER_S, plan_of
+from lockstep_fleet_client import NS_PER_S, YARD, plan_of
 from roslib import packages
 
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_ros.loopback import Loopback, find_executable
+from move_base_abstract_ros.map_files import load_map, read_description
 
 GUARD = 60.0  # s, wall; only ends a test that would never end
 HERE = os.path.dirname(os.path.abspath(__file__))
 BLOCKS = os.path.join(HERE, '..', 'data', 'blocks.yaml')
+YARD_MAP = os.path.join(HERE, '..', '..', 'maps', 'farm_yard.yaml')
 TWELVE = ['robot_{}'.format(number) for number in range(12)]
 TWO = TWELVE[:2]
 MAX_SPEED = {'max_speed': 2.0}
@@ -122,6 +124,25 @@ def oracle(names, own=None):
         plain.at(2 * NS_PER_S, lambda fleet, name=name: send(fleet, name, *goals[name].pop(0)))
     plain.at(3 * NS_PER_S, lambda fleet: fleet.cancel(names[0]))
     plain.at(3 * NS_PER_S, lambda fleet: send(fleet, names[1], 30.0, 0.0))
+    plain.run()
+    return [(entry.time_ns, entry.robot, entry.kind, list(entry.values)) for entry in plain.trace]
+
+
+def yard_oracle(scenario):
+    """Return what the plain Python fleet does with the client's plan ``yard``."""
+    goals, counts = {name: list(places) for name, places in YARD.items()}, {name: itertools.count(1) for name in YARD}
+
+    def send(fleet, name):
+        fleet.send(name, *goals[name].pop(0), goal_id='{}-{}'.format(name, next(counts[name])))
+
+    def on_end(name, *_details):
+        if goals[name]:
+            send(plain, name)
+
+    plain = Fleet(make_scenario(scenario), on_end=on_end, occupancy=load_map(read_description(YARD_MAP)))
+    for name in YARD:
+        plain.at(2 * NS_PER_S, lambda fleet, name=name: send(fleet, name))
+    plain.at(9 * NS_PER_S, lambda fleet: fleet.cancel('robot_1'))
     plain.run()
     return [(entry.time_ns, entry.robot, entry.kind, list(entry.values)) for entry in plain.trace]
 
@@ -229,6 +250,20 @@ class LockstepFleet(unittest.TestCase):
         run = Run('map', TWO[:1], fleet(TWO[:1], use_map=True), [late])
         self.assertEqual([values[1] for kind, values in run.of('robot_0') if kind == 'ended'],
                          ['ABORTED', 'SUCCEEDED'])
+        self.assert_repeatable(run)
+
+    def test_the_log_of_robots_that_go_around_buildings_is_the_trace_of_the_plain_fleet(self):
+        names = list(YARD)
+        own = {'use_map': True, 'routes': 'grid', 'robot_radius': 0.4, 'acceleration': 0.7, 'turn_rate': 1.0,
+               'start_x': 10.0}
+        hosts = fleet(names, own=own)
+        for robot, corners in zip(hosts['/fleet'][2]['robots'], ('keep', 'stop', 'keep')):
+            robot.update(start_y=4.0, corners=corners)
+        expected = yard_oracle({key: hosts['/fleet'][2][key] for key in ('defaults', 'robots')})
+        self.assertEqual(sum(event[2] == 'route' for event in expected), 4)
+        server = packages.find_node('move_base_abstract', 'map_server')[0]
+        run = Run('yard', names, hosts, [[server, YARD_MAP]])
+        self.assertEqual(run.events, expected)
         self.assert_repeatable(run)
 
     def test_robots_are_added_and_removed_by_a_participant(self):

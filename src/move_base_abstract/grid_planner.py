@@ -1,0 +1,161 @@
+"""Ways around what a map shows: shortest over its cells, then straight pieces at any angle."""
+import weakref
+from collections import OrderedDict
+from itertools import islice
+
+import numpy as np
+
+from .cost_field import CostField
+from .occupancy import OccupancyMap
+from .planning import StraightLinePlanner, WorldBounds
+from .planning_grid import PARTS, PlanningGrid, blocked_cells
+from .shortening import Shortener
+
+_FIELDS_BYTES = 256 * 1024 * 1024  # of one map's fields; the one that was used longest ago goes first
+_WAVES_BYTES = 96 * 1024 * 1024  # of those that can go on where they are: others have to start anew
+_WAVE_BYTES = 6  # a cell, of one that can go on
+_DIGITS = 6  # of corners: micrometres, which do not show how a rotated map's angle was rounded on its way
+_KEPT_WAYS = 10_000  # likewise
+
+_shared = weakref.WeakKeyDictionary()  # {OccupancyMap: {(radius, whether unknown is free): MapWays}}
+
+
+class MapWays:
+    """The ways on one map for robots of ``radius`` [m]; what is found is kept, and depends on no other question."""
+
+    def __init__(self, occupancy, radius, unknown_is_free=True):
+        # As it comes on a topic, where the resolution has 32 bits: in plain Python ways are the same to the last digit.
+        self._map = OccupancyMap(occupancy.cells, float(np.float32(occupancy.resolution)), occupancy.origin)
+        cells = radius / self._map.resolution
+        self.grid = PlanningGrid(blocked_cells(occupancy.cells, cells, unknown_is_free))
+        self._reach = int(cells) + 1
+        self._waves = max(2, _WAVES_BYTES // (_WAVE_BYTES * len(self.grid.free)))
+        self._fields = OrderedDict()  # {cell of a goal: CostField}
+        self._shorteners = {}  # {cell of a goal: the Shortener of its latest place}
+        self._ways = OrderedDict()  # {(start, goal): corners}
+
+    @classmethod
+    def on(cls, occupancy, radius, unknown_is_free=True):
+        """Return the ways on the OccupancyMap ``occupancy``, which all robots of one ``radius`` [m] share."""
+        ways = _shared.setdefault(occupancy, {})
+        key = radius, unknown_is_free
+        if key not in ways:
+            ways[key] = cls(occupancy, radius, unknown_is_free)
+        return ways[key]
+
+    def is_free(self, pose):
+        """Return whether a robot's centre may be at ``pose`` (map frame)."""
+        place = self._place(pose)
+        return place is not None and self.grid.is_free(self.grid.cell_of(place))
+
+    def corners(self, start, goal):
+        """Return the corners ((x, y), ...) [m] of the way from ``start`` to ``goal`` (Pose2D, map frame), or None.
+
+        A robot that stands where its centre may not be, but no further from a free cell than its radius and a cell,
+        goes straight to the nearest one first.
+        """
+        places = self._place(start), self._place(goal)
+        if places not in self._ways:
+            self._ways[places] = self._find(*places)
+            if len(self._ways) > _KEPT_WAYS:
+                self._ways.popitem(last=False)
+        return self._ways[places]
+
+    def leads(self, start, goal):
+        """Return whether there is a way from ``start`` to ``goal``. Of many goals and one start this is quick."""
+        start, goal = self._start(self._place(start)), self._place(goal)
+        if start is None or goal is None:
+            return False
+        cell = self.grid.cell_of(goal)
+        return self.grid.is_free(cell) and self._field(self.grid.cell_of(start)).leads_from(cell)
+
+    def is_clear(self, points):
+        """Return whether the straight pieces between ``points`` [(x, y), m] touch no cell where no centre may be."""
+        places = [self.grid.place(*self._map.to_cells(x, y)) for x, y in points]
+        return None not in places and all(self.grid.sees(one, other) for one, other in zip(places, places[1:]))
+
+    def _find(self, start, goal):
+        grid = self.grid
+        free = self._start(start)
+        if free is None or goal is None or not grid.is_free(grid.cell_of(goal)):
+            return None
+        corners = [] if free == start else [free]
+        if not grid.sees(free, goal):
+            shortener = self._shortener(goal)
+            if not shortener.field.leads_from(grid.cell_of(free)):
+                return None
+            corners += shortener.corners_from(free)
+        points = (self._map.from_cells(column / PARTS, row / PARTS) for column, row in corners)
+        return tuple((round(x, _DIGITS), round(y, _DIGITS)) for x, y in points)
+
+    def _place(self, pose):
+        return self.grid.place(*self._map.to_cells(pose.x, pose.y))
+
+    def _start(self, place):
+        """Return where on the free cells a way from ``place`` begins, or None."""
+        if place is None or self.grid.is_free(self.grid.cell_of(place)):
+            return place
+        cell = self.grid.nearest_free(place, self._reach)
+        return None if cell is None else self.grid.centre_of(cell)
+
+    def _shortener(self, goal):
+        field = self._field(self.grid.cell_of(goal))
+        shortener = self._shorteners.get(field.goal)
+        if shortener is None or shortener.goal != goal:
+            shortener = self._shorteners[field.goal] = Shortener(self.grid, field, goal)
+        return shortener
+
+    def _field(self, cell):
+        if cell in self._fields:
+            self._fields.move_to_end(cell)
+        else:
+            self._fields[cell] = CostField(self.grid, cell)
+            if len(self._fields) > max(1, _FIELDS_BYTES // len(self.grid.free)):
+                self._shorteners.pop(self._fields.popitem(last=False)[0], None)
+        for field in islice(reversed(self._fields.values()), self._waves, self._waves + 1):
+            field.rest()
+        return self._fields[cell]
+
+
+class GridPlanner(StraightLinePlanner):
+    """Plans ways around what the map of ``map_check`` shows, for a robot whose inscribed radius is ``radius`` [m].
+
+    Places outside of ``bounds`` cannot be reached; a way may lead through them. What is worked out is shared by all
+    planners of a process: one of them is asked at a time.
+    """
+
+    goes_straight = False
+
+    def __init__(self, map_check, radius, bounds=WorldBounds()):
+        super().__init__(bounds, map_check)
+        self._radius = radius
+
+    def refusal(self, goal):
+        """Return what the map has against ``goal``, as a text, or None."""
+        refusal = super().refusal(goal)
+        if refusal is None and not self._ways().is_free(goal):
+            return ('The goal ({:g}, {:g}) lies nearer to an occupied cell of the map than the inscribed radius of the '
+                    'robot, {:g} m.'.format(goal.x, goal.y, self._radius))
+        return refusal
+
+    def refusal_of_way(self, start, goal):
+        """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
+        refusal = self.refusal(goal)
+        if refusal is None and self.reachable(goal):
+            return 'No way leads from ({:g}, {:g}) to the goal ({:g}, {:g}) on the map for a robot of {:g} m.'.format(
+                start.x, start.y, goal.x, goal.y, self._radius)
+        return refusal
+
+    def corners(self, start, goal):
+        """Return the corners ((x, y), ...) [m] of the way, () for a straight one, or None where there is no way."""
+        return self._ways().corners(start, goal) if self.reachable(goal) else None
+
+    def is_clear(self, points):
+        """Return whether a robot may go straight on from point to point, [(x, y), m]."""
+        return self.lacking is not None or self._ways().is_clear(points)
+
+    def _leads(self, start, goal):
+        return self.reachable(goal) and self._ways().leads(start, goal)
+
+    def _ways(self):
+        return MapWays.on(self._map_check.occupancy, self._radius, self._map_check.allow_unknown)

@@ -1,0 +1,85 @@
+"""Ways over cells made into few straight pieces at any angle, by which places see each other.
+
+From a place the way goes straight to one of the next cells where its shortest way over the cells turns or passes a
+corner of what is not free, and on from there likewise: the choice that is shortest in all. Lengths are whole numbers,
+in 1/65536 of a cell, rounded up piece by piece, so that a straight way is never longer than one with a corner. Of
+equally long ways the one with the fewest corners counts, then the one whose first corner lies furthest along.
+"""
+import math
+from typing import NamedTuple, Optional
+
+_BITS = 16  # of the square of 256 parts more than the 256 parts of a cell in which places are counted
+_AHEAD = 48  # cells; how many of them a straight piece is tried to
+
+
+def length_between(one, other):
+    """Return the distance of two places [1/65536 cell], rounded up."""
+    dx, dy = other[0] - one[0], other[1] - one[1]
+    squared = (dx * dx + dy * dy) << _BITS
+    return math.isqrt(squared - 1) + 1 if squared else 0
+
+
+class _Tail(NamedTuple):
+    """How a way goes on: its length to the goal, the number of its corners, the cell at which it bends next."""
+
+    length: int
+    corners: int
+    next: Optional[int]
+
+
+class Shortener:
+    """The shortened ways to ``goal``, a place in the cell that ``field`` (CostField) leads to.
+
+    What is found from a cell is kept: ways to one goal soon run together. It does not depend on what was asked before.
+    """
+
+    def __init__(self, grid, field, goal):
+        self.goal = goal
+        self.field = field
+        self._grid = grid
+        self._tails = {field.goal: _Tail(0, 0, None)}
+
+    def corners_from(self, place):
+        """Return the places of the corners between ``place`` and the goal; a way must lead from its cell."""
+        cells = self.field.way_from(self._grid.cell_of(place))
+        turns = self._turns(cells)
+        for number in range(len(turns) - 2, -1, -1):
+            cell = turns[number]
+            if cell not in self._tails:
+                self._tails[cell] = self._best(self._grid.centre_of(cell), turns[number + 1:number + 1 + _AHEAD])
+        corners = []
+        tail = self._best(place, turns[:_AHEAD])
+        while tail.next is not None and tail.next != self.field.goal:
+            corners.append(self._grid.centre_of(tail.next))
+            tail = self._tails[tail.next]
+        return corners
+
+    def _turns(self, cells):
+        """Return those of ``cells`` at which a way may bend: turns, corners, and the neighbours of its ends."""
+        is_corner = self._grid.is_corner
+        turns = []
+        step = None
+        last = len(cells) - 1
+        for number in range(1, last):
+            cell = cells[number]
+            next_step = cells[number + 1] - cell
+            if next_step != step or number == last - 1 or is_corner(cell):
+                turns.append(cell)
+            step = next_step
+        return turns + cells[-1:]
+
+    def _best(self, place, turns):
+        """Return the best way on from ``place`` by one of ``turns``, of which the first one at least is seen."""
+        choices = []
+        for number, cell in enumerate(turns):
+            tail = self._tails[cell]
+            length = length_between(place, self._place_of(cell)) + tail.length
+            choices.append((length, tail.corners + (cell != self.field.goal), -number, cell))
+        choices.sort()
+        for length, corners, _number, cell in choices:
+            if self._grid.sees(place, self._place_of(cell)):
+                return _Tail(length, corners, cell)
+        raise AssertionError('a way over cells whose next cell is not seen')
+
+    def _place_of(self, cell):
+        return self.goal if cell == self.field.goal else self._grid.centre_of(cell)

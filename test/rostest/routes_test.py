@@ -1,0 +1,138 @@
+#!/usr/bin/python3
+"""Robots that go around buildings: plans, poses and durations, goals without a way, another map on the way."""
+import os
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from move_base_msgs.msg import MoveBaseActionFeedback
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from nav_msgs.srv import GetPlan
+from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
+
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract.scenario import make_scenario
+from move_base_abstract_ros.map_files import load_map, read_description
+
+MAPS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'maps')
+START, GOAL, WALL, FAR = (10.0, 4.0), (10.0, 20.0), (10.0, 12.0), (-5.0, 4.0)
+REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
+
+
+def yard():
+    """Return the OccupancyMap of the farm yard."""
+    return load_map(read_description(os.path.join(MAPS, 'farm_yard.yaml')))
+
+
+def travelled(goal, **settings):
+    """Return the corners by which a robot of the plain Python fleet goes from START to ``goal``, and how long [ns]."""
+    defaults = {'max_speed': 2.0, 'use_map': True, 'routes': 'grid', 'robot_radius': 0.5,
+                'start_x': START[0], 'start_y': START[1], **settings}
+    fleet = Fleet(make_scenario({'defaults': defaults, 'robots': [{'name': 'bot'}]}), start_ns=0, occupancy=yard())
+    fleet.send('bot', *goal)
+    fleet.run()
+    [values] = [entry.values for entry in fleet.trace if entry.kind == 'route']
+    return list(zip(values[::2], values[1::2])), fleet.trace[-1].time_ns
+
+
+def points(path):
+    """Return [(x, y)] of a nav_msgs/Path."""
+    return [(pose.pose.position.x, pose.pose.position.y) for pose in path.poses]
+
+
+class Routes(unittest.TestCase):
+    """Each test has a robot of its own, see routes.test."""
+
+    def travel(self, robot):
+        """Send ``robot`` from START to GOAL; return how long it took [ns] and all that it told on the way."""
+        odometry = Record('/{}/odom'.format(robot), Odometry)
+        feedback = Record('/{}/move_base/feedback'.format(robot), MoveBaseActionFeedback)
+        client = RawClient('/' + robot)
+        goal_id = client.send(pose_stamped(*GOAL))
+        start_ns = active_since_ns(client, goal_id)
+        ended = client.ending(goal_id)
+        self.assertEqual((ended.status.status, ended.status.text), REACHED)
+        places = [message.pose.pose.position for message in odometry.messages] + [
+            message.feedback.base_position.pose.position for message in feedback.messages]
+        return ended.header.stamp.to_nsec() - start_ns, [(place.x, place.y) for place in places]
+
+    def test_it_drives_around_the_building_for_as_long_as_the_plain_fleet(self):
+        stopping = {'corners': 'stop', 'turn_rate': 1.0, 'acceleration': 1.0}
+        for robot, settings in (('keeper', {}), ('stopper', stopping)):
+            corners, duration_ns = travelled(GOAL, **settings)
+            self.assertGreaterEqual(len(corners), 1)
+            took_ns, places = self.travel(robot)
+            self.assertEqual(took_ns, duration_ns)
+            ways = [START, *corners, GOAL]
+            self.assertGreater(len(places), 10)
+            for place in places:
+                self.assertLess(min(distance(place, *piece) for piece in zip(ways, ways[1:])), 1e-6)
+            topics = ('NavfnROS/plan', 'TrajectoryPlannerROS/global_plan', 'TrajectoryPlannerROS/local_plan')
+            for topic in topics:
+                plan = points(rospy.wait_for_message('/{}/move_base/{}'.format(robot, topic), Path, GUARD))
+                self.assertEqual((plan[0], plan[-1]), (START, GOAL))
+                self.assertTrue(set(corners) <= set(plan))
+
+    def test_make_plan_gives_the_way_or_none(self):
+        name = '/planner/move_base/make_plan'
+        rospy.wait_for_service(name, GUARD)
+        make_plan = rospy.ServiceProxy(name, GetPlan)
+        corners, _ = travelled(GOAL, robot_radius=0.3)
+        plan = points(make_plan(pose_stamped(*START), pose_stamped(*GOAL), 0.0).plan)
+        self.assertTrue(set(corners) <= set(plan))
+        self.assertEqual(make_plan(pose_stamped(*START), pose_stamped(*WALL), 0.0).plan.poses, [])
+        near, goal = points(make_plan(pose_stamped(*START), pose_stamped(*WALL), 10.0).plan)[-2:]
+        self.assertEqual(goal, WALL)
+        self.assertTrue(0.3 < distance(near, WALL, WALL) < 10.0)
+
+    def test_a_goal_without_a_way_ends_with_upstreams_text(self):
+        client = simple_client('/planner')
+        for goal in (WALL, FAR):
+            self.assertEqual(go(client, pose_stamped(*goal)), (GoalStatus.ABORTED, NO_PLAN))
+
+    def test_a_new_map_that_cuts_the_way_is_gone_by_at_once(self):
+        maps = rospy.Publisher('/changing_map', OccupancyGrid, queue_size=1, latch=True)
+        maps.publish(area())
+        plans = Record('/changer/move_base/NavfnROS/plan', Path)
+        odometry = Record('/changer/odom', Odometry)
+        client = RawClient('/changer')
+        goal_id = client.send(pose_stamped(*GOAL))
+        straight = points(plans.wait_for())
+        self.assertEqual({x for x, _ in straight}, {10.0})
+        odometry.wait_for(lambda message: message.pose.pose.position.y > 5.0)
+        maps.publish(area(wall=True))
+        around = points(plans.wait_for(lambda path: len({pose.pose.position.x for pose in path.poses}) > 1))
+        self.assertAlmostEqual(around[0][0], 10.0)
+        self.assertTrue(5.0 < around[0][1] < 12.0, around[0])
+        self.assertEqual(around[-1], GOAL)
+        self.assertTrue(any(x < 5.0 or x > 15.0 for x, _ in around))
+        client.cancel(goal_id)
+        self.assertEqual(client.ending(goal_id).status.status, GoalStatus.PREEMPTED)
+
+
+def area(wall=False):
+    """Return a map of 20 m x 24 m, with a wall across the way from START to GOAL or without."""
+    cells = np.zeros((48, 40), np.int8)
+    if wall:
+        cells[24:26, 10:30] = 100
+    grid = OccupancyGrid(data=cells.ravel().tolist())
+    grid.header.frame_id = 'map'
+    grid.info.resolution, grid.info.width, grid.info.height = 0.5, 40, 48
+    return grid
+
+
+def distance(place, begin, end):
+    """Return the distance [m] of ``place`` from the straight piece between two points."""
+    here, there = Pose2D(*place), Pose2D(*begin)
+    length = there.distance_to(Pose2D(*end))
+    along = ((place[0] - begin[0]) * (end[0] - begin[0]) + (place[1] - begin[1]) * (end[1] - begin[1]))
+    share = min(1.0, max(0.0, along / length ** 2)) if length else 0.0
+    return here.distance_to(Pose2D(begin[0] + share * (end[0] - begin[0]), begin[1] + share * (end[1] - begin[1])))
+
+
+if __name__ == '__main__':
+    rospy.init_node('routes_test')
+    rostest.rosrun('move_base_abstract', 'routes', Routes)
