@@ -43,6 +43,10 @@ TICKING = """<launch>
   {more}
 </launch>
 """
+LEAVING = """<launch>
+  <node pkg="study_of_others" type="leaves.py" name="leaves" required="true"/>
+</launch>
+"""
 PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 
@@ -55,7 +59,7 @@ class LaunchTest(unittest.TestCase):
         with open(self.path('package.xml'), 'w') as stream:
             stream.write(PACKAGE)
         scripts = [os.path.join(HERE, 'unmodified', name) for name in
-                   ('answerer.py', 'asker.py', 'flags.py', 'ticks.py')]
+                   ('answerer.py', 'asker.py', 'flags.py', 'leaves.py', 'ticks.py')]
         for path in [*scripts, os.path.join(HERE, os.pardir, os.pardir, 'tools', 'run_tests.py')]:
             shutil.copy(path, self.folder)
             os.chmod(self.path(os.path.basename(path)), 0o755)
@@ -144,6 +148,19 @@ class LaunchTest(unittest.TestCase):
         with open(log) as stream:
             end = json.loads(stream.readlines()[-1])['end']
         self.assertEqual((end['reason'], end['repeatable']), ('the run was to end at 50 s', True))
+
+    def test_what_a_run_leaves_in_its_temporary_folder_does_not_change_the_next_one(self):
+        self.environment['TMPDIR'] = self.folder
+        for name in ('a.jsonl', 'b.jsonl'):
+            done = self.run_it('--log-messages', '--event-log', self.path(name), self.file(LEAVING))
+            self.assertEqual(done.returncode, 0, done.stdout)
+            left = re.search('what the programs left in their temporary folder is in (.*)', done.stdout).group(1)
+            file, = os.listdir(left)
+            with open(os.path.join(left, file)) as stream:
+                self.assertEqual(stream.read(), 'kept')
+            self.assertEqual(self.log(name)[0].end['not_repeatable_because'], [], name)
+        self.assertEqual(self.log('a.jsonl')[1], self.log('b.jsonl')[1])
+        self.assertIn('/left', ' '.join(map(str, self.log('a.jsonl')[1])))
 
     def test_a_node_that_ends_before_it_takes_part_ends_the_run_and_is_named(self):
         early = '<node pkg="study_of_others" type="run_tests.py" name="early" args="--help"/>'

@@ -24,7 +24,7 @@ class Wishes(NamedTuple):
     left_out: tuple = ()  # names of nodes that are not started
     replaced: tuple = ()  # ((package, type), (package, type)): what is started in the place of what
     with_respawned: bool = False
-    environment: tuple = ()  # (name, value) for each node that takes part
+    environment: tuple = ()  # (name, value) for each node that takes part; the launch file's own stand above them
     own_environment: tuple = ()  # (name, value) for this package's own nodes
     parts: int = 0  # processes that a fleet is split into; 0: as the file says
 
@@ -122,7 +122,7 @@ def _refuse_other_clocks(config):
 
 def _prepare(node, role, launcher, wishes):
     if role.takes_part:
-        node.env_args = [*node.env_args, *wishes.environment]
+        node.env_args = [*wishes.environment, *node.env_args]
         if role.kind == 'itself':
             node.env_args = [*node.env_args, *wishes.own_environment]
         else:

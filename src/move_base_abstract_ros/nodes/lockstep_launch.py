@@ -16,6 +16,7 @@ from contextlib import contextmanager
 
 from move_base_abstract.errors import SimulatorError
 from move_base_abstract.shown import shown, shown_text
+from move_base_abstract.temporary_folder import temporary_folder
 
 from ..loopback import Loopback, LoopbackError
 
@@ -125,32 +126,44 @@ def _run(options, files):
         ('log_messages', options.log_messages or None), ('end_when_idle', options.end_when_idle or None))
         if value is not None}
     seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)
-    made = plan.make_plan(files, wishes_of(options, parameters, own_environment=seed, parts=options.parts))
-    for line in _lines(made):
-        print(line, flush=True)
-    if options.list:
-        return 0
-    run_id = rlutil.get_or_generate_uuid(None, False)
-    configure_logging(run_id)
-    parent = runner.Parent(run_id, made, show_summary=False)
-    parent.start()
-    parent.spin()
-    return parent.code
+    with _no_folder() if options.list else temporary_folder(_say) as folder:
+        environment = (('TMPDIR', folder),) if folder else ()
+        made = plan.make_plan(files, wishes_of(options, parameters, environment=environment, own_environment=seed,
+                                               parts=options.parts))
+        for line in _lines(made):
+            _say(line)
+        if options.list:
+            return 0
+        run_id = rlutil.get_or_generate_uuid(None, False)
+        configure_logging(run_id)
+        parent = runner.Parent(run_id, made, show_summary=False)
+        parent.start()
+        parent.spin()
+        return parent.code
+
+
+@contextmanager
+def _no_folder():
+    yield None
+
+
+def _say(line):
+    print('lockstep_launch: {}'.format(line), flush=True)
 
 
 def _lines(made):
     taking = [role for role in made.roles if role.takes_part]
-    yield 'lockstep_launch: {} of {} nodes take part: {}'.format(
+    yield '{} of {} nodes take part: {}'.format(
         len(taking), len(made.roles), ', '.join(shown_text(role.name) for role in taking))
     for role in made.roles:
         if not role.takes_part:
-            yield 'lockstep_launch: {} looks on: {}'.format(shown_text(role.name), shown_text(role.why))
+            yield '{} looks on: {}'.format(shown_text(role.name), shown_text(role.why))
     for name in made.left_out:
-        yield 'lockstep_launch: {} is not started'.format(shown_text(name))
+        yield '{} is not started'.format(shown_text(name))
     if made.fleets:
-        yield 'lockstep_launch: fleets: {}'.format(', '.join(shown_text(name) for name in made.fleets))
+        yield 'fleets: {}'.format(', '.join(shown_text(name) for name in made.fleets))
     for note in made.notes:
-        yield 'lockstep_launch: {}'.format(shown_text(note))
+        yield '{}'.format(shown_text(note))
 
 
 @contextmanager
