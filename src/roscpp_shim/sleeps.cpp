@@ -32,7 +32,7 @@ void sleepWall(Nanoseconds duration) {
   Task& me = *Turn::self();
   me.has_acted = true;
   Wait wait;
-  if (node().sleepsSimulated()) {
+  if (node().sleepsSimulated() || me.sleeps_simulated) {
     wait.until = node().now() + duration;
     turn().wait(std::move(wait));
     return;
@@ -49,7 +49,9 @@ void sleepWall(Nanoseconds duration) {
     wait.next_round = true;  // what has happened at this instant is seen after the sleep
   } else {
     node().label(
-        "a thread sleeps by the wall clock until something happens (see --sleep simulated)");
+        "a thread sleeps by the wall clock until something happens; from here on its sleeps take "
+        "simulated time (see --sleep simulated)");
+    me.sleeps_simulated = true;
     wait.until = node().now() + duration;
   }
   turn().wait(std::move(wait));

@@ -54,16 +54,17 @@ struct Task {
   bool is_blocking = false;  // it blocks in a known way, with time standing still
   std::atomic<bool> is_done{false};
   std::uint64_t seen_activity = 0;
-  bool in_spinner = false;       // its waits for callbacks are without end
-  bool has_acted = false;        // since its last wait for callbacks
-  unsigned idle_polls = 0;       // waits for callbacks in a row that were in vain
-  const void* poller = nullptr;  // whence it looked last,
-  bool only_joined = false;      // which is a loop whose end is awaited by whoever ends it
-  unsigned empty_polls = 0;      // looks without waiting in a row that were in vain
-  unsigned clock_reads = 0;      // at one instant
-  Nanoseconds slept_at = -1;     // instant at which it has slept by the wall clock,
-  Nanoseconds slept = 0;         // and for how long altogether
-  std::function<void*()> main;   // of a thread that has not begun
+  bool in_spinner = false;        // its waits for callbacks are without end
+  bool has_acted = false;         // since its last wait for callbacks
+  unsigned idle_polls = 0;        // waits for callbacks in a row that were in vain
+  const void* poller = nullptr;   // whence it looked last,
+  bool only_joined = false;       // which is a loop whose end is awaited by whoever ends it
+  unsigned empty_polls = 0;       // looks without waiting in a row that were in vain
+  unsigned clock_reads = 0;       // at one instant
+  Nanoseconds slept_at = -1;      // instant at which it has slept by the wall clock,
+  Nanoseconds slept = 0;          // and for how long altogether
+  bool sleeps_simulated = false;  // from when on that has been too long
+  std::function<void*()> main;    // of a thread that has not begun
 };
 
 /** @brief Marks that a thread runs roscpp's or this library's own code: nothing is intercepted. */

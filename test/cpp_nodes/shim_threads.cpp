@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <deque>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -171,6 +172,20 @@ void hears(Teller& teller) {
   ros::Duration(30).sleep();
   is_set = true;
   looker.join();
+}
+
+/** Sleeps by the wall clock until a flag is set that needs simulated time. */
+void wallLoop(Teller& teller) {
+  std::atomic<bool> is_set{false};
+  std::thread setter([&is_set] {
+    ros::Duration(30).sleep();
+    is_set = true;
+  });
+  while (!is_set) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(250));
+  }
+  setter.join();
+  teller.tell("is set");
 }
 
 /** Waits that end by the wall clock, for a subscriber, and polls without any wait. */
@@ -346,35 +361,24 @@ int main(int argc, char** argv) {
   Teller teller;
   std::string what;
   own.getParam("what", what);
-  if (what == "robots") {
-    robots(teller);
-  } else if (what == "queue") {
-    queue(teller);
-  } else if (what == "spinners") {
-    spinners(teller, own.param("threads", 3));
-  } else if (what == "pool") {
-    pool(teller);
-  } else if (what == "two_spinners") {
-    two_spinners(teller);
-  } else if (what == "hears") {
-    hears(teller);
-  } else if (what == "polls") {
-    polls(teller);
-  } else if (what == "queues") {
-    queues(teller);
-  } else if (what == "looks") {
-    looks(teller);
-  } else if (what == "wall") {
-    wall(teller);
-  } else if (what == "master") {
-    stands(teller, [&] { askMaster(own); });
-  } else if (what == "output") {
-    stands(teller, [] { print(); });
-  } else if (what == "names") {
-    stands(teller, [&] { lookUp(own.param<std::string>("aliases", "")); });
-  } else if (what == "hidden") {
-    hidden(teller);
-  }
+  const std::map<std::string, std::function<void()>> all = {
+      {"robots", [&] { robots(teller); }},
+      {"queue", [&] { queue(teller); }},
+      {"spinners", [&] { spinners(teller, own.param("threads", 3)); }},
+      {"pool", [&] { pool(teller); }},
+      {"two_spinners", [&] { two_spinners(teller); }},
+      {"hears", [&] { hears(teller); }},
+      {"wall_loop", [&] { wallLoop(teller); }},
+      {"polls", [&] { polls(teller); }},
+      {"queues", [&] { queues(teller); }},
+      {"looks", [&] { looks(teller); }},
+      {"wall", [&] { wall(teller); }},
+      {"master", [&] { stands(teller, [&] { askMaster(own); }); }},
+      {"output", [&] { stands(teller, [] { print(); }); }},
+      {"names", [&] { stands(teller, [&] { lookUp(own.param<std::string>("aliases", "")); }); }},
+      {"hidden", [&] { hidden(teller); }},
+  };
+  all.at(what)();
   own.setParam("done", true);
   return 0;
 }

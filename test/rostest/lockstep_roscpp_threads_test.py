@@ -108,6 +108,11 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.assertEqual([text for _at, text in told], ['somebody listens', 'five are heard', 'time has gone on'])
         self.assertLess(told[1][0], 1510000000)  # the fifth came at 1.5 s
 
+    def test_a_loop_that_sleeps_by_the_wall_clock_takes_simulated_time_from_its_sixth_second_on(self):
+        run = RUNS.run([Program('threads', own('shim_threads'), what='wall_loop'), recorder('/told')])
+        self.assertEqual((run.code, len(run.printed(1)), len(run.labels)), (0, 1, 1), (run.outputs, run.labels))
+        self.assertIn('from here on its sleeps take simulated time', run.labels[0])
+
     def stands(self, what, **parameters):
         """What a program does that takes a second of wall time for something takes no simulated time, and no label."""
         run = RUNS.run([Program('threads', own('shim_threads'), what=what, **parameters), recorder('/told')])
