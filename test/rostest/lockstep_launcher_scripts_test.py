@@ -191,5 +191,22 @@ class TalkingTest(unittest.TestCase):
         self.assertEqual(self.printed('right'), ['6.200000000 13 of mine, 24 of the other'])
 
 
+class ConcurrentStatesTest(unittest.TestCase):
+    """States beside each other, in threads that are no daemons."""
+
+    def test_they_end_by_themselves_and_each_run_is_the_same(self):
+        runs = [run_programs({'states': ['concurrence.py', '2']}, until=100.0, load=load) for load in (0, 2)]
+        self.assertEqual([run.codes for run in runs], [{'states': 0}] * 2, runs[0].outputs)
+        self.assertEqual(runs[0].printed('states'), [
+            "5.500 0 [('long', 'preempted at step 9'), ('monitor', 'heard'), ('short', 'done')]",
+            "9.500 1 [('long', 'preempted at step 8'), ('monitor', 'heard'), ('short', 'done')]"])
+        assert_same(self, runs)
+
+    def test_they_do_not_keep_a_program_alive_when_the_run_is_over(self):
+        run = run_programs({'states': ['concurrence.py', '1000']}, until=8.0)
+        self.assertEqual(run.codes, {'states': 1}, run.outputs)  # None, if it had to be killed
+        self.assertIn('the time master has ended lockstep', run.outputs['states'])
+
+
 if __name__ == '__main__':
     rostest.rosrun('move_base_abstract', 'lockstep_launcher_scripts', __name__, sysargs=sys.argv)
