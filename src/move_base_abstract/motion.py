@@ -96,6 +96,20 @@ class SpeedProfile:
             return self.distance - 0.5 * self.acceleration * left * left
         return peak * (elapsed - 0.5 * ramp)
 
+    def elapsed(self, covered):
+        """Return when [s after the start] ``covered`` [m] are covered, clamped to the trip: the reverse of covered."""
+        if covered <= 0.0 or self.seconds == 0.0:
+            return 0.0
+        left = self.distance - covered
+        if left <= 0.0:
+            return self.seconds
+        ramp_length = 0.5 * self.peak_speed * self.ramp_seconds
+        if covered < ramp_length:
+            return math.sqrt(2.0 * covered / self.acceleration)
+        if left < ramp_length:
+            return self.seconds - math.sqrt(2.0 * left / self.acceleration)
+        return covered / self.peak_speed + 0.5 * self.ramp_seconds
+
     def speed(self, elapsed):
         """Return the speed [m/s] at ``elapsed`` [s] after the start; 0 outside the trip."""
         total = self.seconds

@@ -109,6 +109,16 @@ class Route:
         lengths = accumulate(math.hypot(x - a, y - b) for (a, b), (x, y) in zip(points, points[1:]))
         return tuple(corner for corner, length in zip(self.corners, lengths) if length > passed)
 
+    def even_instants_ns(self, ramp_pieces):
+        """Return the instants [ns] between which the robot turns in place, or drives straight at nearly one speed.
+
+        While it changes its speed that is so in ``ramp_pieces`` equal times.
+        """
+        instants = {self.depart_ns, self.arrive_ns, *self._begins_ns}
+        for begin_ns, part in zip(self._begins_ns, self._parts):
+            instants.update(begin_ns + seconds_to_ns(elapsed) for elapsed in part.even_instants(ramp_pieces))
+        return sorted(instants)
+
     def _part(self, now_ns):
         """Return the turn or drive of ``now_ns`` [ns] and how long it has been going on [ns]."""
         index = bisect_right(self._begins_ns, now_ns) - 1
@@ -122,6 +132,10 @@ class _Turn:
 
     def __init__(self, x, y, yaw, turn, rate, driven):
         self._x, self._y, self._yaw, self._turn, self._rate, self._driven = x, y, yaw, turn, rate, driven
+
+    @staticmethod
+    def even_instants(_ramp_pieces):
+        return ()
 
     def pose_at(self, elapsed_ns):
         turned = math.copysign(self._rate * elapsed_ns / NS_PER_S, self._turn)
@@ -145,6 +159,13 @@ class _Drive:
         self._pieces = pieces
         self._begins = [0.0] + ends[:-1]
         self._driven = driven
+
+    def even_instants(self, ramp_pieces):
+        """Return when [s] corners are passed, and the ends of the pieces in which the speed changes."""
+        profile = self.profile
+        ramp = [profile.ramp_seconds * number / ramp_pieces for number in range(1, ramp_pieces + 1)]
+        return [*(profile.elapsed(begin) for begin in self._begins), *ramp,
+                *(profile.seconds - seconds for seconds in ramp)]
 
     def pose_at(self, elapsed_ns):
         covered = self.profile.covered(elapsed_ns / NS_PER_S)

@@ -2,6 +2,8 @@
 
 A log that says by which limits its robots travel (``motion``, see robot_trace) gives their legs exactly; each is
 compared with where the log says that it ended. Of other legs only the ends are known: they are drawn straight and even.
+A leg with corners (``route``) becomes even pieces: exact where it turns and at corners, and at their ends while the
+speed changes.
 """
 import json
 import math
@@ -10,12 +12,14 @@ from typing import List, NamedTuple, Optional
 
 from move_base_abstract.geometry import Pose2D
 from move_base_abstract.motion import Leg, MotionLimits, Tolerances
+from move_base_abstract.route import CornerLaw, Route
 
 #: how a robot gets from one pose to the other: it is there; evenly; by the limits with this number less LIMITED
 PLACED, EVEN, LIMITED = 0, 1, 2
 _CLOSE = 1e-6  # m, and rad: where a leg may end beside what the log says; texts of numbers are exact
 #: kinds of events that say where a robot is; :mod:`move_base_abstract.robot_trace`
-KINDS = ('motion', 'departed', 'stands')
+KINDS = ('motion', 'departed', 'route', 'stands')
+_RAMP_PIECES = 8  # of speeding up and slowing down on a leg with corners
 
 
 class Motion(NamedTuple):
@@ -40,6 +44,8 @@ class Track:
     _pose: Optional[tuple] = None
     _limits: Optional[int] = None
     _departed: Optional[tuple] = None  # (time, start, goal, limits) of the leg under way
+    _corners: tuple = ()  # of it
+    _law: CornerLaw = CornerLaw.KEEP  # as of the latest leg with corners that has ended
 
 
 class Motions:
@@ -55,11 +61,11 @@ class Motions:
         self.astray = 0  # legs that end elsewhere than their limits say
         self.startless = 0  # legs of which nobody says where they began
         self._numbers = {}
-        handlers = {'motion': self._motion, 'departed': self._departed, 'stands': self._stands}
+        handlers = {'motion': self._motion, 'departed': self._departed, 'route': self._route, 'stands': self._stands}
         for time_ns, name, kind, values in recording:
             handler = handlers.get(kind)
             numbers = _numbers(values) if handler else None
-            if numbers is not None and len(numbers) == (8 if kind == 'motion' else 3):
+            if numbers is not None and _is_whole(kind, len(numbers)):
                 track = self.tracks.get(name)
                 if track is None:
                     track = self.tracks[name] = Track(name)
@@ -79,9 +85,14 @@ class Motions:
 
     def _departed(self, track, time_ns, goal):
         self._close(track, time_ns, None)
-        track._departed = (time_ns, track._pose, goal, track._limits)
+        track._departed, track._corners = (time_ns, track._pose, goal, track._limits), ()
         if track._pose is None:
             self.startless += 1
+
+    @staticmethod
+    def _route(track, time_ns, numbers):
+        if track._departed is not None and track._departed[0] == time_ns:
+            track._corners = tuple(zip(numbers[::2], numbers[1::2]))
 
     def _stands(self, track, time_ns, pose):
         if not self._close(track, time_ns, pose):
@@ -100,6 +111,8 @@ class Motions:
         track._departed = None
         if start is None:
             return False
+        if track._corners and limits is not None:
+            return self._close_route(track, time_ns, pose, (begin_ns, start, goal, self.limits[limits]))
         law = EVEN
         if limits is not None:
             end = make_leg(start, goal, self.limits[limits], begin_ns).pose_at(time_ns)
@@ -117,11 +130,41 @@ class Motions:
         return True
 
 
+    def _close_route(self, track, time_ns, pose, trip):
+        """As _close, of a leg with corners; which law it kept to there shows in where it ended."""
+        begin_ns, start, goal, limits = trip
+        for law in (track._law, *CornerLaw):
+            route = Route(Pose2D(*start), Pose2D(*goal), track._corners, *_of_limits(limits), begin_ns, law)
+            if pose is None or (time_ns <= route.arrive_ns and _is_close(route.pose_at(time_ns), pose)):
+                break
+        else:
+            self.astray += 1
+            track.motions.append(Motion(begin_ns, time_ns, EVEN, start, pose))
+            track._pose = pose
+            return True
+        track._law = law
+        instants = [instant for instant in route.even_instants_ns(_RAMP_PIECES) if instant < time_ns] + [time_ns]
+        for one_ns, other_ns in zip(instants, instants[1:]):
+            begin, end = route.pose_at(one_ns), route.pose_at(other_ns)
+            track.motions.append(Motion(one_ns, other_ns, EVEN, (begin.x, begin.y, begin.yaw), (end.x, end.y, end.yaw)))
+        end = route.pose_at(time_ns)
+        track._pose = (end.x, end.y, end.yaw)
+        return True
+
+
 def make_leg(start, goal, limits, depart_ns):
     """Return the core's Leg between two poses (x, y, yaw) by ``limits`` as of :class:`Motions`."""
+    return Leg(Pose2D(*start), Pose2D(*goal), *_of_limits(limits), depart_ns)
+
+
+def _of_limits(limits):
     speed, acceleration, turn_rate, xy, yaw = limits
-    return Leg(Pose2D(*start), Pose2D(*goal), MotionLimits(speed, acceleration or math.inf, turn_rate or math.inf),
-               Tolerances(xy, yaw), depart_ns)
+    return MotionLimits(speed, acceleration or math.inf, turn_rate or math.inf), Tolerances(xy, yaw)
+
+
+def _is_whole(kind, count):
+    """Return whether an event of a kind that is understood has as many numbers as it ought to."""
+    return count >= 2 and count % 2 == 0 if kind == 'route' else count == (8 if kind == 'motion' else 3)
 
 
 def _is_close(end, pose):

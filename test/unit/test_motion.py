@@ -109,6 +109,13 @@ def test_the_speed_is_the_slope_of_the_distance(profile, share, step):
     assert abs(driven - profile.speed(t) * step) <= 0.5 * profile.acceleration * step * step + 1e-9
 
 
+@given(PROFILES, SHARES)
+def test_when_a_distance_is_covered_is_the_reverse_of_how_much_is(profile, share):
+    wanted = share * profile.distance
+    assert abs(profile.covered(profile.elapsed(wanted)) - wanted) <= 1e-9 * profile.distance
+    assert (profile.elapsed(-1.0), profile.elapsed(profile.distance + 1.0)) == (0.0, profile.seconds)
+
+
 # ---- legs: fixed examples
 
 def test_a_leg_turns_drives_and_turns_again():

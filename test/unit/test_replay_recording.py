@@ -1,11 +1,13 @@
 """What a replay finds in an event log: events, legs and places, states."""
 import json
 
+import numpy as np
 import pytest
 
 from move_base_abstract.event_log import EventLogError
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.geometry import Pose2D
+from move_base_abstract.occupancy import OccupancyMap
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_replay.motions import EVEN, LIMITED, PLACED, Motions, make_leg
 from move_base_abstract_replay.recording import read_recording
@@ -60,6 +62,39 @@ def test_a_fleet_that_says_its_motion_is_followed_exactly_at_every_instant(read)
         found = (Pose2D(*motion.start) if motion.law == PLACED else make_leg(
             motion.start, motion.goal, motions.limits[motion.law - LIMITED], motion.begin_ns).pose_at(until))
         assert (found.x, found.y, found.yaw) == pytest.approx((pose.x, pose.y, pose.yaw), abs=1e-9)
+
+
+@pytest.mark.parametrize('corners', ['keep', 'stop'])
+def test_a_way_with_corners_is_followed_piece_by_piece(read, corners):
+    cells = np.zeros((12, 12), np.int8)
+    cells[2:, 5] = 100
+    scenario = make_scenario({'robots': [dict(GONE, name='r_0', start_x=2.5, start_y=5.5, use_map=True, routes='grid',
+                                              robot_radius=0.0, corners=corners)]})
+    fleet = Fleet(scenario, occupancy=OccupancyMap(cells, 1.0))
+    poses = {}
+    fleet.at(S, lambda fleet: fleet.send('r_0', 8.5, 5.5, 1.0))
+    fleet.at(40 * S, lambda fleet: fleet.send('r_0', 2.5, 5.5, 1.0))
+    fleet.at(43 * S, lambda fleet: fleet.cancel('r_0'))  # on the way
+    for k in range(1, 180):
+        fleet.at(k * S // 4 + S, lambda fleet: poses.update({fleet.now_ns: fleet.pose('r_0')}))
+    fleet.run()
+    assert sum(entry.kind == 'route' for entry in fleet.trace) == 2
+    motions = Motions(read(fleet.trace))
+    track = motions.tracks['r_0'].motions
+    assert (motions.even, motions.astray, {motion.law for motion in track}) == (0, 0, {PLACED, EVEN})
+    for time_ns, pose in poses.items():
+        motion = [motion for motion in track if motion.begin_ns <= time_ns][-1]
+        share = min(1.0, (time_ns - motion.begin_ns) / max(1, motion.end_ns - motion.begin_ns))
+        place = [one + share * (other - one) for one, other in zip(motion.start[:2], motion.goal[:2])]
+        assert place == pytest.approx([pose.x, pose.y], abs=0.02)
+
+
+def test_a_way_with_corners_that_ends_elsewhere_is_straight_and_even(read):
+    motions = Motions(read([(S, 'a', 'motion', (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)),
+                            (2 * S, 'a', 'departed', (4.0, 0.0, 0.0)), (2 * S, 'a', 'route', (0.0, 3.0)),
+                            (3 * S, 'a', 'stands', (7.0, 7.0, 0.0))]))
+    assert motions.astray == 1
+    assert tuple(motions.tracks['a'].motions[-1]) == (2 * S, 3 * S, EVEN, (0.0, 0.0, 0.0), (7.0, 7.0, 0.0))
 
 
 def test_nothing_is_said_of_motion_unless_it_is_asked_for():

@@ -36,6 +36,7 @@ function messageText(kind, values) {
 
 const EVENT_TEXTS = {
   departed: (v) => `departs for ${place(...v)}`,
+  route: (v) => `goes by ${v.length / 2} corner${v.length === 2 ? '' : 's'}`,
   stands: (v) => `stands at ${place(...v)}`,
   ended: (v) => `goal ${v[1]}${v[2] ? ` · ${v[2]}` : ''} · ${v[0]}`,
   motion: (v) => `is at ${place(v[0], v[1], v[2])}; at most ${v[3]} m/s`,
