@@ -43,9 +43,10 @@ deps-test deps-lint deps-bench deps-study deps-experiment deps-picture:
 build: deps  ## build the catkin package in .ws/
 	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) $(TESTS)
 
-demo: $(if $(RVIZ),deps-picture) build  ## five robots, a mission, a progress bar and a table; RVIZ=1 shows it
+demo: $(if $(RVIZ),deps-picture) build  ## five robots, a mission, a progress bar and a table; RVIZ=1 shows it, ROUTES=1 goes around buildings
 	@$(ENTER) rosrun move_base_abstract demo \
 	  $(if $(CLOCK),--clock '$(CLOCK)') $(if $(FACTOR),--factor '$(FACTOR)') $(if $(ROBOTS),--robots '$(ROBOTS)') $(if $(RVIZ),--rviz) \
+	  $(if $(ROUTES),--routes) \
 	  $(if $(CSV),--csv '$(abspath $(CSV))') $(if $(MISSION),--mission '$(abspath $(MISSION))')
 
 test: TESTS := tests

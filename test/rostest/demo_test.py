@@ -16,7 +16,9 @@ import psutil
 import rosgraph
 import rostest
 
+from move_base_abstract.mission import read_mission
 from move_base_abstract_ros.loopback import find_executable
+from move_base_abstract_ros.nodes.demo_nodes import shipped
 
 GUARD = 60.0
 MISSION = """
@@ -77,6 +79,24 @@ class Demo(unittest.TestCase):
         self.assertRegex(output, r'\nfar +1/1 +80\.0 +40\.00 ')
         self.assertRegex(output, r'\n\d+\.\d\d s simulated in \d+\.\d\d s of wall time: \d+\.\dx real time\n$')
         self.assertEqual(rosgraph.Master('/demo_test').getSystemState(), before)
+
+    def test_with_routes_robots_drive_around_the_buildings(self):
+        process = subprocess.Popen([find_executable('demo'), '--routes', '--robots', '2'], stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.kill)
+        output, code = self.finish(process)
+        self.assertEqual(code, 0, output)
+        distances = {name: float(found) for name, found in re.findall(r'\n(robot_\d) +\d/\d +([\d.]+) ', output)}
+        plan = read_mission(shipped('config', 'demo_routes_mission.yaml'))
+        for robot in plan.robots[:2]:
+            straight = sum(one.distance_to(other) for one, other in zip((robot.start, *robot.goals), robot.goals))
+            self.assertGreater(distances[robot.name], straight + 10.0)
+
+    def test_routes_without_a_map_are_refused(self):
+        output, code = self.finish(self.start(80, '--routes'))
+        self.assertEqual(code, 1, output)
+        self.assertIn('demo: --routes needs a map on which all places of the mission are free', output)
 
     def test_ctrl_c_ends_all_processes_in_lockstep(self):
         self.check_ctrl_c('lockstep')

@@ -1,7 +1,7 @@
 """The demo: a mission of several robots, faster than real time, on a ROS master of its own.
 
     demo [--clock lockstep|scaled] [--factor F] [--csv FILE | --mission FILE] [--map FILE] [--robots N] [--goals K]
-         [--seed S] [--speed V] [--rviz]
+         [--seed S] [--speed V] [--routes] [--rviz]
 
 Exit codes: 0 mission done; 1 it failed (the reason is printed); 2 wrong arguments; 130 interrupted (143 by SIGTERM).
 """
@@ -52,8 +52,11 @@ def _run(arguments, plan):
         ros.adopt()
         map_path, why = demo_nodes.choose_map(arguments.map, 'field.yaml' if arguments.csv else 'farm_yard.yaml', plan)
         print(why, flush=True)
+        if arguments.routes and map_path is None:
+            raise MissionFailed('--routes needs a map on which all places of the mission are free')
         clock = demo_nodes.clock_parameters(arguments.clock, arguments.factor, ['/fleet', '/demo'])
-        demo_nodes.start(ros, plan, clock, arguments.speed, map_path, arguments.rviz)
+        settings = demo_nodes.robot_settings(arguments.speed, map_path is not None, arguments.routes, arguments.rviz)
+        demo_nodes.start(ros, plan, clock, settings, map_path, arguments.rviz)
         rospy.init_node('demo', disable_signals=True)
         try:
             run = MissionRun(plan, lockstep.join() if arguments.clock == 'lockstep' else None)
@@ -114,7 +117,8 @@ def _choose_mission(arguments):
               f'{max(point.y for point in points):.1f} m')
         return mission.mission_from_points(points, arguments.robots or 5, arguments.goals or 6,
                                            1 if arguments.seed is None else arguments.seed)
-    path = arguments.mission or demo_nodes.shipped('config', 'demo_mission.yaml')
+    name = 'demo_routes_mission.yaml' if arguments.routes else 'demo_mission.yaml'
+    path = arguments.mission or demo_nodes.shipped('config', name)
     return mission.read_mission(path).first_robots(arguments.robots)
 
 
@@ -135,6 +139,7 @@ def _parse(words):
     parser.add_argument('--seed', type=int, metavar='S',
                         help='seed of the choice of points, with --csv only (default: 1)')
     parser.add_argument('--map', metavar='FILE', help='YAML file of the map (default: one that ships with the package)')
+    parser.add_argument('--routes', action='store_true', help='drive around what the map shows, not straight')
     parser.add_argument('--rviz', action='store_true', help='show it in RViz, which must be installed')
     parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
     arguments = parser.parse_args(words)

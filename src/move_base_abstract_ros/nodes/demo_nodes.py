@@ -8,6 +8,7 @@ from move_base_abstract_ros.loopback import PACKAGE
 from move_base_abstract_ros.map_files import load_map, read_description
 
 WATCHED_POSES = 10.0  # Hz, simulated: in lockstep poses on the way are told only where they are asked for
+ROBOT_RADIUS = 0.6  # m, of robots that drive around what the map shows
 
 
 def clock_parameters(kind, factor, names):
@@ -17,17 +18,29 @@ def clock_parameters(kind, factor, names):
     return {'mode': 'lockstep', 'participants': names, 'speed_limit': factor or 0.0, 'on_death': 'end'}
 
 
-def start(ros, plan, clock, speed, map_path, rviz):
+def robot_settings(speed, has_map, routes, rviz):
+    """Return the settings of all robots: ``speed`` [m/s]; whether a map is used, driven around, and RViz is there.
+
+    How far a robot with routes drives is measured from its poses on the way, so that these are told.
+    """
+    settings = {'max_speed': speed, 'use_map': has_map}
+    if rviz or routes:
+        settings['pose_update_freq'] = WATCHED_POSES
+    if routes:
+        settings.update(routes='grid', robot_radius=ROBOT_RADIUS)
+    return settings
+
+
+def start(ros, plan, clock, settings, map_path, rviz):
     """Start them on the master of ``ros`` (Loopback); ``map_path`` may be None: no map.
 
-    ``clock``: the parameters of the time master. ``speed``: of the robots [m/s].
+    ``clock``: the parameters of the time master. ``settings``: of all robots.
     """
     ros.run('time_master', 'time_master', parameters=clock)
     if map_path is not None:
         ros.run('map_server', 'map_server', arguments=(map_path,))
     ros.run('fleet', 'fleet', parameters={
-        'defaults': dict({'max_speed': speed, 'use_map': map_path is not None},
-                         **({'pose_update_freq': WATCHED_POSES} if rviz else {})),
+        'defaults': settings,
         'robots': [{'name': robot.name, 'start_x': robot.start.x, 'start_y': robot.start.y,
                     'start_yaw': robot.start.yaw} for robot in plan.robots]})
     if rviz:
