@@ -15,10 +15,13 @@ if __name__ == '__main__':
     rospy.sleep(1.0)
     with concurrent.futures.ProcessPoolExecutor(2) as pool:
         print('%.9f %s' % (rospy.get_time(), list(pool.map(square, range(5)))))
-    pool = multiprocessing.get_context('fork').Pool(2)
-    print('%.9f %s' % (rospy.get_time(), pool.map(square, range(5))))
-    pool.close()  # terminate() would wait for its processes, in which rospy catches SIGTERM
-    pool.join()
+    with multiprocessing.get_context('fork').Pool(2) as pool:  # its end ends its processes by SIGTERM
+        print('%.9f %s' % (rospy.get_time(), pool.map(square, range(5))))
+    forked = multiprocessing.get_context('fork').Process(target=multiprocessing.Semaphore(0).acquire)
+    forked.start()
+    forked.terminate()
+    forked.join()
+    print('%.9f %s' % (rospy.get_time(), forked.exitcode))
     spawned = multiprocessing.get_context('spawn').Process(target=square, args=(2,))
     spawned.start()
     spawned.join()
