@@ -83,6 +83,16 @@ def test_paired_shares_have_newcombes_interval():
     assert found.p == pytest.approx(2.0 * sum(math.comb(14, each) for each in range(3)) / 2 ** 14)
 
 
+@pytest.mark.parametrize(('table', 'value', 'low', 'high'), [
+    ((59, 6, 16, 80), -0.0621, -0.1186, -0.0046),  # as by R's contingencytables: with a correlation above 0
+    ((36, 12, 2, 0), 0.2, 0.0569, 0.3404)])
+def test_paired_shares_are_corrected_for_continuity_where_they_go_together(table, value, low, high):
+    both, second_only, first_only, neither = table
+    second = [1] * (both + second_only) + [0] * (first_only + neither)
+    first = [1] * both + [0] * second_only + [1] * first_only + [0] * neither
+    assert [round(each, 4) for each in paired_shares(first, second).estimate[:3]] == [value, low, high]
+
+
 def test_paired_shares_that_all_agree_show_no_difference():
     found = paired_shares([1.0] * 8, [1.0] * 8)
     assert found.p == 1.0 and found.estimate.low < 0.0 < found.estimate.high
