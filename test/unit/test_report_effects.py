@@ -110,7 +110,7 @@ def test_among_many_comparisons_a_weak_one_is_called_weak(tmp_path):
 
 
 def test_yes_and_no_are_shares_and_differ_by_percentage_points(tmp_path):
-    metrics = {'done': {'unit': '', 'title': 'All done', 'better': 'higher'}}
+    metrics = {'done': {'unit': 'yes/no', 'title': 'All done', 'better': 'higher'}}
     found = experiment(tmp_path, {'method': ['greedy', 'auction']},
                        lambda c, k: {'done': c['method'] == 'auction' or k < 2}, replications=20, metrics=metrics)
     assert found.metrics[0].is_share
@@ -119,8 +119,14 @@ def test_yes_and_no_are_shares_and_differ_by_percentage_points(tmp_path):
     assert only.verdict == 'better' and '90\N{NO-BREAK SPACE}percentage points higher' in only.text
 
 
+def test_counts_that_happen_to_be_0_or_1_are_no_shares(tmp_path):
+    metrics = {'lost': {'unit': '', 'title': 'Goals not reached', 'better': 'lower'}}
+    found = experiment(tmp_path, {}, lambda c, k: {'lost': k % 2}, metrics=metrics)
+    assert not found.metrics[0].is_share and effects.summary(found, found.metrics[0])[0].method == 't'
+
+
 def test_means_of_shares_have_no_bounds_beyond_all(tmp_path):
-    metrics = {'done': {'unit': '', 'title': 'All done', 'better': 'higher'}}
+    metrics = {'done': {'unit': 'yes/no', 'title': 'All done', 'better': 'higher'}}
     found = experiment(tmp_path, FACTORS, lambda c, k: {'done': k != 1 or c['robots'] == 2}, metrics=metrics)
     levels, _ = effects.levels_of(found, found.metrics[0], 0)
     assert [each.estimate.value for each in levels] == pytest.approx([11.0 / 12.0] * 2)

@@ -225,6 +225,15 @@ def test_a_study_adds_sections_of_its_own(tmp_path):
     assert 'Maps &amp; more' not in (tmp_path / 'report.html').read_text()
 
 
+def test_modules_beside_the_experiments_file_are_found(tmp_path):
+    (tmp_path / 'own_sections_of_a_test.py').write_text(
+        'from move_base_abstract_experiments.report.parts import Section\n'
+        'def made(tables):\n    return Section("Found", ("beside the file",))\n')
+    said = report(tmp_path, {}, 3, usual, report='own_sections_of_a_test:made',
+                  provenance={'folder': str(tmp_path)}).said
+    assert 'beside the file' in said and str(tmp_path) not in sys.path
+
+
 def broken_sections(tables):
     raise KeyError('rmse')
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 NO_LEVEL = 'none'
-_SHARE_UNITS = ('', '1', 'share', 'yes/no')
+YES_NO = 'yes/no'  # the unit of what is 1 or 0 in each trial
 
 
 class Factor(NamedTuple):
@@ -116,6 +116,5 @@ def metrics_of(plan, trials):
         unit = str(about.get('unit') or '')
         better = about.get('better') if about.get('better') in ('lower', 'higher') else None
         values = {trial.metrics[name] for trial in trials if not math.isnan(trial.metrics.get(name, math.nan))}
-        is_share = unit in _SHARE_UNITS and bool(values) and values <= {0.0, 1.0}
-        found.append(Metric(name, title, unit, better, is_share))
+        found.append(Metric(name, title, unit, better, unit == YES_NO and values <= {0.0, 1.0}))
     return tuple(found)

@@ -4,7 +4,10 @@ Such a function is called with the Tables and returns parts.Sections (one, or a 
 the study's metrics do as part of a trial: whoever makes a report of a folder trusts the modules that it names.
 """
 
+import contextlib
 import importlib
+import os
+import sys
 from typing import NamedTuple
 
 from move_base_abstract.errors import ConfigurationError
@@ -38,7 +41,8 @@ def sections(name, tables):
     """Return the Sections that a function adds; one that fails adds a Section that says so."""
     module, _, function = name.partition(':')
     try:
-        found = getattr(importlib.import_module(module), function)(tables)
+        with _modules_of(tables.experiment.plan):
+            found = getattr(importlib.import_module(module), function)(tables)
         found = [found] if isinstance(found, Section) else list(found)
         for section in found:
             _check(section)
@@ -46,6 +50,20 @@ def sections(name, tables):
     except Exception as error:  # whatever it raises: the rest of the report stands
         problem = shown_text(str(error).strip().splitlines()[0] if str(error).strip() else '')
         return [Section(f'Sections of {name}', (f'They could not be made: {type(error).__name__}: {problem}',))]
+
+
+@contextlib.contextmanager
+def _modules_of(plan):
+    """Let modules that lie beside the experiment's file be found, as they are for its metrics."""
+    provenance = plan.get('provenance')
+    folder = provenance.get('folder') if isinstance(provenance, dict) else None
+    paths = [folder] if isinstance(folder, str) and os.path.isdir(folder) else []
+    sys.path[:0] = paths
+    try:
+        yield
+    finally:
+        for path in paths:
+            sys.path.remove(path)
 
 
 def _check(section):

@@ -8,6 +8,7 @@ from . import effects, findings, intervals
 from .outcome import COMPLETE
 
 DIGITS = '%.10g'  # more would be left of rounding
+_ESTIMATE = ('n', 'value', 'low_95', 'high_95', 'interval')
 _TRIAL_COLUMNS = ('simulated_seconds', 'wall_seconds', 'times_real_time', 'repeatable', 'verified', 'error')
 
 
@@ -50,7 +51,7 @@ def means(experiment):
                 'least': min(seen, default=math.nan), 'median': median.value, 'median_low': median.low,
                 'median_high': median.high, 'most': max(seen, default=math.nan),
                 'skewed': intervals.is_skewed(seen)})
-    return pd.DataFrame(rows)
+    return _framed(rows, ('metric', 'unit', *_ESTIMATE))
 
 
 def _levels(experiment, levels):
@@ -59,8 +60,7 @@ def _levels(experiment, levels):
 
 
 def _estimate(estimate):
-    return {'n': estimate.n, 'value': estimate.value, 'low_95': estimate.low, 'high_95': estimate.high,
-            'interval': estimate.method}
+    return dict(zip(_ESTIMATE, (estimate.n, estimate.value, estimate.low, estimate.high, estimate.method)))
 
 
 def differences(experiment, found):
@@ -78,7 +78,7 @@ def differences(experiment, found):
             'median': each.median.value if each.median else math.nan,
             'median_low': each.median.low if each.median else math.nan,
             'median_high': each.median.high if each.median else math.nan})
-    return pd.DataFrame(rows)
+    return _framed(rows, ('metric', 'unit', 'factor', 'first', 'second', 'at', *_ESTIMATE, 'p', 'p_holm', 'verdict'))
 
 
 def robots(experiment):
@@ -93,7 +93,12 @@ def robots(experiment):
     for (place, robot, quantity), values in sorted(sums.items(), key=lambda item: item[0][0]):
         levels = _levels(experiment, experiment.configurations[place].levels)
         rows.append({**levels, 'robot': robot, 'quantity': quantity, **_estimate(intervals.mean_estimate(values))})
-    return pd.DataFrame(rows)
+    return _framed(rows, ('robot', 'quantity', *_ESTIMATE))
+
+
+def _framed(rows, columns):
+    """Return rows as a frame that has its columns even where there are none."""
+    return pd.DataFrame(rows) if rows else pd.DataFrame(columns=list(columns))
 
 
 def csv_text(frame):
