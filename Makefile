@@ -69,7 +69,6 @@ bench: deps-bench deps-test build  ## the measurements, as JSON lines
 experiment: deps-experiment build  ## a small experiment and its report in .ws/experiment, resumable; EXPERIMENT=FILE another one
 	@$(ENTER) rosrun move_base_abstract experiment run '$(or $(EXPERIMENT),config/experiments/patrol.yaml)' \
 	  -o '$(WS)/experiment' $(EXPERIMENT_ARGS)
-	@$(ENTER) rosrun move_base_abstract experiment report '$(WS)/experiment'
 
 study-trial: deps-study build  ## one trial of the soil mapping study; TRIAL_ARGS='--seed 3 --clock scaled --factor 10'
 	@$(ENTER) rosrun move_base_abstract study trial --field '$(STUDY_FIELD)' --output '$(WS)/trial' $(TRIAL_ARGS)

@@ -44,6 +44,8 @@ def _parse(words):
     rerun.set_defaults(act=_rerun)
     report = verbs.add_parser('report', help='write report.html and tables: what came out')
     report.add_argument('output', metavar='OUT')
+    report.add_argument('--without-own-sections', action='store_true', help="run none of the functions that the "
+                        "experiment names under 'report': for folders of others")
     report.set_defaults(act=_report)
     return parser.parse_args(words)
 
@@ -65,11 +67,15 @@ def _seconds(text):
 def _run(options):
     from . import sweep
     try:
-        return BAD if sweep.run(options.file, options.output, options.workers or os.cpu_count() or 1,
-                                options.scheduler) else GOOD
+        bad = sweep.run(options.file, options.output, options.workers or os.cpu_count() or 1, options.scheduler)
+        try:
+            _write_report(options.output)
+        except SimulatorError as error:  # the trials are there all the same
+            print(f'experiment: no report: {error}', file=sys.stderr)
     except KeyboardInterrupt:
         print('experiment: interrupted; what is complete stays, and the same command goes on', file=sys.stderr)
         return INTERRUPTED
+    return BAD if bad else GOOD
 
 
 def _status(options):
@@ -80,9 +86,22 @@ def _status(options):
 
 
 def _report(options):
-    from .report.command import write_report
-    print(f'report: {write_report(options.output)}')
-    return GOOD
+    return GOOD if _write_report(options.output, not options.without_own_sections) else CANNOT
+
+
+def _write_report(output, with_own=True):
+    """Write the report, say where it is and what could not be made; return whether what it needs is installed."""
+    try:
+        from .report import command
+    except ModuleNotFoundError as error:
+        print(f'experiment: no report: {error.name} is not installed; on Debian: apt install python3-jinja2 '
+              'python3-pandas python3-scipy', file=sys.stderr)
+        return False
+    path, problems = command.write(output, with_own)
+    for problem in problems:
+        print(f'experiment: {problem}', file=sys.stderr)
+    print(f'report: {path}')
+    return True
 
 
 def _rerun(options):

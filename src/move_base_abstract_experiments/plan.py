@@ -75,7 +75,7 @@ def describe(experiment, chosen, text):
         'metrics': {name: {'unit': one.unit, 'title': one.title, 'better': one.better}
                     for name, one in experiment.metrics.items()},
         'until': {'seconds': until.seconds or None, 'topic': until.topic or None, 'idle': until.idle},
-        'replications': experiment.replications, 'verify': experiment.verify,
+        'replications': experiment.replications, 'verify': experiment.verify, 'report': list(experiment.report),
         'provenance': {**versions(), 'digest': hashlib.sha256(text).hexdigest(), 'folder': experiment.folder},
         'trials': [{'id': one.id, 'configuration': one.configuration, 'replication': one.replication,
                     'seed': one.seed} for one in chosen]}

@@ -14,7 +14,7 @@ from . import checks
 from .metric_names import BUILT_IN, Metric
 
 KEYS = ('experiment', 'launch', 'command', 'participants', 'leave_out', 'replace', 'args', 'factors', 'replications',
-        'seed', 'until', 'record', 'metrics', 'verify', 'time_limit', 'sleep')
+        'seed', 'until', 'record', 'metrics', 'report', 'verify', 'time_limit', 'sleep')
 UNTIL = ('seconds', 'topic', 'idle')
 RECORD = ('messages', 'files', 'hashes')
 METRICS = ('function', 'columns')
@@ -66,6 +66,7 @@ class Experiment(NamedTuple):
     record: Record
     function: str
     columns: dict  # name: Metric, of the user's function
+    report: tuple  # functions that add sections to the report, as module:function
     verify: float
     time_limit: float  # s, wall
     sleep: str
@@ -103,7 +104,7 @@ def checked(document, folder):
         replications=checks.number('replications', given.get('replications', 1), 1, MOST_TRIALS, whole=True),
         seed=checks.number('seed', given.get('seed', 0), 0, LARGEST_SEED, whole=True),
         until=_until(given.get('until', {})), record=_record(given.get('record', {})),
-        **_metrics(given.get('metrics', {})),
+        **_metrics(given.get('metrics', {})), report=_sections(given.get('report', [])),
         verify=float(checks.number('verify', given.get('verify', 0), 0, 1)),
         time_limit=float(checks.number('time_limit', given.get('time_limit', TIME_LIMIT_S), 1, 1e7)),
         sleep=checks.one_of('sleep', given.get('sleep', 'wall'), ('wall', 'simulated')))
@@ -203,6 +204,14 @@ def _metrics(value):
     if columns and not function:
         raise ConfigurationError('metrics.columns: there is no metrics.function that gives them')
     return {'function': function, 'columns': columns}
+
+
+def _sections(value):
+    names = checks.texts('report', [value] if isinstance(value, str) else value)
+    for name in names:
+        if not _FUNCTION.match(name):
+            raise checks.error('report', name, 'module:function, such as my_package.report:sections, or a list of such')
+    return names
 
 
 def _check_together(experiment):

@@ -28,6 +28,8 @@ def read(**others):
     ({'command': ['x']}, 'not both'),
     ({'metrics': 'import os; os.system(1)'}, 'module:function'),
     ({'metrics': {'columns': {'a': {}}}}, 'no metrics.function'),
+    ({'report': ['maps']}, 'module:function'),
+    ({'report': 3}, 'a list'),
     ({'record': {'files': ['../x']}}, 'without a folder'),
     ({'until': {'topic': 'a b'}}, 'name of a topic'),
     ({'participants': 'some'}, 'or all'),
@@ -96,3 +98,8 @@ def test_a_complete_trial_counts_only_if_what_it_is_made_of_is_the_same():
     for others in ({'args': {'a': 1}}, {'until': {'seconds': 3}}, {'sleep': 'simulated'}, {'launch': 'y.launch'}):
         assert plan.made_of(read(**others), one) != first
     assert plan.made_of(read(), one._replace(seed=1)) != first
+
+
+@pytest.mark.parametrize('given, told', [('a.b:c', ['a.b:c']), (['a:b', 'c:d'], ['a:b', 'c:d']), ([], [])])
+def test_the_plan_tells_the_report_which_sections_to_add(given, told):
+    assert plan.describe(read(report=given), [], b'')['report'] == told

@@ -147,6 +147,12 @@ def test_failures_are_told_before_the_findings(tmp_path):
     assert '9 pairs' in said and 'no map' in said
 
 
+def test_errors_of_complete_trials_are_told(tmp_path):
+    said = report(tmp_path, {}, 3, lambda c, k: {'status': 'complete', 'metrics': {'goals': 40}, 'error':
+                                                 'metrics: KeyError: x\nmore' if k == 1 else None}).said
+    assert '1 trial that is complete has an error' in said and 'metrics: KeyError: x' in said
+
+
 def test_the_verified_share_is_told_with_what_it_says(tmp_path):
     said = report(tmp_path, {}, 20, lambda c, k: {
         'status': 'complete', 'metrics': {}, 'verified': 'identical' if k < 18 else None}).said

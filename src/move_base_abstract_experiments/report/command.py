@@ -25,7 +25,7 @@ def write_report(out):
     :raises ConfigurationError: if the folder holds no plan, or something by one of the names that is not ours.
     :raises OutputError: if something cannot be written.
     """
-    path, _ = write(Path(out))
+    path, _ = write(out)
     return path
 
 
@@ -34,6 +34,7 @@ def write(out, with_own=True):
 
     :param with_own: whether the sections are added that the plan asks for.
     """
+    out = Path(out)
     experiment = outcome.read(out)
     target = out / 'report.html'
     for path in (target, out / ('report.html' + PART)):

@@ -138,23 +138,23 @@ def worth_a_look(experiment, metric, scale, found):
 
 
 def failures(experiment):
-    """Return the table of failed trials by their error, or None."""
+    """Return the table of failed trials, and complete ones with an error, by that, or None."""
     groups = {}
     for trial in experiment.trials:
-        if trial.status == FAILED:
-            groups.setdefault(trial.error, []).append(trial)
+        if trial.error:
+            groups.setdefault((trial.error, trial.status), []).append(trial)
     if not groups:
         return None
     rows = []
-    for error, trials in sorted(groups.items(), key=lambda item: -len(item[1])):
+    for (error, status), trials in sorted(groups.items(), key=lambda item: -len(item[1])):
         first = trials[0]
         where = picked.node_logs(experiment, first) or picked.event_log(experiment, first)
         labels = list(dict.fromkeys(experiment.configurations[trial.configuration].label for trial in trials))
-        rows.append((error, whole(len(trials)), '; '.join(labels[:3]) + ('; ...' if len(labels) > 3 else ''),
+        rows.append((error, status, whole(len(trials)), '; '.join(labels[:3]) + ('; ...' if len(labels) > 3 else ''),
                      Cell(first.id, where), whole(max(trial.attempts for trial in trials))))
     rows, note = cut(rows, '', 'trials.csv')
-    header = ('error', 'trials', 'configurations', 'first of them', 'attempts')
-    return Table('Failed trials by the first line of their error', header, rows, note, is_open=True)
+    header = ('error', 'status', 'trials', 'configurations', 'first of them', 'attempts')
+    return Table('Trials by the first line of their error', header, rows, note, is_open=True)
 
 
 def labels(experiment):

@@ -33,7 +33,7 @@ class Trial:
     replication: int
     seed: object
     status: str  # COMPLETE, FAILED or MISSING
-    error: str = ''
+    error: str = ''  # also of a complete one: that of its metrics, say
     metrics: dict = field(default_factory=dict)  # name: float, NaN where the trial has none
     simulated_seconds: float = math.nan
     wall_seconds: float = math.nan
@@ -56,6 +56,7 @@ class Experiment:
     configurations: tuple  # of design.Configuration
     metrics: tuple  # of design.Metric
     trials: tuple  # of Trial, in the order of the plan
+    replays: set = field(default_factory=set)  # IDs of those whose replay this report has written
 
     @property
     def name(self):
@@ -184,16 +185,16 @@ def _check_same(told, planned, path):
 def _told(base, told):
     """Return the Trial that a trial.json (a mapping) tells of; nothing in it needs to be there or to be right."""
     status = told.get('status')
+    lines = str(told.get('error') or '').strip().splitlines()
+    error = lines[0][:1000] if lines else ''
     if status != COMPLETE:
-        error = told.get('error') or ('' if status == FAILED else f'its status is {shown(status)}')
-        lines = str(error).strip().splitlines()
-        return Trial(**base, status=FAILED, error=lines[0][:1000] if lines else 'no reason was recorded',
-                     attempts=_count(told.get('attempts')))
+        error = error or ('no reason was recorded' if status == FAILED else f'its status is {shown(status)}')
+        return Trial(**base, status=FAILED, error=error, attempts=_count(told.get('attempts')))
     robots = told.get('robots') if isinstance(told.get('robots'), dict) else {}
     labels = told.get('labels') if isinstance(told.get('labels'), list) else []
     metrics = told.get('metrics') if isinstance(told.get('metrics'), dict) else {}
     return Trial(
-        **base, status=COMPLETE, metrics={str(name): _number(value) for name, value in metrics.items()},
+        **base, status=COMPLETE, error=error, metrics={str(name): _number(value) for name, value in metrics.items()},
         **{name: _number(told.get(name)) for name in ('simulated_seconds', 'wall_seconds', 'times_real_time')},
         repeatable=told.get('repeatable') if isinstance(told.get('repeatable'), bool) else None,
         labels=tuple(map(str, labels)),

@@ -118,6 +118,10 @@ def _warnings(experiment):
         texts.append(f'{counted(failed, "trials")} failed ({digits(value, 2)} %, 95 % interval {digits(low, 2)} to '
                      f'{digits(high, 2)} %). All figures are of the others: if what failed is what was hard, they '
                      'flatter. A replication counts in a comparison only where all that is compared is complete.')
+    incomplete = sum(bool(trial.error) for trial in experiment.complete)
+    if incomplete:
+        texts.append(f'{counted(incomplete, "trials")} that {"is" if incomplete == 1 else "are"} complete '
+                     f'{"has" if incomplete == 1 else "have"} an error, of the metrics, say: see Failures.')
     if missing:
         texts.append(f'{counted(missing, "trials")} of the plan {"is" if missing == 1 else "are"} not run yet.')
     different = sum(trial.verified == 'different' for trial in experiment.complete)

@@ -61,8 +61,7 @@ def node_logs(experiment, trial):
 
 def link(experiment, trial):
     """Return where a trial can be seen: its replay, else its event log, else None."""
-    replay = os.path.join('replays', f'{trial.id}.html')
-    return replay if (experiment.folder / replay).is_file() else event_log(experiment, trial)
+    return f'replays/{trial.id}.html' if trial.id in experiment.replays else event_log(experiment, trial)
 
 
 def write_replays(experiment, found, write_page):
@@ -82,8 +81,10 @@ def write_replays(experiment, found, write_page):
         for trial in wanted:
             try:
                 write_page([experiment.folder / event_log(experiment, trial)], folder / f'{trial.id}.html')
+                experiment.replays.add(trial.id)
             except Exception as error:  # a log that cannot be shown is no reason to show nothing
-                problems.append(f'{trial.id}: no replay: {error}')
+                text = str(error).replace(str(experiment.folder) + os.sep, '')  # the page says the same anywhere
+                problems.append(f'{trial.id}: no replay: {text}')
     finally:
         os.close(marker)
     return problems
