@@ -92,8 +92,21 @@ def test_findings_are_sentences_with_intervals(tmp_path):
 
 def test_nothing_is_better_without_an_interval(tmp_path):
     one = told(experiment(tmp_path, FACTORS, two_by_two, replications=1))
-    assert {each.verdict for each in one} == {'untold'}
+    assert {each.verdict for each in one} == {'untold', 'same'}
     assert 'no interval' in one[0].text
+
+
+def test_what_is_the_same_everywhere_is_told_once(tmp_path):
+    found = [each for each in told(experiment(tmp_path, FACTORS, two_by_two)) if each.metric == 'Goals reached']
+    assert [(each.verdict, each.text) for each in found] == [
+        ('same', '40\N{NO-BREAK SPACE}goals in all 24 trials of all configurations.')]
+
+
+def test_what_is_the_same_in_each_pair_is_told_as_it_was_seen(tmp_path):
+    found = told(experiment(tmp_path, FACTORS, lambda c, k: {'makespan_s': NOISE[k], 'goals': 8.0 * c['robots']}, 3))
+    goals = [(each.verdict, each.text.replace('\N{NO-BREAK SPACE}', ' ')) for each in found if 'Goals' in each.metric]
+    assert goals == [('always', '48 goals (300 %) higher with robots 8 than with robots 2 (in every pair; 3 pairs).'),
+                     ('same', 'The same with auction and greedy in all 3 pairs.')]
 
 
 def test_among_many_comparisons_a_weak_one_is_called_weak(tmp_path):

@@ -96,7 +96,8 @@ def test_designs_of_all_sizes_give_a_page(tmp_path, factors, replications, says)
     (lambda c, k: None, 'are not run yet'), (lambda c, k: {'status': 'failed', 'error': f'{NASTY}\nmore'}, NASTY),
     (lambda c, k: {'makespan_s': None, 'goals': 'many'}, 'No complete trial has a value'),
     (lambda c, k: {'makespan_s': float('nan'), 'goals': float('inf')}, 'No complete trial has a value'),
-    (lambda c, k: {'makespan_s': 600, 'goals': 40}, 'The same with auction and greedy in all 4 pairs'),
+    (lambda c, k: {'makespan_s': 600, 'goals': 40}, '600 s in all 8 trials of all configurations'),
+    (lambda c, k: {'makespan_s': 600 + k, 'goals': 40}, 'The same with auction and greedy in all 4 pairs'),
     (lambda c, k: {'makespan_s': 1e300 * k, 'goals': 1e-300 * k}, 'Makespan'),
     (lambda c, k: {'status': 'complete', 'metrics': None, 'robots': 3, 'labels': 'x'}, 'No complete trial has a value'),
     (lambda c, k: {'status': 'complete', 'metrics': {'goals': 3, NASTY: k}}, NASTY.capitalize())])

@@ -3,16 +3,20 @@
 import math
 from typing import NamedTuple
 
-from . import effects
+import numpy as np
+
+from . import effects, intervals
 from .design import level_label
 from .intervals import Estimate
-from .wording import NBSP, counted, digits, estimate_texts, probability, with_interval
+from .wording import EXACT_DIGITS, NBSP, counted, digits, estimate_texts, probability, with_interval
 
 MAX_LEVELS = 3  # of a factor of words, whose levels are all compared; of more, and of numbers, two are
 #: verdict: what stands before the sentence
 VERDICTS = {'better': 'better', 'worse': 'worse', 'differs': 'differs', 'depends': 'depends', 'weak': 'too weak',
-            'none': 'not shown', 'same': 'the same', 'untold': 'too few trials', 'mean': 'mean'}
-_ORDER = {'better': 0, 'worse': 0, 'differs': 0, 'depends': 1, 'mean': 0, 'weak': 2, 'none': 3, 'same': 3, 'untold': 4}
+            'always': 'in all pairs', 'none': 'not shown', 'same': 'the same', 'untold': 'too few trials',
+            'mean': 'mean'}
+_ORDER = {'better': 0, 'worse': 0, 'differs': 0, 'mean': 0, 'depends': 1, 'always': 1, 'weak': 2, 'none': 3, 'same': 3,
+          'untold': 4}
 
 
 class Finding(NamedTuple):
@@ -43,6 +47,9 @@ def findings(experiment, scales, mains, singles, changes):
     found = []
     for metric in experiment.metrics:
         scale = scales[metric.name]
+        if is_constant(experiment, metric):
+            found.append(Finding(metric.title, 'same', _sentence_case(constant_text(experiment, metric, scale)), None))
+            continue
         own = [each for each in mains if each.metric is metric] or [each for each in singles if each.metric is metric]
         told = [_comparison(experiment, each, scale, own) for each in _selected(experiment, own)]
         told += [_change(experiment, each, scale) for each in _strongest(changes, metric)]
@@ -50,6 +57,20 @@ def findings(experiment, scales, mains, singles, changes):
             told = _means(experiment, metric, scale)
         found += sorted(told, key=lambda finding: _ORDER[finding.verdict])
     return found
+
+
+def is_constant(experiment, metric):
+    """Return whether a metric is the same in all trials of all configurations, of which there are several."""
+    values = experiment.values(metric.name)
+    has_all = len(values) > 1 and not np.isnan(values).all(axis=1).any()
+    return has_all and intervals.mean_and_sd(intervals.known(values))[1] == 0.0
+
+
+def constant_text(experiment, metric, scale):
+    """Return what is to be said about such a metric."""
+    values = intervals.known(experiment.values(metric.name))
+    return f'{digits(float(values[0]) * scale.factor, EXACT_DIGITS)}{scale.suffix} in all ' \
+           f'{counted(len(values), "trials")} of all configurations.'
 
 
 def _selected(experiment, differences):
@@ -106,6 +127,8 @@ def verdict_of(difference):
         if difference.metric.better is None:
             return 'differs'
         return 'better' if (estimate.value < 0.0) == (difference.metric.better == 'lower') else 'worse'
+    if estimate.method == 'constant':  # what was seen is told as it is; the test of signs has no more to say
+        return 'always'
     return 'weak' if difference.is_hint else 'none'
 
 
@@ -139,11 +162,10 @@ def _sentence(difference, scale, first, second, verdict):
         return f'{only} in the only pair; no interval, so that nothing is said about other seeds.'
     if verdict == 'same':
         return f'the same with {second} and {first} in all {pairs}.'
-    if verdict in ('better', 'worse', 'differs'):
+    if verdict in ('better', 'worse', 'differs', 'always'):
         amount, interval = _amount(difference, scale)
         return f'{amount} with {second} than with {first} ({interval}; {pairs}).'
-    numbers = f'{value}{scale.suffix}, ' + ('in every pair' if low == high
-                                            else f'95 % interval {low} to {high}{scale.suffix}')
+    numbers = f'{value}{scale.suffix}, 95 % interval {low} to {high}{scale.suffix}'
     if verdict == 'weak':
         return f'too weak to count among so many comparisons (Holm p{NBSP}{probability(difference.p_holm)}): ' \
                f'{second} − {first} is {numbers} ({pairs}).'

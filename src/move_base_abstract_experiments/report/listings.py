@@ -10,7 +10,7 @@ from .wording import NBSP, UNKNOWN, counted, digits, estimate_texts, probability
 
 MOST_ROWS = 200  # of a table of the page
 _VERDICT = {'better': 'better', 'worse': 'worse', 'differs': 'differs', 'weak': 'too weak among so many',
-            'none': 'not shown', 'same': 'the same', 'untold': 'too few'}
+            'always': 'in all pairs', 'none': 'not shown', 'same': 'the same', 'untold': 'too few'}
 _INTERVALS = {'t': 'Student', 'wilson': 'Wilson', 'newcombe': 'Newcombe', 'order': 'order statistics',
               'constant': 'all the same', 'none': 'none'}
 

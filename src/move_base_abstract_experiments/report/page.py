@@ -208,6 +208,8 @@ def _metric(analysis, metric):
                  problem='' if shown else 'No complete trial has a value.')
     if shown is None:
         return about
+    if findings.is_constant(experiment, metric):
+        return dict(about, strips=None, problem=findings.constant_text(experiment, metric, scale))
     lacking = sum(math.isnan(trial.metrics.get(metric.name, math.nan)) for trial in experiment.complete)
     if lacking:
         about['problem'] = f'{counted(lacking, "trials")} of {whole(len(experiment.complete))} that are complete ' \

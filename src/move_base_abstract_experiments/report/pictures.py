@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from . import effects
 from .axes import axis
+from .design import level_label
 from .wording import counted, shortened, with_interval
 
 TICK_STEPS = 1000  # places at which a trial can be drawn in a row
@@ -108,10 +109,10 @@ def pair_plot(experiment, metric, scale, looks, pair):
     """Return the Plot of a metric over two factors, or None: lines are the levels of the one that gives the colours."""
     across, along = _roles(experiment.factors, pair, looks)
     lines = []
-    for level, text in enumerate(experiment.factors[across].levels):
+    for level in range(len(experiment.factors[across].levels)):
         found, _ = effects.levels_of(experiment, metric, along, ((across, level),))
         if found:
-            lines.append((text, looks.of_level(across, level), found))
+            lines.append((level_label(experiment.factors, across, level), looks.of_level(across, level), found))
     about = experiment.factors[along]
     return _plot(f'by {about.title} and {experiment.factors[across].title}', about, lines, scale, '')
 
