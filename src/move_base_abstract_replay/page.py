@@ -34,7 +34,8 @@ def write_page(logs, output, map_file=None):
     recordings = [read_recording(log) for log in logs]
     ground = packed_map(map_file) if map_file else None
     text = render(recordings, ground, find_difference(recordings) if len(logs) > 1 else None)
-    with own_files.whole_file(output, 'w', encoding='utf-8') as stream:
+    # A log may hold bytes that are no text.
+    with own_files.whole_file(output, 'w', encoding='utf-8', errors='backslashreplace') as stream:
         stream.write(text)
     return ground[2] if ground else []
 

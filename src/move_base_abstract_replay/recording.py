@@ -5,6 +5,7 @@ from move_base_abstract import event_log
 from move_base_abstract.errors import SimulatorError
 from move_base_abstract.event_log import EventLog
 from move_base_abstract.run_difference import MESSAGES
+from move_base_abstract.units import LAST_NS
 
 #: events that are kept of a log at most; robots' own are all kept, messages only as far as there is room
 MOST_EVENTS = 500_000
@@ -48,14 +49,15 @@ def read_recording(path, most=MOST_EVENTS):
     """Return the :class:`Recording` of an event log. Of more than ``most`` events messages are left out.
 
     :raises EventLogError: if the file is no event log, or damaged; it names file and line.
+    :raises ReplayError: if its times are none of a run's; it names file and line.
     """
     recording = Recording(path)
     names, kinds = _Numbers(recording.name_of), _Numbers(recording.kind_of)
     with event_log.open_text(path) as stream:
         log = EventLog(stream, recording.path)
-        recording.begin_ns = recording.end_ns = log.start_ns
         for event in log:
-            recording.end_ns = max(recording.end_ns, event.time_ns)
+            _check_time(event, recording)
+            recording.end_ns = event.time_ns
             if event.kind in MESSAGES and len(recording.times) >= most:
                 recording.left_out += 1
                 continue
@@ -63,10 +65,19 @@ def read_recording(path, most=MOST_EVENTS):
             recording.names.append(names.of(event.robot))
             recording.kinds.append(kinds.of(event.kind))
             recording.values.append(event.values)
+    first_ns = recording.times[0] if recording.times else log.start_ns
+    recording.begin_ns = log.start_ns if 0 <= log.start_ns <= first_ns else first_ns
+    recording.end_ns = max(recording.begin_ns, recording.end_ns)
     recording.events = log.events
     recording.remarks = log.remarks()
     recording.is_repeatable = not recording.remarks
     return recording
+
+
+def _check_time(event, recording):
+    if not recording.end_ns <= event.time_ns <= LAST_NS:
+        raise ReplayError('{}:{}: got the time {} ns; allowed: {} (that of the line before) to {} ns'.format(
+            recording.path, event.line, event.time_ns, recording.end_ns, LAST_NS))
 
 
 class _Numbers:

@@ -79,7 +79,8 @@ def _state_at(motion, leg, time_ns):
 
 
 def _told_pose(name, time_ns, pose, speeds, frame):
-    prefix, child = '/' + name.strip('/'), name.strip('/') + '/base_link'
+    name = _plain(name.strip('/'))
+    prefix, child = '/' + name, name + '/base_link'
     stamped = _stamped(PoseStamped(), time_ns, frame)
     _fill(stamped.pose, pose)
     odometry = _stamped(Odometry(child_frame_id=child), time_ns, frame)
@@ -100,8 +101,9 @@ def _events(recording, motions, frame):
         line = json.dumps({'time_ns': time_ns, 'robot': name, 'kind': kind, 'values': json.loads(values)})
         yield Told(time_ns, EVENTS_TOPIC, String(line))
         if name in motions.tracks and kind in ('departed', 'ended'):
+            prefix = '/' + _plain(name.strip('/')) + '/move_base/'
             yield from (_goal if kind == 'departed' else _result)(
-                '/' + name.strip('/') + '/move_base/', time_ns, json.loads(values), goals.get(number, ''), frame)
+                prefix, time_ns, json.loads(values), goals.get(number, ''), frame)
 
 
 def _goal_ids(recording, motions):
@@ -120,7 +122,7 @@ def _goal(prefix, time_ns, values, goal_id, frame):
     if len(values) != 3 or not all(isinstance(value, (int, float)) and math.isfinite(value) for value in values):
         return
     message = _stamped(MoveBaseActionGoal(), time_ns, '')
-    message.goal_id.id = goal_id
+    message.goal_id.id = _plain(goal_id)
     message.goal_id.stamp = message.header.stamp
     _stamped(message.goal.target_pose, time_ns, frame)
     _fill(message.goal.target_pose.pose, Pose2D(*values))
@@ -132,8 +134,13 @@ def _result(prefix, time_ns, values, _goal_id, _frame):
     if type(state) is not int or not all(isinstance(value, str) for value in values):
         return
     message = _stamped(MoveBaseActionResult(), time_ns, '')
-    message.status.goal_id.id, message.status.status, message.status.text = values[0], state, values[2]
+    message.status.goal_id.id, message.status.status, message.status.text = _plain(values[0]), state, _plain(values[2])
     yield Told(time_ns, prefix + 'result', message)
+
+
+def _plain(text):
+    """Return a text that UTF-8 can hold: a log may hold bytes that are no text."""
+    return text.encode('utf-8', 'replace').decode('utf-8')
 
 
 def _stamped(message, time_ns, frame):

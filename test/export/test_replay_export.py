@@ -157,13 +157,24 @@ def test_many_chunks_are_indexed_too(tmp_path):
     assert sum(code == 6 for code, _, _ in records(data, 8, len(data) - 8)) > 3
 
 
+def test_bytes_that_are_no_text_do_not_end_an_export(log, tmp_path):
+    log.write_bytes(log.read_bytes().replace(b'"b"', b'"\xff"').replace(b'a-1', b'\xfe'))
+    write_bag(log, tmp_path / 'run.bag')
+    write_mcap(log, tmp_path / 'run.mcap')
+    assert {'/?/robot_pose', '/event_log'} <= {topic for topic, _, _ in read_mcap((tmp_path / 'run.mcap').read_bytes())}
+    assert '?' in [message.goal_id.id for topic, _, message in read_bag(tmp_path / 'run.bag') if '/goal' in topic]
+
+
 def test_nothing_that_is_there_is_replaced(log, tmp_path):
     for write in (write_mcap, write_bag):
         (tmp_path / 'mine').write_text('mine')
         with pytest.raises(ConfigurationError, match='mine: is there already'):
             write(log, tmp_path / 'mine')
-        assert (tmp_path / 'mine').read_text() == 'mine'
-    assert sorted(path.name for path in tmp_path.iterdir()) == ['mine', 'run.jsonl']
+        (tmp_path / 'other.part').write_text('mine')
+        with pytest.raises(ConfigurationError, match='other.part: is there already'):
+            write(log, tmp_path / 'other')
+        assert (tmp_path / 'mine').read_text() == (tmp_path / 'other.part').read_text() == 'mine'
+    assert sorted(path.name for path in tmp_path.iterdir()) == ['mine', 'other.part', 'run.jsonl']
 
 
 def test_the_command_writes_what_is_asked_for(log, tmp_path, capsys, monkeypatch):

@@ -45,6 +45,8 @@ def test_what_is_packed_comes_out_and_numbers_lie_where_typed_arrays_may_begin()
     packer.add('c', 'text', ['x', 'é'])
     data = zlib.decompress(base64.b64decode(packer.text({'k': 1})))
     assert (4 + int.from_bytes(data[:4], 'little')) % 8 == 0
+    head = json.loads(data[4:4 + int.from_bytes(data[:4], 'little')])
+    assert {name: begin for name, (_, begin, _) in head['columns'].items()} == {'a': 0, 'b': 8, 'c': 16}
     about, columns = unpacked(packer.text({'k': 1}))
     assert (about, columns['a'], columns['c'].decode()) == ({'k': 1}, b'\1\2\3', 'x\né')
     assert columns['b'] == b'\0\0\0\0\0\0\xe0\x3f'
@@ -72,6 +74,14 @@ def test_texts_of_others_are_no_markup(log, tmp_path):
     write_page([log('run<b>.jsonl', [*LEG, (5 * S, '</script><i>', 'x', ('<script>',))])], tmp_path / 'p.html')
     text = (tmp_path / 'p.html').read_text()
     assert 'run&lt;b&gt;.jsonl' in text and '<b>' not in text and '<i>' not in text
+
+
+def test_bytes_that_are_no_text_are_shown_as_codes(log, tmp_path):
+    paths = [log('a.jsonl', LEG), log('b.jsonl', LEG)]
+    text = paths[1].read_bytes().replace(b'"r"', b'"\xff"')
+    paths[1].write_bytes(text.replace(b'because": []', b'because": ["\xff"]'))
+    write_page(paths, tmp_path / 'p.html')
+    assert '\\udcff' in (tmp_path / 'p.html').read_text(encoding='utf-8')
 
 
 def test_a_page_is_replaced_and_nothing_else_is(log, tmp_path):

@@ -10,7 +10,7 @@ from move_base_abstract.geometry import Pose2D
 from move_base_abstract.occupancy import OccupancyMap
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_replay.motions import EVEN, LIMITED, PLACED, Motions, make_leg
-from move_base_abstract_replay.recording import read_recording
+from move_base_abstract_replay.recording import ReplayError, read_recording
 from move_base_abstract_replay.states import IDLE, NAMES, find_timelines, natural
 
 S = 1_000_000_000
@@ -98,8 +98,18 @@ def test_a_way_with_corners_that_ends_elsewhere_is_straight_and_even(read):
 
 
 def test_nothing_is_said_of_motion_unless_it_is_asked_for():
-    fleet = make_fleet(log_motion=False)
-    assert [entry.robot for entry in fleet.trace if entry.kind == 'motion'] == ['r_1']
+    fleet = Fleet(make_scenario({'robots': [{'name': 'quiet'}, {'name': 'told', 'log_motion': True}]}))
+    assert [entry.robot for entry in fleet.trace if entry.kind == 'motion'] == ['told']
+
+
+def test_limits_that_are_set_on_the_way_count_from_the_next_leg_on_and_move_no_robot(read):
+    slow, fast = (1.0, 0.0, 0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0, 0.0)
+    motions = Motions(read([(S, 'a', 'motion', (0.0, 0.0, 0.0, *slow)), (S, 'a', 'departed', (4.0, 0.0, 0.0)),
+                            (2 * S, 'a', 'motion', (1.0, 0.0, 0.0, *fast)), (5 * S, 'a', 'stands', (4.0, 0.0, 0.0)),
+                            (5 * S, 'a', 'departed', (0.0, 0.0, 0.0)), (7 * S, 'a', 'stands', (0.0, 0.0, 0.0))]))
+    legs = [(motion.begin_ns // S, motion.law, motion.start[0]) for motion in motions.tracks['a'].motions]
+    assert legs == [(1, PLACED, 0.0), (1, LIMITED, 0.0), (5, LIMITED + 1, 4.0)]
+    assert (motions.limits, motions.astray) == ([slow, fast], 0)
 
 
 def test_without_limits_a_leg_is_straight_and_even_and_the_first_one_has_no_beginning(read):
@@ -170,6 +180,12 @@ def test_what_is_no_log_is_an_error_that_names_the_file(tmp_path):
     path.write_text('{}\n')
     with pytest.raises(EventLogError, match='no.jsonl:1: is not the head'):
         read_recording(path)
+
+
+@pytest.mark.parametrize('times', [(-1,), (2 ** 31 * S,), (10 ** 30,), (2 * S, S)])
+def test_times_that_no_run_has_are_an_error_that_names_the_line(read, times):
+    with pytest.raises(ReplayError, match='run.jsonl:{}: got the time {} ns'.format(len(times) + 1, times[-1])):
+        read([(time_ns, 'a', 'note', ()) for time_ns in times])
 
 
 def test_names_are_sorted_as_people_count():
