@@ -149,6 +149,7 @@ class PoolsTest(unittest.TestCase):
             runs.append(run_programs({'pools': ['pools.py']}, until=10.0, load=2))
         self.assertEqual([run.codes for run in runs], [{'pools': 0}] * 2, runs[0].outputs)
         self.assertEqual(runs[0].log.count(b'"message"'), 8)
+        self.assertEqual(runs[0].printed('pools'), ['timeout after 0.5 [0, 1]'])
         assert_same(self, runs)
 
     def test_pools_of_processes_work_while_time_stands_and_are_labelled(self):

@@ -37,6 +37,14 @@ with concurrent.futures.ThreadPoolExecutor(3) as pool:
     for _ in range(2):  # as they come, and when all are there
         say(*[future.result()[0] for future in concurrent.futures.as_completed(futures)])
     say(*[future.result()[0] for future in concurrent.futures.wait(futures).done])
+with concurrent.futures.ThreadPoolExecutor(3) as pool:
+    begin, came = rospy.get_time(), []
+    futures = [pool.submit(rospy.sleep, 0.2 * number) for number in (1, 2, 3)]
+    try:
+        for future in concurrent.futures.as_completed(futures, timeout=0.5):
+            came.append(futures.index(future))
+    except concurrent.futures.TimeoutError:
+        print('timeout after %.1f' % (rospy.get_time() - begin), came)
 with multiprocessing.pool.ThreadPool(3) as pool:
     say(*pool.map(job, range(5)))
     say(*[result[0] for result in pool.imap_unordered(job, range(7))])

@@ -38,6 +38,14 @@ def fork():
     child.join()
 
 
+def fork_at_a_terminal():
+    child, terminal = os.forkpty()
+    if child == 0:
+        os._exit(0)
+    os.waitpid(child, 0)
+    os.close(terminal)
+
+
 def handled(pipe=os.pipe()):
     os.write(pipe[1], b'x')
     return select.select([pipe[0]], [], [], 1.0)
@@ -74,6 +82,7 @@ WAYS = {
     'numpy.datetime64': lambda: numpy.datetime64('now'), 'os.system': lambda: os.system('true'),
     'os.exec': execute, 'builtins.input': ask,
     'subprocess.Popen': lambda: subprocess.check_output(['date', '+%N']), 'os.fork': fork,
+    'os.forkpty': fork_at_a_terminal,
     'os.posix_spawn': lambda: os.waitpid(os.posix_spawn('/bin/true', ['true'], {}), 0),
     'socket.bind socket.connect': connect,
 }
