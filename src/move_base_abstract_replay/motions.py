@@ -33,6 +33,7 @@ class Motion(NamedTuple):
     law: int
     start: tuple
     goal: tuple
+    is_last: bool = True  # of its leg
 
 
 @dataclass
@@ -146,7 +147,8 @@ class Motions:
         instants = [instant for instant in route.even_instants_ns(_RAMP_PIECES) if instant < time_ns] + [time_ns]
         for one_ns, other_ns in zip(instants, instants[1:]):
             begin, end = route.pose_at(one_ns), route.pose_at(other_ns)
-            track.motions.append(Motion(one_ns, other_ns, EVEN, (begin.x, begin.y, begin.yaw), (end.x, end.y, end.yaw)))
+            track.motions.append(Motion(one_ns, other_ns, EVEN, (begin.x, begin.y, begin.yaw), (end.x, end.y, end.yaw),
+                                        other_ns == time_ns))
         end = route.pose_at(time_ns)
         track._pose = (end.x, end.y, end.yaw)
         return True

@@ -25,8 +25,8 @@ class Run:
         """What the log holds, in a few words each."""
         recording = self.recording
         robots = sum(timeline.is_robot for timeline in self.timelines)
-        motions = (motion for track in self.motions.tracks.values() for motion in track.motions)
-        legs = sum(motion.end_ns > motion.begin_ns for motion in motions)
+        # Not the motions: a leg with corners is several of them.
+        legs = sum(kind == 'departed' and name in self.motions.tracks for _, name, kind, _ in recording)
         nodes = len(self.timelines) - robots
         return [*([_count(robots, 'robot')] if robots or not nodes else []),
                 *([_count(nodes, 'other name')] if nodes else []), _count(legs, 'leg'),
@@ -76,6 +76,7 @@ class Run:
         packer.add('motion_begin', 'f8', (motion.begin_ns for motion in motions))
         packer.add('motion_end', 'f8', (motion.end_ns for motion in motions))
         packer.add('motion_law', 'u4', (motion.law for motion in motions))
+        packer.add('motion_is_last', 'u1', (motion.is_last for motion in motions))
         for place, name in enumerate(_MOTION_COLUMNS):
             packer.add('motion_' + name, 'f8', ((motion.start + motion.goal)[place] for motion in motions))
 

@@ -112,6 +112,19 @@ def test_it_fits_a_phone_and_a_dark_room(browser, pages):
     assert wall
 
 
+def test_a_way_with_corners_is_one_leg_to_its_goal(browser, pages):
+    limits = (0.0, 0.0, 0.0, 1.0, 0.5, 0.0, 0.0, 0.0)
+    entries = [(S, 'r', 'motion', limits), (S, 'r', 'departed', (8.0, 6.0, 0.0)),
+               (S, 'r', 'route', (8.0, 0.0)), (9 * S, 'r', 'departed', (0.0, 0.0, 0.0))]
+    browser.open(page(pages[0], 'corners', entries))
+    motion, first, last, count = browser.run(
+        'const r = window.replay.runs[0], m = r.motionAt(0, 2e9); '
+        'return [m, r.firstOf(0, r.lastOf(m), 1), r.lastOf(m), r.motion_begin.length]')
+    assert first <= 1 < motion + 1 < last == count - 2  # behind it the last departure
+    browser.run('window.replay.seek(4e9)')
+    browser.frame()
+
+
 def test_two_runs_stand_side_by_side_and_a_button_shows_the_first_difference(browser, pages):
     browser.open(page(pages[0], 'two', small_run(), small_run((30.0, 4.0))))
     browser.click('#jump')

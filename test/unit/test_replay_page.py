@@ -64,6 +64,12 @@ def test_the_page_holds_the_log_and_loads_nothing(log, tmp_path):
     assert not re.search(r'(?:https?:)?//[\w.]+\.\w+/|\bsrc=|@import|url\(', text)
 
 
+def test_a_leg_with_corners_is_one_leg(log, tmp_path):
+    corners = [*LEG[:2], (S, 'r', 'route', (2.0, 0.0, 2.0, 0.0)), *LEG[2:]]
+    write_page([log('run.jsonl', corners)], tmp_path / 'p.html')
+    assert '<li>1 leg</li><li>5 events</li>' in (tmp_path / 'p.html').read_text()
+
+
 def test_equal_logs_give_equal_pages(log, tmp_path):
     for name in ('one.html', 'two.html'):
         write_page([log('run.jsonl', LEG)], tmp_path / name)

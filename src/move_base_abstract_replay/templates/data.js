@@ -61,6 +61,22 @@ class Run {
     return found < first ? -1 : found;
   }
 
+  // The first of the motions of the latest `legs` legs up to a motion, and the last one of that motion's leg.
+  firstOf(robot, motion, legs) {
+    let first = motion;
+    while (first > this.motion_first[robot] && legs > 0) {
+      first -= 1;
+      if (this.motion_is_last[first]) legs -= 1;
+    }
+    return first;
+  }
+
+  lastOf(motion) {
+    let last = motion;
+    while (!this.motion_is_last[last]) last += 1;
+    return last;
+  }
+
   legOf(robot, motion) {
     const cached = this.legs[robot];
     if (cached && cached.motion === motion) return cached.leg;

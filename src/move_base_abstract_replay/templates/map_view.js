@@ -180,7 +180,7 @@ class MapView {
     context.strokeStyle = isChosen ? COLOURS.accent : COLOURS.muted;
     context.lineWidth = isChosen ? 2 : 1.25;
     if (this.player.showsTrails || isChosen) {
-      const first = Math.max(run.motion_first[robot], motion - (isChosen ? TRAIL_LEGS : this.trail));
+      const first = run.firstOf(robot, motion, isChosen ? TRAIL_LEGS : this.trail);
       context.globalAlpha = isChosen ? 0.7 : 0.4;
       context.beginPath();
       context.moveTo(this.toX(run.motion_x[first]), this.toY(run.motion_y[first]));
@@ -193,12 +193,14 @@ class MapView {
       context.stroke();
     }
     if (run.isUnderWay(motion, this.player.time)) {
-      const [x, y] = [this.toX(run.motion_goal_x[motion]), this.toY(run.motion_goal_y[motion])];
+      const last = run.lastOf(motion), [x, y] = [this.toX(run.motion_goal_x[last]), this.toY(run.motion_goal_y[last])];
       context.globalAlpha = 0.8;
       context.setLineDash([4, 4]);
       context.beginPath();
       context.moveTo(this.toX(pose.x), this.toY(pose.y));
-      context.lineTo(x, y);
+      for (let k = motion; k <= last; k += 1) {
+        context.lineTo(this.toX(run.motion_goal_x[k]), this.toY(run.motion_goal_y[k]));
+      }
       context.stroke();
       context.setLineDash([]);
       context.beginPath();
