@@ -29,13 +29,14 @@ SCREEN = (1400, 860)  # as large as the window in rviz/simulator.rviz
 COLOURED_PIXELS = 2000  # at least so many belong to robots when RViz has drawn them
 COLOURS = 256  # of the picture's palette, which keeps the file small
 UNTIL = 8.0  # s, simulated, after the goals were sent: when the picture is taken
+SETTINGS = {'max_speed': 2.0, 'marker_size': 2.0, 'use_map': True, 'routes': 'grid', 'robot_radius': 0.6}
 # name: start, then goal; x, y [m] and heading [deg] in the map
 ROBOTS = {
-    'robot_0': ((4.0, 4.0, 0.0), (27.0, 4.0, 0.0)),
-    'robot_1': ((30.0, 4.0, 90.0), (30.0, 30.0, 90.0)),
-    'robot_2': ((4.0, 36.0, -90.0), (4.0, 12.0, -90.0)),
-    'robot_3': ((52.0, 36.0, 180.0), (12.0, 36.0, 180.0)),
-    'robot_4': ((56.0, 8.0, 90.0), (56.0, 32.0, 90.0)),
+    'robot_0': ((4.0, 4.0, 0.0), (14.0, 20.0, 0.0)),
+    'robot_1': ((30.0, 4.0, 90.0), (18.0, 34.5, 180.0)),
+    'robot_2': ((4.0, 36.0, -90.0), (24.0, 20.0, 0.0)),
+    'robot_3': ((56.0, 36.0, 180.0), (38.0, 20.0, 180.0)),
+    'robot_4': ((56.0, 4.0, 90.0), (40.0, 11.5, 180.0)),
 }
 
 
@@ -81,7 +82,7 @@ def start(ros):
     ros.run('map_server', 'map_server', arguments=[os.path.join(package, 'maps', 'farm_yard.yaml')])
     robots = [dict(name=name, start_x=x, start_y=y, start_yaw=math.radians(heading))
               for name, ((x, y, heading), _) in ROBOTS.items()]
-    ros.run('fleet', 'fleet', parameters={'defaults': {'max_speed': 2.0, 'marker_size': 2.0}, 'robots': robots})
+    ros.run('fleet', 'fleet', parameters={'defaults': SETTINGS, 'robots': robots})
     os.environ.update(HOME=ros.log_dir, XDG_RUNTIME_DIR=ros.log_dir)
     rviz = os.path.join(rospkg.RosPack().get_path('rviz'), '..', '..', 'lib', 'rviz', 'rviz')
     config = os.path.join(package, 'rviz', 'simulator.rviz')
