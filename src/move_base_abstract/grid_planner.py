@@ -10,6 +10,7 @@ from .occupancy import OccupancyMap
 from .planning import StraightLinePlanner, WorldBounds
 from .planning_grid import PARTS, PlanningGrid, blocked_cells
 from .shortening import Shortener
+from .tightening import tightened
 
 _FIELDS_BYTES = 256 * 1024 * 1024  # of one map's fields; the one that was used longest ago goes first
 _WAVES_BYTES = 96 * 1024 * 1024  # of those that can go on where they are: others have to start anew
@@ -84,7 +85,7 @@ class MapWays:
             shortener = self._shortener(goal)
             if not shortener.field.leads_from(grid.cell_of(free)):
                 return None
-            corners += shortener.corners_from(free)
+            corners += tightened(grid, [free, *shortener.corners_from(free), goal])[1:-1]
         points = (self._map.from_cells(column / PARTS, row / PARTS) for column, row in corners)
         return tuple((round(x, _DIGITS), round(y, _DIGITS)) for x, y in points)
 

@@ -70,6 +70,8 @@ class PlanningGrid:
         corner = np.zeros(free.shape, bool)
         corner[1:-1, 1:-1] = _convex_corners(free)
         self._is_corner = memoryview(corner.ravel().view(np.uint8))
+        #: which cells lie diagonally outside of a corner of what is not free, [row, column]
+        self.corners = corner[1:-1, 1:-1]
         self._is_free = memoryview(self.free.view(np.uint8))
         # [column, row]: how many cells of the column south of the row are not free
         counts = np.zeros((columns, rows + 1), np.int32)

@@ -5,11 +5,14 @@ import random
 import numpy as np
 import pytest
 
+from move_base_abstract.cost_field import CostField
 from move_base_abstract.geometry import Pose2D
 from move_base_abstract.grid_planner import GridPlanner, MapWays
 from move_base_abstract.map_check import TEXT_OFF_MAP, MapCheck
 from move_base_abstract.occupancy import OccupancyMap
 from move_base_abstract.planning import WorldBounds, path_along
+from move_base_abstract.planning_grid import PlanningGrid
+from move_base_abstract.tightening import tightened
 from movingai_files import FOLDER, optimum, read_map, read_problems, write
 
 MAPS = ('rooms', 'boxes', 'scattered')
@@ -73,6 +76,41 @@ def test_it_goes_straight_where_nothing_lies_between_and_round_the_end_of_a_wall
     assert corners == ((4.5, 1.5), (6.5, 1.5))
     assert ways.corners(Pose2D(8.5, 5.5), Pose2D(2.5, 5.5)) == corners[::-1]
     assert the_map.width == 10
+
+
+@pytest.mark.parametrize('start, goal', [((8.5, 30.5), (110.5, 78.5)), ((20.5, 110.5), (82.5, 33.5)),
+                                         ((60.5, 5.5), (60.5, 115.5)), ((10.5, 90.5), (85.5, 40.5))])
+def test_round_an_obstacle_ways_are_tight(start, goal):
+    rows, columns = np.mgrid[0:120, 0:120]
+    ways = MapWays(the_map := occupancy((columns - 60) ** 2 + (rows - 60) ** 2 <= 20 ** 2), 0.0)
+    corners = ways.corners(Pose2D(*start), Pose2D(*goal))
+    # Tangents to a circle of the outermost cells' corners, and an arc between them.
+    radius, centre = 21.0, (60.5, 60.5)
+    (a, alpha), (b, beta) = ((math.dist(place, centre), math.atan2(place[1] - centre[1], place[0] - centre[0]))
+                             for place in (start, goal))
+    arc = abs(math.remainder(alpha - beta, 2.0 * math.pi)) - math.acos(radius / a) - math.acos(radius / b)
+    tight = math.sqrt(a * a - radius ** 2) + math.sqrt(b * b - radius ** 2) + radius * arc
+    length = length_of(Pose2D(*start), corners, Pose2D(*goal))
+    assert length <= 1.005 * tight, length / tight
+    assert the_map.width == 120
+
+
+def test_pulling_tight_makes_no_way_longer_and_changes_a_tight_one_in_nothing():
+    blocked = read_map(FOLDER / 'scattered.map')[::-1]
+    grid, chance = PlanningGrid(blocked), random.Random(2)
+    cells = np.flatnonzero(grid.free).tolist()
+    changed = 0
+    for _ in range(60):
+        start, goal = chance.sample(cells, 2)
+        field = CostField(grid, goal)
+        if field.leads_from(start):
+            places = [grid.centre_of(cell) for cell in field.way_from(start)]
+            found = tightened(grid, places)
+            assert (found[0], found[-1]) == (places[0], places[-1])
+            assert all(grid.sees(one, other) for one, other in zip(found, found[1:]))
+            assert sum(map(math.dist, found, found[1:])) <= sum(map(math.dist, places, places[1:])) * (1.0 + 1e-9)
+            changed += found != places
+    assert changed > 30
 
 
 def test_of_two_equal_ways_it_is_the_one_whose_first_step_comes_first():
