@@ -34,9 +34,9 @@ def _pulled(grid, begin, bend, end):
     if side == 0:
         return [bend]
     chain = _hull(begin, end, _corners_within(grid, begin, bend, end), 1 if side > 0 else -1)
-    ways = [begin, *chain, end]
-    is_clear = all(grid.sees(one, other) for one, other in zip(ways, ways[1:]))
-    return chain if is_clear and _length(ways) < _length([begin, bend, end]) else [bend]
+    way = [begin, *chain, end]
+    is_clear = all(grid.sees(one, other) for one, other in zip(way, way[1:]))
+    return chain if is_clear and _length(way) < _length([begin, bend, end]) else [bend]
 
 
 def _length(places):
@@ -61,7 +61,7 @@ def _corners_within(grid, begin, bend, end):
 
 
 def _hull(begin, end, points, sign):
-    """Return the convex chain from ``begin`` to ``end`` around ``points``, on the left (``sign`` 1) or right; its middle.
+    """Return the inside of the convex chain from ``begin`` to ``end`` around ``points``, left (``sign`` 1) or right.
 
     Points are taken in the order in which they lie along the line from begin to end; of equal ones the outer one first.
     """
