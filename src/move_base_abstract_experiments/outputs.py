@@ -23,7 +23,7 @@ from move_base_abstract.own_files import MARKER, FolderKind, whole_file
 
 EXPERIMENT_MARKER = '.move_base_abstract_experiment'
 UNFINISHED = '.unfinished'
-OUT = FolderKind('experiment')
+OUT = FolderKind('folder of an experiment')
 TRIAL = FolderKind('trial of an experiment', ('trial.json', 'events.jsonl', 'messages.jsonl', 'files-*'))
 LOGS = FolderKind("folder of a trial's logs", ('*.txt', '*.log'))
 _MEMBER = re.compile(r'(logs/)?\w[\w.-]*\Z', re.ASCII)

@@ -96,19 +96,17 @@ def finish(code):
     os._exit(code)
 
 
-def end(pids, polite, grace):
+def end(pids, polite, grace, statuses):
     """End children and all that they have left: by the signal ``polite``, and by SIGKILL after ``grace`` [s, wall].
 
-    Return {pid: exit status as of waitpid} of those that have ended by then.
+    Into ``statuses`` go {pid: exit status as of waitpid} of all children that have ended meanwhile.
     """
-    statuses = {}
     for pid in pids:
         signal_group(pid, polite)
     await_ends(set(pids), grace, statuses)
     for pid in pids:
         signal_group(pid, signal.SIGKILL)
     await_ends(set(pids) - set(statuses), grace, statuses)
-    return statuses
 
 
 def await_ends(waiting, seconds, statuses):

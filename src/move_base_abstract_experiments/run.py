@@ -13,9 +13,10 @@ import signal
 import time
 from typing import NamedTuple
 
-from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.errors import SimulatorError
+from move_base_abstract_ros.loopback import PACKAGE
 
-from . import processes, ros_master, warm_nodes
+from . import launch_files, processes, ros_master, warm_nodes
 
 END_NODE, RECORDER_NODE = '/experiment_end', '/experiment_recorder'
 LOG, MESSAGES = 'events.jsonl', 'messages.jsonl'
@@ -24,6 +25,11 @@ _OWN_END_S = 6.0  # wall, that participants may take to end by themselves once t
 _LOOK_S = 0.2  # wall
 _BEFORE_START_S = 5.0  # wall, that the time master may take to be asked
 _NODE_FILE = re.compile(r'[^\w.-]+', re.ASCII)
+
+
+#: this package's own nodes that are done when the run is over: what they know is in the event log, or written already
+_WITHOUT_LAST_WORDS = tuple((PACKAGE, kind) for kind in (
+    'move_base', 'fleet', 'task_server', 'move_base_abstract_actionserver', 'end_at_message', 'message_recorder'))
 
 
 class RunError(SimulatorError):
@@ -69,6 +75,7 @@ class _Process(NamedTuple):
     pid: int
     takes_part: bool
     is_required: bool
+    has_last_words: bool = True  # whether it may have something to do once the run is over
 
 
 def make_folders(path):
@@ -108,15 +115,9 @@ def _enter(folders):
 
 def _plan(wanted, folders):
     """Return roslaunch's configuration, changed for lockstep, and the names of who takes part."""
-    import roslaunch.config
-    from roslaunch.core import RLException
-
     from move_base_abstract_ros.launching import plan
     plan.name_anonymous_ones_alike()
-    try:
-        config = roslaunch.config.load_config_default(wanted.files, None, verbose=False)
-    except RLException as error:
-        raise ConfigurationError(str(error)) from None
+    config = launch_files.read(wanted.files)
     _add_own_nodes(config, wanted, folders)
     wishes = _wishes(plan, config, wanted, folders)
     return config, plan.plan_of(config, wishes).participants
@@ -124,8 +125,6 @@ def _plan(wanted, folders):
 
 def _add_own_nodes(config, wanted, folders):
     from roslaunch.core import Node, Param
-
-    from move_base_abstract_ros.loopback import PACKAGE
 
     def add(name, kind, parameters, required):
         node = Node(PACKAGE, kind, name=name.lstrip('/'), required=required)
@@ -189,7 +188,8 @@ def _start_all(config, taking, uri, wanted, folders):
         cwd = os.path.dirname(words[0]) if node.cwd == 'node' else folders.files
         pid, _ = warm_nodes.start(words, setup_env(node, node.machine, uri), os.path.join(folders.logs, stem + '.txt'),
                                   cwd, launcher, os.path.dirname(launcher), wanted.is_warm)
-        started.append(_Process(name, pid, name in taking, bool(node.required)))
+        started.append(_Process(name, pid, name in taking, bool(node.required),
+                                (node.package, node.type) not in _WITHOUT_LAST_WORDS))
     for number, words in enumerate(words for words in (wanted.command, wanted.extra) if words):
         pid = processes.execute(list(words), dict(os.environ), os.path.join(folders.logs, f'command_{number}.txt'),
                                 folders.files)
@@ -208,7 +208,7 @@ def _await_end(master, started, wanted, folders):
         for process in started:
             if process.pid in statuses and process.pid not in seen and process is not time_master:
                 seen.add(process.pid)
-                problem = problem or _judge(process, processes.code_of(statuses[process.pid]), folders)
+                problem = problem or _judge(process, statuses, folders)
         if master in statuses:
             problem = problem or 'the ROS master ended'
         if time.monotonic() > deadline:
@@ -217,19 +217,21 @@ def _await_end(master, started, wanted, folders):
         code = processes.code_of(statuses[time_master.pid])
         problem = None if code == 0 else f'the run did not end as wished: the time master ended with exit code {code}'
     else:
-        statuses.update(processes.end([time_master.pid], signal.SIGINT, _ONLOOKER_GRACE_S))
+        processes.end([time_master.pid], signal.SIGINT, _ONLOOKER_GRACE_S, statuses)
     _end_others(started, statuses)
     if problem is not None:
         raise RunError(problem)
-    return {one.name: processes.code_of(statuses[one.pid]) for one in started if one.pid in statuses}
+    return {one.name: processes.code_of(statuses[one.pid]) for one in started
+            if one.pid in statuses and one.has_last_words}  # the others were killed
 
 
-def _judge(process, code, folders):
+def _judge(process, statuses, folders):
     """Return what is wrong with the end of a process while the run goes on, or None."""
+    code = processes.code_of(statuses[process.pid])
     if process.is_required and not process.takes_part:
         return f'{process.name}, which is required and looks on, ended (exit code {code})'
-    if process.takes_part and not os.path.exists(os.path.join(folders.own, LOG)):
-        names = _not_there_yet()
+    if process.takes_part and not _has_started(folders):
+        names = _not_there_yet(statuses)
         if names is not None and process.name not in names and not process.name.startswith('the command'):
             return f'{process.name} ended (exit code {code}) before it took part, so that time never starts'
         if process.name.startswith('the command') and code:
@@ -237,7 +239,16 @@ def _judge(process, code, folders):
     return None
 
 
-def _not_there_yet():
+def _has_started(folders):
+    """Return whether the time master has said that time has started; it says so at once."""
+    try:
+        with open(os.path.join(folders.logs, 'time_master.txt'), encoding='utf-8', errors='replace') as stream:
+            return any('the clock starts at' in line for line in stream)
+    except OSError:
+        return False
+
+
+def _not_there_yet(statuses):
     """Return who takes part while the time master waits for others; None once time has started, or if it is mute.
 
     A process of its own asks: this one has no thread.
@@ -253,7 +264,7 @@ def _not_there_yet():
     os.close(write)
     with os.fdopen(read, 'rb') as stream:
         text = stream.read()
-    processes.end([pid], signal.SIGKILL, 1.0)
+    processes.end([pid], signal.SIGKILL, 1.0, statuses)
     return json.loads(text) if text else None
 
 
@@ -262,11 +273,14 @@ def _end_others(started, statuses):
     onlookers = [one.pid for one in started if not one.takes_part and one.pid not in statuses]
     for pid in onlookers:
         processes.signal_group(pid, signal.SIGINT)
+    for one in started:
+        if not one.has_last_words and one.pid not in statuses:
+            processes.signal_group(one.pid, signal.SIGKILL)
     taking = [one.pid for one in started if one.takes_part and one.pid not in statuses]
     processes.await_ends({*taking, *onlookers}, _OWN_END_S, statuses)
     left = [pid for pid in (*taking, *onlookers) if pid not in statuses]
     if left:
-        statuses.update(processes.end(left, signal.SIGINT, 1.0))
+        processes.end(left, signal.SIGINT, 1.0, statuses)
 
 
 def _starts(config):

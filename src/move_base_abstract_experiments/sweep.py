@@ -5,7 +5,7 @@ import os
 import sys
 import tarfile
 
-from . import checks, cluster, jobs, outputs, plan, spec, tables, trial
+from . import checks, cluster, jobs, launch_files, outputs, plan, spec, tables, trial
 from .progress import Progress
 
 
@@ -57,15 +57,18 @@ def check(experiment, chosen):
 
 
 def _check_launch(job):
-    import roslaunch.config
-    from roslaunch.core import RLException
+    from roslaunch.arg_dump import get_args
 
     from move_base_abstract.errors import ConfigurationError
     from move_base_abstract_ros.launching import roles
+    path = trial.find_launch(job['launch'], job['folder'])
+    declared = get_args([path])  # roslaunch itself takes no notice of others
+    for word in job['arguments']:
+        if word.partition(':=')[0] not in declared:
+            raise checks.unknown('args: the argument', word.partition(':=')[0], declared)
     try:
-        config = roslaunch.config.load_config_default(
-            [(trial.find_launch(job['launch'], job['folder']), job['arguments'])], None, verbose=False)
-    except RLException as error:
+        config = launch_files.read([(path, job['arguments'])])
+    except ConfigurationError as error:
         raise ConfigurationError(f"launch, with {' '.join(job['arguments']) or 'no arguments'}: {error}") from None
     names = [roles.name_of(node) for node in config.nodes]
     for key in ('participants', 'leave_out'):

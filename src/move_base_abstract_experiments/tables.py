@@ -34,7 +34,8 @@ def rows(plan, path):
     metrics = metric_names(plan, abouts)
     table = []
     for about in abouts:
-        values = {**about['configuration'], **{name: about['metrics'].get(name) for name in metrics}, **about}
+        # A factor may have the name of a key of trial.json that is no column, such as robots.
+        values = {**about, **{name: about['metrics'].get(name) for name in metrics}, **about['configuration']}
         values['labels'] = '; '.join(about['labels'])
         table.append([values.get(name) for name in columns(plan, metrics)])
     return metrics, table

@@ -13,7 +13,7 @@ import traceback
 from move_base_abstract import run_difference
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 
-from . import metrics, plan, run, spec, user_metrics
+from . import launch_files, metrics, plan, run, spec, user_metrics
 
 OUTPUTS = 'outputs.tar.gz'
 FORMAT = 1
@@ -50,6 +50,7 @@ def carry_out(job, path):
     except Exception as problem:
         traceback.print_exc()
         about['error'] = _first_line(f'{type(problem).__name__}: {problem}', folders)
+    launch_files.save_programs(path)
     _pack(job, path, folders, about)
 
 

@@ -89,7 +89,7 @@ def call(job, folders, about):
     pid = processes.fork(work, os.path.join(folders.logs, 'metrics.txt'), folders.own)
     os.close(write)
     text = _read(read, _LIMIT_S)
-    processes.end([pid], signal.SIGKILL, 1.0)
+    processes.end([pid], signal.SIGKILL, 1.0, {})
     processes.end_all_children()
     with contextlib.suppress(ValueError):
         answer = json.loads(text)

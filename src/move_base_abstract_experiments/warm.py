@@ -16,7 +16,7 @@ import socket
 import sys
 import tempfile
 
-from . import processes, warm_nodes
+from . import launch_files, processes, warm_nodes
 
 _HASH_SEED = 'PYTHONHASHSEED'
 READY = b'ready\n'
@@ -35,6 +35,8 @@ def main(words):
     for name in warm_nodes.MODULES:
         importlib.import_module(name)
     from . import trial  # noqa: F401 - for the forks
+    launch_files.core()
+    launch_files.remember_programs()
     processes.assert_one_thread()
     processes.adopt_orphans()
     folder = tempfile.mkdtemp(prefix='move_base_abstract_trials_')
@@ -68,6 +70,7 @@ def _serve(client, folder):
             client.sendall(json.dumps({'code': code, 'path': path}).encode() + b'\n')
             if requests.readline() != b'taken\n':
                 return
+            launch_files.load_programs(path)
             shutil.rmtree(path, ignore_errors=True)
 
 

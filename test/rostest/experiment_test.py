@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Experiments with real worker processes: killed workers and clients, failures, warm and cold starts, what is left."""
+import csv
 import io
 import json
 import os
@@ -112,8 +113,8 @@ def wait_for(condition, what):
 
 def without_wall(path):
     """Return a table as lists of cells, without the columns of wall time."""
-    with open(path) as stream:
-        rows = [line.rstrip('\n').split(',') for line in stream]
+    with open(path, newline='') as stream:
+        rows = list(csv.reader(stream))
     kept = [k for k, name in enumerate(rows[0]) if name not in tables.WALL]
     return [[row[k] for k in kept] for row in rows]
 
@@ -166,10 +167,13 @@ class Experiments(OwnFolder, unittest.TestCase):
         os.mkdir(self.path('sayings'))
         self.write('sayings/package.xml', PACKAGE)
         self.write('sayings/say.py', SAY, 0o755)
+        mistaken = self.write('mistaken.yaml', WRONG.replace('args: {what', 'args: {wat'))
         self.write('wrong_metrics.py', METRICS)
         self.write('wrong.launch', LAUNCH)
         file = self.write('wrong.yaml', WRONG)
         os.environ['ROS_PACKAGE_PATH'] = self.folder + ':' + os.environ['ROS_PACKAGE_PATH']
+        code, text = Client(self.folder, mistaken, 'mistaken').end()
+        self.assertEqual((code, "did you mean 'what'" in text, os.path.exists(self.path('mistaken'))), (2, True, False))
         code, text = Client(self.folder, file, 'out').end()
         self.assertEqual(code, 1, text)
         good, bad = (outputs.read_trial(self.path('out'), one['id']) for one in outputs.read_plan(

@@ -9,11 +9,11 @@ from move_base_abstract.errors import ConfigurationError
 from move_base_abstract_experiments import outputs, state, sweep, tables
 
 ID = '0001-abcdef'
-ABOUT = {'format': 1, 'id': ID, 'configuration': {'a': 1}, 'replication': 0, 'seed': 3, 'status': 'complete',
+ABOUT = {'format': 1, 'id': ID, 'configuration': {'robots': 1}, 'replication': 0, 'seed': 3, 'status': 'complete',
          'error': None, 'metrics': {'goals': 2, 'extra': 0.5}, 'simulated_seconds': 1.5, 'wall_seconds': 0.25,
          'times_real_time': 6.0, 'repeatable': True, 'labels': ['x', 'y'], 'events': 4, 'log_sha256': 'ab',
-         'verified': None, 'difference': None, 'robots': {}, 'made_of': 'm'}
-PLAN = {'format': 1, 'experiment': 'e', 'factors': {'a': [1]}, 'metrics': {'goals': {}}, 'trials': [{'id': ID}]}
+         'verified': None, 'difference': None, 'robots': {'r': {}}, 'made_of': 'm'}
+PLAN = {'format': 1, 'experiment': 'e', 'factors': {'robots': [1]}, 'metrics': {'goals': {}}, 'trials': [{'id': ID}]}
 
 
 def packed(members):
@@ -77,7 +77,7 @@ def test_the_table_has_a_row_per_trial(tmp_path):
         folder.put(packed(trial()), 'w', 1)
         tables.write(folder, json.loads(json.dumps(PLAN)))
     assert (tmp_path / 'out' / 'trials.csv').read_text() == (
-        'id,a,replication,seed,status,goals,extra,simulated_seconds,wall_seconds,times_real_time,repeatable,labels,'
+        'id,robots,replication,seed,status,goals,extra,simulated_seconds,wall_seconds,times_real_time,repeatable,labels,'
         'events,log_sha256,verified,error\n'
         '0001-abcdef,1,0,3,complete,2,0.5,1.5,0.25,6.0,true,x; y,4,ab,,\n')
     assert outputs.read_plan(tmp_path / 'out')['metrics']['extra'] == {'unit': '', 'title': 'extra', 'better': None}

@@ -1,0 +1,69 @@
+"""Launch files by roslaunch's own loader, without what is the same for each trial: that is found once per warm process.
+
+The parameters of ROS's core need two programs each time (`rosversion`), and where a node's program is needs a walk
+through all packages: together several times as long as the rest.
+"""
+import copy
+import json
+import os
+from functools import lru_cache
+
+from move_base_abstract.errors import ConfigurationError
+
+NAME = 'programs.json'
+_known = {}  # (package, type): path; of earlier trials too
+
+
+@lru_cache(maxsize=None)
+def core():
+    """Return roslaunch's configuration of ROS's core alone; asked for in the warm process, it is there for all."""
+    import roslaunch.config
+    return roslaunch.config.load_config_default([], None, verbose=False, assign_machines=False)
+
+
+def read(files):
+    """Return roslaunch's configuration of files, [(path, [ARG:=VALUE])]. :raises ConfigurationError: as it says it."""
+    from roslaunch.core import RLException
+    from roslaunch.loader import LoadException
+    from roslaunch.xmlloader import XmlLoader, XmlParseException
+    config = copy.deepcopy(core())
+    loader = XmlLoader()
+    loader.ignore_unset_args = False
+    try:
+        for path, arguments in files:
+            loader.load(path, config, argv=list(arguments), verbose=False)
+        config.assign_machines()
+    except (RLException, XmlParseException, LoadException) as error:
+        raise ConfigurationError(str(error)) from None
+    return config
+
+
+def remember_programs():
+    """Have roslib's search for a node's program, in this process, begin with what was found before."""
+    from roslib import packages
+    search = packages.find_node
+
+    def find_node(package, kind, rospack=None):
+        path = _known.get((package, kind))
+        if path is not None and os.access(path, os.X_OK):
+            return [path]
+        found = search(package, kind, rospack) if rospack is not None else search(package, kind)
+        if found:
+            _known[package, kind] = found[0]
+        return found
+    packages.find_node = find_node
+
+
+def save_programs(folder):
+    """Write what was found into a trial's folder, for the warm process."""
+    with open(os.path.join(folder, NAME), 'w', encoding='utf-8') as stream:
+        json.dump([[*key, path] for key, path in _known.items()], stream)
+
+
+def load_programs(folder):
+    """Take what a trial has found."""
+    try:
+        with open(os.path.join(folder, NAME), encoding='utf-8') as stream:
+            _known.update({(package, kind): path for package, kind, path in json.load(stream)})
+    except (OSError, ValueError):
+        pass  # a trial that ended before that

@@ -1,0 +1,53 @@
+"""Processes of a run: what ends is noted, and nothing is left. Each in a Python of its own, as they fork."""
+import subprocess
+import sys
+from pathlib import Path
+
+SOURCE = str(Path(__file__).resolve().parents[2] / 'src')
+
+
+def run(text):
+    done = subprocess.run([sys.executable, '-c', 'import os, signal, sys\nsys.path.insert(0, {!r})\n'
+                           'from move_base_abstract_experiments import processes\n'.format(SOURCE) + text],
+                          stdout=subprocess.PIPE, timeout=60, check=True)
+    return done.stdout.decode().split()
+
+
+def test_who_ends_while_another_one_is_ended_is_noted():
+    assert run("""
+processes.block_child_signal()
+first = processes.fork(lambda: sys.exit(3))
+second = processes.fork(signal.pause)
+statuses = {}
+processes.end([second], signal.SIGKILL, 30.0, statuses)
+processes.await_ends({first}, 30.0, statuses)
+print(processes.code_of(statuses[first]), processes.code_of(statuses[second]))
+""") == ['3', '-9']
+
+
+def test_children_of_children_are_ended_too():
+    assert run("""
+processes.adopt_orphans()
+read, write = os.pipe()
+def leave_one():
+    if os.fork() == 0:
+        os.setsid()
+        os.write(write, b'x')
+        signal.pause()
+processes.fork(leave_one)
+os.close(write)
+os.read(read, 1)
+processes.end_all_children()
+print(os.read(read, 1) == b'')
+""") == ['True']
+
+
+def test_a_second_thread_at_a_fork_is_an_error():
+    assert run("""
+import threading
+threading.Thread(target=signal.pause, daemon=True).start()
+try:
+    processes.fork(lambda: None)
+except RuntimeError as error:
+    print(str(error).split()[0])
+""") == ['2']
