@@ -208,5 +208,14 @@ class ConcurrentStatesTest(unittest.TestCase):
         self.assertIn('the time master has ended lockstep', run.outputs['states'])
 
 
+class OutsideTest(unittest.TestCase):
+    def test_a_call_of_a_service_of_a_node_that_does_not_take_part_is_answered_and_labelled(self):
+        other = [sys.executable, os.path.join(FOLDER, os.pardir, 'onlooker.py'), '/nothing']
+        run = run_programs({'asks': ['asks_outside.py']}, until=50.0, others={'/other': (other, 0)})
+        self.assertEqual(run.printed('asks')[-1], 'answered: True', run.outputs)
+        self.assertIn("'/asks': service /other/get_loggers, which was called, is offered by a node that does not take "
+                      'part', run.state.not_repeatable_because)
+
+
 if __name__ == '__main__':
     rostest.rosrun('move_base_abstract', 'lockstep_launcher_scripts', __name__, sysargs=sys.argv)

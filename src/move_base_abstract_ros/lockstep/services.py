@@ -20,6 +20,7 @@ from .links import creating_index
 
 #: how the services end that rospy itself offers in each node; those do not count
 _OF_ROSPY = ('/get_loggers', '/set_logger_level')
+_TIME_MASTERS = '/time_master/'  # its services
 _SEEK_SECONDS = 0.1
 
 
@@ -144,6 +145,12 @@ class Services:
         self._participant.label('service {} was waited for; a node offers it that does not take part'.format(name))
         self._found.add(name)
 
+    def label_outside(self, name):
+        """Label the run for the call of a service that a node answers as it likes; the time master's own are none."""
+        if not name.startswith(_TIME_MASTERS):
+            self._participant.label(
+                'service {}, which was called, is offered by a node that does not take part'.format(name))
+
     def is_offered_outside(self, name):
         """Return whether the ROS master knows a node that offers the service and has never taken part.
 
@@ -224,6 +231,7 @@ def _replace_calling(services, scheduler):
             if status != wire.CallStatus.NO_SERVER:
                 return _answer(self, status, answer)
             if services.is_offered_outside(self.resolved_name):
+                services.label_outside(self.resolved_name)
                 return call(self, request)
             raise rospy.ServiceException('service [{}] unavailable'.format(self.resolved_name))
         return _call
