@@ -9,6 +9,7 @@ import os
 from functools import lru_cache
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_ros import replaced
 
 NAME = 'programs.json'
 _known = {}  # (package, type): path; of earlier trials too
@@ -40,18 +41,19 @@ def read(files):
 
 def remember_programs():
     """Have roslib's search for a node's program, in this process, begin with what was found before."""
-    from roslib import packages
-    search = packages.find_node
+    replaced.replace('roslib.packages.find_node', _begin_with_known)
 
+
+def _begin_with_known(search):
     def find_node(package, kind, rospack=None):
         path = _known.get((package, kind))
         if path is not None and os.access(path, os.X_OK):
             return [path]
         found = search(package, kind, rospack) if rospack is not None else search(package, kind)
-        if found:
+        if len(found) == 1:  # of several, whoever asks makes its own choice, or an error
             _known[package, kind] = found[0]
         return found
-    packages.find_node = find_node
+    return find_node
 
 
 def save_programs(folder):

@@ -25,6 +25,7 @@ ROBOTS = 'move_base and fleet'
 LOCKSTEP, THREADS = 'lockstep.join', 'lockstep.join, unless own_threads=False'
 LAUNCHER = 'the launcher of unmodified programs'
 OLD_LAUNCHER = 'the launcher of unmodified programs, before Python 3.11'
+WARM = 'the warm process of an experiment, and what it forks'
 POOLS = 'lockstep.join, when a program uses multiprocessing.pool'
 
 
@@ -160,6 +161,7 @@ _ROWS = (
     Row('_posixsubprocess.fork_exec', LAUNCHER, _TOLD),
     Row('pathlib._NormalAccessor.listdir', OLD_LAUNCHER, _SORTED),
     Row('pathlib._NormalAccessor.scandir', OLD_LAUNCHER, _SORTED),
+    Row('roslib.packages.find_node', WARM, 'begins with the programs that were found before', ('11281a34f8c5',)),
     Row('multiprocessing.pool.Pool._wait_for_updates', POOLS, _WAIT),
     Row('threading.Thread.isAlive', ALWAYS,
         'is there again where Python has it no more (3.9 and later): rospy of Debian 11 calls it'),
