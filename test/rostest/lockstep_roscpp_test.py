@@ -5,6 +5,7 @@ What is said to be exact is run three times (alone, under load, slowed down) and
 values are those that simulated time dictates.
 """
 
+import ctypes
 import os
 import re
 import shutil
@@ -231,6 +232,8 @@ class OutsideTest(unittest.TestCase):
         table = os.path.join(SOURCES, 'replaced.def')
         with open(table) as stream:
             listed = re.findall(r' (\w+),\s+"[^"]+"\)$', stream.read(), re.MULTILINE)
+        library = ctypes.CDLL('libstdc++.so.6')  # Debian 11's waits for futures by the steady clock in another way
+        listed = [name for name in listed if not name.startswith('_ZNSt') or hasattr(library, name)]
         told = subprocess.run(['nm', '-D', '--defined-only', find_shim(os.environ)], check=True, text=True,
                               stdout=subprocess.PIPE).stdout
         self.assertEqual(sorted(line.split()[-1] for line in told.splitlines()), sorted(listed))
