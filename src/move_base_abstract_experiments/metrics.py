@@ -16,6 +16,9 @@ from move_base_abstract.event_log import EventLog, EventLogError
 from move_base_abstract.run_difference import MESSAGES
 
 _NS_PER_S = 1e9  # dividing by it rounds once
+_NEAR = 1e-9  # m, by which one point must be nearer than another
+#: of a robot; what each says stands at robot_trace
+PLACES = ('motion', 'departed', 'route', 'stands')
 _END = re.compile(r' at ([0-9]+(?:\.[0-9]+)?) s\b')
 REACHED = 'SUCCEEDED'
 FAILED = ('ABORTED', 'REJECTED', 'LOST')
@@ -40,6 +43,7 @@ class _Robot:
 
     def __init__(self, place, start_ns):
         self.place = place  # (x, y) where it stands or last stood [m], or None
+        self.way = ()  # (x, y) [m] of the corners and the goal that it is under way to
         self.since_ns = start_ns
         self.state = 'idle'
         self.ns = {'moving': 0, 'idle': 0, 'waiting': 0}
@@ -52,13 +56,34 @@ class _Robot:
 
     def stand(self, x, y, now_ns):
         if self.state == 'moving':
-            self.distance += math.hypot(x - self.place[0], y - self.place[1]) if self.place is not None else 0.0
+            self.distance += 0.0 if self.place is None else driven((self.place, *self.way), (x, y))
             self.be('waiting', now_ns)
         self.place = (x, y)
 
     def values(self):
         return {'goals': self.goals, 'distance_m': round(self.distance, 9),
                 **{f'{state}_s': self.ns[state] / _NS_PER_S for state in ('moving', 'idle', 'waiting')}}
+
+
+def driven(way, end):
+    """Return the length [m] of a way, [(x, y), ...] [m], to its point that is nearest to ``end``, and on to that.
+
+    Of points that are equally near the first counts.
+    """
+    if len(way) <= 2:
+        return math.dist(way[0], end)
+    best = (math.inf, 0.0)
+    before = 0.0
+    for one, other in zip(way, way[1:]):
+        length = math.dist(one, other)
+        along = (end[0] - one[0]) * (other[0] - one[0]) + (end[1] - one[1]) * (other[1] - one[1])
+        share = min(1.0, max(0.0, along / length ** 2)) if length > 0.0 else 0.0
+        foot = (one[0] + share * (other[0] - one[0]), one[1] + share * (other[1] - one[1]))
+        off = math.dist(foot, end)
+        if off < best[0] - _NEAR:
+            best = (off, before + share * length + off)
+        before += length
+    return best[1]
 
 
 def summarise(path, starts=None):
@@ -84,13 +109,18 @@ def summarise(path, starts=None):
 
 def _take(robots, endings, event, starts, start_ns):
     values = json.loads(event.values)
-    if event.kind in ('departed', 'stands') and len(values) >= 2:
+    if event.kind in PLACES and len(values) >= 2:
         robot = robots.setdefault(event.robot, None) or _Robot(starts.get(event.robot), start_ns)
         robots[event.robot] = robot
         if event.kind == 'stands':
             robot.stand(values[0], values[1], event.time_ns)
-        else:
+        elif event.kind == 'departed':
             robot.be('moving', event.time_ns)
+            robot.way = (tuple(values[:2]),)
+        elif event.kind == 'route':
+            robot.way = (*zip(values[::2], values[1::2]), *robot.way[-1:])
+        elif robot.state != 'moving':  # its motion's limits are told, and where it is
+            robot.place = tuple(values[:2])
     elif event.kind == 'ended' and len(values) >= 2:
         endings['reached'] += values[1] == REACHED
         endings['failed'] += values[1] in FAILED

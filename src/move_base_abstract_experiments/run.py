@@ -18,6 +18,7 @@ from move_base_abstract_ros.loopback import PACKAGE
 
 from . import launch_files, processes, ros_master, warm_nodes
 
+LOG_MOTION = '/log_motion'
 END_NODE, RECORDER_NODE = '/experiment_end', '/experiment_recorder'
 LOG, MESSAGES = 'events.jsonl', 'messages.jsonl'
 _ONLOOKER_GRACE_S = 5.0  # wall
@@ -125,6 +126,8 @@ def _plan(wanted, folders):
 
 def _add_own_nodes(config, wanted, folders):
     from roslaunch.core import Node, Param
+    if wanted.record.motion and LOG_MOTION not in config.params:
+        config.params[LOG_MOTION] = Param(LOG_MOTION, True)
 
     def add(name, kind, parameters, required):
         node = Node(PACKAGE, kind, name=name.lstrip('/'), required=required)

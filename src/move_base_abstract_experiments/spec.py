@@ -16,7 +16,7 @@ from .metric_names import BUILT_IN, Metric
 KEYS = ('experiment', 'launch', 'command', 'participants', 'leave_out', 'replace', 'args', 'factors', 'replications',
         'seed', 'until', 'record', 'metrics', 'report', 'verify', 'time_limit', 'sleep')
 UNTIL = ('seconds', 'topic', 'idle')
-RECORD = ('messages', 'files', 'hashes')
+RECORD = ('messages', 'files', 'hashes', 'motion')
 METRICS = ('function', 'columns')
 COLUMN = ('title', 'unit', 'better')
 ALL = 'all'
@@ -46,6 +46,7 @@ class Record(NamedTuple):
     messages: tuple = ()  # topics
     files: tuple = ()  # patterns of names of files that the nodes leave in their working folder
     hashes: bool = False  # whether what participants send each other is in the event log, as hashes
+    motion: bool = True  # whether robots write by which limits they travel, so that a replay is exact
 
 
 class Experiment(NamedTuple):
@@ -182,7 +183,8 @@ def _record(value):
         if not _PATTERN.match(pattern):
             raise checks.error('record.files', pattern, 'names of files without a folder, with * and ?, as *.csv')
     return Record(tuple('/' + topic.lstrip('/') for topic in topics), patterns,
-                  checks.flag('record.hashes', given.get('hashes', False)))
+                  checks.flag('record.hashes', given.get('hashes', False)),
+                  checks.flag('record.motion', given.get('motion', True)))
 
 
 def _metrics(value):

@@ -39,6 +39,27 @@ def test_the_first_leg_needs_a_start_and_a_leg_that_is_cut_off_adds_nothing(tmp_
     assert found.metrics['makespan'] is None
 
 
+def test_where_a_robot_is_first_and_its_corners_are_in_the_log(tmp_path):
+    path = written(tmp_path / 'log', [
+        (1, 'r', 'motion', [0, 0, 0, 1, 0, 0, 0, 0]), (1, 'idle', 'motion', [5, 5, 0, 1, 0, 0, 0, 0]),
+        (2, 'r', 'departed', [3, 4, 0]), (2, 'r', 'route', [3, 0]), (9, 'r', 'stands', [3, 4, 0]),
+        (9, 'r', 'departed', [0, 0, 0]), (9, 'r', 'route', [3, 0]), (11, 'r', 'stands', [3, 2, 0]),
+        (11, 'r', 'departed', [3, 4, 0]), (12, 'r', 'motion', [3, 3, 0, 2, 0, 0, 0, 0]),
+        (13, 'r', 'stands', [3, 4, 0])])
+    found = metrics.summarise(path)
+    assert {name: one['distance_m'] for name, one in found.robots.items()} == {'r': 7.0 + 2.0 + 2.0, 'idle': 0.0}
+    assert found.robots['idle']['idle_s'] == 19.5
+
+
+@pytest.mark.parametrize('way, end, length', [
+    (((0, 0), (3, 4)), (3, 4), 5.0), (((0, 0), (3, 4)), (6, 8), 10.0),
+    (((0, 0), (4, 0), (4, 3)), (4, 3), 7.0), (((0, 0), (4, 0), (4, 3)), (2, 0), 2.0),
+    (((0, 0), (4, 0), (4, 3)), (4, 1), 5.0), (((0, 0), (4, 0), (4, 0), (4, 3)), (4, 3.5), 7.5),
+    (((0, 0), (4, 0), (0, 0)), (1, 0), 1.0)])
+def test_how_far_along_its_way_a_robot_has_driven(way, end, length):
+    assert metrics.driven(way, end) == pytest.approx(length)
+
+
 def test_labels_are_told(tmp_path):
     found = metrics.summarise(written(tmp_path / 'log', [], labels=['a clock']))
     assert (found.repeatable, found.labels, found.metrics['moving']) == (False, ['a clock'], None)
