@@ -165,6 +165,7 @@ class LatchedOutlet(Outlet):
         self._make = make
         self._shown = None
         self._sent = None
+        self._greeting = threading.Lock()  # onlookers come in threads of rospy's
         super().__init__(topic, message_type, queue_size, tcp_nodelay, latch=True)
 
     def show(self, *shown):
@@ -183,10 +184,11 @@ class LatchedOutlet(Outlet):
 
     def greet(self, _peer_publish):
         """Make the latched message, which rospy is about to send to a new listener."""
-        if self._sent is not None:
-            self.latch(self._sent)
-        elif self._shown is not None:
-            self.latch(self._make(*self._shown))
+        with self._greeting:  # what was made for one who came before must not take the place of this
+            if self._sent is not None:
+                self.latch(self._sent)
+            elif self._shown is not None:
+                self.latch(self._make(*self._shown))
 
 
 class LatchedOutlets:
@@ -221,10 +223,10 @@ class LatchedOutlets:
 
     def begin(self, outlet):
         """Make what a newcomer to ``outlet`` gets."""
-        with self._lock:
+        with self._lock:  # what was made for one who came before must not take the place of this
             self._is_heard = True
-        if self._shown is not None:
-            outlet.latch(outlet.make(*self._shown))
+            if self._shown is not None:
+                outlet.latch(outlet.make(*self._shown))
 
     def end(self):
         """Look whether anybody is left, now that somebody has gone."""

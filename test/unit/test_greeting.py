@@ -1,0 +1,40 @@
+"""What a newcomer to a latched topic gets, while another one is being told in another thread."""
+import threading
+from types import SimpleNamespace
+
+import rospy  # noqa: TID251 (no node, no ROS master)
+
+from move_base_abstract_ros import outlets  # noqa: TID251
+
+
+class Making:
+    """Makes what a newcomer gets of the present; the first time only when ``go`` is set."""
+
+    def __init__(self):
+        self.present = 'before'
+        self.has_begun, self.go = threading.Event(), threading.Event()
+
+    def __call__(self):
+        made = self.present
+        if not self.has_begun.is_set():
+            self.has_begun.set()
+            self.go.wait()
+        return lambda _seq: made
+
+
+def test_what_was_made_for_an_onlooker_does_not_take_the_place_of_what_a_participant_gets(monkeypatch):
+    monkeypatch.setattr(rospy, 'Publisher', lambda *_args, **_kwds: SimpleNamespace(impl=SimpleNamespace(latch=None)))
+    making = Making()
+    outlet = outlets.LatchedOutlet('/topic', None, making)
+    outlet._shown = ()
+    onlooker = threading.Thread(target=outlet.greet, args=(None,))
+    onlooker.start()
+    making.has_begun.wait()
+    making.present = 'after'
+    participant = threading.Thread(target=outlet.greet, args=(None,))
+    participant.start()
+    participant.join(0.3)  # it would have ended by now if it did not wait for the onlooker's
+    making.go.set()
+    onlooker.join()
+    participant.join()
+    assert outlet._impl.latch._pack(0) == 'after'
