@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Tuple
 
 from .errors import ConfigurationError
+from .geometry import share_along
 from .parameter_table import Parameter, checked, number
 
 GLOBAL, LOCAL = 'global_costmap', 'local_costmap'
@@ -51,7 +52,7 @@ class Footprint:
     @property
     def inscribed_radius(self):
         """The distance [m] from the base frame's origin to the nearest point of the outline, as costmap_2d's."""
-        return min(_distance_to(*begin, *end) for begin, end in zip(self.points, self.points[1:] + self.points[:1]))
+        return min(_distance_to(begin, end) for begin, end in zip(self.points, self.points[1:] + self.points[:1]))
 
     def at(self, pose):
         """Return the corners [m] of the robot at ``pose``, in the frame of the pose."""
@@ -88,12 +89,10 @@ def read_costmaps(raw, where):
     return Costmaps(*footprints, Window(int(cells[0]), int(cells[1]), resolution)), used
 
 
-def _distance_to(x, y, end_x, end_y):
-    """Return the distance from (0, 0) to the straight piece between two points [m]."""
-    dx, dy = end_x - x, end_y - y
-    squared = dx * dx + dy * dy
-    share = min(1.0, max(0.0, -(x * dx + y * dy) / squared)) if squared > 0.0 else 0.0
-    return math.hypot(x + share * dx, y + share * dy)
+def _distance_to(begin, end):
+    """Return the distance from (0, 0) to the straight piece between two points (x, y) [m]."""
+    share = share_along(begin, end, 0.0, 0.0)
+    return math.hypot(*(one + share * (other - one) for one, other in zip(begin, end)))
 
 
 def _group(raw, costmap):

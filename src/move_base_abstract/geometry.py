@@ -17,6 +17,13 @@ def normalize_angle(angle):
     return wrapped
 
 
+def share_along(begin, end, x, y):
+    """Return how far from ``begin`` to ``end`` (x, y) [m] their straight piece is nearest to (x, y) [m], in 0..1."""
+    dx, dy = end[0] - begin[0], end[1] - begin[1]
+    squared = dx * dx + dy * dy
+    return min(1.0, max(0.0, ((x - begin[0]) * dx + (y - begin[1]) * dy) / squared)) if squared > 0.0 else 0.0
+
+
 @dataclass(frozen=True, init=False)
 class Pose2D:
     """A position [m] and a heading ``yaw`` [rad, (-pi, pi]] in a frame that the context names.

@@ -63,7 +63,7 @@ def _run(job, logs, stream):
     if logs is not None:
         os.mkdir(logs)
         with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
-            for member in outputs._checked(archive):
+            for member in outputs.checked_members(archive):
                 path = os.path.join(logs, member.name.replace('/', '_'))
                 with open(path, 'xb') as target:
                     target.write(archive.extractfile(member).read())

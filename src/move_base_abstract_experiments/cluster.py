@@ -9,6 +9,7 @@ import os
 import queue
 import shutil
 import signal
+import sys
 import tempfile
 import time
 import warnings
@@ -39,7 +40,7 @@ def connected(workers, scheduler):
         import dask
         from distributed import Client, LocalCluster
     except ImportError as error:
-        raise ClusterError(f'{error.name} is not installed for {os.sys.executable}; Debian has it as '
+        raise ClusterError(f'{error.name} is not installed for {sys.executable}; Debian has it as '
                            'python3-distributed (make deps)') from None
     warnings.filterwarnings('ignore', module='distributed')
     dask.config.set({'distributed.logging.distributed': 'critical', 'distributed.comm.timeouts.connect': _CONNECT_S,

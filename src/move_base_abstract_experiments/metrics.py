@@ -1,9 +1,9 @@
 """The built-in metrics of a trial, from its event log alone.
 
 A robot *moves* from `departed` to `stands`; it *waits* while it stands with a goal that it has set out for and that has
-not ended; else it is *idle*. Distances are straight legs between the places where it stood; where it stood before its
-first leg is not in the log and is given by who knows the launch file. A leg that the end of the run cuts off adds
-nothing to the distance, as nobody has told where it was cut.
+not ended; else it is *idle*. Distances go along the corners of a leg, from where the robot stood before to where it
+stands then; where it stood first a `motion` says, or who knows the launch file. A leg that the end of the run cuts off
+adds nothing to the distance, as nobody has told where it was cut.
 """
 import hashlib
 import json
@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from move_base_abstract import event_log
 from move_base_abstract.event_log import EventLog, EventLogError
+from move_base_abstract.geometry import share_along
 from move_base_abstract.run_difference import MESSAGES
 
 _NS_PER_S = 1e9  # dividing by it rounds once
@@ -76,8 +77,7 @@ def driven(way, end):
     before = 0.0
     for one, other in zip(way, way[1:]):
         length = math.dist(one, other)
-        along = (end[0] - one[0]) * (other[0] - one[0]) + (end[1] - one[1]) * (other[1] - one[1])
-        share = min(1.0, max(0.0, along / length ** 2)) if length > 0.0 else 0.0
+        share = share_along(one, other, *end)
         foot = (one[0] + share * (other[0] - one[0]), one[1] + share * (other[1] - one[1]))
         off = math.dist(foot, end)
         if off < best[0] - _NEAR:
@@ -92,8 +92,8 @@ def summarise(path, starts=None):
     :raises EventLogError: if it cannot be read, or the run did not end properly.
     """
     with event_log.open_text(path) as stream:
-        start_ns = _start_ns(path)
         log = EventLog(stream, path)
+        start_ns = log.start_ns
         robots, endings, last_ns = {}, {'reached': 0, 'failed': 0, 'last_ns': start_ns}, start_ns
         for event in log:
             last_ns = event.time_ns
@@ -130,15 +130,6 @@ def _take(robots, endings, event, starts, start_ns):
             robot.goals += values[1] == REACHED
             if robot.state == 'waiting':
                 robot.be('idle', event.time_ns)
-
-
-def _start_ns(path):
-    with event_log.open_text(path) as stream:
-        line = stream.readline()
-    try:
-        return int(json.loads(line.lstrip('# ')).get('start_ns', 0))
-    except (ValueError, AttributeError, TypeError):
-        return 0
 
 
 def _end_ns(reason):

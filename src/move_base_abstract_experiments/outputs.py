@@ -56,27 +56,28 @@ class OutputFolder:
     def put(self, content, worker, attempts):
         """Unpack a trial's outputs (bytes of an archive) into its place; return trial.json's content."""
         with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
-            members = _checked(archive)
+            members = checked_members(archive)
             about = json.load(archive.extractfile('trial.json'))
-            final = self.place(about['id'])
-            part = final.with_name(final.name + UNFINISHED)
-            remove_trial(part)
-            with _marked(TRIAL, part), _marked(LOGS, part / 'logs'):
+            about.update(worker=worker, attempts=attempts)
+            with self._whole_trial(about) as part:
                 for member in members:
                     if member.name != 'trial.json':
                         _unpack(archive, member, part / member.name)
-                about.update(worker=worker, attempts=attempts)
-                _write_json(part / 'trial.json', about)
-        remove_trial(final)
-        os.rename(part, final)
         return about
 
     def put_failure(self, about):
         """Leave trial.json of a trial that has no outputs."""
+        with self._whole_trial(about):
+            pass
+
+    @contextlib.contextmanager
+    def _whole_trial(self, about):
+        """Give a trial's new folder to be filled; with trial.json it then takes the place of the old one."""
         final = self.place(about['id'])
         part = final.with_name(final.name + UNFINISHED)
         remove_trial(part)
         with _marked(TRIAL, part), _marked(LOGS, part / 'logs'):
+            yield part
             _write_json(part / 'trial.json', about)
         remove_trial(final)
         os.rename(part, final)
@@ -129,7 +130,7 @@ def _marked(kind, path):
         os.close(marker)
 
 
-def _checked(archive):
+def checked_members(archive):
     """Return an archive's members. :raises ConfigurationError: for what is no plain file with a plain name."""
     members, total = [], 0
     for member in archive:

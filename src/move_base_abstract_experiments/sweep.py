@@ -2,8 +2,11 @@
 import io
 import json
 import os
+import subprocess
 import sys
 import tarfile
+
+from move_base_abstract.errors import ConfigurationError
 
 from . import checks, cluster, jobs, launch_files, outputs, plan, spec, tables, trial
 from .progress import Progress
@@ -36,7 +39,6 @@ def check(experiment, chosen):
 
     :raises ConfigurationError: naming it.
     """
-    from move_base_abstract.errors import ConfigurationError
     seen = set()
     for one in chosen:
         job = jobs.make_job(experiment, one)
@@ -45,7 +47,6 @@ def check(experiment, chosen):
             seen.add(key)
             _check_launch(job)
     if experiment.function:
-        import subprocess
         words = [sys.executable, '-c', 'import sys; from move_base_abstract_experiments.user_metrics import load; '
                  'load(sys.argv[1], sys.argv[2])', experiment.function, experiment.folder]
         done = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
@@ -59,7 +60,6 @@ def check(experiment, chosen):
 def _check_launch(job):
     from roslaunch.arg_dump import get_args
 
-    from move_base_abstract.errors import ConfigurationError
     from move_base_abstract_ros.launching import roles
     path = trial.find_launch(job['launch'], job['folder'])
     declared = get_args([path])  # roslaunch itself takes no notice of others

@@ -140,10 +140,9 @@ def compare(folders, again):
     if found is not None:
         return ' / '.join(run_difference.told_lines(event) if event else 'no more events'
                           for event in (found.first, found.second))[:_LONGEST_ERROR]
-    for name in (run.MESSAGES,):
-        paths = [os.path.join(one.own, name) for one in (folders, again)]
-        if os.path.exists(paths[0]) and metrics.digest(paths[0]) != metrics.digest(paths[1]):
-            return f'{name}: recorded messages differ'
+    first, second = (os.path.join(one.own, run.MESSAGES) for one in (folders, again))
+    if os.path.exists(first) and metrics.digest(first) != metrics.digest(second):
+        return f'{run.MESSAGES}: recorded messages differ'
     return None
 
 

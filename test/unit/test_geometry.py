@@ -7,7 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from move_base_abstract.geometry import Pose2D, normalize_angle, quaternion_fault, quaternion_of_yaw, yaw_of_quaternion
+from move_base_abstract.geometry import (
+    Pose2D,
+    normalize_angle,
+    quaternion_fault,
+    quaternion_of_yaw,
+    share_along,
+    yaw_of_quaternion,
+)
 
 NAN_FAULT = 'Quaternion has nans or infs... discarding as a navigation goal'
 SHORT_FAULT = 'Quaternion has length close to zero... discarding as navigation goal'
@@ -123,3 +130,10 @@ def test_a_quaternion_with_a_part_that_is_not_finite_is_told_from_other_faults(p
     quaternion = [0.0, 0.0, 0.0, 0.0]
     quaternion[place] = value
     assert quaternion_fault(tuple(quaternion)) == NAN_FAULT
+
+
+@pytest.mark.parametrize('begin, end, place, share', [
+    ((0, 0), (4, 0), (1, 5), 0.25), ((0, 0), (4, 0), (-1, 0), 0.0), ((0, 0), (4, 0), (9, 1), 1.0),
+    ((2, 2), (2, 2), (7, 7), 0.0), ((1, 1), (3, 3), (3, 1), 0.5)])
+def test_where_a_straight_piece_is_nearest(begin, end, place, share):
+    assert share_along(begin, end, *place) == pytest.approx(share)

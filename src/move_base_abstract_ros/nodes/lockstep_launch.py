@@ -12,7 +12,7 @@ import argparse
 import math
 import os
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 from move_base_abstract.errors import SimulatorError
 from move_base_abstract.shown import shown, shown_text
@@ -126,7 +126,7 @@ def _run(options, files):
         ('log_messages', options.log_messages or None), ('end_when_idle', options.end_when_idle or None))
         if value is not None}
     seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)
-    with _no_folder() if options.list else temporary_folder(_say) as folder:
+    with nullcontext() if options.list else temporary_folder(_say) as folder:
         environment = (('TMPDIR', folder),) if folder else ()
         made = plan.make_plan(files, wishes_of(options, parameters, environment=environment, own_environment=seed,
                                                parts=options.parts))
@@ -140,11 +140,6 @@ def _run(options, files):
         parent.start()
         parent.spin()
         return parent.code
-
-
-@contextmanager
-def _no_folder():
-    yield None
 
 
 def _say(line):
@@ -163,7 +158,7 @@ def _lines(made):
     if made.fleets:
         yield 'fleets: {}'.format(', '.join(shown_text(name) for name in made.fleets))
     for note in made.notes:
-        yield '{}'.format(shown_text(note))
+        yield shown_text(note)
 
 
 @contextmanager

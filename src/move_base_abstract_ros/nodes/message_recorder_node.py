@@ -57,7 +57,7 @@ def plain(value):
     if isinstance(value, genpy.Message):
         return {name: plain(getattr(value, name)) for name in value.__slots__}
     if isinstance(value, genpy.rostime.TVal):
-        return value.to_nsec() * 1e-9
+        return value.to_nsec() / 1e9  # rounds once
     if isinstance(value, (list, tuple, bytes)):
         return [plain(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
