@@ -18,7 +18,7 @@ from move_base_abstract_ros.loopback import PACKAGE
 
 from . import launch_files, processes, ros_master, warm_nodes
 
-LOG_MOTION = '/log_motion'
+LOG_MOTION, PARTICIPANTS = '/log_motion', '/time_master/participants'
 END_NODE, RECORDER_NODE = '/experiment_end', '/experiment_recorder'
 LOG, MESSAGES = 'events.jsonl', 'messages.jsonl'
 _ONLOOKER_GRACE_S = 5.0  # wall
@@ -128,6 +128,8 @@ def _add_own_nodes(config, wanted, folders):
     from roslaunch.core import Node, Param
     if wanted.record.motion and LOG_MOTION not in config.params:
         config.params[LOG_MOTION] = Param(LOG_MOTION, True)
+    if wanted.command:  # it is no node of a launch file, which would say who takes part
+        config.params[PARTICIPANTS] = Param(PARTICIPANTS, list(wanted.participants))
 
     def add(name, kind, parameters, required):
         node = Node(PACKAGE, kind, name=name.lstrip('/'), required=required)
@@ -156,8 +158,6 @@ def _wishes(plan, config, wanted, folders):
         forced = wanted.participants
         kept_out = tuple(name for node, name in zip(config.nodes, names) if name not in (*forced, *own)
                          and not roles.is_time_master(node))
-    if wanted.command:
-        parameters['participants'] = list(wanted.participants)
     condition = wanted.condition
     own_environment = ()
     if condition is not None and '--own-hash-seed' in condition.options:

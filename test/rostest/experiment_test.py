@@ -55,6 +55,13 @@ for k in range(5):
     rospy.sleep(1.0)
     publisher.publish(str(k))
 """
+COMMAND = """
+experiment: command
+command: [rosrun, move_base_abstract, lockstep, --seed, '{{seed}}', {}]
+participants: [/say]
+until: {{topic: /said}}
+record: {{messages: [/said]}}
+"""
 METRICS = """def count(trial):
     said = [message['data'] for _, _, message in trial.messages('/said')]
     if said != ['0']:
@@ -183,6 +190,14 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.assertEqual((bad['status'], bad['attempts']), ('failed', 2))
         self.assertIn('ValueError: this one is wrong', bad['error'])
         self.assertTrue(os.path.isfile(self.path('out/trials/{}/logs/say.txt'.format(bad['id']))))
+
+    def test_a_command_is_run_as_well_as_a_launch_file(self):
+        program = self.write('say.py', SAY.replace("'~what'", "'~what', ''"), 0o755)
+        file = self.write('command.yaml', COMMAND.format(program))
+        code, text = Client(self.folder, file, 'command').end()
+        self.assertEqual(code, 0, text)
+        only = outputs.read_trial(self.path('command'), outputs.read_plan(self.path('command'))['trials'][0]['id'])
+        self.assertEqual((only['status'], only['simulated_seconds'], only['repeatable']), ('complete', 1.0, True))
 
     def test_a_warm_start_changes_nothing(self):
         experiment = spec.read(self.write('sweep.yaml', SWEEP.replace('until:', 'record: {hashes: true}\nuntil:')))

@@ -69,7 +69,7 @@ def plan_of(config, wishes):
             role = roles.role_of(node, wishes.forced, wishes.kept_out, wishes.with_respawned)
             found.append(role)
             _prepare(node, role, launcher, wishes)
-    if not any(role.takes_part for role in found):
+    if not any(role.takes_part for role in found) and not _named(config):
         raise ConfigurationError('no node of this launch file can take part in lockstep: {}'.format(
             '; '.join('{}: {}'.format(role.name, role.why) for role in found) or 'there is none'))
     notes += _add_time_master(config, found, wishes)
@@ -175,7 +175,7 @@ def _add_time_master(config, found, wishes):
         notes.append("the file's time master works in lockstep")
     if _value(config, '/use_sim_time', None) is False:
         notes.append('/use_sim_time is true, not false')
-    named = [rosgraph.names.ns_join('/', name) for name in _value(config, TIME_MASTER + '/participants', [])]
+    named = _named(config)
     taking = [role.name for role in found if role.takes_part]
     required = [roles.name_of(node) for node in config.nodes if node.required and roles.name_of(node) in taking]
     _set(config, '/use_sim_time', True)
@@ -183,6 +183,11 @@ def _add_time_master(config, found, wishes):
                             'end_with': required}, **wishes.parameters).items():
         _set(config, '{}/{}'.format(TIME_MASTER, key), value)
     return notes
+
+
+def _named(config):
+    """Full names of those who take part and may be started by somebody else."""
+    return [rosgraph.names.ns_join('/', name) for name in _value(config, TIME_MASTER + '/participants', [])]
 
 
 def _value(config, key, default):
