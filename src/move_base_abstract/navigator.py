@@ -6,9 +6,10 @@ before the simulation's present.
 from enum import Enum
 from typing import NamedTuple, Tuple
 
+from .durations import GoalDurations
 from .errors import FrameError
 from .geometry import Pose2D, quaternion_fault, yaw_of_quaternion
-from .outcome import CANCELLED, CLOCK_RESTARTED, INVALID_QUATERNION, NO_PLAN, REACHED, aborted
+from .outcome import CANCELLED, CLOCK_RESTARTED, INVALID_QUATERNION, NO_CONTROL, NO_PLAN, REACHED, aborted
 from .planning import StraightLinePlanner
 from .recovery import RecoveryPolicy
 from .units import NS_PER_S, check_reachable
@@ -67,11 +68,13 @@ class Navigator:
     """The life of one robot's goals, on top of a :class:`GoalLedger` that keeps the book."""
 
     def __init__(self, robot, simulation, ledger, frames, listener, planner=StraightLinePlanner(),
-                 bad_frame_policy=BadFramePolicy.ABORT, recovery_policy=RecoveryPolicy()):
+                 bad_frame_policy=BadFramePolicy.ABORT, recovery_policy=RecoveryPolicy(),
+                 durations=None):
         self.robot = robot
         self.planner = planner
         self._bad_frame_policy = bad_frame_policy
         self._recovery_policy = recovery_policy
+        self._durations = durations or GoalDurations()
         self._simulation = simulation
         self._ledger = ledger
         self._frames = frames
@@ -117,6 +120,7 @@ class Navigator:
         record = self._ledger.receive(goal_id, stamp_ns, now_ns)
         if record is None:
             return
+        self._durations.next_goal()
         self._starts_from_idle = not was_active
         self._forget_events()
         self._target = None
@@ -204,12 +208,16 @@ class Navigator:
 
     def _travel(self, corners, now_ns):
         try:
-            leg = self.robot.depart(self._target, now_ns, corners)
+            leg = self.robot.depart(self._target, now_ns, corners, self._durations.pace(now_ns))
         except ValueError as error:
             self._end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
             return
         self._listener.departed(self.robot, self._target, now_ns)
-        self._at(leg.arrive_ns, self._arrive)
+        failure_ns = self._durations.failure_ns(leg)
+        if failure_ns is None:
+            self._at(leg.arrive_ns, self._arrive)
+        else:
+            self._at(failure_ns, self._fail_on_the_way)
 
     def _arrive(self, due_ns, _now_ns):
         self.robot.stop(due_ns)
@@ -217,6 +225,10 @@ class Navigator:
         if self._feedback is not None:
             self._listener.feedback(self._ledger.active, self.robot.pose_at(due_ns), due_ns, is_last=True)
         self._end(REACHED, due_ns)
+
+    def _fail_on_the_way(self, due_ns, _now_ns):
+        self._halt(due_ns)
+        self._end(NO_CONTROL, due_ns)
 
     def _give_up(self, now_ns):
         behaviors = self._recovery_policy.behaviors

@@ -45,6 +45,7 @@ REPLACED = Outcome(GoalState.PREEMPTED, TEXT_ANOTHER_GOAL, stops_wheels=False)
 INVALID_QUATERNION = Outcome(GoalState.ABORTED, 'Aborting on goal because it was sent with an invalid quaternion',
                              stops_wheels=False)
 NO_PLAN = Outcome(GoalState.ABORTED, 'Failed to find a valid plan. Even after executing recovery behaviors.')
+NO_CONTROL = Outcome(GoalState.ABORTED, 'Failed to find a valid control. Even after executing recovery behaviors.')
 NODE_KILLED = Outcome(GoalState.ABORTED, 'Aborting on the goal because the node has been killed')
 ROBOT_REMOVED = Outcome(GoalState.ABORTED, 'Aborting on the goal because the robot has been removed')
 ROBOT_RESET = Outcome(GoalState.ABORTED, 'Aborting on the goal because the robots have been reset')

@@ -89,6 +89,18 @@ def numbers(count):
     return convert
 
 
+def ascending_pairs(first, second):
+    """Return a converter of lists of [x, y], the x (by ``first``) ascending, the y by ``second``: a tuple of pairs."""
+    def convert(value):
+        if not isinstance(value, (list, tuple)) or not value:
+            raise ValueError
+        pairs = tuple((first(x), second(y)) for x, y in value)
+        if any(one[0] >= other[0] for one, other in zip(pairs, pairs[1:])):
+            raise ValueError
+        return pairs
+    return convert
+
+
 def checked(raw, key, parameter, where):
     """Return the converted value of ``raw``.
 

@@ -4,6 +4,7 @@ from collections import deque
 from .errors import TimeError
 from .geometry import Pose2D
 from .motion import Leg, MotionLimits, Tolerances
+from .pace import PacedLeg
 from .route import CornerLaw, Route
 from .units import check_reachable
 
@@ -70,10 +71,10 @@ class Robot:
         """Return the distance [m] driven since the beginning, at ``now_ns`` [ns], not before the present leg."""
         return self._driven + self._motion.distance_at(now_ns)
 
-    def depart(self, goal, now_ns, corners=()):
+    def depart(self, goal, now_ns, corners=(), pace=None):
         """Start for ``goal`` from where the robot is at ``now_ns`` [ns], from rest, by ``corners`` [(x, y), m].
 
-        Return the :class:`Leg`, or where there are corners the :class:`Route`.
+        Return the :class:`Leg`, or where there are corners the :class:`Route`; with a :class:`Pace` at that one.
 
         :raises ValueError: if the goal is so far away that no number holds the distance or the time, or that the robot
             would arrive after the end of simulated time.
@@ -83,6 +84,8 @@ class Robot:
             leg = Route(start, goal, corners, self._limits, self._tolerances, now_ns, self._corner_law)
         else:
             leg = Leg(start, goal, self._limits, self._tolerances, now_ns)
+        if pace is not None:
+            leg = PacedLeg(leg, pace)
         check_reachable(leg.arrive_ns, 'the arrival would be')
         self._driven = self.distance_at(now_ns)
         return self._begin(leg)

@@ -1,6 +1,7 @@
 """One robot and what works on its goals, put together in one place: for the nodes and for the plain Python fleet."""
 from typing import NamedTuple
 
+from .durations import GoalDurations
 from .errors import ConfigurationError
 from .frames import RobotFrames
 from .goal_ledger import GoalLedger
@@ -36,7 +37,8 @@ def make_robot_parts(settings, name, index, simulation, answers, listener, looku
     ledger = GoalLedger(answers.publish_status, answers.publish_result, answers.new_id,
                         seconds_to_ns(values['status_list_timeout']))
     navigator = Navigator(robot, simulation, ledger, frames, listener, planner or make_planner(settings),
-                          settings.bad_frame_policy, settings.recovery)
+                          settings.bad_frame_policy, settings.recovery,
+                          GoalDurations(settings.durations, values['seed'], name))
     return RobotParts(robot, frames, ledger, navigator)
 
 

@@ -10,6 +10,7 @@
 The settings are the private parameters of the ``move_base`` node; a robot's own come before the defaults.
 """
 import difflib
+import os
 from dataclasses import dataclass, field, replace
 from typing import Tuple
 
@@ -21,6 +22,7 @@ from .settings import OWN_NAMES, RobotSettings, read_settings
 from .shown import shown, shown_text
 
 _TOP_KEYS = ('seed', 'defaults', 'robots')
+_FILES = ('duration_quantiles',)  # settings that are paths
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
 MAX_ROBOTS = 100_000  # of a scenario; ten thousand are the most that have been driven
 _COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
@@ -51,7 +53,20 @@ def read_scenario(path, overrides=None, base=None):
 
     :raises ConfigurationError: if the file cannot be read, a key is unknown, or a value is not allowed.
     """
-    return make_scenario(load_yaml_file(path), str(path), overrides, base)
+    raw = load_yaml_file(path)
+    _find_files(raw, os.path.dirname(os.path.abspath(path)))
+    return make_scenario(raw, str(path), overrides, base)
+
+
+def _find_files(raw, folder):
+    """Take paths of files in a scenario, in place, as from the ``folder`` that it lies in."""
+    if not isinstance(raw, dict):
+        return
+    groups = raw.get('robots')
+    for setting in [raw.get('defaults'), *(groups if isinstance(groups, list) else [])]:
+        for key in _FILES if isinstance(setting, dict) else ():
+            if isinstance(setting.get(key), str):
+                setting[key] = os.path.join(folder, setting[key])
 
 
 def make_scenario(raw, where='scenario', overrides=None, base=None):
@@ -67,14 +82,16 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     defaults = raw.get('defaults') or {}
     _check_type(defaults, dict, 'a mapping of settings', where + ': defaults')
     _check_keys(defaults, OWN_NAMES, where, 'defaults.')
-    defaults = {**(base or {}), **defaults, **(overrides or {})}
+    seed = checked(raw.get('seed', 0), 'seed', _SEED, where)
+    own_seed = {'seed': seed} if seed else {}
+    defaults = {**own_seed, **(base or {}), **defaults, **(overrides or {})}
     groups = raw.get('robots') or []
     _check_type(groups, list, 'a list of robots', where + ': robots')
     if sum(_size(group) for group in groups) > MAX_ROBOTS:
         raise ConfigurationError('{}: robots: got more than {} robots; allowed: at most that'.format(where, MAX_ROBOTS))
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, where)]
     _check_different(specs, where)
-    return Scenario(tuple(specs), defaults, checked(raw.get('seed', 0), 'seed', _SEED, where))
+    return Scenario(tuple(specs), defaults, (overrides or {}).get('seed', seed))
 
 
 def make_robot(name, parameters, where='robot'):

@@ -6,6 +6,8 @@ from typing import Dict, List, Optional, Tuple
 
 from . import upstream
 from .costmaps import Costmaps, read_costmaps
+from .durations import TABLE as DURATIONS
+from .durations import Durations, read_durations
 from .errors import ConfigurationError
 from .geometry import Pose2D
 from .local_planner import ACCELERATION as ACCELERATION_LIMIT
@@ -95,6 +97,8 @@ TABLE = (
     Parameter('make_plan_add_unreachable_goal', True, boolean, 'true or false'),
     Parameter('base_local_planner', upstream.DEFAULT_LOCAL_PLANNER, text, 'the name of a plugin'),
     Parameter('base_global_planner', upstream.DEFAULT_GLOBAL_PLANNER, text, 'the name of a plugin'),
+    Parameter('seed', 0, integer(0), 'a whole number >= 0'),
+    *DURATIONS,
 )
 _ODOM = 'odom'
 #: (our parameter, the costmap that tells it in an existing set-up, its key there, the default)
@@ -125,6 +129,8 @@ class RobotSettings:
     tf_prefix: Optional[str] = None
     #: all recovery behaviours that there are, whether they are enabled or not
     behaviors: Tuple[RecoveryBehavior, ...] = DEFAULT_BEHAVIORS
+    #: how goals differ from the law of motion; None: in nothing
+    durations: Optional[Durations] = None
     #: {name: m/s} of the planner's parameters that the speed comes from
     speeds: Dict[str, float] = field(default_factory=dict)
     ignored: List[str] = field(default_factory=list)
@@ -180,7 +186,7 @@ def read_settings(raw, where):
         bounds=_bounds(values['world_bounds'], where),
         recovery=_recovery(values, behaviors), behaviors=behaviors,
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
-        costmaps=costmaps,
+        costmaps=costmaps, durations=read_durations(values, where),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
         **_other_names(raw, values, used, where, planner.warnings))
 

@@ -165,13 +165,18 @@ class LockstepFleet(unittest.TestCase):
         three = Run('goals', TWELVE, fleet(TWELVE, parts=3))
         self.assertEqual(three.text, one.text)
 
-    def test_where_robots_start_and_how_they_travel_is_in_the_log_if_a_parameter_asks_for_it(self):
+    def test_how_robots_travel_is_in_the_log_if_a_parameter_asks_for_it_and_chance_is_the_plain_fleets(self):
         own = {'acceleration': 0.5, 'turn_rate': 1.0}
         expected = oracle(TWO, dict(own, log_motion=True))
+        chance = dict(own, seed=5, goal_overhead=0.7, duration_distribution='gamma', duration_cv=0.3,
+                      failure_by_length=[[0.0, 0.0], [16.0, 0.8]], log_motion=True)
         self.assertEqual(expected[1], (NS_PER_S, 'robot_1', 'motion', [0.0, 2.0, 0.0, 2.0, 0.5, 1.0, 0.0, 0.0]))
         self.assertEqual(Run('goals', TWO, fleet(TWO, own=dict(own, log_motion=True))).events, expected)
-        asked = Run('goals', TWO, fleet(TWO, parts=2, own=own), of_all={'log_motion': True})
-        self.assertEqual(asked.events, expected)
+        drawn = oracle(TWO, chance)
+        self.assertEqual({event[3][1] for event in drawn if event[2] == 'ended'}, {'PREEMPTED', 'SUCCEEDED', 'ABORTED'})
+        chance.pop('log_motion')
+        asked = Run('goals', TWO, fleet(TWO, parts=2, own=chance), of_all={'log_motion': True})
+        self.assertEqual(asked.events, drawn)
         alone = Run('goals', TWO, nodes(TWO), of_all={'log_motion': True})
         self.assertEqual([event for event in alone.events if event[2] != 'motion'], oracle(TWO))
         self.assertEqual([event[1:3] for event in alone.events[:2]], [(name, 'motion') for name in TWO])

@@ -23,7 +23,8 @@ def test_robots_keep_the_order_of_the_file_and_their_own_settings_come_before_th
         {'name': 'b', 'start_x': 3}, {'name': 'a', 'max_speed': 4.0}]})
     assert [(spec.name, spec.settings.limits.max_speed, spec.settings.limits.acceleration, spec.settings.start.x)
             for spec in scenario.robots] == [('b', 2.0, 1.0, 3.0), ('a', 4.0, 1.0, 0.0)]
-    assert (scenario.seed, scenario.defaults) == (7, {'max_speed': 2.0, 'acceleration': 1.0})
+    assert (scenario.seed, scenario.defaults) == (
+        7, {'seed': 7, 'max_speed': 2.0, 'acceleration': 1.0})
 
 
 def test_a_group_stands_in_a_row_from_its_start_on():

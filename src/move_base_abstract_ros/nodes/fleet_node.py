@@ -22,10 +22,11 @@ _TABLE = (
     Parameter('parts', 1, integer(1), 'a whole number >= 1'),
     Parameter('use_map', None, boolean, 'true or false'),
     Parameter('backend', None, text, 'the name of a backend'),
+    Parameter('seed', None, integer(0), 'a whole number >= 0'),
 )
 #: parameters of the node that come before the scenario's defaults of the same name
-_OVERRIDES = ('use_map', 'backend')
-_INLINE = ('seed', 'defaults', 'robots')
+_OVERRIDES = ('use_map', 'backend', 'seed')
+_INLINE = ('defaults', 'robots')
 
 
 def main():

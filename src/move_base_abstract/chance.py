@@ -1,0 +1,41 @@
+"""Numbers by chance of which each follows from a robot, its goal and their purpose alone.
+
+The generator counts: Philox 4x64-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as 1, 2, 3. SC 2011)
+gives for each key and counter the same bits, whatever was drawn before. So no robot's numbers depend on another's, nor
+on how often anything else was drawn.
+"""
+import hashlib
+from enum import IntEnum
+
+_SCALE = 2.0 ** -53
+
+
+class Purpose(IntEnum):
+    """What a number is drawn for. The values are part of what a seed means: they stay."""
+
+    FACTOR = 1
+    FAILURE = 2
+    FAILURE_PLACE = 3
+
+
+class Chance:
+    """The numbers of the robot ``robot_name`` in a run with ``seed`` (a whole number).
+
+    The key is made of the first 16 bytes of the SHA-256 of 'SEED/ROBOT', the counter is (place, goal number, purpose,
+    0), and of each block of four numbers the first is taken.
+    """
+
+    def __init__(self, seed, robot_name):
+        from numpy.random import Philox  # only who draws pays for numpy
+        digest = hashlib.sha256('{}/{}'.format(seed, robot_name).encode()).digest()
+        self._generator = Philox(key=[int.from_bytes(digest[at:at + 8], 'little') for at in (0, 8)])
+        self._state = self._generator.state
+        self._beyond = self._state['buffer_pos']  # no number of a block is left
+
+    def uniform(self, goal_number, purpose, place=0):
+        """Return the ``place``-th number of a goal for a purpose: evenly distributed in (0, 1), without the ends."""
+        state = self._state
+        state['state']['counter'][:] = (place, goal_number, purpose, 0)
+        state['buffer_pos'] = self._beyond
+        self._generator.state = state
+        return ((int(self._generator.random_raw()) >> 11) + 0.5) * _SCALE

@@ -1,0 +1,55 @@
+"""Legs and routes at another pace than that of their law; still any instant's pose is computed exactly."""
+from typing import NamedTuple
+
+
+class Pace(NamedTuple):
+    """How a leg differs from its law: ``delay_ns`` [ns] at rest first, then all takes ``factor`` times as long."""
+
+    delay_ns: int
+    factor: float
+
+
+class PacedLeg:
+    """A :class:`Leg` or :class:`Route` at a :class:`Pace`: the same poses, each at another instant. Immutable."""
+
+    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', '_leg', '_begin_ns', '_ns')
+
+    def __init__(self, leg, pace):
+        self._leg = leg
+        self.start, self.end, self.distance, self.corners = leg.start, leg.end, leg.distance, leg.corners
+        self._ns = int(round(leg.duration_ns * pace.factor))
+        self.depart_ns = leg.depart_ns
+        self._begin_ns = leg.depart_ns + pace.delay_ns
+        self.arrive_ns = self._begin_ns + self._ns
+
+    @property
+    def duration_ns(self):
+        """How long the trip takes, the delay included, simulated [ns]."""
+        return self.arrive_ns - self.depart_ns
+
+    def distance_at(self, now_ns):
+        """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
+        return self._leg.distance_at(self._leg_ns(now_ns))
+
+    def pose_at(self, now_ns):
+        """Return the pose at ``now_ns`` [ns]: the start until the delay is over, the end from the arrival on."""
+        return self._leg.pose_at(self._leg_ns(now_ns))
+
+    def velocity_at(self, now_ns):
+        """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
+        if not self._begin_ns <= now_ns < self.arrive_ns:
+            return 0.0, 0.0
+        share = self._leg.duration_ns / self._ns
+        forward, turning = self._leg.velocity_at(self._leg_ns(now_ns))
+        return forward * share, turning * share
+
+    def corners_ahead(self, now_ns):
+        """Return those of the ``corners`` that are not reached at ``now_ns`` [ns]."""
+        return self._leg.corners_ahead(self._leg_ns(now_ns))
+
+    def _leg_ns(self, now_ns):
+        """Return the instant of the leg's own law [ns] that is the one of ``now_ns`` [ns] at this pace."""
+        if now_ns >= self.arrive_ns:
+            return max(now_ns, self._leg.arrive_ns)
+        elapsed_ns = max(0, now_ns - self._begin_ns)
+        return self.depart_ns + (elapsed_ns * self._leg.duration_ns // self._ns if elapsed_ns else 0)
