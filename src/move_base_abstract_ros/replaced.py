@@ -25,6 +25,9 @@ ROBOTS = 'move_base and fleet'
 LOCKSTEP, THREADS = 'lockstep.join', 'lockstep.join, unless own_threads=False'
 LAUNCHER = 'the launcher of unmodified programs'
 OLD_LAUNCHER = 'the launcher of unmodified programs, before Python 3.11'
+LOOPS = 'the launcher of unmodified programs, when a program imports asyncio'
+OLD_LOOPS = LOOPS + ', before Python 3.11'
+NEW_LOOPS = LOOPS + ', from Python 3.12 on'
 WARM = 'the warm process of an experiment, and what it forks'
 POOLS = 'lockstep.join, when a program uses multiprocessing.pool'
 
@@ -47,6 +50,8 @@ _SORTED = 'sorts what the file system has in any order'
 _ROUNDS = 'has garbage collected after so many rounds, or not'
 _TOLD = 'labels the run where the program calls it'
 _HEARS = 'tells the time master whether feedback has any effect on an action client'
+_NUMBERED = 'is hashed by number, so that sets of them have one order'
+_TASKS = 'makes tasks of coroutines in the order in which they are given'
 _LOCK = 'gives the turn away where another thread of the program holds it'
 
 _ROWS = (
@@ -161,6 +166,18 @@ _ROWS = (
     Row('_posixsubprocess.fork_exec', LAUNCHER, _TOLD),
     Row('pathlib._NormalAccessor.listdir', OLD_LAUNCHER, _SORTED),
     Row('pathlib._NormalAccessor.scandir', OLD_LAUNCHER, _SORTED),
+    Row('asyncio.base_events.BaseEventLoop.time', LOOPS, _CLOCK),
+    Row('asyncio.selector_events.BaseSelectorEventLoop.__init__', LOOPS,
+        'has the loop wait in a selector that gives the turn away'),
+    Row('asyncio.selector_events.BaseSelectorEventLoop._write_to_self', LOOPS, 'wakes a loop that waits so'),
+    Row('asyncio.unix_events._UnixSelectorEventLoop._handle_signal', LOOPS, 'labels the run'),
+    Row('asyncio.events.TimerHandle.__init__', LOOPS, 'has of equal timers that one come first which was made first'),
+    Row('asyncio.tasks.Task', LOOPS, _NUMBERED),
+    Row('asyncio.futures.Future', LOOPS, _NUMBERED),
+    Row('asyncio.tasks.__sleep0', LOOPS, _LOOK),
+    Row('asyncio.tasks.as_completed', LOOPS, _TASKS),
+    Row('asyncio.tasks.wait', OLD_LOOPS, _TASKS),
+    Row('asyncio.unix_events.can_use_pidfd', NEW_LOOPS, 'says no, so that a thread waits for a child'),
     Row('roslib.packages.find_node', WARM, 'begins with the programs that were found before', ('11281a34f8c5',)),
     Row('multiprocessing.pool.Pool._wait_for_updates', POOLS, _WAIT),
     Row('threading.Thread.isAlive', ALWAYS,

@@ -19,8 +19,10 @@ class ReplacedTest(unittest.TestCase):
     def setUpClass(cls):
         cls.launched = run_programs({'probe': None}, until=5.0, commands={'probe': [sys.executable, PROBE, 'probe']})
         cls.told = json.loads(next(line for line in cls.launched.printed('probe') if line.startswith('{"changed"')))
-        cls.rows = {name for name, row in replaced.ROWS.items()
-                    if row.where in (replaced.LOCKSTEP, replaced.THREADS, replaced.LAUNCHER)}
+        where = [replaced.LOCKSTEP, replaced.THREADS, replaced.LAUNCHER, replaced.LOOPS]
+        where += [replaced.OLD_LOOPS] if sys.version_info < (3, 11) else []
+        where += [replaced.NEW_LOOPS] if sys.version_info >= (3, 12) else []
+        cls.rows = {name for name, row in replaced.ROWS.items() if row.where in where}
 
     def test_each_row_is_replaced_and_nothing_else(self):
         always = {'threading.Thread.isAlive'}  # done before the probe could look, in those versions that lack it

@@ -8,7 +8,7 @@ import ast
 #: the names of what is called, to be found among the builtins: ``ASK(what)`` -> what, ``HASHED(value)`` -> value
 ASK, HASHED = '__lockstep_ask__', '__lockstep_hashed__'
 #: attributes whose values are handed on
-ATTRIBUTES = frozenset(('now', 'utcnow', 'today', 'run', 'run_forever', 'run_until_complete'))
+ATTRIBUTES = frozenset(('now', 'utcnow', 'today'))
 #: methods to which an address may be given: nothing of it shows but whether it is the same
 _KEYED = frozenset(('add', 'discard', 'remove', 'get', 'pop', 'setdefault'))
 

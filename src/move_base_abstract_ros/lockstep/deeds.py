@@ -46,7 +46,6 @@ CALLS = {
     'select.poll': _WATCHES, 'select.epoll': _WATCHES,
 }
 _ADDRESS = 'tells an address, which differs from run to run'
-_LOOP = 'waits by the wall clock, while simulated time stands still'
 _DEVICES = ('/dev/', '/proc/')
 #: what lies there and says the same in each run, or is the program's own output
 _HARMLESS = ('/dev/null', '/dev/zero', '/dev/full', '/dev/tty', '/dev/stdin', '/dev/stdout', '/dev/stderr', '/dev/fd/',
@@ -174,8 +173,6 @@ class _Asking:
                 told.tell(sys._getframe(1), 'id', _ADDRESS)
             elif is_moment(what):
                 return self._clocks.moment(what.__self__, what.__name__, sys._getframe(1))
-        elif kind in (types.FunctionType, types.MethodType) and (what.__module__ or '').startswith('asyncio.'):
-            told.tell(sys._getframe(1), 'asyncio', _LOOP)
         elif kind is type and what.__name__ == 'datetime64':  # of numpy, which knows the present by words
             told.tell(sys._getframe(1), 'numpy.datetime64', 'reads the wall clock')
         return what

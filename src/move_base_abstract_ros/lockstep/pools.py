@@ -1,8 +1,9 @@
 """Pools of Python's library: those of threads take turns, those of processes work while simulated time stands.
 
-The threads that manage a pool of processes wait for these in the kernel: they are none of the application's. As long
-as such a pool has work to do, the process reports nothing, so that its results come at the instant at which they were
-asked for (that processes take no part labels the run all the same).
+The threads that manage a pool of processes wait for these in the kernel, as do those that wait for asyncio's children:
+they are none of the application's. As long as such a pool has work to do, or such a child works, the process reports
+nothing, so that results come at the instant at which they were asked for (that processes take no part labels the run
+all the same).
 """
 import time
 
@@ -14,6 +15,7 @@ from ..replaced import replace
 
 _OF_PROCESSES = ('concurrent.futures.process', 'multiprocessing.queues')
 _POOL = 'multiprocessing.pool'
+_OF_CHILDREN = 'asyncio.unix_events'  # its threads wait for a child each
 _LOOK_S, _LAST_WORDS_S, _LONGEST_S = 0.001, 0.05, 60.0  # wall
 _sleep = time.sleep  # the wall's
 _jobs = []  # of pools of processes: (thread that manages them, dict of what is to be done)
@@ -23,7 +25,7 @@ def is_manager(thread):
     """Return whether a thread that is about to start manages a pool of processes; if so, its results are awaited."""
     target = getattr(thread, '_target', None)
     module = getattr(target, '__module__', None)
-    is_manager_ = type(thread).__module__ in _OF_PROCESSES or module in _OF_PROCESSES or (
+    is_manager_ = type(thread).__module__ in _OF_PROCESSES or module in (*_OF_PROCESSES, _OF_CHILDREN) or (
         module == _POOL and target.__name__.startswith('_handle_') and _has_pipes(thread))
     if is_manager_:
         _jobs.extend((thread, jobs) for jobs in _jobs_of(thread, module))
@@ -36,6 +38,8 @@ def _jobs_of(thread, module):
         return [thread.pending_work_items]
     if module == _OF_PROCESSES[0]:  # before Python 3.9
         return [thread._args[2]]
+    if module == _OF_CHILDREN:
+        return [{0: 'the end of a child'}]
     return [one for one in thread._args if isinstance(one, dict)]
 
 
@@ -50,13 +54,17 @@ def await_results(scheduler):
     if not _jobs:
         return
     _jobs[:] = [(thread, jobs) for thread, jobs in _jobs if thread.is_alive()]
-    if not any(jobs for _thread, jobs in _jobs):
+    if not _is_working():
         return
-    if not _wait_by_the_wall(scheduler, _LONGEST_S, lambda: any(jobs for _thread, jobs in _jobs)):
-        rospy.logwarn('%s: a pool of processes has not said anything for %g s; simulated time goes on without waiting '
-                      'for it', rospy.get_name(), _LONGEST_S)
+    if not _wait_by_the_wall(scheduler, _LONGEST_S, _is_working):
+        rospy.logwarn('%s: a pool of processes, or a child of asyncio, has not said anything for %g s; simulated time '
+                      'goes on without waiting for it', rospy.get_name(), _LONGEST_S)
         _jobs.clear()
     _wait_by_the_wall(scheduler, _LAST_WORDS_S, lambda: True)  # of what is off the list, and not told yet
+
+
+def _is_working():
+    return any(jobs and thread.is_alive() for thread, jobs in _jobs)
 
 
 def _wait_by_the_wall(scheduler, longest, condition):

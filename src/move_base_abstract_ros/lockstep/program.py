@@ -16,6 +16,7 @@ from . import (
     clocks,
     deeds,
     early,
+    event_loops,
     finish,
     garbage,
     objects,
@@ -59,6 +60,7 @@ def _watch(options, name, before_node):
     chance.install('{}:{}'.format(options.seed, name), seen.date_ns)
     deeds.install()
     deeds.hand_on(seen)
+    event_loops.install(seen, before_node.take_part)
     garbage.install()
     threads.watch_start(before_node.take_part)
 

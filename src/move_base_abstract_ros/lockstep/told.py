@@ -35,9 +35,14 @@ class Told:
 
     def tell(self, frame, what, why):
         """Tell once what the code of a frame does; nothing if there is none."""
-        if frame is None or self.is_over():
+        if frame is not None:
+            self.tell_place((frame.f_code.co_filename, frame.f_lineno), what, why)
+
+    def tell_place(self, place, what, why):
+        """Tell once what is done at a place (file, line); nothing if there is none."""
+        if place is None or self.is_over():
             return
-        place = what, frame.f_code.co_filename, frame.f_lineno, why
+        place = (what, *place, why)
         with self._lock:
             if place in self._places:
                 return

@@ -99,7 +99,7 @@ class _Waits:
             try:
                 self._scheduler.wait(self._scheduler.now_ns + pause_ns)
             except TurnLost:
-                _until_shutdown()
+                until_shutdown()
         if rospy.core.is_shutdown():
             raise rospy.ROSInterruptException('ROS shutdown request')
 
@@ -111,7 +111,7 @@ class _Waits:
             while not rospy.core.is_shutdown():
                 self._scheduler.wait(waits_for='the end', is_open=False)
         except TurnLost:
-            _until_shutdown()
+            until_shutdown()
         except KeyboardInterrupt:
             rospy.core.signal_shutdown('keyboard interrupt')
 
@@ -119,7 +119,7 @@ class _Waits:
         try:
             return self._scheduler.wait_until(condition, self._wake_ns(timeout), what)
         except TurnLost:
-            _until_shutdown()
+            until_shutdown()
             raise rospy.ROSInterruptException('rospy shutdown') from None
 
     def wait_for_message(self, topic, topic_type, timeout=None):
@@ -142,7 +142,7 @@ class _Waits:
         try:
             is_found = self._participant.services.wait_for(name, timeout_ns)
         except TurnLost:
-            _until_shutdown()
+            until_shutdown()
             raise rospy.ROSInterruptException('rospy shutdown') from None
         if not is_found:
             raise rospy.ROSException('timeout exceeded while waiting for service {}'.format(name))
@@ -169,11 +169,11 @@ class _Waits:
         try:
             return bool(self._scheduler.wait_until(condition, self._wake_ns(timeout), what))
         except TurnLost:
-            _until_shutdown()
+            until_shutdown()
             return bool(condition())
 
 
-def _until_shutdown():
+def until_shutdown():
     """Lockstep has ended in the middle of a wait, so the node is about to: wait for it, in wall time."""
     deadline = time.monotonic() + 5.0
     while not rospy.core.is_shutdown() and time.monotonic() < deadline:

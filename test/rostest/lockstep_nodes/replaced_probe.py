@@ -3,6 +3,7 @@
 replaced_probe.py NAME: the node's name. Prints a JSON line: names that have changed, names that the table says so.
 """
 import _posixsubprocess  # noqa: F401 - to be looked at, as those below
+import asyncio  # noqa: F401
 import concurrent.futures  # noqa: F401
 import gc  # noqa: F401
 import json
@@ -22,7 +23,7 @@ from move_base_abstract_ros import replaced
 from move_base_abstract_ros.lockstep import program
 
 WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random',
-           'os', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc')
+           'os', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc', 'asyncio')
 FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, staticmethod, property)
 
 
@@ -40,7 +41,7 @@ def contents():
 def add(found, name, value, module):
     if isinstance(value, FUNCTIONS) or callable(value):
         found[name] = identity(value)
-    if isinstance(value, type) and value.__module__ == module:
+    if isinstance(value, type) and value.__module__ == module and name.endswith('.' + value.__name__):  # no alias
         for key, member in list(vars(value).items()):
             if isinstance(member, FUNCTIONS):
                 found['{}.{}'.format(name, key)] = identity(member)

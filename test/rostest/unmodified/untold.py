@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """Do all that differs from run to run."""
-import asyncio
 import multiprocessing
 import os
 import resource
@@ -19,10 +18,6 @@ from std_msgs.msg import String
 
 class Slot:
     __slots__ = ()
-
-
-async def pause():
-    await asyncio.sleep(0.01)
 
 
 def connect():
@@ -77,7 +72,7 @@ WAYS = {
     'os.getloadavg': lambda: os.getloadavg(), 'resource.getrusage': lambda: resource.getrusage(resource.RUSAGE_SELF),
     'signal.setitimer signal.alarm': interrupted, 'select.select': handled, 'select.poll': lambda: select.poll(),
     'signal.sigtimedwait': lambda: signal.sigtimedwait([signal.SIGUSR1], 0.01),
-    'select.epoll': lambda: select.epoll(), 'asyncio': lambda: asyncio.run(pause()), 'id': lambda: '%d' % id(rospy),
+    'select.epoll': lambda: select.epoll(), 'id': lambda: '%d' % id(rospy),
     'hash': lambda: hash(threading.Lock()), 'open': lambda: open('/dev/urandom', 'rb').read(1),
     'numpy.datetime64': lambda: numpy.datetime64('now'), 'os.system': lambda: os.system('true'),
     'os.exec': execute, 'builtins.input': ask,
