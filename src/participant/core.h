@@ -105,6 +105,7 @@ class Core : public Program, public std::enable_shared_from_this<Core> {
                const std::string& payload);
   void fromOutside(const std::weak_ptr<Subscription>& subscription,
                    const ros::MessageEvent<void const>& event);
+  bool isCopy(Topic& topic, const std::string& sender, const Copies::Connection& connection);
   void connectionChanged(std::uint32_t topic, const std::string& node, bool connected);
   bool hasOutsiders(const Topic& topic);
   ros::NodeHandle& nodeFor(const std::string& name, std::string* rest);

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <utility>
 
+#include "copies.h"
 #include "link.h"
 
 namespace move_base_abstract::lockstep::internal {
@@ -58,17 +59,22 @@ class OutsideQueue : public ros::CallbackQueueInterface {
   std::deque<std::pair<std::uint64_t, ros::CallbackInterfacePtr>> waiting_;
 };
 
+/** @brief What was read last of a topic; roscpp reads a message once for all who take its type. */
+using Reading = std::shared_ptr<std::size_t>;  // Copies::digestOf()
+
 /** @brief Stands before a subscription's own helper: hands each message over instead of calling
  * back. */
 class Interceptor : public ros::SubscriptionCallbackHelper {
  public:
   using Handler = std::function<void(const ros::MessageEvent<void const>&)>;
 
-  Interceptor(ros::SubscriptionCallbackHelperPtr inner, Handler handler)
-      : inner_(std::move(inner)), handler_(std::move(handler)) {}
+  Interceptor(ros::SubscriptionCallbackHelperPtr inner, Reading reading, Handler handler)
+      : inner_(std::move(inner)), reading_(std::move(reading)), handler_(std::move(handler)) {}
 
   ros::VoidConstPtr deserialize(
       const ros::SubscriptionCallbackHelperDeserializeParams& params) override {
+    *reading_ = Copies::digestOf({reinterpret_cast<const char*>(params.buffer), params.length},
+                                 inner_->hasHeader());
     return inner_->deserialize(params);
   }
   void call(ros::SubscriptionCallbackHelperCallParams& params) override { handler_(params.event); }
@@ -78,6 +84,7 @@ class Interceptor : public ros::SubscriptionCallbackHelper {
 
  private:
   ros::SubscriptionCallbackHelperPtr inner_;
+  Reading reading_;
   Handler handler_;
 };
 

@@ -171,7 +171,8 @@ void Subscription::listenOutside(ros::NodeHandle& node, const std::shared_ptr<Ou
   outside.topic = unresolved;
   outside.queue_size = 0;  // ours applies at delivery; copies from members must not push others out
   outside.callback_queue = queue.get();
-  outside.helper = boost::make_shared<Interceptor>(options_.helper, std::move(handler));
+  outside.helper =
+      boost::make_shared<Interceptor>(options_.helper, topic_->reading, std::move(handler));
   outside_ = node.subscribe(outside);
 }
 
@@ -278,6 +279,8 @@ void Core::handle(const wire::Deliver& item) {
   }
   Sender& sender = found->second;
   const std::string payload(item.payload);
+  topic->copies.delivered((*sender.header)["callerid"],
+                          Copies::digestOf(payload, topic->subscriptions.front()->hasHeader()));
   for (Subscription* subscription : topic->subscriptions) {
     if (subscription->takes(sender.md5)) {
       deliver(subscription->shared_from_this(), sender.header, payload);
@@ -311,10 +314,13 @@ void Core::fromOutside(const std::weak_ptr<Subscription>& weak,
                        const ros::MessageEvent<void const>& event) {
   const auto subscription = weak.lock();
   const std::string& sender = event.getPublisherName();
-  if (!subscription || (membership_.isMember(sender) && !subscription->topic().excluded)) {
+  if (!subscription) {
+    return;
+  }
+  Topic& topic = subscription->topic();
+  if (!topic.excluded && isCopy(topic, sender, event.getConnectionHeaderPtr())) {
     return;  // a member's message comes with a grant; this is the copy for those that are none
   }
-  const Topic& topic = subscription->topic();
   if (!topic.constant && !topic.excluded) {
     label("a message on " + topic.name + " came from " + sender + ", which does not take part");
   }
@@ -325,6 +331,14 @@ void Core::fromOutside(const std::weak_ptr<Subscription>& weak,
       alive->handle(event);
     }
   });
+}
+
+bool Core::isCopy(Topic& topic, const std::string& sender, const Copies::Connection& connection) {
+  if (membership_.isMember(sender)) {
+    topic.copies.came(connection);
+    return true;
+  }
+  return topic.copies.isCopy(sender, connection, *topic.reading);
 }
 
 void Core::enterOutside() {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "copies.h"
 #include "exchange.h"
 #include "outside.h"
 
@@ -44,6 +45,8 @@ struct Topic : SharedTopic {
   ros::Publisher outside;                      // roscpp's publisher, while publications > 0
   std::vector<Subscription*> subscriptions;    // alive, in the order of their creation
   std::map<std::uint32_t, Sender> publishers;  // members, by id
+  Copies copies;
+  Reading reading = std::make_shared<std::size_t>(0);
 };
 
 class Publication {
@@ -72,6 +75,7 @@ class Subscription : public std::enable_shared_from_this<Subscription> {
   std::shared_ptr<Core> core() const { return core_.lock(); }
   Topic& topic() { return *topic_; }
   const std::string& md5() const { return options_.md5sum; }
+  bool hasHeader() const { return options_.helper->hasHeader(); }
   bool takes(const std::string& md5) const {
     return options_.md5sum == "*" || options_.md5sum == md5;
   }

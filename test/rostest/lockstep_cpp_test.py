@@ -32,6 +32,45 @@ rospy.wait_for_service('/wait')
 print(rospy.ServiceProxy('/wait', SetBool)(True).message, end='')
 """
 
+# A node that publishes by the protocol's bytes, and copies over ROS; argv: the folder of the tests, and whether the
+# listener gets copies before this node leaves.
+GHOST = """
+import struct, sys, time, xmlrpc.client
+sys.path.insert(0, sys.argv[1])
+import rosgraph, rospy
+from lockstep_raw_client import RawClient, advertise, send
+from std_msgs.msg import Time
+from move_base_abstract_ros.lockstep.access import secret
+rospy.init_node('ghost')
+address = rospy.get_param('/time_master/lockstep_address')
+ghost = RawClient(address).hello('/ghost', uri=rospy.get_node_uri(), secret=secret())
+holder = RawClient(address).hello('/holder', secret=secret())
+ticks = rospy.Publisher('/ticks', Time, queue_size=10)
+listener = xmlrpc.client.ServerProxy(rosgraph.Master('/ghost').lookupNode('/listener'))
+def publish(stamp):
+    ticks.publish(rospy.Time(stamp))
+    published.append(stamp)
+    while sum(link[2] for topic, links in listener.getBusStats('/ghost')[1] if topic == '/ticks'
+              for link in links) < len(published):
+        time.sleep(0.01)
+published = []
+ghost.turn(next_ns=2 * 10 ** 9, items=advertise(1, '/ticks', 'std_msgs/Time', Time._md5sum))
+holder.turn(next_ns=3 * 10 ** 9, items=advertise(1, '/said', 'std_msgs/Time', Time._md5sum))
+while not ticks.get_num_connections():
+    time.sleep(0.01)
+grant = ghost.grant()
+for stamp in (7, 8):
+    if sys.argv[2] == 'early':
+        publish(stamp)
+ghost.report(grant, leaving=True, items=b''.join(send(1, struct.pack('<II', stamp, 0)) for stamp in (7, 8)))
+holder.turn(next_ns=4 * 10 ** 9, items=send(1, struct.pack('<II', 1, 0)))
+grant = holder.grant()  # the listener knows that /ghost has left
+for stamp in (7, 8, 9):
+    publish(stamp)
+holder.report(grant, next_ns=5 * 10 ** 9)
+holder.turn()
+"""
+
 SCRIPT = """
 1000000000 0 first grant
 1250000000 0 quarter
@@ -240,6 +279,18 @@ class LockstepCppTest(unittest.TestCase):
             self.assertEqual(lines(listener)[1:], [f'{second * NS} 1 /ticks {second * NS}' for second in range(2, 52)])
             wait_for('all ticks', lambda: len(heard) == 50)
             self.assertEqual(heard, [second * NS for second in range(2, 52)])
+
+    def test_a_copy_that_comes_after_its_sender_has_left_is_no_message_from_outside(self):
+        # Over a connection that has brought copies of a member nothing else comes; over another one, what is new.
+        for when, stamps, labels in (('early', [7, 8, 1], 0), ('late', [7, 8, 1, 9], 2)):
+            with Loopback() as ros:
+                master = self.start(ros, '/ghost', '/holder', '/listener')
+                listener = ros.run('lockstep_listener', 'listener', parameters=dict(
+                    until=9.0, topics=['/said', '/ticks']))
+                ros.spawn('/ghost', [sys.executable, '-c', GHOST, os.path.dirname(os.path.abspath(__file__)), when])
+                self.assert_ends(listener)
+                self.assertEqual([int(line.split()[3]) // NS for line in lines(listener)], stamps, when)
+                self.assertEqual(output(master).count('the run is not repeatable'), labels, output(master))
 
     def test_a_service_answers_nodes_that_do_not_take_part_and_may_sleep_in_it(self):
         with Loopback() as ros:
