@@ -7,5 +7,5 @@ setup(**generate_distutils_setup(
     package_dir={'': 'src'},
     package_data={'move_base_abstract_experiments': ['report/templates/*.j2'],
                   'move_base_abstract_replay': ['templates/*'],
-                  'soil_mapping': ['data/*.npy', 'data/*.csv', 'data/README.md', '*.txt', 'study/templates/*.j2']},
+                  'soil_mapping': ['data/*.npy', 'data/*.csv', 'data/README.md', '*.txt']},
 ))

@@ -1,5 +1,6 @@
 """One trial again, here, and whether it is the same trial: in RViz, or up to an instant, if asked."""
 import io
+import json
 import os
 import sys
 import tarfile
@@ -22,6 +23,12 @@ def rerun(output, name, until=0.0, speed=0.0, rviz=False, logs=None, stream=sys.
     known = outputs.read_plan(output)
     experiment = spec.read(os.path.join(output, 'experiment.yaml'))._replace(folder=_folder_of(known, output))
     one = _find(plan.trials(experiment), name)
+    if experiment.trial_function:
+        if until or speed or rviz:
+            raise ConfigurationError('--until, --speed and --rviz are of launch files and commands; a function runs as '
+                                     'it is')
+        job = jobs.make_job(experiment, one._replace(verified_by=''))
+        return _compare_function(_run(job, logs, stream), os.path.join(output, 'trials', one.id), known, stream)
     if until:
         experiment = experiment._replace(until=experiment.until._replace(
             seconds=min(until, experiment.until.seconds or until)))
@@ -70,8 +77,27 @@ def _run(job, logs, stream):
     return content
 
 
+def _compare_function(content, before, known, stream):
+    """Compare what a function gave; where it leaves an event log, by that as well."""
+    if os.path.isfile(os.path.join(before, run.LOG)):
+        return _compare(content, os.path.join(before, run.LOG), False, stream)
+    with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
+        about = json.load(archive.extractfile('trial.json'))
+    with open(os.path.join(before, 'trial.json'), encoding='utf-8') as stream_before:
+        was = json.load(stream_before)
+    if about['status'] != 'complete':
+        print(f"rerun: failed: {about['error']}", file=stream)
+        return FAILED
+    for name in known['metrics']:
+        first, second = was['metrics'].get(name), about['metrics'].get(name)
+        if first != second:
+            print(f'rerun: different: {name}: {first!r} / {second!r}', file=stream)
+            return DIFFERENT
+    print('rerun: the same trial, by its metrics', file=stream)
+    return SAME
+
+
 def _compare(content, before, is_part, stream):
-    import json
     with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive, \
             tempfile.TemporaryDirectory(prefix='move_base_abstract_rerun_') as folder:
         about = json.load(archive.extractfile('trial.json'))

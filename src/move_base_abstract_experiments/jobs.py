@@ -22,6 +22,10 @@ def make_job(experiment, one, **others):
     return {'id': one.id, 'configuration': one.configuration, 'replication': one.replication, 'seed': one.seed,
             'launch': checks.filled(experiment.launch, values) if experiment.launch else '',
             'arguments': plan.launch_arguments(experiment, one),
+            'trial_function': experiment.trial_function,
+            'function_arguments': plan.function_arguments(experiment, one),
+            'prepare': [experiment.prepare, experiment.folder, experiment.args, experiment.factors]
+            if experiment.prepare else None,
             'command': [checks.filled(word, values) for word in experiment.command], 'folder': experiment.folder,
             'participants': experiment.participants, 'leave_out': experiment.leave_out,
             'replace': sorted(experiment.replace.items()), 'until': experiment.until, 'record': experiment.record,
@@ -42,7 +46,7 @@ class WarmProcess:
         own, other = socket.socketpair()
         with other:
             os.set_inheritable(other.fileno(), True)
-            python = interpreter_of(find_executable('lockstep')) or sys.executable
+            python = _python(interpreter_of(find_executable('lockstep')))
             environment = {name: value for name, value in os.environ.items() if name not in (
                 'ROS_HOSTNAME', 'ROS_NAMESPACE')}
             self._process = subprocess.Popen(
@@ -89,6 +93,15 @@ class WarmProcess:
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
+
+
+def _python(nodes):
+    """Return the Python of a warm process: that of the nodes, or the worker's own where it is an environment over it.
+
+    nodes: the path of the interpreter of this package's nodes, or ''.
+    """
+    is_over_it = sys.prefix != sys.base_prefix and os.path.realpath(nodes) == os.path.realpath(sys.executable)
+    return sys.executable if is_over_it or not nodes else nodes
 
 
 def _end_of(path):

@@ -6,12 +6,16 @@ through all packages: together several times as long as the rest.
 import copy
 import json
 import os
+import re
+import xml.etree.ElementTree
 from functools import lru_cache
 
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract_ros import replaced
 
 NAME = 'programs.json'
+_FIND = re.compile(r'\$\(find ([A-Za-z][\w-]*)\)')
+_MOST_INCLUDED = 1000
 _known = {}  # (package, type): path; of earlier trials too
 
 
@@ -37,6 +41,49 @@ def read(files):
     except (RLException, XmlParseException, LoadException) as error:
         raise ConfigurationError(str(error)) from None
     return config
+
+
+def find(text, folder):
+    """Return the path of a launch file: $(find PACKAGE) stands for a package, a relative path begins at the folder.
+
+    :raises ConfigurationError: if there is no such package or file.
+    """
+    import rospkg
+
+    def replaced(found):
+        try:
+            return rospkg.RosPack().get_path(found.group(1))
+        except rospkg.ResourceNotFound:
+            raise ConfigurationError(f"launch: the package '{found.group(1)}' is not found here; is its workspace "
+                                     'sourced?') from None
+    path = os.path.join(folder, _FIND.sub(replaced, text))
+    if not os.path.isfile(path):
+        raise ConfigurationError(f'launch: there is no file {path}')
+    return path
+
+
+def with_includes(path):
+    """Return the paths of a launch file and of all files that it includes or loads, in the order of their finding.
+
+    Of names that hang on arguments nothing can be said here: they are left out.
+    """
+    found, waiting = [], [os.path.abspath(path)]
+    while waiting and len(found) < _MOST_INCLUDED:
+        here = waiting.pop(0)
+        if here in found:
+            continue
+        found.append(here)
+        try:
+            nodes = list(xml.etree.ElementTree.parse(here).iter())
+        except (OSError, xml.etree.ElementTree.ParseError):
+            continue  # no launch file, or one that the check complains of
+        names = [node.get('file') for node in nodes if node.tag in ('include', 'rosparam') and node.get('file')]
+        for name in names:
+            try:
+                waiting.append(find(name.replace('$(dirname)', os.path.dirname(here)), os.path.dirname(here)))
+            except ConfigurationError:
+                continue
+    return found
 
 
 def remember_programs():

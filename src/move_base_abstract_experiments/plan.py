@@ -1,9 +1,12 @@
 """The trials of an experiment: which there are, in which order, with which seeds, and which run a second time.
 
 Replication k has the same seed in every configuration: common random numbers, so that configurations can be compared
-pair by pair. All configurations of replication 0 come first, so that more replications change no id of a trial.
+pair by pair. All configurations of replication 0 come first, and those that have fewer replications leave their numbers
+out, so that more replications change no id of a trial.
 """
+import functools
 import hashlib
+import importlib.util
 import json
 import math
 import os
@@ -12,12 +15,15 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-from . import checks
+from move_base_abstract.errors import ConfigurationError
+
+from . import checks, launch_files
 from .spec import configurations
 
 FORMAT = 1
 #: conditions under which a trial runs once more, in turn; they are those of `verify` that disturb no trial beside it
 CONDITIONS = ('addresses', 'delays', 'hash')
+FUNCTION_CONDITION = 'hash'  # of a function: in a Python that is started anew, with another hash seed
 _KEY_DIGITS = 6
 
 
@@ -33,14 +39,17 @@ class Trial(NamedTuple):
 
 def trials(experiment):
     """Return the Trials of an Experiment in the plan's order."""
-    found = []
+    found, number = [], 0
     for replication in range(experiment.replications):
         for configuration in configurations(experiment):
-            seed = experiment.seed + replication
-            found.append(Trial(f'{len(found) + 1:04d}-{_key(configuration, replication, seed)}', configuration,
-                               replication, seed, ''))
+            number += 1
+            if replication < experiment.replications_of(configuration):
+                seed = experiment.seed + replication
+                found.append(Trial(f'{number:04d}-{_key(configuration, replication, seed)}', configuration,
+                                   replication, seed, ''))
     chosen = _chosen(found, experiment.verify)
-    return [one._replace(verified_by=CONDITIONS[chosen[one.id] % len(CONDITIONS)]) if one.id in chosen else one
+    conditions = (FUNCTION_CONDITION,) if experiment.trial_function else CONDITIONS
+    return [one._replace(verified_by=conditions[chosen[one.id] % len(conditions)]) if one.id in chosen else one
             for one in found]
 
 
@@ -60,6 +69,14 @@ def launch_arguments(experiment, trial):
     """Return the words ARG:=VALUE of a trial."""
     values = values_of(trial)
     return [f'{name}:={checks.filled(value, values)}' for name, value in experiment.args.items()]
+
+
+def function_arguments(experiment, trial):
+    """Return what a trial's function gets as its args: a text that is one {NAME} alone is that value as it is."""
+    values = values_of(trial)
+    return {name: values[value[1:-1]] if isinstance(value, str) and value[:1] == '{' and value[1:-1] in values
+            else checks.filled(value, values) if isinstance(value, str) else value
+            for name, value in experiment.args.items()}
 
 
 def values_of(trial):
@@ -87,6 +104,7 @@ def versions():
             'processor': platform.machine(), 'cpus': os.cpu_count() or 1}
 
 
+@functools.lru_cache(maxsize=None)
 def package_version():
     """Return the version of this package as its package.xml says, in the source tree or installed; or 'unknown'."""
     for folder in list(Path(__file__).resolve().parents)[1:6]:
@@ -100,18 +118,54 @@ def package_version():
 def made_of(experiment, trial):
     """Return a digest of all that makes a trial the trial it is: a complete one stays if that is equal.
 
-    The launch file's own content counts where it is found here; files of others do not.
+    Files count by their content where they are found here: the launch file with all that it includes, the modules of
+    functions, inputs. What these import or start in turn does not.
     """
     content = [FORMAT, experiment.launch, experiment.command, experiment.participants, experiment.leave_out,
                sorted(experiment.replace.items()), launch_arguments(experiment, trial), experiment.until,
                experiment.record, experiment.function, experiment.sleep, trial.configuration, trial.replication,
-               trial.seed, trial.verified_by, package_version(), platform.python_version(), _file_of(experiment)]
+               trial.seed, trial.verified_by, package_version(), platform.python_version(),
+               _launch_digests(checks.filled(experiment.launch, values_of(trial)), experiment.folder),
+               experiment.trial_function, experiment.prepare,
+               [_module_digest(name.partition(':')[0], experiment.folder) for name in (
+                   experiment.function, experiment.trial_function, experiment.prepare) if name],
+               [[name, _digest(os.path.join(experiment.folder, name))] for name in experiment.inputs]]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
-def _file_of(experiment):
+@functools.lru_cache(maxsize=None)
+def _launch_digests(text, folder):
+    """Return the digests of a launch file and of what it includes, as far as their names are known beforehand."""
+    if not text:
+        return []
     try:
-        with open(Path(experiment.folder) / experiment.launch, 'rb') as stream:
+        return [_digest(path) for path in launch_files.with_includes(launch_files.find(text, folder))]
+    except ConfigurationError:
+        return []  # it is on the workers only
+
+
+@functools.lru_cache(maxsize=None)
+def _module_digest(name, folder):
+    beside = os.path.join(folder, *name.split('.')) + '.py'
+    if os.path.isfile(beside):
+        return _digest(beside)
+    try:
+        found = importlib.util.find_spec(name)
+    except Exception:  # whatever a user's package raises when it is imported; the check before the run tells it
+        return ''
+    return _digest(found.origin) if found is not None and found.origin else ''
+
+
+@functools.lru_cache(maxsize=None)
+def _digest(path):
+    try:
+        with open(path, 'rb') as stream:
             return hashlib.sha256(stream.read()).hexdigest()
     except OSError:
         return ''
+
+
+def forget():
+    """Look at files anew; in one process they are looked at once."""
+    for known in (_launch_digests, _module_digest, _digest):
+        known.cache_clear()

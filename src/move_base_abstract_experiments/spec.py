@@ -13,8 +13,10 @@ from move_base_abstract.errors import ConfigurationError
 from . import checks
 from .metric_names import BUILT_IN, Metric
 
-KEYS = ('experiment', 'launch', 'command', 'participants', 'leave_out', 'replace', 'args', 'factors', 'replications',
-        'seed', 'until', 'record', 'metrics', 'report', 'verify', 'time_limit', 'sleep')
+KEYS = ('experiment', 'launch', 'command', 'function', 'prepare', 'inputs', 'participants', 'leave_out', 'replace',
+        'args', 'factors', 'replications', 'seed', 'until', 'record', 'metrics', 'report', 'verify', 'time_limit',
+        'sleep')
+SYSTEMS = ('launch', 'command', 'function')  # one of them is run
 UNTIL = ('seconds', 'topic', 'idle')
 RECORD = ('messages', 'files', 'hashes', 'motion')
 METRICS = ('function', 'columns')
@@ -56,12 +58,16 @@ class Experiment(NamedTuple):
     folder: str
     launch: str
     command: tuple
+    trial_function: str  # module:function that is a trial, where no graph of nodes is run
+    prepare: str  # module:function that each warm process calls once
+    inputs: tuple  # files whose content makes a trial another one
     participants: Optional[tuple]  # full names; None: all
     leave_out: tuple
     replace: dict
     args: dict
     factors: dict
     replications: int
+    fewer: dict  # {factor: {value: replications of its trials}}
     seed: int
     until: Until
     record: Record
@@ -75,14 +81,22 @@ class Experiment(NamedTuple):
     @property
     def metrics(self):
         """What is told of the metrics, as {name: Metric}: the built-in ones, then the user's."""
-        return {**BUILT_IN, **self.columns}
+        return {**({} if self.trial_function else BUILT_IN), **self.columns}
+
+    def replications_of(self, configuration):
+        """Return how many replications a configuration, {factor: value}, has."""
+        return min([self.replications, *(self.fewer[name][value] for name, value in configuration.items()
+                                         if value in self.fewer.get(name, {}))])
 
 
-def read(path):
-    """Return the Experiment in a YAML file. :raises ConfigurationError: naming the file, the place, what is allowed."""
+def read(path, folder=None):
+    """Return the Experiment in a YAML file; ``folder``: where relative paths in it start, if not where it lies.
+
+    :raises ConfigurationError: naming the file, the place, what is allowed.
+    """
     document = load_yaml_file(path)
     try:
-        return checked(document, os.path.dirname(os.path.abspath(path)))
+        return checked(document, os.path.dirname(os.path.abspath(path)) if folder is None else folder)
     except ConfigurationError as problem:
         raise ConfigurationError(f'{path}: {problem}') from None
 
@@ -90,19 +104,22 @@ def read(path):
 def checked(document, folder):
     """Return the Experiment of a document; see read()."""
     given = checks.mapping('the experiment', document, KEYS)
-    if ('launch' in given) == ('command' in given):
-        raise ConfigurationError("one of 'launch' and 'command' is wanted" + (
-            ', not both' if 'launch' in given else ''))
+    if sum(key in given for key in SYSTEMS) != 1:
+        raise ConfigurationError(f"one of {', '.join(SYSTEMS)} is wanted, got "
+                                 f"{', '.join(key for key in SYSTEMS if key in given) or 'none'}")
     if 'experiment' not in given:
         raise ConfigurationError("'experiment' is missing: the name of the experiment")
     experiment = Experiment(
         name=checks.text('experiment', given['experiment'], 100), folder=folder,
         launch=checks.text('launch', given['launch']) if 'launch' in given else '',
         command=checks.texts('command', given.get('command', [])),
+        trial_function=_function('function', given.get('function', '')),
+        prepare=_function('prepare', given.get('prepare', '')),
+        inputs=checks.texts('inputs', given.get('inputs', [])),
         participants=_participants(given.get('participants', ALL)),
         leave_out=_nodes('leave_out', given.get('leave_out', [])), replace=_replaced(given.get('replace', {})),
         args=_args(given.get('args', {})), factors=_factors(given.get('factors', {})),
-        replications=checks.number('replications', given.get('replications', 1), 1, MOST_TRIALS, whole=True),
+        **_replications(given.get('replications', 1)),
         seed=checks.number('seed', given.get('seed', 0), 0, LARGEST_SEED, whole=True),
         until=_until(given.get('until', {})), record=_record(given.get('record', {})),
         **_metrics(given.get('metrics', {})), report=_sections(given.get('report', [])),
@@ -162,6 +179,26 @@ def _factors(value):
     return found
 
 
+def _replications(value):
+    """Return the replications of all configurations, and those of factors' values that have fewer."""
+    def count(where, number):
+        return checks.number(where, number, 1, MOST_TRIALS, whole=True)
+    if not isinstance(value, dict):
+        return {'replications': count('replications', value), 'fewer': {}}
+    given = dict(checks.mapping('replications', value))
+    whole = count('replications.all', given.pop('all', 1))
+    return {'replications': whole, 'fewer': {
+        name: {level: count(f'replications.{name}.{level}', number) for level, number in levels.items()}
+        if isinstance(levels, dict) else checks.mapping(f'replications.{name}', levels)
+        for name, levels in given.items()}}
+
+
+def _function(where, value):
+    if value != '' and (not isinstance(value, str) or not _FUNCTION.match(value)):
+        raise checks.error(where, value, f'module:function, such as my_package.{where}:{where}')
+    return value
+
+
 def _until(value):
     given = checks.mapping('until', value, UNTIL)
     topic = given.get('topic', '')
@@ -203,8 +240,6 @@ def _metrics(value):
                                checks.scalar(f'{where}.unit', about.get('unit', '')),
                                better if better is None else checks.one_of(f'{where}.better', better,
                                                                            ('lower', 'higher')))
-    if columns and not function:
-        raise ConfigurationError('metrics.columns: there is no metrics.function that gives them')
     return {'function': function, 'columns': columns}
 
 
@@ -225,15 +260,33 @@ def _check_together(experiment):
     for name in experiment.columns:
         if name in experiment.factors:
             raise ConfigurationError(f'metrics.columns.{name}: is a factor, too; name one of them otherwise')
+    if experiment.columns and not (experiment.function or experiment.trial_function):
+        raise ConfigurationError('metrics.columns: there is no metrics.function that gives them')
+    _check_replications(experiment)
+    if not experiment.launch:
+        for key in ('leave_out', 'replace', *(('args',) if experiment.command else ())):
+            if getattr(experiment, key):
+                raise ConfigurationError(f"'{key}' is of a launch file" + (
+                    '; a command has its words' if experiment.command else ''))
+    if experiment.command and experiment.participants is None:
+        raise ConfigurationError('participants: a command does not say who takes part; name the nodes, such as '
+                                 '[/coordinator, /robot_0/move_base]')
+    if not (experiment.launch or experiment.command or experiment.trial_function):
+        raise ConfigurationError('command: at least one word is wanted')
+    if experiment.trial_function and (any(experiment.until) or experiment.record.messages or experiment.participants):
+        raise ConfigurationError("'until', 'record.messages' and 'participants' are of a launch file or a command; "
+                                 'a function ends by itself')
+    if experiment.prepare and not experiment.trial_function:
+        raise ConfigurationError("'prepare' goes with 'function'")
+
+
+def _check_replications(experiment):
+    for name, levels in experiment.fewer.items():
+        if name not in experiment.factors:
+            raise checks.unknown('replications: the factor', name, ['all', *experiment.factors])
+        for level in levels:
+            if level not in experiment.factors[name]:
+                raise checks.unknown(f'replications.{name}: the value', str(level), map(str, experiment.factors[name]))
     count = experiment.replications * math.prod(len(values) for values in experiment.factors.values())
     if count > MOST_TRIALS:
         raise ConfigurationError(f'{count} trials; allowed: at most {MOST_TRIALS}')
-    if experiment.command:
-        if experiment.participants is None:
-            raise ConfigurationError('participants: a command does not say who takes part; name the nodes, such as '
-                                     '[/coordinator, /robot_0/move_base]')
-        for key in ('args', 'leave_out', 'replace'):
-            if getattr(experiment, key):
-                raise ConfigurationError(f"'{key}' is of a launch file; a command has its words")
-    elif not experiment.launch:
-        raise ConfigurationError('command: at least one word is wanted')

@@ -12,12 +12,13 @@ from . import checks, cluster, jobs, launch_files, outputs, plan, spec, tables, 
 from .progress import Progress
 
 
-def run(path, output, workers, scheduler, stream=sys.stdout):
+def run(path, output, workers, scheduler, stream=sys.stdout, folder=None):
     """Run what is missing of the experiment in a file; return how many trials failed, or differ when run again.
 
+    folder: where relative paths in it start, if not where it lies.
     :raises SimulatorError: if it cannot be run. :raises KeyboardInterrupt: after all that was started has ended.
     """
-    experiment = spec.read(path)
+    experiment = spec.read(path, folder)
     with open(path, 'rb') as source:
         text = source.read()
     chosen = plan.trials(experiment)
@@ -46,22 +47,30 @@ def check(experiment, chosen):
         if job['launch'] and one.replication == 0 and key not in seen:
             seen.add(key)
             _check_launch(job)
-    if experiment.function:
-        words = [sys.executable, '-c', 'import sys; from move_base_abstract_experiments.user_metrics import load; '
-                 'load(sys.argv[1], sys.argv[2])', experiment.function, experiment.folder]
-        done = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                              check=False)
-        if done.returncode:
-            last = done.stderr.decode('utf-8', 'replace').strip().splitlines()
-            raise ConfigurationError(f'metrics: {experiment.function} cannot be used: '
-                                     f'{last[-1] if last else "no text"}')
+    for name in experiment.inputs:
+        if not os.path.isfile(os.path.join(experiment.folder, name)):
+            raise ConfigurationError(f'inputs: there is no file {os.path.join(experiment.folder, name)}')
+    for key, name in (('metrics', experiment.function), ('function', experiment.trial_function),
+                      ('prepare', experiment.prepare)):
+        if name:
+            _check_function(key, name, experiment.folder)
+
+
+def _check_function(key, name, folder):
+    words = [sys.executable, '-c', 'import sys; from move_base_abstract_experiments.functions import load; '
+             'load(sys.argv[1], sys.argv[2])', name, folder]
+    done = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                          check=False)
+    if done.returncode:
+        last = done.stderr.decode('utf-8', 'replace').strip().splitlines()
+        raise ConfigurationError(f'{key}: {name} cannot be used: {last[-1] if last else "no text"}')
 
 
 def _check_launch(job):
     from roslaunch.arg_dump import get_args
 
     from move_base_abstract_ros.launching import roles
-    path = trial.find_launch(job['launch'], job['folder'])
+    path = launch_files.find(job['launch'], job['folder'])
     declared = get_args([path])  # roslaunch itself takes no notice of others
     for word in job['arguments']:
         if word.partition(':=')[0] not in declared:

@@ -13,7 +13,7 @@ import traceback
 from move_base_abstract import run_difference
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 
-from . import launch_files, metrics, plan, run, spec, user_metrics
+from . import functions, launch_files, metrics, plan, run, spec, user_metrics
 
 OUTPUTS = 'outputs.tar.gz'
 FORMAT = 1
@@ -21,15 +21,14 @@ COMPLETE, FAILED = 'complete', 'failed'
 IDENTICAL, DIFFERENT = 'identical', 'different'
 MOST_BYTES = 512 * 1024 * 1024  # of a trial's outputs, before they are packed
 _MOST_LOG_BYTES = 1 << 20  # the end of what a node has printed
-_FIND = re.compile(r'\$\(find ([A-Za-z][\w-]*)\)')
 _ERROR_LINE = re.compile(r'^(?!Traceback)\S*(Error|Exception)\b.*|.*\[ *(ERROR|FATAL)\].*|.*\bterminate called\b.*')
 _STAMP = re.compile(r'\x1b\[[0-9;]*m|\[[0-9]+\.[0-9]+(, *[0-9.]+)?\]:? ?')
 _LONGEST_ERROR = 300
 _LEAVER = re.compile(r"'([^']+)' left at ")
 
 
-def carry_out(job, path):
-    """Run the trial of a job (see jobs.py) in an empty folder."""
+def carry_out(job, path, problem=None):
+    """Run the trial of a job (see jobs.py) in an empty folder. ``problem``: why it cannot be run, in a line."""
     about = {'format': FORMAT, 'id': job['id'], 'configuration': job['configuration'],
              'replication': job['replication'], 'seed': job['seed'], 'status': FAILED, 'error': None, 'metrics': {},
              'simulated_seconds': None, 'wall_seconds': None, 'times_real_time': None, 'repeatable': False,
@@ -38,25 +37,27 @@ def carry_out(job, path):
     folders = None
     try:
         _check_version(job)
+        if problem is not None:
+            raise ConfigurationError(problem)
         os.mkdir(os.path.join(path, 'run'))
         folders = run.make_folders(os.path.join(path, 'run'))
-        _run_first(job, folders, about)
+        (_call if job['trial_function'] else _run_first)(job, folders, about)
         if job['function']:
             _measure(job, folders, about)
-        if job['verified_by']:
+        if job['verified_by'] and not (job['trial_function'] and about['labels']):  # it says that it would differ
             _verify(job, path, folders, about)
-    except (SimulatorError, OSError) as problem:
-        about['error'] = _first_line(str(problem), folders)
-    except Exception as problem:
+    except (SimulatorError, OSError) as error:
+        about['error'] = _first_line(str(error), folders)
+    except Exception as error:
         traceback.print_exc()
-        about['error'] = _first_line(f'{type(problem).__name__}: {problem}', folders)
+        about['error'] = _first_line(f'{type(error).__name__}: {error}', folders)
     launch_files.save_programs(path)
     _pack(job, path, folders, about)
 
 
 def wanted_of(job):
     """Return the run.Wanted of a job."""
-    files = [(find_launch(job['launch'], job['folder']), job['arguments'])] if job['launch'] else []
+    files = [(launch_files.find(job['launch'], job['folder']), job['arguments'])] if job['launch'] else []
     participants = job['participants']
     return run.Wanted(files=files, command=tuple(job['command']),
                       participants=None if participants is None else tuple(participants),
@@ -65,25 +66,6 @@ def wanted_of(job):
                       seed=job['seed'], sleep=job['sleep'], until=spec.Until(*job['until']),
                       record=spec.Record(*job['record']), time_limit=job['time_limit'], is_warm=job['is_warm'],
                       speed_limit=job.get('speed_limit', 0.0), extra=tuple(job.get('extra', ())))
-
-
-def find_launch(text, folder):
-    """Return the path of a launch file: $(find PACKAGE) stands for a package, a relative path begins at the folder.
-
-    :raises ConfigurationError: if there is no such package or file.
-    """
-    import rospkg
-
-    def replaced(found):
-        try:
-            return rospkg.RosPack().get_path(found.group(1))
-        except rospkg.ResourceNotFound:
-            raise ConfigurationError(f"launch: the package '{found.group(1)}' is not found here; is its workspace "
-                                     'sourced?') from None
-    path = os.path.join(folder, _FIND.sub(replaced, text))
-    if not os.path.isfile(path):
-        raise ConfigurationError(f'launch: there is no file {path}')
-    return path
 
 
 def _check_version(job):
@@ -96,18 +78,44 @@ def _run_first(job, folders, about):
     begin = time.monotonic()
     ended = run.run(wanted_of(job), folders)
     about['wall_seconds'] = round(time.monotonic() - begin, 6)
-    log = os.path.join(folders.own, run.LOG)
-    summary = metrics.summarise(log, ended.starts)
-    about.update(metrics=dict(summary.metrics), simulated_seconds=summary.simulated_seconds,
-                 repeatable=summary.repeatable, labels=summary.labels, events=summary.events,
-                 robots=summary.robots, log_sha256=metrics.digest(log),
-                 times_real_time=round(summary.simulated_seconds / max(about['wall_seconds'], 1e-6), 3))
+    summary = _take_log(folders, about, ended.starts)
+    about.update(metrics=dict(summary.metrics), simulated_seconds=summary.simulated_seconds)
+    _tell_speed(about)
     if summary.by_fault:
         raise run.RunError(f'the run was ended by a fault: {summary.reason}')
     leaver = _LEAVER.match(summary.reason)  # what others end with when the run is over says nothing
     if leaver and ended.codes.get(leaver.group(1)):
         raise run.RunError(f'{leaver.group(1)}, which is required, ended with exit code {ended.codes[leaver.group(1)]}')
     about['status'] = COMPLETE
+
+
+def _take_log(folders, about, starts):
+    """Tell what the event log of a run says; return its Summary."""
+    log = os.path.join(folders.own, run.LOG)
+    summary = metrics.summarise(log, starts)
+    about.update(repeatable=summary.repeatable, labels=summary.labels, events=summary.events, robots=summary.robots,
+                 log_sha256=metrics.digest(log))
+    return summary
+
+
+def _tell_speed(about):
+    if about['simulated_seconds'] is not None:
+        about['times_real_time'] = round(about['simulated_seconds'] / max(about['wall_seconds'], 1e-6), 3)
+
+
+def _call(job, folders, about):
+    """Run the trial that is a function."""
+    begin = time.monotonic()
+    answer = functions.run_trial(job, folders)
+    about['wall_seconds'] = round(time.monotonic() - begin, 6)
+    about['repeatable'] = True
+    if os.path.exists(os.path.join(folders.own, run.LOG)):
+        about['simulated_seconds'] = _take_log(folders, about, {}).simulated_seconds
+    if answer['simulated_seconds'] is not None:
+        about['simulated_seconds'] = answer['simulated_seconds']
+    about['labels'] = about['labels'] + answer['labels']
+    about.update(metrics=answer['metrics'], status=COMPLETE, repeatable=about['repeatable'] and not answer['labels'])
+    _tell_speed(about)
 
 
 def _measure(job, folders, about):
@@ -120,13 +128,17 @@ def _measure(job, folders, about):
 
 def _verify(job, path, folders, about):
     """Run once more under another condition, each node started as a program, and compare."""
-    from move_base_abstract_ros.launching.conditions import CONDITIONS
-    condition = next(one for one in CONDITIONS if one.name == job['verified_by'])
     os.mkdir(os.path.join(path, 'again'))
     again = run.make_folders(os.path.join(path, 'again'))
     try:
-        run.run(wanted_of(job)._replace(condition=condition, is_warm=False), again)
-        about['difference'] = compare(folders, again)
+        if job['trial_function']:
+            found = functions.again(job, os.path.join(path, 'again', 'job.json'), again)
+            about['difference'] = _other_metrics(about['metrics'], found['metrics']) or compare(folders, again)
+        else:
+            from move_base_abstract_ros.launching.conditions import CONDITIONS
+            condition = next(one for one in CONDITIONS if one.name == job['verified_by'])
+            run.run(wanted_of(job)._replace(condition=condition, is_warm=False), again)
+            about['difference'] = compare(folders, again)
     except SimulatorError as problem:
         about['difference'] = f'the second run did not come to its end: {_first_line(str(problem), again)}'
     about['verified'] = IDENTICAL if about['difference'] is None else DIFFERENT
@@ -134,8 +146,18 @@ def _verify(job, path, folders, about):
         about['difference'] = f"{job['verified_by']}: {about['difference']}"
 
 
+def _other_metrics(first, second):
+    """Return which of the metrics that a function gave the second time is another one, or None."""
+    for name, value in second.items():
+        if name not in first or first[name] != value:
+            return f'{name}: {first.get(name)!r} / {value!r}'
+    return None
+
+
 def compare(folders, again):
     """Return where two runs differ, in a line, or None."""
+    if not os.path.exists(os.path.join(folders.own, run.LOG)):
+        return None
     found = run_difference.compare(os.path.join(folders.own, run.LOG), os.path.join(again.own, run.LOG)).difference
     if found is not None:
         return ' / '.join(run_difference.told_lines(event) if event else 'no more events'

@@ -16,7 +16,9 @@ import socket
 import sys
 import tempfile
 
-from . import launch_files, processes, warm_nodes
+from move_base_abstract.errors import ConfigurationError
+
+from . import functions, launch_files, processes, warm_nodes
 
 _HASH_SEED = 'PYTHONHASHSEED'
 READY = b'ready\n'
@@ -55,13 +57,16 @@ def _serve(client, folder):
     signal.signal(signal.SIGCHLD, lambda _number, _frame: None)
     signal.set_wakeup_fd(woken, warn_on_full_buffer=False)
     client.sendall(READY)
-    count = 0
+    count, problems = 0, {}
     with client.makefile('rb') as requests:
         for line in requests:
             count += 1
             path = os.path.join(folder, f'{count:06d}')
             os.mkdir(path)
-            pid = processes.fork(lambda line=line, path=path: _carry_out(line, path, client, (wake, woken)),
+            job = json.loads(line)
+            problem = _prepare(job, problems)
+            pid = processes.fork(lambda job=job, path=path, problem=problem: _carry_out(job, path, problem, (
+                client.fileno(), wake, woken)),
                                  os.path.join(path, 'trial.txt'), new_session=True)
             code = _await(pid, client, wake)
             processes.end_all_children()
@@ -74,12 +79,25 @@ def _serve(client, folder):
             shutil.rmtree(path, ignore_errors=True)
 
 
-def _carry_out(line, path, client, pipes):
+def _prepare(job, problems):
+    """Call the function that a job wants called in this process, once; return what is wrong with it, or None."""
+    if not job['prepare']:
+        return None
+    key = json.dumps(job['prepare'])
+    if key not in problems:
+        problems[key] = None
+        try:
+            functions.prepare(job['prepare'])
+        except ConfigurationError as problem:
+            problems[key] = str(problem)
+    return problems[key]
+
+
+def _carry_out(job, path, problem, descriptors):
     from . import trial
-    client.close()
-    for descriptor in pipes:
+    for descriptor in descriptors:
         os.close(descriptor)
-    trial.carry_out(json.loads(line), path)
+    trial.carry_out(job, path, problem)
 
 
 def _await(pid, client, wake):

@@ -29,15 +29,20 @@ def start(words, environment, output, cwd, launcher, own_folder, is_warm=True):
 
     words: program and arguments. launcher: path of our launcher; own_folder: of this package's programs.
     """
-    if is_warm and _is_fit(words, environment, launcher, own_folder):
+    if is_warm and is_fit(words, environment, launcher, own_folder):
         return processes.fork(lambda: become(words, environment), output, cwd), True
     return processes.execute(words, environment, output, cwd), False
 
 
-def _is_fit(words, environment, launcher, own_folder):
-    if words[0] != launcher and os.path.dirname(words[0]) != own_folder:
+def is_fit(words, environment, launcher, own_folder):
+    """Return whether a fork of this process may become a Python program of a command line in an environment."""
+    is_own = words[0] != launcher
+    if is_own and os.path.dirname(words[0]) != own_folder:
         return False
-    if interpreter_of(words[0]) not in (sys.executable, os.path.realpath(sys.executable)):
+    # Own nodes may run in an environment over their Python (venv) as well; what others run is left to their own.
+    python = interpreter_of(words[0])
+    if python != sys.executable and not (python and os.path.realpath(python) == os.path.realpath(sys.executable) and (
+            is_own or sys.prefix == sys.base_prefix)):
         return False
     # Own nodes do not depend on it, and have none unless somebody asks; then it is that.
     own_seed = os.environ.get(_HASH_SEED, '')

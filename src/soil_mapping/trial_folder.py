@@ -50,9 +50,9 @@ KIND = FolderKind('trial', ('trial.json', *(file for _, file, _, _ in TABLES), *
                             *(f'{name}.png' for name in PICTURES), *FROM_ENGINES))
 
 
-def is_complete(path):
+def is_complete(path, prefix=''):
     """Return whether the folder holds a complete trial. Whatever else is there is not one."""
-    return (Path(path) / 'trial.json').is_file()
+    return (Path(path) / f'{prefix}trial.json').is_file()
 
 
 class TrialFolder:
@@ -102,15 +102,7 @@ class TrialFolder:
         return self.final_path
 
     def _write(self, result):
-        """Write the record: what cannot be computed again comes first, what makes it complete last."""
-        digest = _write_tables(self.path, result)
-        for name in ARRAYS:
-            content = io.BytesIO()  # numpy does not say why it cannot write to a file
-            np.save(content, np.asarray(getattr(result, name), dtype=np.float64), allow_pickle=False)
-            with whole_file(self.path / f'{name}.npy', 'wb') as stream:
-                stream.write(content.getbuffer())
-        with whole_file(self.path / 'trial.json', 'w', encoding='utf-8') as stream:
-            json.dump(_plain(describe(result, digest)), stream, indent=1, allow_nan=False)
+        write_files(self.path, result)
         try:
             _sync_folder(self.path)
             self._swap()
@@ -131,6 +123,18 @@ class TrialFolder:
         KIND.remove(self._old)
 
 
+def write_files(folder, result):
+    """Write the files of a TrialResult: what cannot be computed again comes first, what makes it complete last."""
+    digest = _write_tables(folder, result)
+    for name in ARRAYS:
+        content = io.BytesIO()  # numpy does not say why it cannot write to a file
+        np.save(content, np.asarray(getattr(result, name), dtype=np.float64), allow_pickle=False)
+        with whole_file(folder / f'{name}.npy', 'wb') as stream:
+            stream.write(content.getbuffer())
+    with whole_file(folder / 'trial.json', 'w', encoding='utf-8') as stream:
+        json.dump(_plain(describe(result, digest)), stream, indent=1, allow_nan=False)
+
+
 def describe(result, events_sha256):
     """Return what trial.json says of a TrialResult."""
     return {
@@ -142,14 +146,17 @@ def describe(result, events_sha256):
     }
 
 
-def read_trial(path):
-    """Return the TrialResult of a complete folder. :raises ValueError: if it is not complete, or of another format."""
+def read_trial(path, prefix=''):
+    """Return the TrialResult of a complete folder; ``prefix``: what the names of its files begin with.
+
+    :raises ValueError: if it is not complete, or of another format.
+    """
     path = Path(path)
-    if not is_complete(path):
-        raise ValueError(f'{path}: not a complete trial (no trial.json)')
-    about = read_about(path)
-    tables = {name: _read_table(path / file, record) for name, file, record, _ in TABLES}
-    arrays = {name: np.load(path / f'{name}.npy', allow_pickle=False) for name in ARRAYS}
+    if not is_complete(path, prefix):
+        raise ValueError(f'{path}: not a complete trial (no {prefix}trial.json)')
+    about = read_about(path, prefix)
+    tables = {name: _read_table(path / f'{prefix}{file}', record) for name, file, record, _ in TABLES}
+    arrays = {name: np.load(path / f'{prefix}{name}.npy', allow_pickle=False) for name in ARRAYS}
     metrics = Metrics(**{name: math.nan if value is None else value for name, value in about['metrics'].items()})
     moving = about['moving_wall_s']
     return TrialResult(config=about['config'], seed=about['seed'], engine=about['engine'], metrics=metrics,
@@ -158,9 +165,9 @@ def read_trial(path):
                        moving_wall_s=math.nan if moving is None else moving, **tables, **arrays)
 
 
-def read_about(path):
+def read_about(path, prefix=''):
     """Return trial.json of a complete folder as a mapping; NaN is None there."""
-    file = Path(path) / 'trial.json'
+    file = Path(path) / f'{prefix}trial.json'
     with open(file, encoding='utf-8') as stream:
         about = json.load(stream)
     if about.get('format') != FORMAT:

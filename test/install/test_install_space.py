@@ -107,7 +107,7 @@ def test_the_installed_python_packages_are_imported(installed, prefix):
 
 
 @pytest.mark.parametrize(('package', 'folders'), [
-    ('soil_mapping', {'data', 'study', 'requirements.txt', 'constraints.txt'}),
+    ('soil_mapping', {'data', 'requirements.txt', 'constraints.txt'}),
     ('move_base_abstract_experiments', {'report'})])
 def test_every_file_beside_the_python_of_a_package_is_installed(prefix, package, folders):
     source = ROOT / 'src' / package

@@ -6,6 +6,7 @@ GUARD [s, wall] only ends a test that would never end.
 import csv
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -175,10 +176,17 @@ class Trials(unittest.TestCase):
         stamps = {path: os.stat(path).st_mtime_ns for path in trials - {removed}}
         done = self.study(*words)
         self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertIn('8 of 8 trials are complete; run twice: 1 identical, 0 different', done.stdout)
         self.assertTrue(os.path.exists(removed))
         self.assertEqual({path: os.stat(path).st_mtime_ns for path in stamps}, stamps)
-        with open(self.path('study', 'report.md'), encoding='utf-8') as stream:
-            self.assertIn('| Mesa and ROS, lockstep | 4 | 4 | yes |', stream.read())
+        with open(self.path('study', 'report.html'), encoding='utf-8') as stream:
+            cells = re.findall(r'<td[^>]*>([^<]*)</td>', stream.read())
+        place = cells.index('Mesa and ROS, lockstep')
+        self.assertEqual(cells[place:place + 4], ['Mesa and ROS, lockstep', '4', '4', 'yes'])
+        number = next(name for name in os.listdir(self.path('study', 'trials')) if os.path.exists(
+            self.path('study', 'trials', name, 'events.jsonl'))).partition('-')[0]
+        done = self.study('rerun', self.path('study'), number)
+        self.assertIn('rerun: the same trial', done.stdout)
 
     def test_a_master_of_another_program_on_the_same_port_is_not_taken_for_ones_own(self):
         with loopback.Loopback() as other:

@@ -4,7 +4,7 @@ import json
 import pytest
 
 from move_base_abstract.event_log import EventLogError
-from move_base_abstract_experiments import metrics, user_metrics
+from move_base_abstract_experiments import functions, metrics
 
 SECOND = 10**9
 
@@ -73,8 +73,8 @@ def test_a_run_without_an_end_is_an_error(tmp_path):
 
 
 def test_what_a_function_may_return():
-    assert user_metrics.checked({'a': 1, 'b': True, 'c': float('inf'), 'd': None}, []) == {
+    assert functions.checked({'a': 1, 'b': True, 'c': float('inf'), 'd': None}, [], []) == {
         'a': 1, 'b': 1, 'c': None, 'd': None}
     for bad in ([], {'a': 'x'}, {'a b': 1}, {'goals': 1}, {'robots': 1}):
         with pytest.raises((TypeError, ValueError)):
-            user_metrics.checked(bad, ['robots'])
+            functions.checked(bad, ['robots'], ['goals'])

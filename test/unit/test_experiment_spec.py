@@ -25,7 +25,13 @@ def read(**others):
     ({'replications': 0}, 'in 1..'),
     ({'replications': True}, 'in 1..'),
     ({'verify': 1.5}, 'in 0..1'),
-    ({'command': ['x']}, 'not both'),
+    ({'command': ['x']}, 'got launch, command'),
+    ({'function': 'a:b'}, 'got launch, function'),
+    ({'prepare': 'a:b'}, "goes with 'function'"),
+    ({'replications': {'all': 3, 'robot': {}}, 'factors': {'robots': [1]}}, "did you mean 'robots'"),
+    ({'replications': {'all': 3, 'robots': {2: 1}}, 'factors': {'robots': [1]}}, "the value '2' is unknown"),
+    ({'replications': {'robots': {1: 0}}, 'factors': {'robots': [1]}}, 'in 1..'),
+    ({'replications': {'robots': 3}, 'factors': {'robots': [1]}}, 'a mapping'),
     ({'metrics': 'import os; os.system(1)'}, 'module:function'),
     ({'metrics': {'columns': {'a': {}}}}, 'no metrics.function'),
     ({'report': ['maps']}, 'module:function'),
@@ -103,3 +109,64 @@ def test_a_complete_trial_counts_only_if_what_it_is_made_of_is_the_same():
 @pytest.mark.parametrize('given, told', [('a.b:c', ['a.b:c']), (['a:b', 'c:d'], ['a:b', 'c:d']), ([], [])])
 def test_the_plan_tells_the_report_which_sections_to_add(given, told):
     assert plan.describe(read(report=given), [], b'')['report'] == told
+
+
+def function(**others):
+    return spec.checked({'experiment': 'x', 'function': 'model:run', **others}, '/folder')
+
+
+@pytest.mark.parametrize('others, text', [
+    ({'function': 'model.run'}, 'module:function'), ({'until': {'seconds': 3}}, 'ends by itself'),
+    ({'replace': {'a/b': 'c/d'}}, "'replace' is of a launch file"),
+    ({'record': {'messages': ['/a']}}, 'ends by itself')])
+def test_a_function_has_no_nodes(others, text):
+    with pytest.raises(ConfigurationError, match=text):
+        function(**others)
+
+
+def test_a_function_gets_values_as_they_are_and_texts_filled_in():
+    experiment = function(factors={'n': [3], 'on': [True]},
+                          args={'n': '{n}', 'on': '{on}', 'text': 'a{n}', 'x': 0.5})
+    assert plan.function_arguments(experiment, plan.trials(experiment)[0]) == {
+        'n': 3, 'on': True, 'text': 'a3', 'x': 0.5}
+
+
+def test_of_a_function_only_its_own_metrics_are_told():
+    assert list(function(metrics={'columns': {'a': {'unit': 'm'}}}).metrics) == ['a']
+
+
+def test_a_factors_value_may_have_fewer_replications_and_leaves_the_others_ids_as_they_are():
+    fewer = plan.trials(read(factors={'a': [1, 2]}, replications={'all': 3, 'a': {2: 1}}))
+    whole = plan.trials(read(factors={'a': [1, 2]}, replications=3))
+    assert [one.configuration['a'] for one in fewer] == [1, 2, 1, 1]
+    assert {one.id for one in fewer} < {one.id for one in whole}
+
+
+def test_what_a_launch_file_includes_makes_it_another_one(tmp_path):
+    (tmp_path / 'x.launch').write_text('<launch><include file="$(dirname)/sub/y.launch"/>'
+                                       '<include file="$(arg z)"/></launch>')
+    (tmp_path / 'sub').mkdir()
+    inner = tmp_path / 'sub' / 'y.launch'
+    inner.write_text('<launch><rosparam file="$(dirname)/../p.yaml"/></launch>')
+    (tmp_path / 'p.yaml').write_text('a: 1')
+    experiment = spec.checked(BASE, str(tmp_path))
+    one = plan.trials(experiment)[0]
+    seen = {plan.made_of(experiment, one)}
+    for path, text in ((tmp_path / 'p.yaml', 'a: 2'), (inner, '<launch/>')):
+        path.write_text(text)
+        plan.forget()
+        seen.add(plan.made_of(experiment, one))
+    assert len(seen) == 3
+
+
+def test_a_functions_own_file_and_its_inputs_make_it_another_trial(tmp_path):
+    for name in ('model.py', 'data.csv'):
+        (tmp_path / name).write_text('1')
+    experiment = spec.checked({'experiment': 'x', 'function': 'model:run', 'inputs': ['data.csv']}, str(tmp_path))
+    one = plan.trials(experiment)[0]
+    seen = {plan.made_of(experiment, one)}
+    for name in ('model.py', 'data.csv'):
+        (tmp_path / name).write_text('2')
+        plan.forget()
+        seen.add(plan.made_of(experiment, one))
+    assert len(seen) == 3

@@ -1,4 +1,4 @@
-"""The command line: ``study trial``, ``study run``, ``study report``.
+"""The command line: ``study trial``, ``study run``, ``study report``; ``study status`` and ``rerun`` are experiment's.
 
 Exit codes: 0 all is done; 1 a trial failed (the reason is printed); 2 wrong arguments; 130 interrupted.
 """
@@ -11,11 +11,12 @@ import time
 from pathlib import Path
 
 from move_base_abstract.errors import ConfigurationError, SimulatorError
-from move_base_abstract.shown import shown, shown_text
+from move_base_abstract.own_files import FolderKind
+from move_base_abstract.shown import shown_text
 from soil_mapping import environment
 from soil_mapping.config import Crs, TrialConfig
 
-from .plan import plan
+from . import experiment, groups
 from .spec import CLOCKS, ENGINES, TrialSpec
 
 DEFAULT_OUTPUT = 'study'
@@ -28,9 +29,17 @@ ENGINE_OPTIONS = {  # what only some engine or clock knows: the option, its defa
 
 def main(words=None):
     """Run the command of these words, or those of the shell; return the exit code."""
+    words = sys.argv[1:] if words is None else words
+    if words[:1] in (['status'], ['rerun']):
+        return _experiment(words)
     arguments = _parser().parse_args(words)
+    return _code_of(arguments.run, arguments)
+
+
+def _code_of(run, arguments):
+    """Return the exit code of a command; what is wrong is printed."""
     try:
-        return arguments.run(arguments)
+        return run(arguments)
     except (ConfigurationError, FileNotFoundError) as error:
         print(f'study: {error}', file=sys.stderr)
         return 2
@@ -43,23 +52,31 @@ def main(words=None):
 
 
 def _trial(arguments):
-    """Run one trial and print its metrics."""
+    """Run one trial, in a process forked from this one, and print its metrics."""
     from soil_mapping.trial_folder import TrialFolder
 
-    from . import running
+    from . import trials
     options = _engine_options(arguments)
     bag = options.pop('bag')
     spec = TrialSpec(config=_config(arguments), seed=arguments.seed, engine=arguments.engine, **options)
     path = _folder(arguments)
     TrialFolder(path).check()
     began = time.monotonic()
-    running.prepare([spec])
-    trial = running.RunningTrial(spec, path, arguments.pictures, bag)
-    if not trial.wait():
-        print(f'study: the trial failed: {trial.error}', file=sys.stderr)
-        return 1
-    _print_trial(path, time.monotonic() - began)
-    return 0
+    trials.check(spec)
+
+    def run(_):
+        try:
+            trials.run_one(spec, path, arguments.pictures, bag)
+        except RuntimeError as error:  # of ROS: a node that ended, a mission that cannot be carried out
+            print(f'study: the trial failed: {error}', file=sys.stderr)
+            return 1
+        return 0
+    code = trials.in_child(lambda: _code_of(run, arguments))
+    if code < 0:
+        print(f'study: the trial failed: its process was killed by signal {-code}', file=sys.stderr)
+    elif code == 0:
+        _print_trial(path, time.monotonic() - began)
+    return 1 if code < 0 else code
 
 
 def _engine_options(arguments):
@@ -96,36 +113,45 @@ def _print_trial(path, total_s):
 
 
 def _run(arguments):
-    """Run what is missing of a study, then write the report."""
-    from . import pool, study_folder
-    from .truth import truth_of
+    """Run what is missing of the study's experiment, then write the report."""
+    import tempfile
+
+    from yaml import safe_dump
+
+    from move_base_abstract_experiments import sweep
+
+    from . import trials
     config = _config(arguments)
-    specs = plan(config, arguments.seeds, arguments.scaled_seeds, arguments.jobs,
-                 os.environ.get('STUDY_1X') == '1', truth_of(config).grid.is_published)
-    specs = _of_groups(specs, arguments.groups)
-    with study_folder.opened(_folder(arguments), config) as folder:
-        failed = pool.run_all(specs, folder, arguments.jobs, arguments.pictures)
-        for spec, error in failed:
-            print(f'study: {spec.name} failed: {error}', file=sys.stderr)
-        code = _report(arguments)
-    return 1 if failed else code
-
-
-def _of_groups(specs, names):
-    """Return those TrialSpecs whose group is among the names, all of them if there is none."""
-    groups = list(dict.fromkeys(spec.group for spec in specs))
-    for name in names or ():
-        if name not in groups:
-            raise ConfigurationError(f'--groups: there is no group {shown(name)}; there are {", ".join(groups)}')
-    return [spec for spec in specs if not names or spec.group in names]
+    names = groups.chosen(arguments.groups, os.environ.get('STUDY_1X') == '1')
+    output = _folder(arguments)
+    FolderKind('folder of an experiment').check(output)
+    for spec in groups.specs_of(names, config):
+        trials.check(spec)
+    document = experiment.document(config, names, arguments.seeds, arguments.scaled_seeds, arguments.verify,
+                                   arguments.pictures)
+    with tempfile.TemporaryDirectory(prefix='move_base_abstract_study_') as folder:
+        file = os.path.join(folder, 'experiment.yaml')
+        with open(file, 'w', encoding='utf-8') as stream:
+            safe_dump(document, stream, sort_keys=False, allow_unicode=True)
+        bad = sweep.run(file, str(output), arguments.jobs, arguments.scheduler, folder=str(output))
+    _report(arguments)
+    return 1 if bad else 0
 
 
 def _report(arguments):
     """Write the report of what is there."""
-    from . import report
-    for path in report.write(_folder(arguments)):
-        print(path)
+    from move_base_abstract_experiments.report import command
+    path, problems = command.write(_folder(arguments))
+    for problem in problems:
+        print(f'study: {problem}', file=sys.stderr)
+    print(path)
     return 0
+
+
+def _experiment(words):
+    """Let `experiment` do it, with the Python that has what the study needs."""
+    from move_base_abstract_experiments.command import main as command
+    return command(words)
 
 
 def _config(arguments):
@@ -137,7 +163,7 @@ def _config(arguments):
 def _parser():
     parser = argparse.ArgumentParser(prog='study', description='The soil compaction mapping study: trials on ROS and '
                                      'on Mesa, and the comparison of them. Each ROS trial has a master of its own.')
-    commands = parser.add_subparsers(required=True, metavar='trial|run|report|setup')
+    commands = parser.add_subparsers(required=True, metavar='trial|run|report|status|rerun|setup')
     _add_trial(commands.add_parser('trial', help='run one trial'))
     _add_run(commands.add_parser('run', help='run what is missing of the whole study, then report'))
     report = commands.add_parser('report', help='write the report of the trials that are there')
@@ -181,6 +207,9 @@ def _add_run(parser):
     parser.add_argument('--groups', nargs='+', metavar='GROUP', help='only these, such as mesa or ros-lockstep')
     parser.add_argument('--jobs', type=_count, default=len(os.sched_getaffinity(0)), metavar='N',
                         help='trials at a time (default: number of cores, %(default)s)')
+    parser.add_argument('--scheduler', metavar='ADDRESS', help='a running Dask scheduler, tcp://HOST:PORT, instead')
+    parser.add_argument('--verify', type=_share, default=0.05, metavar='SHARE',
+                        help='run this share of the trials twice, 0..1 (default: %(default)s)')
     parser.add_argument('--output', default=DEFAULT_OUTPUT, metavar='DIR',
                         help='the study; what is there already is kept (default: %(default)s)')
     _add_mission(parser, pictures=False)
@@ -213,6 +242,13 @@ def _positive(text):
     value = float(text)
     if not 0.0 < value < math.inf:
         raise argparse.ArgumentTypeError(f'must be a finite number > 0, got {shown_text(text)}')
+    return value
+
+
+def _share(text):
+    value = float(text)
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f'must be a number in 0..1, got {shown_text(text)}')
     return value
 
 

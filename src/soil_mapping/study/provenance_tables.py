@@ -1,7 +1,9 @@
 """Where the report's figures come from: the field, the mission's parameters, programs, machines: text in cells."""
 
-from .collection import CONFIGURATION_NAMES
-from .tables import Table, group_title
+from move_base_abstract_experiments.report.parts import Table
+
+from .outcomes import CONFIGURATION_NAMES
+from .tables import group_title
 
 CHOSEN = ('allocation', 'sampling')  # they differ between configurations; the tables name them
 HIDDEN = ('field', *CHOSEN)
@@ -23,7 +25,8 @@ def _parameters(groups):
             rows += [(name, value or "''", where) for value, where
                      in _by_value(groups, lambda about, name=name: str(about['config'].get(name, 'not recorded')))]
     return Table('Parameters', ('parameter', 'value', 'of'), tuple(rows),
-                 'As recorded by the trials (trial.json). Names as in TrialConfig; docs/soil_study.md has their units.')
+                 'As recorded by the trials (files-trial.json). Names as in TrialConfig; '
+                 'docs/soil_study.md has their units.')
 
 
 def _field(about):

@@ -5,8 +5,8 @@ import time
 
 import rospy
 
+from move_base_abstract_experiments.warm_loopback import WarmLoopback
 from move_base_abstract_ros import lockstep
-from move_base_abstract_ros.loopback import Loopback
 from soil_mapping.coordinator import Coordinator
 from soil_mapping.result import collect
 from soil_mapping.ros.coordinator_node import run_mission
@@ -22,19 +22,19 @@ TASK = 'take_sample'
 POSE_TOPIC = 'base_pose_ground_truth'
 
 
-def run_ros_trial(spec, folder, bag=False, over=lambda: None):
+def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
     """Run the trial of a TrialSpec in this process, which can run no other, and return its TrialResult.
 
-    folder: where event log, bag and a measured charge go (a Path). bag: record all topics. over: called when the
-    mission is.
+    folder: where bag and a measured charge go (a Path). event_log: the path of the robots' log to be, in lockstep. bag:
+    record all topics. over: called when the mission is.
     :raises LoopbackError, MissionFailed: if a node ends, or the mission cannot be carried out.
     """
     stopwatch = Stopwatch()
     began = time.perf_counter()
-    with Loopback() as ros:
+    with WarmLoopback() as ros:
         ros.adopt()
         names = [f'robot_{index}' for index in range(spec.config.robots)]
-        nodes = _start_nodes(ros, spec, names, folder)
+        nodes = _start_nodes(ros, spec, names, folder, event_log)
         recorder = BagRecorder(ros, folder / 'trial.bag', names, ('move_base', TASK), POSE_TOPIC, NODE) if bag else None
         coordinator = Coordinator(spec.config, spec.seed, truth_of(spec.config), stopwatch)
         rospy.init_node(NODE, disable_signals=True)
@@ -52,12 +52,13 @@ def run_ros_trial(spec, folder, bag=False, over=lambda: None):
     return collect(coordinator, spec.about_engine, dict(seconds, messages=run.wall_s - inner), run.wall_s, spec.inputs)
 
 
-def _start_nodes(ros, spec, names, folder):
+def _start_nodes(ros, spec, names, folder, event_log):
     """Start the nodes of a trial, which come up while this process goes on; return their Childs, time master first."""
-    nodes = [ros.run('time_master', 'time_master', parameters=_clock(spec, folder))]
+    nodes = [ros.run('time_master', 'time_master', parameters=_clock(spec, event_log))]
     config = spec.config
     places = start_places(config.robots, spec.seed, truth_of(config).grid)
     quiet = {'events_only': True} if spec.clock != 'scaled' else {}  # the coordinator goes by what happens
+    ros.set_param('/log_motion', True)  # so that a replay of the log is exact
     nodes.append(ros.run('fleet', 'fleet', parameters={
         **quiet,
         'defaults': {'max_speed': config.speed},
@@ -71,12 +72,12 @@ def _start_nodes(ros, spec, names, folder):
     return nodes
 
 
-def _clock(spec, folder):
+def _clock(spec, event_log):
     """Return the time master's parameters."""
     if spec.clock == 'scaled':
         return {'mode': 'scaled', 'factor': float(spec.factor)}
     return {'mode': 'lockstep', 'participants': ['/fleet', '/task_server', '/' + NODE], 'on_death': 'end',
-            'speed_limit': float(spec.limit), 'event_log': str(folder / 'lockstep_events.jsonl')}
+            'speed_limit': float(spec.limit), 'event_log': str(event_log)}
 
 
 def _end(ros, nodes, recorder):

@@ -7,8 +7,6 @@ from move_base_abstract.lockstep.charge import check_charge
 from move_base_abstract.shown import shown
 from soil_mapping.config import TrialConfig
 from soil_mapping.motion import motion_named
-from soil_mapping.own_code import own_code
-from soil_mapping.provenance import package_version
 
 from .truth import digests
 
@@ -29,8 +27,6 @@ class TrialSpec:
     limit: float = 0.0  # at most so many simulated s per wall s in lockstep; 0 = no limit
     charge: str = 'none'  # what computing costs in lockstep: none, fixed:SECONDS, measured[:FILE], replay:FILE, ...
     motion: str = 'euclidean'  # of Mesa
-    load: int = 0  # so many processes that only burn time run beside it
-    again: int = 0  # number of the repetition: a trial that is to be the same as the one before
 
     def __post_init__(self):
         for name, allowed in (('engine', ENGINES), ('clock', CLOCKS)):
@@ -50,39 +46,12 @@ class TrialSpec:
     def about_engine(self):
         """The engine and its options, as they stand in trial.json; what does not apply is left out."""
         if self.engine == 'mesa':
-            about = {'name': 'mesa', 'motion': self.motion}
-        elif self.clock == 'scaled':
-            about = {'name': 'ros', 'clock': 'scaled', 'factor': self.factor}
-        else:
-            about = {'name': 'ros', 'clock': 'lockstep', 'limit': self.limit, 'charge': self.charge}
-        about.update({name: getattr(self, name) for name in ('load', 'again') if getattr(self, name)})
-        return about
-
-    @property
-    def group(self):
-        """A name for trials of the same engine and clock, fit for a folder: 'mesa', 'ros-lockstep', 'ros-10x', ..."""
-        if self.engine == 'mesa':
-            parts = ['mesa'] if self.motion == 'euclidean' else ['mesa', self.motion]
-        elif self.clock == 'scaled':
-            parts = [f'ros-{self.factor:g}x']
-        else:
-            parts = ['ros-lockstep', *([f'limit-{self.limit:g}x'] if self.limit else [])]
-            parts += ['charge'] if self.charge != 'none' else []
-        parts += [f'load-{self.load}'] if self.load else []
-        return '-'.join(parts + ([f'again-{self.again}'] if self.again else []))
-
-    @property
-    def name(self):
-        """Where the trial belongs below a study's folder of trials."""
-        return f'{self.group}/{self.config.label}/seed_{self.seed:03d}'
+            return {'name': 'mesa', 'motion': self.motion}
+        if self.clock == 'scaled':
+            return {'name': 'ros', 'clock': 'scaled', 'factor': self.factor}
+        return {'name': 'ros', 'clock': 'lockstep', 'limit': self.limit, 'charge': self.charge}
 
     @property
     def inputs(self):
         """What the trial reads, as in TrialResult; looked at once per process."""
         return digests(self.config.field, self.about_engine.get('charge', 'none'))
-
-    def is_of(self, about):
-        """Return whether trial.json's content (a mapping) is of this trial: parameters, files read, package version."""
-        own = self.config.to_dict(), self.seed, self.about_engine, own_code(self.config), self.inputs, package_version()
-        return (about['config'], about['seed'], about['engine'], about.get('own_code', {}), about.get('inputs'),
-                about.get('package')) == own

@@ -1,10 +1,10 @@
 """The tables of the report, as text in cells: what they say is decided here, how they look elsewhere."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from move_base_abstract_experiments.report.parts import Table
 from soil_mapping.comparison import (
     METRICS,
     PUBLISHED_TABLE,
@@ -16,17 +16,8 @@ from soil_mapping.comparison import (
     similarity_interval,
 )
 
-from .collection import (
-    CONFIGURATION_NAMES,
-    LOCKSTEP,
-    MESA,
-    as_study,
-    common_seeds,
-    configuration_order,
-    is_identical,
-    mean,
-    metric_column,
-)
+from .groups import EIGHT, FACTORS, LOCKSTEP, MESA, REAL_TIME
+from .outcomes import CONFIGURATION_NAMES, as_study, common_seeds, mean
 from .wording import (
     NOT_MEASURED,
     ROUNDING,
@@ -34,7 +25,6 @@ from .wording import (
     change,
     duration,
     in_deviations,
-    mean_with_interval,
     number,
     percent,
     range_of_similarity,
@@ -58,38 +48,25 @@ COSINE_NOTE = (
     'Standardised difference: of the means, in standard deviations of the trials (sd); it feels scale.')
 
 
-@dataclass(frozen=True)
-class Table:
-    """A heading, a row of column titles, rows of cells, and a paragraph that says how to read it."""
-
-    title: str
-    header: tuple
-    rows: tuple
-    note: str = ''
-
-
 def group_title(name):
     """Return a group's name for people."""
-    titles = {MESA: 'Mesa', 'mesa-eight': 'Mesa, eight directions', LOCKSTEP: 'ROS, lockstep'}
-    if name in titles:
-        return titles[name]
-    kind, _, rest = name.partition('-')
-    return f'{kind.upper()}, {rest.replace("-", " ")}' if rest else name
+    titles = {MESA: 'Mesa', EIGHT: 'Mesa, eight directions', LOCKSTEP: 'ROS, lockstep'}
+    return titles.get(name) or f'ROS, {name.partition("-")[2]}'
 
 
 def published_pairs(groups):
     """Return the groups of Table 1's own pairs; both kinds of Mesa stand for its Mesa (eight directions)."""
-    mesa = [name for name in (MESA, 'mesa-eight') if name in groups] or [MESA]
+    mesa = [name for name in (MESA, EIGHT) if name in groups] or [MESA]
     return [*((name, 'ros-10x') for name in mesa), ('ros-1x', 'ros-10x'), ('ros-1x', 'ros-15x')]
 
 
 def pairs(groups):
     """Return the pairs of groups that are compared, as names: Table 1's own first, then what else there is."""
-    scaled = [name for name in groups if name.startswith('ros-') and name.endswith('x') and name.count('-') == 1]
+    scaled = [name for name in groups if name in FACTORS]
     wanted = published_pairs(groups)
-    wanted += [(MESA, LOCKSTEP), ('mesa-eight', LOCKSTEP), (MESA, 'mesa-eight')]
+    wanted += [(MESA, LOCKSTEP), (EIGHT, LOCKSTEP), (MESA, EIGHT)]
     wanted += [(LOCKSTEP, name) for name in scaled]
-    wanted += [('ros-1x', name) for name in scaled if name != 'ros-1x']
+    wanted += [(REAL_TIME, name) for name in scaled if name != REAL_TIME]
     return [pair for pair in dict.fromkeys(wanted) if all(name in groups for name in pair)]
 
 
@@ -188,28 +165,13 @@ def _scale_cell(each, first, second, comparisons):
     return f'{change(each)}; {span(low, high)}; {in_deviations(each)}{shown}'
 
 
-def metric_tables(groups):
-    """Return one table per metric: mean, standard deviation and interval of each group and configuration."""
-    names = sorted({trial.configuration for trials in groups.values() for trial in trials}, key=configuration_order)
-    tables = []
-    for metric in METRICS:
-        rows = []
-        for group, trials in groups.items():
-            own = [metric_column([trial for trial in trials if trial.configuration == name], metric) for name in names]
-            rows.append((group_title(group), *(mean_with_interval(values) for values in own)))
-        tables.append(Table(UNITS[metric], ('trials of', *(CONFIGURATION_NAMES.get(name, name) for name in names)),
-                            tuple(rows), 'Mean ± standard deviation of the trials; 95 % interval of the mean (number '
-                            'of trials).'))
-    return tables
-
-
 def legs(groups):
     """Return how much too long the legs took."""
     rows = []
     for name, trials in groups.items():
         errors = np.array([error for trial in trials for error in trial.leg_errors])
         errors_ns = np.array([error for trial in trials for error in trial.leg_errors_ns])
-        if name != 'mesa-eight' and len(errors):
+        if name != EIGHT and len(errors):
             largest = int(np.abs(errors_ns).max())
             rows.append((group_title(name), str(len(errors)), percent(float(errors.mean())),
                          percent(float(np.abs(errors).max())), duration(float(errors_ns.mean())),
@@ -223,17 +185,12 @@ def legs(groups):
 
 def identities(groups):
     """Return, for runs that must be the same run, whether they are."""
-    rows = []
     reference = {(trial.configuration, trial.seed): trial for trial in groups.get(LOCKSTEP, [])}
-    for name, trials in groups.items():
-        if name == LOCKSTEP or not (name == MESA or name.startswith(LOCKSTEP)):
-            continue
-        both = [(trial, reference[trial.configuration, trial.seed]) for trial in trials
-                if (trial.configuration, trial.seed) in reference]
-        same = sum(is_identical(*pair) for pair in both)
-        if both:
-            rows.append((f'{group_title(name)} and {group_title(LOCKSTEP)}', str(len(both)), str(same),
-                         'yes' if same == len(both) else 'no'))
+    pairs_of_both = [(trial, reference[trial.configuration, trial.seed]) for trial in groups.get(MESA, [])
+                     if (trial.configuration, trial.seed) in reference]
+    same = sum(one.events_sha256 == other.events_sha256 for one, other in pairs_of_both)
+    rows = [(f'{group_title(MESA)} and {group_title(LOCKSTEP)}', str(len(pairs_of_both)), str(same),
+             'yes' if same == len(pairs_of_both) else 'no')] if pairs_of_both else []
     return Table('Identical runs', ('runs', 'pairs', 'identical', 'identical: yes/no'), tuple(rows),
-                 'The same seed again, limited to a speed, and on loaded cores: event logs of the mission and of the '
-                 'robots, to the byte. Mesa: the event log of the mission, to the byte.')
+                 'The same mission on both engines: its event log, to the byte. What ran twice on one engine stands '
+                 'under Repeatability.', True)

@@ -2,12 +2,8 @@
 
 import math
 
-import numpy as np
-from scipy import stats
-
 UNKNOWN = 'unknown'
 NOT_MEASURED = '–'
-LEVEL = 0.95  # of all intervals
 ROUNDING = 1e-9  # shares that are smaller are rounding errors
 
 
@@ -42,22 +38,6 @@ def duration(ns):
 def span(low, high):
     """Return an interval."""
     return f'{number(low)} to {number(high)}'
-
-
-def mean_with_interval(values):
-    """Return 'mean ± sd; 95 %: low to high (n)' of those values that are not NaN.
-
-    The interval of the mean is Student's: mean -+ t sd / sqrt(n).
-    """
-    known = np.array([value for value in values if not math.isnan(value)])
-    if not len(known):
-        return f'{UNKNOWN} (0)'
-    middle = float(known.mean())
-    if len(known) == 1:
-        return f'{number(middle)} (1)'
-    spread = float(known.std(ddof=1))
-    reach = float(stats.t.ppf(0.5 + LEVEL / 2.0, len(known) - 1)) * spread / math.sqrt(len(known))
-    return f'{number(middle)} ± {number(spread)}; {span(middle - reach, middle + reach)} ({len(known)})'
 
 
 def change(each):

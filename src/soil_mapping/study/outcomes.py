@@ -1,21 +1,20 @@
-"""The trials of a study that are complete, as the report needs them."""
+"""The trials of a study that are complete, as the report's sections need them."""
 
-import filecmp
 import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from soil_mapping.comparison import METRICS, trial_row
+from soil_mapping.comparison import trial_row
 from soil_mapping.motion import StraightTrip
-from soil_mapping.trial_folder import OLD, UNFINISHED, is_complete, read_about, read_trial
+from soil_mapping.trial_folder import is_complete, read_about, read_trial
 
-from .study_folder import belongs
+from .groups import ALL
 
 CONFIGURATION_NAMES = {'ssi_random': 'SSI random', 'ssi_dynamic': 'SSI dynamic', 'rr_random': 'RR random',
-                       'rr_dynamic': 'RR dynamic'}  # in the report's order
-MESA, LOCKSTEP = 'mesa', 'ros-lockstep'
+                       'rr_dynamic': 'RR dynamic'}  # in the sections' order
+FILES = 'files-'  # what the names of a trial's own files begin with in an experiment's folder
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,7 @@ class Trial:
 
     path: Path
     group: str
-    configuration: str  # a key of CONFIGURATION_NAMES, or another folder's name
+    configuration: str  # a key of CONFIGURATION_NAMES
     seed: int
     row: tuple  # the metrics in the order of METRICS
     events_sha256: str
@@ -32,36 +31,26 @@ class Trial:
     speed_up: dict  # overall, moving
     leg_errors: tuple  # per leg: how much longer it took than by the law of motion, as a share of that
     leg_errors_ns: tuple  # the same [simulated ns]
-    about: dict  # trial.json
+    about: dict  # the trial's own trial.json
 
 
-def collect_trials(folder):
-    """Return the complete trials below the folder of a study, by group, in a stated order.
-
-    Trials of other parameters than the study was last run with, of another content of its field's file or of another
-    version of this package are left out.
-
-    :raises FileNotFoundError: if there is none.
-    """
-    paths = sorted(path.parent for path in Path(folder).glob('trials/*/*/seed_*/trial.json'))
-    is_own = belongs(Path(folder))
-    trials = [read(path) for path in paths if is_complete(path) and not path.name.endswith((UNFINISHED, OLD))
-              and is_own(read_about(path))]
-    if not trials:
-        raise FileNotFoundError(f'{folder}: there is no complete trial; `study run` makes them')
-    groups = {}
-    for trial in trials:
-        groups.setdefault(trial.group, []).append(trial)
-    return {name: groups[name] for name in sorted(groups, key=_group_order)}
+def collect_trials(experiment):
+    """Return the complete trials of a report's Experiment by group, in a stated order."""
+    groups, engines = {}, {one['id']: one['configuration'].get('engine') for one in experiment.plan['trials']}
+    for one in experiment.complete:
+        path = experiment.folder / 'trials' / one.id
+        if is_complete(path, FILES):
+            groups.setdefault(engines[one.id], []).append(read(path, engines[one.id]))
+    return {name: groups[name] for name in ALL if name in groups}
 
 
-def read(path):
+def read(path, group):
     """Return the Trial of a complete folder."""
-    about, result = read_about(path), read_trial(path)
+    about, result = read_about(path, FILES), read_trial(path, FILES)
     errors_ns, errors = leg_errors(result)
-    return Trial(path=path, group=path.parts[-3], configuration=path.parts[-2], seed=result.seed,
-                 row=tuple(trial_row(result.metrics)), events_sha256=about['events_sha256'], wall_s=result.wall_s,
-                 speed_up=result.speed_up, leg_errors=errors, leg_errors_ns=errors_ns,
+    return Trial(path=path, group=group, configuration=f"{about['config']['allocation']}_{about['config']['sampling']}",
+                 seed=result.seed, row=tuple(trial_row(result.metrics)), events_sha256=about['events_sha256'],
+                 wall_s=result.wall_s, speed_up=result.speed_up, leg_errors=errors, leg_errors_ns=errors_ns,
                  about=about)
 
 
@@ -97,14 +86,6 @@ def common_seeds(first, second):
     return {(trial.configuration, trial.seed) for trial in first} & {(each.configuration, each.seed) for each in second}
 
 
-def is_identical(trial, other):
-    """Return whether two trials are the same run: same events and, where there are two, the same robots' log."""
-    logs = [each.path / 'lockstep_events.jsonl' for each in (trial, other)]
-    if trial.events_sha256 != other.events_sha256:
-        return False
-    return not all(log.is_file() for log in logs) or filecmp.cmp(*logs, shallow=False)
-
-
 def configuration_order(name):
     """Return a sorting key: the published order, then by name."""
     known = list(CONFIGURATION_NAMES)
@@ -115,19 +96,3 @@ def mean(values):
     """Return the mean of those that are not NaN; NaN if there is none."""
     known = [value for value in values if not math.isnan(value)]
     return sum(known) / len(known) if known else math.nan
-
-
-def metric_column(trials, metric):
-    """Return the values of one metric."""
-    return [trial.row[METRICS.index(metric)] for trial in trials]
-
-
-def _group_order(name):
-    first = [MESA, 'mesa-eight', LOCKSTEP]
-    if name in first:
-        return first.index(name), 0.0, name
-    factor = name.removeprefix('ros-').removesuffix('x')
-    try:
-        return len(first), float(factor), name
-    except ValueError:
-        return len(first) + 1, 0.0, name

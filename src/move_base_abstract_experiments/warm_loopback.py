@@ -1,0 +1,77 @@
+"""A ROS master of our own and nodes under it, as Loopback starts them, but forked from this process where that can be.
+
+This process has one thread until all are started: before rospy.init_node. The kernel ends what it has forked with it.
+"""
+import os
+import signal
+import subprocess
+import time
+
+from rosgraph.names import ns_join
+
+from move_base_abstract_ros import loopback
+from move_base_abstract_ros.loopback import Child, Loopback, LoopbackError
+
+from . import processes, ros_master, warm_nodes
+
+_POLL_S = 0.005  # wall
+
+
+class WarmLoopback(Loopback):
+    """A Loopback whose master and Python nodes of this package are forks of this process."""
+
+    def run(self, executable, name, namespace='/', parameters=None, arguments=()):
+        """As Loopback.run."""
+        full_name = ns_join(namespace, name)
+        ros_master.set_parameters(self.uri, [(ns_join(full_name, key), value)
+                                             for key, value in (parameters or {}).items()])
+        words = [loopback.find_executable(executable), *arguments, f'__ns:={namespace}', f'__name:={name}']
+        launcher = loopback.find_executable('lockstep')
+        if not warm_nodes.is_fit(words, self.environment, launcher, os.path.dirname(launcher)):
+            return self.spawn(full_name, words)
+        environment, log_path = self.environment, self._log_path(full_name)
+        return self._child(full_name, processes.fork(lambda: warm_nodes.become(words, environment), log_path), log_path)
+
+    def _start_master(self):
+        log_path = self._log_path('rosmaster')
+        try:
+            pid, self.uri = ros_master.start(log_path)
+        except ros_master.MasterError as error:
+            raise LoopbackError(str(error)) from None
+        self._child('rosmaster', pid, log_path)
+        self.set_param('/use_sim_time', self._use_sim_time)
+
+    def _log_path(self, name):
+        return os.path.join(self.log_dir, f'{len(self._children):02d}{name.replace("/", "-")}.out')
+
+    def _child(self, name, pid, log_path):
+        self._children.append(Child(name, _Forked(pid), log_path))
+        return self._children[-1]
+
+
+class _Forked:
+    """What subprocess.Popen says of a process, of one that was forked."""
+
+    def __init__(self, pid):
+        self.pid = pid
+        self._code = None
+
+    def poll(self):
+        """Return its exit code, of a signal the negative number; None while it runs."""
+        if self._code is None:
+            try:
+                found, status = os.waitpid(self.pid, os.WNOHANG)
+            except ChildProcessError:  # somebody else has taken its status
+                found, status = self.pid, signal.SIGKILL
+            if found:
+                self._code = processes.code_of(status)
+        return self._code
+
+    def wait(self, timeout=None):
+        """Return its exit code at its end. :raises subprocess.TimeoutExpired: after so long [s, wall]."""
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while self.poll() is None:
+            if deadline is not None and time.monotonic() > deadline:
+                raise subprocess.TimeoutExpired(f'process {self.pid}', timeout)
+            time.sleep(_POLL_S)
+        return self._code

@@ -1,0 +1,52 @@
+"""The groups of trials that the study is made of: the engines and clocks on which each mission runs."""
+
+import functools
+from dataclasses import replace
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.shown import shown
+
+from .spec import TrialSpec
+from .truth import truth_of
+
+MESA, EIGHT, LOCKSTEP = 'mesa', 'mesa-eight', 'ros-lockstep'
+SCALED = {f'ros-{factor:g}x': factor for factor in (100.0, 15.0, 10.0)}
+REAL_TIME = 'ros-1x'
+FACTORS = {**SCALED, REAL_TIME: 1.0}  # simulated s per wall s
+ALL = (MESA, EIGHT, LOCKSTEP, *SCALED, REAL_TIME)
+
+
+def specs_of(groups, config):
+    """Return the TrialSpec of each group of names, with a TrialConfig and seed 0."""
+    return [_spec_of(group, config) for group in groups]
+
+
+def _spec_of(group, config):
+    if group == MESA:
+        return TrialSpec(config=config, engine='mesa')
+    if group == EIGHT:
+        return TrialSpec(config=replace(config, cell_m=2, coarse_cells=_coarse_cells(config)), engine='mesa',
+                         motion='eight')
+    if group == LOCKSTEP:
+        return TrialSpec(config=config)
+    return TrialSpec(config=config, clock='scaled', factor=FACTORS[group])
+
+
+def _coarse_cells(config):
+    """Eight directions have the published study's coarse cells where the field is of the published one's size."""
+    return 'clusters' if _is_published(config.field, config.cell_m, config.crs, config.size) else 'squares'
+
+
+@functools.lru_cache(maxsize=4)
+def _is_published(field, cell_m, crs, size):
+    from soil_mapping.config import TrialConfig
+    return truth_of(TrialConfig(field=field, cell_m=cell_m, crs=crs, size=size)).grid.is_published
+
+
+def chosen(names, with_1x=False):
+    """Return the groups of these names, without names those that a study runs. :raises ConfigurationError: if none."""
+    known = [group for group in ALL if with_1x or group != REAL_TIME]
+    for name in names or ():
+        if name not in known:
+            raise ConfigurationError(f'--groups: there is no group {shown(name)}; there are {", ".join(known)}')
+    return [group for group in known if not names or group in names]

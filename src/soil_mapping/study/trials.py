@@ -1,0 +1,133 @@
+"""Trials of the study: run in this process, by `study trial` or as the function that is a trial of the experiment.
+
+What computes is imported, and the field made, before a process is forked for a trial: both take longer than most of it.
+"""
+
+import contextlib
+import importlib
+import os
+import signal
+import sys
+import traceback
+from dataclasses import replace
+
+from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.own_files import whole_file
+from move_base_abstract_experiments import processes
+from soil_mapping.config import TrialConfig
+from soil_mapping.trial_folder import TrialFolder, write_files
+
+from .groups import specs_of
+from .truth import truth_of
+
+HEAVY = {'ros': ('soil_mapping.study.ros_trial', 'rosmaster.master', 'move_base_abstract_ros.nodes.fleet_node',
+                 'move_base_abstract_ros.nodes.task_server_node'), 'mesa': ('soil_mapping.mesa_model',)}
+END = signal.SIGTERM  # ends a trial that is run by itself, unless its mission is over and its record is not complete
+RECORD_S = 30.0  # wall; so long an interrupted trial may write what it has, once its mission is over
+LOG = 'lockstep_events.jsonl'  # of a trial that is run by itself
+NOT_REPEATABLE = 'scaled clock: when messages arrive depends on the machine'
+
+
+def prepare(args, factors):
+    """Import what the experiment's trials need and make their fields; called once per warm process."""
+    for spec in specs_of(factors['engine'], _config(args)):
+        check(spec)
+
+
+def check(spec):
+    """Import what the trial of a TrialSpec needs and make its field; complain of what cannot be.
+
+    :raises ConfigurationError: if a file that it reads, or a class of the user's, cannot be used.
+    """
+    from soil_mapping.coordinator import Coordinator
+    spec.inputs  # noqa: B018 - looked at, and kept
+    truth = truth_of(spec.config)
+    for module in HEAVY[spec.engine]:
+        _import(spec.engine, module)
+    Coordinator(spec.config, spec.seed, truth)
+
+
+def _import(engine, module):
+    try:
+        importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        why = 'it needs Python 3.11; trials on ROS need none' if error.name == 'mesa' else 'see docs/soil_study_ros.md'
+        raise ConfigurationError(f"engine '{engine}': {error.name} is not installed for {sys.executable} "
+                                 f'({why})') from None
+
+
+def _config(args):
+    return TrialConfig.from_dict({name: value for name, value in args.items() if name != 'pictures'})
+
+
+def run(trial):
+    """Run a trial of the experiment, as its function: write its files, return its metrics."""
+    config = replace(_config(trial.args), **{name: trial.configuration[name] for name in ('allocation', 'sampling')})
+    spec = replace(specs_of([trial.configuration['engine']], config)[0], seed=trial.seed)
+    result = _carry_out(spec, trial.files, trial.event_log)
+    write_files(trial.files, result)
+    if trial.args['pictures']:
+        from soil_mapping.pictures import write_pictures
+        write_pictures(trial.files, result)
+    trial.simulated_seconds = result.simulated_s
+    if spec.engine == 'ros' and spec.clock == 'scaled':
+        trial.not_repeatable(NOT_REPEATABLE)
+    return result.metrics._asdict()
+
+
+def run_one(spec, path, pictures=False, bag=False):
+    """Run a trial in this process, which can run no other of ROS after it, and write its folder.
+
+    An error is also written to error.txt in the unfinished folder.
+    """
+    with TrialFolder(path) as folder, _noted_errors(folder):
+        result = _carry_out(spec, folder.path, folder.path / LOG, bag, lambda: signal.signal(END, signal.SIG_IGN))
+        folder.finish(result, pictures, lambda: signal.signal(END, signal.SIG_DFL))
+
+
+def in_child(body):
+    """Call body(), which returns an exit code, in a forked process; return that, or a signal's negative number.
+
+    If this process is interrupted, the child ends: at once, or once END is no longer ignored there. The kernel ends its
+    nodes with it. :raises KeyboardInterrupt: after that.
+    """
+    def child():
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent: here it might come anywhere
+        code = body()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)  # rospy's own end takes half a second and tells a master that has gone
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    pid, statuses = None, {}
+    try:
+        pid = processes.fork(child)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        statuses[pid] = os.waitpid(pid, 0)[1]
+        return processes.code_of(statuses[pid])
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        processes.end([] if pid is None or pid in statuses else [pid], END, RECORD_S, statuses)
+
+
+def _carry_out(spec, folder, event_log, bag=False, over=lambda: None):
+    """Run the mission of a TrialSpec; return its TrialResult. over: called when it is over."""
+    if spec.engine == 'ros':
+        from .ros_trial import run_ros_trial
+        return run_ros_trial(spec, folder, event_log, bag, over)
+    from soil_mapping.mesa_model import run_mesa_trial
+    result = run_mesa_trial(spec.config, spec.seed, spec.motion, truth_of(spec.config), inputs=spec.inputs)
+    over()
+    return result
+
+
+@contextlib.contextmanager
+def _noted_errors(folder):
+    """Write an error that ends a trial into the folder that it leaves, as well as that goes."""
+    try:
+        yield
+    except BaseException as error:
+        with contextlib.suppress(SimulatorError, OSError):
+            if folder.path.is_dir():
+                with whole_file(folder.path / 'error.txt', encoding='utf-8') as stream:
+                    stream.write(''.join(traceback.format_exception(type(error), error, error.__traceback__)))
+        raise

@@ -1,0 +1,71 @@
+"""Trials that are a user's function: what it is given, what it may return, and that it is alone."""
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+MODEL = """
+import os, sys, threading, time
+ready = []
+
+def prepare(args, factors):
+    ready.append((args['n'], factors['n']))
+
+def run(trial):
+    assert os.getcwd() == str(trial.files), os.getcwd()
+    (trial.files / 'out.csv').write_text('x')
+    print('said by the function')
+    trial.simulated_seconds = 12.5
+    if trial.args['n'] == 2:
+        trial.not_repeatable('two')
+    if trial.args['n'] == 3:
+        raise ValueError('three is too many')
+    if trial.args['n'] == 4:
+        return {'seed': 1}
+    if trial.args['n'] == 5:
+        os._exit(3)
+    if trial.args['n'] == 6 and os.fork() == 0:
+        time.sleep(600)  # what it starts ends with it, and nobody waits for it
+    return {'doubled': 2 * trial.args['n'], 'prepared': len(ready), 'seeds': trial.seed, 'none': float('nan')}
+"""
+
+
+def call(tmp_path, n):
+    """Return the answer of a trial in a Python of its own: it forks."""
+    (tmp_path / 'model.py').write_text(MODEL)
+    folders = [str(tmp_path / name) for name in ('own', 'files', 'logs')]
+    for path in folders:
+        os.mkdir(path)
+    job = {'configuration': {'n': n}, 'replication': 0, 'seed': 7, 'function_arguments': {'n': n}, 'factors': ['n'],
+           'trial_function': 'model:run', 'folder': str(tmp_path), 'time_limit': 60.0,
+           'prepare': ['model:prepare', str(tmp_path), {'n': '{n}'}, {'n': [n]}]}
+    path = tmp_path / 'job.json'
+    path.write_text(json.dumps({'job': job, 'folders': folders}))
+    environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
+    subprocess.run([sys.executable, '-m', 'move_base_abstract_experiments.functions', str(path)], timeout=60,
+                   check=True, env=environment)
+    return json.loads((tmp_path / 'job.json.answer').read_text())
+
+
+def test_a_function_is_called_in_its_folder_with_what_was_prepared(tmp_path):
+    assert call(tmp_path, 1) == {'metrics': {'doubled': 2, 'prepared': 1, 'seeds': 7, 'none': None}, 'labels': [],
+                                 'simulated_seconds': 12.5}
+    assert (tmp_path / 'files' / 'out.csv').read_text() == 'x'
+    assert 'said by the function' in (tmp_path / 'logs' / 'function.txt').read_text()
+
+
+def test_it_may_say_that_it_is_not_repeatable(tmp_path):
+    assert call(tmp_path, 2)['labels'] == ['two']
+
+
+def test_what_it_leaves_running_ends_with_it(tmp_path):
+    assert call(tmp_path, 6)['metrics']['doubled'] == 12
+
+
+@pytest.mark.parametrize('n, problem', [
+    (3, 'ValueError: three is too many'), (4, "ValueError: 'seed' is no name for a metric"),
+    (5, 'or its process died')])
+def test_what_goes_wrong_is_told_in_a_line(tmp_path, n, problem):
+    assert problem in call(tmp_path, n)['problem']
