@@ -7,5 +7,6 @@ setup(**generate_distutils_setup(
     package_dir={'': 'src'},
     package_data={'move_base_abstract_experiments': ['report/templates/*.j2'],
                   'move_base_abstract_replay': ['templates/*'],
+                  'move_base_abstract_ros': ['lockstep/follow/*.py'],
                   'soil_mapping': ['data/*.npy', 'data/*.csv', 'data/README.md', '*.txt']},
 ))

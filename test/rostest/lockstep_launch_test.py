@@ -34,6 +34,9 @@ KINDS = """<launch>
   <node pkg="move_base_abstract" type="shim_listener" name="elsewhere" args="/a /d" machine="robot"/>
   <node pkg="move_base_abstract" type="shim_listener" name="watched" args="/a /e" launch-prefix="gdb -ex run --args"/>
   <node pkg="study_of_others" type="run_tests.py" name="no_node"/>
+  <node pkg="study_of_others" type="both" name="both"/>
+  <node pkg="study_of_others" type="wrapped" name="wrapped"/>
+  <node pkg="study_of_others" type="binary" name="binary"/>
   <node pkg="move_base_abstract" type="no_such_program" name="missing"/>
   <machine name="robot" address="192.0.2.1" env-loader="/opt/env.sh"/>
 </launch>
@@ -43,6 +46,39 @@ TICKING = """<launch>
   {more}
 </launch>
 """
+SHELL = """<launch>
+  <node pkg="study_of_others" type="both" name="both" args="a"/>
+  <node pkg="study_of_others" type="wrapped" name="wrapped"/>
+  <node pkg="study_of_others" type="child" name="child" ns="robot"/>
+</launch>
+"""
+# Shell scripts as people write them: a Python program that finds its Python, one that sets things up, and one that
+# waits for its child.
+SCRIPTS = {
+    'both': """#!/bin/sh
+'''exec' python3 -u -- "$0" "$@"
+'''
+import os
+import sys
+import rospy
+from std_msgs.msg import String
+rospy.init_node('x')
+pub = rospy.Publisher('~said', String, queue_size=5)
+for topic in ('~said', '/ticks', '/robot/ticks'):
+    rospy.Subscriber(topic, rospy.AnyMsg, lambda message: None)
+for number in range(3):
+    rospy.sleep(1.5)
+    pub.publish('%s %d %s' % (sys.argv[1], number, os.environ.get('PYTHONPATH', '').find('follow')))
+rospy.spin()
+""", 'wrapped': """#!/usr/bin/env bash
+set -e
+python3 -c 'import sitecustomize' 2> /dev/null || true
+exec rosrun study_of_others ticks.py "$@"
+""", 'child': """#!/bin/bash
+"$(rospack find study_of_others)/ticks.py" "$@"
+""", 'binary': """#!/bin/sh
+exec rosrun move_base_abstract shim_listener /a /b "$@"
+"""}
 LEAVING = """<launch>
   <node pkg="study_of_others" type="leaves.py" name="leaves" required="true"/>
 </launch>
@@ -63,6 +99,10 @@ class LaunchTest(unittest.TestCase):
         for path in [*scripts, os.path.join(HERE, os.pardir, os.pardir, 'tools', 'run_tests.py')]:
             shutil.copy(path, self.folder)
             os.chmod(self.path(os.path.basename(path)), 0o755)
+        for name, text in SCRIPTS.items():
+            with open(self.path(name), 'w') as stream:
+                stream.write(text)
+            os.chmod(self.path(name), 0o755)
         self.environment = dict(os.environ, ROSCONSOLE_STDOUT_LINE_BUFFERED='1',
                                 ROS_PACKAGE_PATH=os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']]))
 
@@ -105,11 +145,11 @@ class LaunchTest(unittest.TestCase):
         done = self.run_it('--list', self.file(KINDS))
         self.assertEqual(done.returncode, 0, done.stdout)
         first, *others = done.stdout.splitlines()
-        self.assertEqual(first.partition(': ')[2], '7 of 13 nodes take part: /one/relay, /one/move_base, /one/fleet, '
-                         '/flags, /asker, /echo, /answerer_anonymous_1')
+        self.assertEqual(first.partition(': ')[2], '9 of 16 nodes take part: /one/relay, /one/move_base, /one/fleet, '
+                         '/flags, /asker, /echo, /answerer_anonymous_1, /both, /wrapped')
         for name, why in (('/recorder', 'only records'), ('/again', 'it is respawned'), ('/watched', "under 'gdb'"),
                           ('/elsewhere', "machine 'robot'"), ('/no_node', 'imports rospy'),
-                          ('/missing', 'there is no program')):
+                          ('/missing', 'there is no program'), ('/binary', 'it is a shell script')):
             line, = [line for line in others if line.startswith('lockstep_launch: {} looks on'.format(name))]
             self.assertIn(why, line)
 
@@ -148,6 +188,18 @@ class LaunchTest(unittest.TestCase):
         with open(log) as stream:
             end = json.loads(stream.readlines()[-1])['end']
         self.assertEqual((end['reason'], end['repeatable']), ('the run was to end at 50 s', True))
+
+    def test_shell_scripts_are_followed_to_the_python_program_that_they_become(self):
+        done = self.run_it('--until', '6.2', '--log-messages', '--event-log', self.path('a.jsonl'), self.file(SHELL))
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertIn('3 of 3 nodes take part', done.stdout)
+        with open(self.path('a.jsonl')) as stream:
+            _head, *lines, end = [json.loads(line) for line in stream]
+        self.assertEqual(end['end']['not_repeatable_because'] + end['end']['degraded_because'], [])
+        said = [(line['time_ns'], line['robot']) for line in lines if line['kind'] == 'message']
+        self.assertEqual([at for at, topic in said if topic == '/both/said'], [2500000000, 4000000000, 5500000000])
+        for topic in ('/ticks', '/robot/ticks'):
+            self.assertEqual([at for at, its in said if its == topic], [second * 10 ** 9 for second in range(2, 7)])
 
     def test_what_a_run_leaves_in_its_temporary_folder_does_not_change_the_next_one(self):
         self.environment['TMPDIR'] = self.folder

@@ -178,10 +178,12 @@ class StartTest(unittest.TestCase):
         self.assertIn('KeyboardInterrupt', run.outputs['interrupt'])
 
     def test_what_cannot_be_started(self):
-        with open(self.path('shell'), 'w') as script:
-            script.write('#!/bin/sh\necho no\n')
+        for name, text in (('shell', '#!/bin/sh\necho no\n'), ('perl', '#!/usr/bin/perl\n')):
+            with open(self.path(name), 'w') as script:
+                script.write(text)
         for words, text in ((['/there/is/none.py'], "there is no program '/there/is/none.py'"),
-                            ([self.path('shell')], 'neither a Python script nor a binary'),
+                            ([self.path('perl')], 'neither a Python or shell script nor a binary'),
+                            ([self.path('shell')], 'Permission denied'),
                             (['-m'], '-m needs the name of a module'),
                             (['python3', '-c', 'pass'], "'-c' of a Python interpreter is not possible"),
                             (['python3'], 'needs a script or -m MODULE'), ([], 'no program was given'),

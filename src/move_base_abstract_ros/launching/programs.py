@@ -4,7 +4,11 @@ import re
 import sys
 from importlib.machinery import PathFinder
 
+from roslib import packages
+from rospkg import ResourceNotFound, RosPack
+
 from ..lockstep.binary import links_to_roscpp
+from ..lockstep.shell_scripts import programs_in
 from ..nodes import lockstep_launcher
 
 _RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space
@@ -22,7 +26,34 @@ def kind_of(path):
             return ('roscpp', '') if links_to_roscpp(path) else (None, 'it is a binary without roscpp')
     except ValueError as error:
         return None, str(error)
+    if kind == 'shell':
+        return _kind_of_shell(path)
     return ('rospy', '') if uses_rospy(path) else (None, 'nothing in it, or in what it imports, imports rospy')
+
+
+def _kind_of_shell(path):
+    text = _read(path)
+    if b'python' in text and any(name.split('.')[0] in _ROSPY for name in _imports(text)):
+        return 'rospy', ''  # both at once: to the shell, and to the Python that it has read the file
+    for found in programs_in(path, text.decode('utf-8', 'replace'), _package, _nodes):
+        if lockstep_launcher.kind_of(found) == 'script' and uses_rospy(found):
+            return 'rospy', ''
+    return None, 'it is a shell script, and no rospy program is to be seen in it (binaries that one starts are not ' \
+                 'followed; --participant has it take part)'
+
+
+def _package(name):
+    try:
+        return RosPack().get_path(name)
+    except ResourceNotFound:
+        return None
+
+
+def _nodes(package, kind):
+    try:
+        return packages.find_node(package, kind)
+    except ResourceNotFound:
+        return []
 
 
 def uses_rospy(path):

@@ -5,7 +5,8 @@
     <node launch-prefix="rosrun move_base_abstract lockstep" .../>
 
 A Python script runs in this process, behind hooks that join when it calls rospy.init_node; a binary gets a library
-preloaded. Where the time master does not work in lockstep the program runs as if this were not here.
+preloaded; a shell script is followed to the Python program that it becomes. Where the time master does not work in
+lockstep the program runs as if this were not here.
 """
 import argparse
 import os
@@ -16,7 +17,7 @@ import sys
 from move_base_abstract.lockstep.wire import MAX_RANK
 from move_base_abstract.shown import shown
 
-from ..lockstep import address_layout, program
+from ..lockstep import address_layout, program, shell_scripts
 
 _PYTHON = re.compile(r'python[0-9.]*$')
 _WHOLE_NUMBER = re.compile(r'[+-]?[0-9]{1,18}\Z', re.ASCII)
@@ -37,6 +38,8 @@ def main():
     if kind == 'binary':
         from ..lockstep import binary
         binary.execute(path, arguments, options)
+    elif kind == 'shell':
+        shell_scripts.execute(path, arguments, sys.argv[:len(sys.argv) - len(command)])
     else:
         program.run(kind, path, arguments, options)
 
@@ -130,7 +133,7 @@ def _of_script(path):
 
 
 def find(command, is_script=False):
-    """Return ('module' | 'script' | 'binary', name or path, arguments) of a command line.
+    """Return ('module' | 'script' | 'shell' | 'binary', name or path, arguments) of a command line.
 
     ``is_script``: it came after a Python interpreter, so that whatever file it is, it is a script.
 
@@ -143,9 +146,9 @@ def find(command, is_script=False):
     path = command[0] if is_script else _path(command[0])
     if path is None or not os.path.isfile(path):
         raise ValueError("there is no program '{}'".format(command[0]))
-    kind = 'script' if is_script else _kind(path)
+    kind = 'script' if is_script else kind_of(path)
     if kind is None:
-        raise ValueError("'{}' is neither a Python script nor a binary; programs that it starts can be given "
+        raise ValueError("'{}' is neither a Python or shell script nor a binary; programs that it starts can be given "
                          'themselves'.format(path))
     return kind, path, command[1:]
 
@@ -156,12 +159,15 @@ def _path(word):
     return path if path is not None and os.path.isfile(path) else None
 
 
-def _kind(path):
+def kind_of(path):
+    """Return 'binary', 'shell' or 'script', or None of a file."""
     with open(path, 'rb') as stream:
         begin = stream.read(200)
     if begin.startswith(b'\x7fELF'):
         return 'binary'
     first = begin.split(b'\n', 1)[0]
+    if shell_scripts.is_shell(first):
+        return 'shell'
     if path.endswith('.py') or (first.startswith(b'#!') and b'python' in first):
         return 'script'
     return None

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Have asyncio wait for what lockstep does not order: a child, a pipe, connections, signals; and for what never comes.
+"""Have asyncio wait for what comes when it comes: a child, a pipe, connections, signals; and for what never comes.
 
 event_loops_outside.py child | pipe | server | signal | early | forever
 """

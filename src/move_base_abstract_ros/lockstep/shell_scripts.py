@@ -1,0 +1,49 @@
+"""Shell scripts that become a Python program, or start one: the launcher follows to that program.
+
+A shell script is run as it is. Python reads :mod:`sitecustomize` whenever it starts, and so one that lies in FOLDER;
+it has the launcher run the program if this Python is the node: the same process (``exec python3 ...``), or a command
+line with the node's ``__name:=`` in it. Binaries that a shell script starts are not followed.
+"""
+import json
+import os
+import re
+import sys
+
+FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'follow')
+FOLLOW = 'MOVE_BASE_ABSTRACT_LOCKSTEP_FOLLOW'
+_SHELL = re.compile(rb'^#![ \t]*(\S*/)?(env[ \t]+(-\S+[ \t]+)*)?(sh|bash|dash|ksh|zsh)([ \t]|$)')
+_WORD = re.compile(r'[\w./-]+')
+_FOUND = re.compile(r'\brospack\s+find\s+([\w-]+)')
+_RUN = re.compile(r'\brosrun\s+([\w-]+)\s+([\w./-]+)')
+_NAME = '__name:='
+
+
+def is_shell(first_line):
+    """Return whether the first line of a file (bytes) says that a shell is to run it."""
+    return _SHELL.match(first_line) is not None
+
+
+def execute(path, arguments, launcher):
+    """Become the shell script, with the launcher's words before the Python program that comes of it."""
+    names = [word for word in arguments if word.startswith(_NAME)]
+    environment = dict(os.environ)
+    environment[FOLLOW] = json.dumps([os.getpid(), names, [sys.executable, *launcher], FOLDER])
+    environment['PYTHONPATH'] = os.pathsep.join([FOLDER, *filter(None, [environment.get('PYTHONPATH')])])
+    os.execve(path, [path, *arguments], environment)
+
+
+def programs_in(path, text, find_package, find_node):
+    """Yield the paths of files that a shell script's ``text`` names, as far as that can be read.
+
+    They are sought in the script's own folder and in those of packages that it has found.
+
+    :param find_package: name of a package -> its folder, or None
+    :param find_node: package, type -> [paths]
+    """
+    folders = [os.path.dirname(os.path.realpath(path)), *filter(None, map(find_package, _FOUND.findall(text)))]
+    for package, kind in _RUN.findall(text):
+        yield from find_node(package, kind)
+    for word in _WORD.findall(text):
+        for candidate in [word, *(os.path.join(folder, word.lstrip('/')) for folder in folders)]:
+            if os.path.isabs(candidate) and os.path.isfile(candidate) and not os.path.samefile(candidate, path):
+                yield candidate
