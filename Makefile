@@ -64,6 +64,7 @@ bench: deps-bench deps-test build  ## the measurements, as JSON lines
 	  { cat '$(WS)/build_bench.log'; exit 1; }
 	@$(ENTER) $(PYTHON) bench/lockstep $(BENCH_ARGS) && $(PYTHON) bench/launcher $(BENCH_ARGS) && \
 	  $(PYTHON) bench/dense $(BENCH_ARGS) && \
+	  $(PYTHON) bench/dense --one-core --kinds roscpp --agents 4 8 $(BENCH_ARGS) && \
 	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS)
 
 experiment: deps-experiment build  ## a small experiment and its report in .ws/experiment, resumable; EXPERIMENT=FILE another one

@@ -14,7 +14,7 @@ COLUMNS = {
     'sequence': ('clock', 'robots', 'goals', 'same_order', 'earliest_s', 'latest_s'),
     'launcher': ('what', 'per_s', 'wanted_per_s', 'exact'),
     'launcher_start': ('plain_s', 'launched_s', 'added_s', 'wanted_added_s'),
-    'dense': ('agent', 'agents', 'rates', 'speed_up', 'wanted_speed_up', 'rounds_per_s', 'deliveries_per_s',
+    'dense': ('cores', 'agent', 'agents', 'rates', 'speed_up', 'wanted_speed_up', 'rounds_per_s', 'deliveries_per_s',
               'switches_per_tick', 'simulated_s_per_cpu_s_time_master', 'simulated_s_per_cpu_s_fleet',
               'simulated_s_per_cpu_s_agent', 'repeatable'),
     'lockstep_ticks': ('ticks_per_s', 'wanted_per_s', 'over_reference', 'exact'),

@@ -84,19 +84,6 @@ void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, N
   }
 }
 
-void LockstepRounds::post(MemberId id, Mail mail) {
-  const auto found = members_.find(id);
-  if (found == members_.end() || !found->second.present) {
-    return;
-  }
-  MemberState& member = found->second;
-  if (!mail.waits) {
-    makeReady(id, member);
-  }
-  member.mail.push_back(mail);
-  ++mail_waiting_;
-}
-
 LockstepRounds::MemberState& LockstepRounds::at(MemberId id) { return members_.at(id); }
 
 const LockstepRounds::MemberState* LockstepRounds::find(MemberId id) const {
@@ -279,7 +266,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
     MemberState& member = at(id);
     if (isForeseen(member)) {
       takeForeseen(id, member);
-      grants.push_back({id, rounds_, time_, microstep_, {}, true, {}});
+      grants.push_back({id, rounds_, time_, microstep_, {}, true, {}, {}});
     } else {
       grants.push_back(grantOne(id, member, wall));
       granted_.push_back(id);
@@ -298,7 +285,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
 
 LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member, Nanoseconds wall) {
   member.granted_due = member.next <= time_;
-  member.granted_mail = static_cast<std::uint32_t>(member.mail.size());
+  member.granted_mail = static_cast<std::uint32_t>(member.mail.size() + member.later.size());
   member.granted_wall = wall;
   member.round = rounds_;
   member.ready = false;
@@ -319,7 +306,8 @@ LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member,
           microstep_,
           std::move(mail),
           false,
-          std::exchange(member.happened, std::nullopt)};
+          std::exchange(member.happened, std::nullopt),
+          takeLater(member)};
 }
 
 /** @return whether the turn that the member is to have now is one that it has told already. */

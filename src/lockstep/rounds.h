@@ -24,6 +24,14 @@ struct Mail {
   MailOrder order;
   wire::GrantItem item;  // its texts and bytes are kept alive by whoever posted it
   bool waits = false;    // no reason for a grant by itself; only where a test switches a rule off
+  bool later = false;    // hardly one: the receiver only puts it by (see postLater())
+};
+
+/** @brief What is handed over with a receiver's next grant, and is hardly a reason for one. */
+struct LaterMail {
+  std::uint64_t round = 0;  // in which it was posted
+  MailOrder order;
+  std::string bytes;  // the item, written out: it may stay for many rounds
 };
 
 enum class LockstepPhase {
@@ -57,7 +65,8 @@ class LockstepRounds {
     std::vector<Mail> mail;  // in the order in which it is to be handled
     bool foreseen = false;  // a turn that the member's report has told already: it is not to report
     std::optional<std::uint32_t>
-        happened;  // so many of the turns that it had foreseen; no more will
+        happened;       // so many of the turns that it had foreseen; no more will
+    std::string later;  // items, written out, to be handled ahead of the mail
   };
 
   struct Event {
@@ -89,6 +98,7 @@ class LockstepRounds {
     std::uint32_t granted_mail = 0;
     bool granted_due = false;  // its wake-up was due with its latest grant
     std::vector<Mail> mail;
+    std::vector<LaterMail> later;           // ahead of the mail
     bool ready = false;                     // is in ready_
     bool resting = false;                   // is in resting_
     bool background = false;                // its wake-up alone is no reason for time to go on
@@ -122,6 +132,8 @@ class LockstepRounds {
               std::deque<Nanoseconds> foreseen = {});
   /** @brief Hand @p mail over with the next grant of @p id; nothing if it is not there. */
   void post(MemberId id, Mail mail);
+  /** @brief What is kept for the next grant of @p id is now a reason for one. */
+  void hurry(MemberId id);
 
   // ---- decisions ----
   /** @return whether nobody owes a report, so that actions may be applied and decide() called. */
@@ -175,6 +187,8 @@ class LockstepRounds {
   enum class Gate { kOpen, kPaused, kLimited };
 
   MemberState& at(MemberId id);
+  void postLater(MemberId id, MemberState& member, const Mail& mail);
+  std::string takeLater(MemberState& member);
   void makeReady(MemberId id, MemberState& member);
   void wakeResting();
   bool mayStart(Nanoseconds wall) const;

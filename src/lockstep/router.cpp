@@ -12,6 +12,11 @@ bool fit(std::string_view advertised, std::string_view subscribed) {
   return subscribed == "*" || advertised == "*" || advertised == subscribed;
 }
 
+/** @return what a publisher is to know of it: when a message is handed over is none of its. */
+wire::Hearing toPublishers(wire::Hearing what) {
+  return what == wire::Hearing::kLater ? wire::Hearing::kAll : what;
+}
+
 }  // namespace
 
 MessageRouter::MessageRouter(Post post, Place place, Trace trace, const LockstepRules& rules)
@@ -184,7 +189,7 @@ void MessageRouter::link(const Action& by, const Topic& topic, const Advertised&
                             !rules_.links_are_mail});
   post_(publisher.member,
         {order, wire::Subscriber{publisher.topic, subscriber.member}, !rules_.links_are_mail});
-  if (subscriber.hears != wire::Hearing::kAll) {
+  if (toPublishers(subscriber.hears) != wire::Hearing::kAll) {
     tellHearing(by, publisher, subscriber);
   }
 }
@@ -196,10 +201,11 @@ void MessageRouter::act(const Action& by, const wire::Hears& item) {
     bad(by.sender,
         "HEARS must name a topic that it subscribes to, got '" + std::string(topic.name) + "'");
   }
-  if (subscriber->hears == item.what) {
+  const bool is_news = toPublishers(subscriber->hears) != toPublishers(item.what);
+  subscriber->hears = item.what;
+  if (!is_news) {
     return;
   }
-  subscriber->hears = item.what;
   for (const Advertised& publisher : topic.publishers) {
     if (fit(publisher.md5, subscriber->md5)) {
       tellHearing(by, publisher, *subscriber);
@@ -209,9 +215,10 @@ void MessageRouter::act(const Action& by, const wire::Hears& item) {
 
 void MessageRouter::tellHearing(const Action& by, const Advertised& publisher,
                                 const Subscribed& subscriber) {
-  post_(publisher.member, {place_(by.sender, router::kFirstSub, by.number),
-                           wire::Heard{publisher.topic, subscriber.member, subscriber.hears},
-                           !rules_.links_are_mail});
+  post_(publisher.member,
+        {place_(by.sender, router::kFirstSub, by.number),
+         wire::Heard{publisher.topic, subscriber.member, toPublishers(subscriber.hears)},
+         !rules_.links_are_mail});
 }
 
 bool MessageRouter::linked(const Topic& topic, MemberId publisher, MemberId subscriber) const {
@@ -253,8 +260,8 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
         subscriber.hears == wire::Hearing::kNothing || !fit(local.md5, subscriber.md5)) {
       continue;
     }
-    post_(subscriber.member,
-          {order, wire::Deliver{subscriber.topic, by.sender, item.payload}, false});
+    post_(subscriber.member, {order, wire::Deliver{subscriber.topic, by.sender, item.payload},
+                              false, subscriber.hears == wire::Hearing::kLater});
     ++messages_;
     if (trace_) {
       receivers.push_back(subscriber.member);

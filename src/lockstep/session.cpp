@@ -129,6 +129,9 @@ void LockstepSession::applyItem(MemberId id, Member& member, const wire::ReportI
   } else if (std::holds_alternative<wire::Background>(item)) {
     rounds_.background(id);
   } else {
+    if (std::holds_alternative<wire::Hears>(item)) {
+      rounds_.hurry(id);
+    }
     router_.apply(id, number, item);
   }
 }
@@ -201,6 +204,7 @@ void LockstepSession::sendGrant(const LockstepRounds::Grant& grant, Member& memb
   if (grant.happened) {
     wire::append(items, wire::Happened{*grant.happened});
   }
+  items += grant.later;
   for (const Mail& mail : grant.mail) {
     wire::append(items, mail.item);
   }

@@ -42,6 +42,8 @@ class TopicTable {
     const auto found = topics_.find(number);
     return found == topics_.end() ? nullptr : &found->second;
   }
+  /** @return the topics by their numbers. */
+  std::map<std::uint32_t, Topic>& all() { return topics_; }
 
  private:
   std::map<std::string, std::uint32_t> numbers_;

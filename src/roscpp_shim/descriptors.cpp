@@ -26,7 +26,8 @@ class DescriptorWait {
  public:
   /** @param lasts ns; kNever: without end. */
   DescriptorWait(const char* name, bool has_descriptors, Nanoseconds lasts, const void* caller)
-      : whose_(isRoscpps(caller) ? Sees::kMachine : sees()), lasts_(lasts) {
+      // Whose code calls is looked up last: it takes longer than the system call.
+      : whose_(Turn::isInside() || isRoscpps(caller) ? Sees::kMachine : sees()), lasts_(lasts) {
     if (whose_ == Sees::kMachine) {
       return;
     }

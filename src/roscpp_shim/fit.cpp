@@ -115,8 +115,9 @@ Surroundings lookAround() {
   }
   for (const Replaced& one : replacedFunctions()) {
     const std::string library = one.library;
-    const bool is_newer = library == "libstdc++" ||  // whose programs bring what they need
-                          (library == "libc" && numbersOf(found.glibc) < numbersOf(one.since));
+    const bool is_optional = library == "libstdc++" || library == "tf2";  // whose users bring them
+    const bool is_newer =
+        is_optional || (library == "libc" && numbersOf(found.glibc) < numbersOf(one.since));
     if (findReal(one.symbol) == nullptr && !is_newer) {
       found.missing.emplace_back(std::string(one.name) + " (" + one.library + ")");
     }

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "exchange.h"
+#include "hearing.h"
 #include "move_base_abstract/lockstep_participant.h"
 #include "real.h"
 
@@ -167,6 +168,7 @@ void Node::handle(const wire::CallIn& item) { shim::handle(item); }
 void Node::onMember(const std::string& name) { dropConnectionsTo(name); }
 
 void Node::onGranted() {
+  putTransformsBy();
   enterOutside(false);
   if (has_timers_) {
     timers_.fire();

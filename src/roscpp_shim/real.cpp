@@ -1,10 +1,12 @@
 #include "real.h"
 
 #include <dlfcn.h>
+#include <link.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <string>
 
 namespace move_base_abstract::shim {
 namespace {
@@ -22,6 +24,20 @@ constexpr const char* kSymbols[] = {
 #undef REPLACED
 };
 
+/** @return what a library has that a plug-in brought along: it is in nobody's list of libraries. */
+void* findLoaded(const char* symbol) {
+  std::string path;
+  const auto look = [](dl_phdr_info* info, std::size_t, void* found) {
+    if (std::strstr(info->dlpi_name, "/libtf2.so") != nullptr) {
+      *static_cast<std::string*>(found) = info->dlpi_name;
+    }
+    return 0;
+  };
+  ::dl_iterate_phdr(look, &path);
+  void* const library = path.empty() ? nullptr : ::dlopen(path.c_str(), RTLD_LAZY | RTLD_NOLOAD);
+  return library == nullptr ? nullptr : ::dlsym(library, symbol);
+}
+
 }  // namespace
 
 void* findReal(const char* symbol) {
@@ -32,7 +48,8 @@ void* findReal(const char* symbol) {
       return found;
     }
   }
-  return ::dlsym(RTLD_NEXT, symbol);
+  void* const found = ::dlsym(RTLD_NEXT, symbol);
+  return found == nullptr && is_cpp ? findLoaded(symbol) : found;
 }
 
 void* realOrAbort(const char* symbol) {

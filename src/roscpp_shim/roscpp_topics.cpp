@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "hearing.h"
 #include "node.h"
 #include "real.h"
 #include "topics.h"
@@ -120,7 +121,9 @@ bool TopicManager::subscribe(const SubscribeOptions& options) {
   const shim::Inside inside;
   const bool is_done = function(this, options);
   if (is_app && is_done) {
-    participant::subscribe(shim::node().membership(), shim::topics().of(options.topic), options);
+    shim::Topic& topic = shim::topics().of(options.topic);
+    participant::subscribe(shim::node().membership(), topic, options);
+    shim::noteSubscription(topic, options);
   }
   return is_done;
 }
@@ -137,6 +140,7 @@ bool TopicManager::unsubscribe(const std::string& name,
     shim::Topic& topic = shim::topics().of(name);
     topic.senders.clear();
     participant::unsubscribe(shim::node().membership(), topic);
+    shim::forgetSubscription(topic);
   }
   return is_done;
 }

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "followed.h"
+#include "hearing.h"
 #include "kernel.h"
 #include "node.h"
 #include "real.h"
@@ -126,6 +127,7 @@ void* Turn::run(Task* task) {
 
 void Turn::finish(Task* task) {
   task->is_done = true;
+  forgetListener(task->listened);
   if (!isActive() || task->is_loose) {
     return;
   }

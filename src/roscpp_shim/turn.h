@@ -59,6 +59,7 @@ struct Task {
   unsigned idle_polls = 0;        // waits for callbacks in a row that were in vain
   const void* poller = nullptr;   // whence it looked last,
   bool only_joined = false;       // which is a loop whose end is awaited by whoever ends it
+  void* listened = nullptr;       // its queue, if it is a loop of tf2's listener
   unsigned empty_polls = 0;       // looks without waiting in a row that were in vain
   unsigned clock_reads = 0;       // at one instant
   Nanoseconds slept_at = -1;      // instant at which it has slept by the wall clock,

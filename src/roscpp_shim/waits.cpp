@@ -12,6 +12,7 @@
 
 #include <cstring>
 
+#include "hearing.h"
 #include "node.h"
 #include "real.h"
 #include "turn.h"
@@ -89,7 +90,12 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
   me.idle_polls = me.has_acted ? 0 : me.idle_polls;
   Wait wait;
   wait.until = me.in_spinner ? kNever : node().now() + timeout.toNSec();
-  if (!me.in_spinner && (isListenersLoop(&me, caller) || me.idle_polls >= kIdlePolls)) {
+  const bool is_listeners = !me.in_spinner && isListenersLoop(&me, caller);
+  if (is_listeners) {
+    me.listened = &queue;
+    becomeListener(&queue);
+  }
+  if (is_listeners || (!me.in_spinner && me.idle_polls >= kIdlePolls)) {
     awaitActivity(me, timeout.toNSec(), &wait);
   }
   wait.is_over = [&queue, stops = spinner_stops] {

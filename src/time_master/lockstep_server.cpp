@@ -29,7 +29,8 @@ constexpr std::size_t kBufferSize = 1 << 18;  // bytes received at once
 constexpr int kMostReceives = 64;             // of one connection in a row
 constexpr std::size_t kMostStrangers = 256;   // connections without a HELLO
 constexpr std::size_t kMostConnections = 4096;
-constexpr int kLastPatience = 1;                             // ms, wall; see awaitLast()
+constexpr int kRoundPatience = 1;               // ms, wall; see awaitReports()
+constexpr Nanoseconds kLookPeriod = 1'000'000;  // wall, while one round follows another
 constexpr Nanoseconds kFinishLimit = kNanosecondsPerSecond;  // wall, for everybody's last bytes
 
 Nanoseconds wallNow() {
@@ -99,9 +100,13 @@ void LockstepServer::run() {
   std::array<epoll_event, 64> events;
   Nanoseconds stop_due = kNever;
   while (wallNow() < stop_due) {
-    const int patience = awaitLast() ? 0 : -1;
-    const int count =
-        epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), patience);
+    const Reports reports = awaitReports();
+    int count = 0;
+    if (reports != Reports::kAll || wallNow() >= look_due_) {
+      const int patience = reports == Reports::kNone ? -1 : 0;
+      count = epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), patience);
+      look_due_ = wallNow() + kLookPeriod;
+    }
     const std::lock_guard<std::mutex> lock(mutex_);
     const Nanoseconds wall = wallNow();
     for (int index = 0; index < count; ++index) {
@@ -121,19 +126,33 @@ void LockstepServer::run() {
 }
 
 /**
- * @brief Sleep until the report that is likely to be the last of a round is in: being woken by
- * each report of a round costs more than the reports.
+ * @brief Read the reports of a round, the one that is likely to be the last one first: being woken
+ * by each of them, and asking the kernel who has something to say, costs more than the reports.
  *
- * Not for long: everything else is looked at only after it. @return whether there was one.
+ * Not for long: everything else is looked at only after it.
  */
-bool LockstepServer::awaitLast() const {
-  const auto found = connections_.find(last_awaited_);
-  if (found == connections_.end()) {
-    return false;
+LockstepServer::Reports LockstepServer::awaitReports() {
+  Reports reports = Reports::kNone;
+  bool is_likely_there = false;  // of the others, when the last one is
+  for (ConnectionId id = last_awaited_; id != 0;) {
+    const auto found = connections_.find(id);
+    if (found == connections_.end() || (!is_likely_there && !isReadable(found->second.socket))) {
+      return reports;
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    receive(id, found->second, wallNow());
+    reports = Reports::kSome;
+    const ConnectionId next = session_.lastAwaited();
+    is_likely_there = next != id;
+    id = next;
   }
-  std::array<pollfd, 2> polled{
-      {{found->second.socket.get(), POLLIN, 0}, {event_.get(), POLLIN, 0}}};
-  return ::poll(polled.data(), polled.size(), kLastPatience) > 0;
+  return reports == Reports::kNone ? reports : Reports::kAll;
+}
+
+/** @return whether there is something to read, before that takes long or the server is woken. */
+bool LockstepServer::isReadable(const Descriptor& socket) const {
+  std::array<pollfd, 2> polled{{{socket.get(), POLLIN, 0}, {event_.get(), POLLIN, 0}}};
+  return ::poll(polled.data(), polled.size(), kRoundPatience) > 0 && polled[0].revents != 0;
 }
 
 /** @brief Ask for a wake-up. One asked for before and earlier stands: it only costs a look. */

@@ -79,6 +79,8 @@ class LockstepServer {
     ~Waker() { server.wake(); }
   };
 
+  enum class Reports { kNone, kSome, kAll };
+
   struct Connection {
     Descriptor socket;
     std::string unsent;
@@ -93,7 +95,8 @@ class LockstepServer {
   void arm(Nanoseconds due);
   void work();
   void handle(std::uint64_t id, std::uint32_t events, Nanoseconds wall);
-  bool awaitLast() const;
+  Reports awaitReports();
+  bool isReadable(const Descriptor& socket) const;
   void acceptAll(const Descriptor& listener, Nanoseconds wall);
   bool accept(const Descriptor& listener, Nanoseconds wall);
   bool mayListen() const;
@@ -122,6 +125,7 @@ class LockstepServer {
   std::unordered_map<ConnectionId, Connection> connections_;
   std::vector<ConnectionId> closing_;
   ConnectionId last_awaited_ = 0;  // who is likely to report last; 0: nobody owes a report
+  Nanoseconds look_due_ = 0;       // wall; when everything else is looked at, at the latest
   ConnectionId last_id_;
   std::vector<char> buffer_;
   std::vector<LockstepMessage> messages_;

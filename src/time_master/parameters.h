@@ -22,6 +22,9 @@
 
 namespace move_base_abstract {
 
+/** @brief Hz, wall: of /clock in lockstep, where only onlookers hear it. */
+constexpr double kLockstepClockRate = 200.0;
+
 /** @return the texts of "[a, 'b', "c"]"; nothing if @p text is no such list. */
 inline std::optional<std::vector<std::string>> listOfTexts(const std::string& text) {
   const auto trimmed = [](const std::string& part) {
@@ -327,6 +330,9 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   reader.read("factor", parameters.master.factor);
   reader.read("busy_factor", parameters.master.busy_factor);
   reader.read("finest_step", parameters.master.finest_step);
+  if (parameters.in_lockstep) {  // each message takes time from the run
+    parameters.master.max_clock_rate = kLockstepClockRate;
+  }
   reader.read("max_clock_rate", parameters.master.max_clock_rate);
   reader.read("start_time", parameters.master.start_time);
   reader.read("start_paused", parameters.master.start_paused);

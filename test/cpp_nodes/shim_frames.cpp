@@ -1,9 +1,13 @@
 // tf2: one frame is sent at 20 Hz, and a TransformListener (with its own thread) is asked for it,
 // with time-outs, too early and at the right time. Tells on "looked" what came out. With ~listen it
-// only listens.
+// only listens; with ~filter it tells when points that wait for their transform come out.
+#include <geometry_msgs/PointStamped.h>
 #include <geometry_msgs/TransformStamped.h>
+#include <message_filters/subscriber.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_msgs/String.h>
+#include <tf2_ros/message_filter.h>
 #include <tf2_ros/transform_broadcaster.h>
 #include <tf2_ros/transform_listener.h>
 
@@ -55,6 +59,37 @@ void listen() {
   ros::spin();
 }
 
+/** A point every 0.33 s, in the robot's frame: off the instants of the transforms. Ends after 20.
+ */
+void filter(ros::NodeHandle& node) {
+  int count = 0;
+  ros::Publisher publisher = node.advertise<std_msgs::String>("looked", 100);
+  ros::Publisher points = node.advertise<geometry_msgs::PointStamped>("points", 100);
+  tf2_ros::Buffer buffer;
+  const tf2_ros::TransformListener listener(buffer);
+  message_filters::Subscriber<geometry_msgs::PointStamped> subscriber(node, "points", 100);
+  tf2_ros::MessageFilter<geometry_msgs::PointStamped> waiting(subscriber, buffer, "map", 100, node);
+  waiting.registerCallback(boost::function<void(const geometry_msgs::PointStampedConstPtr&)>(
+      [&](const geometry_msgs::PointStampedConstPtr& point) {
+        std_msgs::String message;
+        message.data = std::to_string(point->header.stamp.toNSec()) + " came out at " +
+                       std::to_string(ros::Time::now().toNSec());
+        publisher.publish(message);
+        ++count;
+      }));
+  const boost::function<void(const ros::TimerEvent&)> tick = [&](const ros::TimerEvent& event) {
+    geometry_msgs::PointStamped point;
+    point.header.stamp = event.current_real;
+    point.header.frame_id = "robot";
+    points.publish(point);
+  };
+  const ros::Timer timer = node.createTimer(ros::Duration(0.33), tick);
+  while (ros::ok() && count < 20) {
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
+  }
+  ros::NodeHandle("~").setParam("done", true);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -64,6 +99,8 @@ int main(int argc, char** argv) {
     look(node);
   } else if (ros::NodeHandle("~").param("listen", false)) {
     listen();
+  } else if (ros::NodeHandle("~").param("filter", false)) {
+    filter(node);
   } else {
     send(node);
   }

@@ -8,10 +8,14 @@ import sys
 import tempfile
 import threading
 import time
+import types
 import unittest
 
 import rostest
+import tf2_ros
 
+from move_base_abstract.lockstep.wire import Hearing as Heard
+from move_base_abstract_ros.lockstep.hearing import Hearing
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -170,5 +174,54 @@ class Rates(unittest.TestCase):
         self.assertIn(('robot_0', ['/listener', '/robot_0/move_base/feedback', 'feedback_freq']), told)
 
 
+class Nothing:
+    """What is not subscribed to."""
+
+    def unregister(self):
+        """Nothing is to be done."""
+
+
+def listener(of=tf2_ros.TransformListener, buffer=tf2_ros.Buffer):
+    """Return a listener of tf2, of these classes, that has no subscriptions: they would need a node."""
+    made = of.__new__(of)
+    made.buffer, made.tf_sub, made.tf_static_sub = buffer.__new__(buffer), Nothing(), Nothing()
+    return made
+
+
+def heard(*callbacks):
+    """Return what the time master is told of a subscription that gets these callbacks one after the other."""
+    told, subscription = [], types.SimpleNamespace(closed=False, callbacks=[])
+    hearing = Hearing(types.SimpleNamespace(tell_hearing=lambda _subscription, what: told.append(what)))
+    for callback in callbacks:
+        subscription.callbacks = subscription.callbacks + [(callback, None)]
+        hearing._look_at(subscription)
+    return told
+
+
+class ListenersOfTf(unittest.TestCase):
+
+    def test_they_put_transforms_by(self):
+        self.assertEqual(heard(listener().callback), [Heard.LATER])
+        self.assertEqual(heard(listener().static_callback, listener().callback), [Heard.LATER])
+
+    def test_whoever_else_subscribes_hears_them_at_once(self):
+        self.assertEqual(heard(listener().callback, print), [Heard.LATER, Heard.ALL])
+        self.assertEqual(heard(print, listener().callback), [])
+
+    def test_what_is_not_quite_tf2s_may_do_more(self):
+        class OwnBuffer(tf2_ros.Buffer):
+            def set_transform(self, transform, authority):
+                print(transform, authority)
+
+        class OwnListener(tf2_ros.TransformListener):
+            def callback(self, data):
+                print(data)
+
+        changed = listener()
+        changed.buffer.set_transform = print
+        for one in (listener(buffer=OwnBuffer), listener(OwnListener), changed):
+            self.assertEqual(heard(one.callback), [])
+
+
 if __name__ == '__main__':
-    rostest.rosrun('move_base_abstract', 'lockstep_rates', Rates, sysargs=sys.argv)
+    rostest.rosrun('move_base_abstract', 'lockstep_rates', __name__, sysargs=sys.argv)

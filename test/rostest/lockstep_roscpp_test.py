@@ -147,6 +147,14 @@ class LockstepRoscppTest(unittest.TestCase):
         self.assertGreater(seconds, 10.0, run.why)
         self.assertLess(leaps / seconds, 21.0, run.why)  # looks after each transform would make 80 a second of them
 
+    def test_what_waits_for_a_transform_comes_out_when_that_comes(self):
+        run = self.same([Program('filter', own('shim_frames'), filter=True), recorder('/looked'),
+                         Program('send', own('shim_frames'))], 7)
+        seen = [[int(word) for word in line.split(' ', 2)[2].split(' came out at ')] for line in run.printed(1)]
+        self.assertEqual(len(seen), 20)
+        for stamp, out in seen:
+            self.assertEqual(out, -(-stamp // 50_000_000) * 50_000_000)
+
     def test_rosbag_record_has_every_message_with_its_time(self):
         contents = []
         for load in (False, True):

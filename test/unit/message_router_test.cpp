@@ -58,12 +58,16 @@ class Routing : public testing::Test {
   std::vector<std::string> traced_;
   std::vector<std::string> definitions_;  // in the PUBLISHER items so far
   std::vector<bool> latched_;             // the same
+  std::vector<bool> later_;               // of the DELIVER items so far
 
  private:
   void take(MemberId id, const Mail& mail) {
     if (const auto* publisher = std::get_if<wire::Publisher>(&mail.item)) {
       definitions_.emplace_back(publisher->definition);
       latched_.push_back(publisher->latched);
+    }
+    if (std::holds_alternative<wire::Deliver>(mail.item)) {
+      later_.push_back(mail.later);
     }
     mail_[id].push_back(itemText(mail.item, [](std::uint32_t other) { return other; }));
   }
@@ -105,6 +109,21 @@ TEST_F(Routing, TheDeafAreLinkedAndGetNothingAndWhoPublishesIsTold) {
   got(1);
   act(2, wire::Hears{6, wire::Hearing::kAll});
   EXPECT_EQ(got(1), Items{"heard 2 5 2"});
+}
+
+TEST_F(Routing, WhoOnlyPutsMessagesByGetsThemLaterAndNobodyIsToldOfThat) {
+  act(1, advertise(5, "/x"));
+  act(2, subscribe(6, "/x"));
+  act(3, subscribe(7, "/x"));
+  act(2, wire::Hears{6, wire::Hearing::kLater});
+  got(1);
+  act(2, wire::Hears{6, wire::Hearing::kLater});
+  act(1, wire::Send{5, 0, 0, "by"});
+  EXPECT_EQ(later_, (std::vector<bool>{true, false}));
+  act(2, wire::Hears{6, wire::Hearing::kAll});
+  act(1, wire::Send{5, 0, 2, "one"});
+  EXPECT_EQ(later_, (std::vector<bool>{true, false, false}));
+  EXPECT_EQ(got(1), Items{});
 }
 
 TEST_F(Routing, WhoPublishesLaterIsToldOfTheDeaf) {

@@ -28,8 +28,9 @@ CONNECT_REMINDER_MS = 10000  # wall; it says so that often
 #: what a byte may say: name of the choice, (number, name) of its values
 CHOICES = {
     'NoteKind': ((1, 'WAITS_FOR'), (2, 'NOT_REPEATABLE'), (3, 'DEGRADED'), (4, 'STRICT'), (5, 'TELLS')),
-    # what has any effect on a subscriber: no message, one that says something new, all
-    'Hearing': ((0, 'NOTHING'), (1, 'NEWS'), (2, 'ALL')),
+    # what has any effect on a subscriber: no message, one that says something new, all; all, but not before it does
+    # something anyway (LATER): it only puts them by
+    'Hearing': ((0, 'NOTHING'), (1, 'NEWS'), (2, 'ALL'), (3, 'LATER')),
     # ERROR: the bytes are the server's text. OK: the response. NO_SERVER: no member serves it.
     # SERVER_GONE: it left, died or stopped serving before it answered.
     'CallStatus': ((0, 'ERROR'), (1, 'OK'), (2, 'NO_SERVER'), (3, 'SERVER_GONE')),
