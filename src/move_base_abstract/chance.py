@@ -16,6 +16,10 @@ class Purpose(IntEnum):
     FACTOR = 1
     FAILURE = 2
     FAILURE_PLACE = 3
+    TAIL = 4
+    TAIL_SECONDS = 5
+    SPREAD = 6
+    SMALL_DELAYS = 7
 
 
 class Chance:

@@ -8,7 +8,7 @@ from .bounded_yaml import load_yaml_file
 from .chance import Chance, Purpose
 from .errors import ConfigurationError
 from .factors import Constant, Gamma, Lognormal, Quantiles, along
-from .pace import Pace
+from .pace import Pace, PacedLeg
 from .parameter_table import Parameter, ascending_pairs, checked, number, one_of, text
 from .shown import shown
 from .units import seconds_to_ns
@@ -43,6 +43,10 @@ class Durations:
     overhead: float = 0.0
     factor: Any = Constant()
     failures: Tuple[Tuple[float, float], ...] = ()
+
+    def draw(self, _leg, uniform):
+        """Return (overhead [s], factor) of a goal with its first leg; ``uniform(purpose, place)`` in (0, 1)."""
+        return self.overhead, self.factor.draw(lambda place: uniform(Purpose.FACTOR, place))
 
 
 def read_durations(values, where):
@@ -97,6 +101,7 @@ def _quantiles_in(path, _mtime_ns, _size):
 class GoalDurations:
     """What :class:`Durations` mean for the goals of one robot, one after the other.
 
+    ``durations`` (:class:`Durations`, or what draws as they do; None: all goes by the law alone).
     What is drawn holds for a goal, also where it goes on from another place or by another way: its overhead is waited
     for once, whether it fails is judged by the length of its first leg.
     """
@@ -114,14 +119,14 @@ class GoalDurations:
         self._number += 1
         self._factor = self._fails = None
 
-    def pace(self, now_ns):
-        """Return the :class:`Pace` of a leg that departs at ``now_ns`` [ns], or None: by the law alone."""
+    def paced(self, leg):
+        """Return ``leg`` at the pace of its goal."""
         if self._durations is None:
-            return None
+            return leg
         if self._factor is None:
-            self._ready_ns = now_ns + seconds_to_ns(self._durations.overhead)
-            self._factor = self._durations.factor.draw(lambda place: self._uniform(Purpose.FACTOR, place))
-        return Pace(max(0, self._ready_ns - now_ns), self._factor)
+            overhead, self._factor = self._durations.draw(leg, self._uniform)
+            self._ready_ns = leg.depart_ns + seconds_to_ns(overhead)
+        return PacedLeg(leg, Pace(max(0, self._ready_ns - leg.depart_ns), self._factor))
 
     def failure_ns(self, leg):
         """Return at which instant [ns] of ``leg`` the robot fails, or None: it arrives."""

@@ -110,6 +110,11 @@ class SpeedProfile:
             return self.seconds - math.sqrt(2.0 * left / self.acceleration)
         return covered / self.peak_speed + 0.5 * self.ramp_seconds
 
+    def changes(self, pieces):
+        """Return instants [s after the start] that part the times of changing speed into ``pieces`` equal ones each."""
+        ramp = [self.ramp_seconds * number / pieces for number in range(1, pieces + 1)]
+        return [*ramp, *(self.seconds - seconds for seconds in ramp)]
+
     def speed(self, elapsed):
         """Return the speed [m/s] at ``elapsed`` [s] after the start; 0 outside the trip."""
         total = self.seconds

@@ -208,7 +208,7 @@ class Navigator:
 
     def _travel(self, corners, now_ns):
         try:
-            leg = self.robot.depart(self._target, now_ns, corners, self._durations.pace(now_ns))
+            leg = self.robot.depart(self._target, now_ns, corners, self._durations.paced)
         except ValueError as error:
             self._end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
             return

@@ -4,7 +4,7 @@ from collections import deque
 from .errors import TimeError
 from .geometry import Pose2D
 from .motion import Leg, MotionLimits, Tolerances
-from .pace import PacedLeg
+from .phased_route import PhasedRoute
 from .route import CornerLaw, Route
 from .units import check_reachable
 
@@ -15,16 +15,17 @@ class Robot:
     """A robot that stands or travels one leg or route at a time in the plane of the global frame.
 
     Other limits and tolerances (:meth:`set_motion`) take effect on the next one. ``corner_law`` (CornerLaw): what the
-    robot does at the corners of a route.
+    robot does at the corners of a route; ``phases`` (MotionPhases): how it begins and ends, None: as of a Leg.
     """
 
     def __init__(self, index, name, pose=Pose2D(), limits=MotionLimits(0.5), tolerances=Tolerances(), since_ns=0,
-                 corner_law=CornerLaw.KEEP):
+                 corner_law=CornerLaw.KEEP, phases=None):
         self.index = index
         self.name = name
         self._limits = limits
         self._tolerances = tolerances
         self._corner_law = corner_law
+        self._phases = phases
         self._stand = _Stand(pose, since_ns)
         self._motion = self._stand
         self._past = deque([self._stand], maxlen=_REMEMBERED_LEGS)
@@ -71,21 +72,25 @@ class Robot:
         """Return the distance [m] driven since the beginning, at ``now_ns`` [ns], not before the present leg."""
         return self._driven + self._motion.distance_at(now_ns)
 
-    def depart(self, goal, now_ns, corners=(), pace=None):
+    def depart(self, goal, now_ns, corners=(), paced=None):
         """Start for ``goal`` from where the robot is at ``now_ns`` [ns], from rest, by ``corners`` [(x, y), m].
 
-        Return the :class:`Leg`, or where there are corners the :class:`Route`; with a :class:`Pace` at that one.
+        Return the :class:`Leg`, or where there are corners or phases the :class:`Route`; ``paced(leg)`` makes of it
+        the one to travel.
 
         :raises ValueError: if the goal is so far away that no number holds the distance or the time, or that the robot
             would arrive after the end of simulated time.
         """
         start = self.pose_at(now_ns)
-        if corners:
+        if self._phases is not None:
+            leg = PhasedRoute(start, goal, corners, self._limits, self._phases, self._tolerances, now_ns,
+                              self._corner_law)
+        elif corners:
             leg = Route(start, goal, corners, self._limits, self._tolerances, now_ns, self._corner_law)
         else:
             leg = Leg(start, goal, self._limits, self._tolerances, now_ns)
-        if pace is not None:
-            leg = PacedLeg(leg, pace)
+        if paced is not None:
+            leg = paced(leg)
         check_reachable(leg.arrive_ns, 'the arrival would be')
         self._driven = self.distance_at(now_ns)
         return self._begin(leg)

@@ -31,7 +31,7 @@ def make_robot_parts(settings, name, index, simulation, answers, listener, looku
     """
     values = settings.values
     robot = Robot(index, name, settings.start, settings.limits, settings.tolerances, simulation.now_ns,
-                  CornerLaw(values['corners']))
+                  CornerLaw(values['corners']), settings.phases)
     frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
                          settings.frame(values['robot_base_frame']), lookup)
     ledger = GoalLedger(answers.publish_status, answers.publish_result, answers.new_id,

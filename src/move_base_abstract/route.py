@@ -55,20 +55,34 @@ class Route:
         yaw, driven = start.yaw, 0.0
         for pieces in drives:
             first = pieces[0]
-            turn = normalize_angle(first.course - yaw)
-            self._add(_Turn(first.x, first.y, yaw, turn, limits.turn_rate, driven), abs(turn) / limits.turn_rate)
-            drive = _Drive(pieces, limits, driven)
+            self._turn_to_drive(first, yaw, normalize_angle(first.course - yaw), limits, driven)
+            drive = _Drive(pieces, lambda length: self._profile(length, limits), driven)
             self._add(drive, drive.profile.seconds)
             yaw = pieces[-1].course
             driven += drive.profile.distance
-        turn = turn_within(normalize_angle(goal.yaw - yaw), tolerances.yaw)
-        self._add(_Turn(*place, yaw, turn, limits.turn_rate, self.distance), abs(turn) / limits.turn_rate)
+        whole = normalize_angle(goal.yaw - yaw)
+        turn = turn_within(whole, tolerances.yaw)
+        self._turn_at_goal(Pose2D(*place, yaw), turn, whole, limits, tolerances)
         self.end = Pose2D(*place, goal.yaw if tolerances.yaw == 0.0 else yaw + turn)
 
     def _add(self, part, seconds):
         self._begins_ns.append(self.arrive_ns)
         self._parts.append(part)
         self.arrive_ns += seconds_to_ns(seconds)
+
+    def _turn_to_drive(self, first, yaw, turn, limits, driven):
+        """Add the turn by ``turn`` [rad] from ``yaw`` [rad] before the drive that begins with the piece ``first``."""
+        self._add(Turn(first.x, first.y, yaw, turn, limits.turn_rate, driven), abs(turn) / limits.turn_rate)
+
+    def _turn_at_goal(self, begin, turn, _whole, limits, _tolerances):
+        """Add the turn by ``turn`` [rad] at the end, from ``begin`` (Pose2D); ``_whole``: up to the goal's heading."""
+        part = Turn(begin.x, begin.y, begin.yaw, turn, limits.turn_rate, self.distance)
+        self._add(part, abs(turn) / limits.turn_rate)
+
+    @staticmethod
+    def _profile(length, limits):
+        """Return the profile of a drive over ``length`` [m]."""
+        return SpeedProfile(length, limits.max_speed, limits.acceleration)
 
     @property
     def duration_ns(self):
@@ -125,7 +139,7 @@ class Route:
         return self._parts[index], now_ns - self._begins_ns[index]
 
 
-class _Turn:
+class Turn:
     """A turn in place at (x, y) [m] by ``turn`` [rad] from ``yaw`` [rad], ``driven`` [m] after the departure."""
 
     __slots__ = ('_x', '_y', '_yaw', '_turn', '_rate', '_driven')
@@ -135,37 +149,38 @@ class _Turn:
 
     @staticmethod
     def even_instants(_ramp_pieces):
+        """Return the instants [s after its begin] between which it is even enough: none."""
         return ()
 
     def pose_at(self, elapsed_ns):
+        """Return the pose ``elapsed_ns`` [ns] after its begin."""
         turned = math.copysign(self._rate * elapsed_ns / NS_PER_S, self._turn)
         return Pose2D(self._x, self._y, self._yaw + turned)
 
     def velocity_at(self, _elapsed_ns):
+        """Return (forward [m/s], turning [rad/s])."""
         return 0.0, math.copysign(self._rate, self._turn)
 
     def distance_at(self, _elapsed_ns):
+        """Return the distance [m] driven since the departure."""
         return self._driven
 
 
 class _Drive:
-    """Straight pieces driven from rest to rest, ``driven`` [m] after the departure."""
+    """Straight pieces driven from rest to rest, ``driven`` [m] after the departure, by the profile of their length."""
 
     __slots__ = ('profile', '_pieces', '_begins', '_driven')
 
-    def __init__(self, pieces, limits, driven):
+    def __init__(self, pieces, profile_of, driven):
         ends = list(accumulate(piece.length for piece in pieces))
-        self.profile = SpeedProfile(ends[-1], limits.max_speed, limits.acceleration)
+        self.profile = profile_of(ends[-1])
         self._pieces = pieces
         self._begins = [0.0] + ends[:-1]
         self._driven = driven
 
     def even_instants(self, ramp_pieces):
         """Return when [s] corners are passed, and the ends of the pieces in which the speed changes."""
-        profile = self.profile
-        ramp = [profile.ramp_seconds * number / ramp_pieces for number in range(1, ramp_pieces + 1)]
-        return [*(profile.elapsed(begin) for begin in self._begins), *ramp,
-                *(profile.seconds - seconds for seconds in ramp)]
+        return [*(self.profile.elapsed(begin) for begin in self._begins), *self.profile.changes(ramp_pieces)]
 
     def pose_at(self, elapsed_ns):
         covered = self.profile.covered(elapsed_ns / NS_PER_S)

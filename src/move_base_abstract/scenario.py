@@ -22,7 +22,7 @@ from .settings import OWN_NAMES, RobotSettings, read_settings
 from .shown import shown, shown_text
 
 _TOP_KEYS = ('seed', 'defaults', 'robots')
-_FILES = ('duration_quantiles',)  # settings that are paths
+_FILES = ('duration_quantiles', 'calibration')  # settings that are paths, or names without .yaml that ship
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
 MAX_ROBOTS = 100_000  # of a scenario; ten thousand are the most that have been driven
 _COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
@@ -65,7 +65,7 @@ def _find_files(raw, folder):
     groups = raw.get('robots')
     for setting in [raw.get('defaults'), *(groups if isinstance(groups, list) else [])]:
         for key in _FILES if isinstance(setting, dict) else ():
-            if isinstance(setting.get(key), str):
+            if isinstance(setting.get(key), str) and (key != 'calibration' or setting[key].endswith('.yaml')):
                 setting[key] = os.path.join(folder, setting[key])
 
 

@@ -1,10 +1,12 @@
 """The settings of one robot, read from the parameters of a new or of an existing move_base set-up."""
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, List, Optional, Tuple, Union
 
 from . import upstream
+from .approach import MotionPhases
+from .calibration import CalibratedDurations, read_calibration
 from .costmaps import Costmaps, read_costmaps
 from .durations import TABLE as DURATIONS
 from .durations import Durations, read_durations
@@ -99,6 +101,7 @@ TABLE = (
     Parameter('base_global_planner', upstream.DEFAULT_GLOBAL_PLANNER, text, 'the name of a plugin'),
     Parameter('seed', 0, integer(0), 'a whole number >= 0'),
     *DURATIONS,
+    Parameter('calibration', None, text, 'the path of a calibration, or the name of one that ships'),
 )
 _ODOM = 'odom'
 #: (our parameter, the costmap that tells it in an existing set-up, its key there, the default)
@@ -107,6 +110,8 @@ _COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
                    ('odom_frame', 'local_costmap', 'global_frame', None))
 _LIMITS = (SPEED, ACCELERATION, XY_TOLERANCE, YAW_TOLERANCE)
 OWN_NAMES = tuple(parameter.name for parameter in TABLE + _LIMITS) + ('recovery_behaviors', 'footprint', 'robot_radius')
+#: what a calibration says
+_CALIBRATED = tuple(parameter.name for parameter in _LIMITS + DURATIONS) + ('turn_rate',)
 #: what a robot's settings are made of, before all that is given, where time leaps from event to event: each of these
 #: would be an event more that time has to stop for
 EVENTS_ONLY = {'feedback_freq': 0.0, 'pose_update_freq': 0.0, 'tf_heartbeat_freq': 0.0}
@@ -130,7 +135,9 @@ class RobotSettings:
     #: all recovery behaviours that there are, whether they are enabled or not
     behaviors: Tuple[RecoveryBehavior, ...] = DEFAULT_BEHAVIORS
     #: how goals differ from the law of motion; None: in nothing
-    durations: Optional[Durations] = None
+    durations: Union[Durations, CalibratedDurations, None] = None
+    #: how legs begin and end; None: as of a Leg
+    phases: Optional[MotionPhases] = None
     #: {name: m/s} of the planner's parameters that the speed comes from
     speeds: Dict[str, float] = field(default_factory=dict)
     ignored: List[str] = field(default_factory=list)
@@ -178,7 +185,7 @@ def read_settings(raw, where):
     if values['feedback_freq'] is None:
         values['feedback_freq'] = values['controller_frequency']
     behaviors = _behaviors(raw, values, where)
-    return RobotSettings(
+    settings = RobotSettings(
         limits=MotionLimits(speed.value, acceleration.value or math.inf, values['turn_rate'] or math.inf),
         tolerances=Tolerances(xy_tolerance.value, yaw_tolerance.value),
         speed_source=speed.source, acceleration_source=acceleration.source, speeds=planner.speeds,
@@ -189,6 +196,19 @@ def read_settings(raw, where):
         costmaps=costmaps, durations=read_durations(values, where),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
         **_other_names(raw, values, used, where, planner.warnings))
+    return settings if values['calibration'] is None else _calibrated(settings, raw, where)
+
+
+def _calibrated(settings, raw, where):
+    """Return ``settings`` with what their calibration says."""
+    own = [name for name in _CALIBRATED if name in raw]
+    if own:
+        raise ConfigurationError('parameter {}/{}: got {} with a calibration, which says it too; allowed: one of '
+                                 'them'.format(where.rstrip('/'), own[0], shown(raw[own[0]])))
+    calibration = read_calibration(settings.values['calibration'], where)
+    source = 'calibration {}'.format(settings.values['calibration'])
+    return replace(settings, limits=calibration.limits, tolerances=calibration.tolerances, phases=calibration.phases,
+                   durations=calibration.durations, speed_source=source, acceleration_source=source)
 
 
 def _limit(raw, parameter, where, of_planner):

@@ -107,6 +107,7 @@ def test_the_installed_python_packages_are_imported(installed, prefix):
 
 
 @pytest.mark.parametrize(('package', 'folders'), [
+    ('move_base_abstract_calibration', {'templates'}),
     ('soil_mapping', {'data', 'requirements.txt', 'constraints.txt'}),
     ('move_base_abstract_experiments', {'report'})])
 def test_every_file_beside_the_python_of_a_package_is_installed(prefix, package, folders):
@@ -130,6 +131,11 @@ def test_an_installed_replay_shows_a_log(installed, tmp_path):
     run('rosrun', 'move_base_abstract', 'replay', log, '-o', page, env=installed)
     templates = ROOT / 'src' / 'move_base_abstract_replay' / 'templates'
     assert (templates / 'motion.js').read_text().strip() in page.read_text()
+
+
+def test_an_installed_calibration_is_found_by_its_name(installed):
+    run(sys.executable, '-c', "from move_base_abstract.calibration import read_calibration; "
+        "assert 'Stage' in read_calibration('move_base_dwa_stage', 'x').source", env=installed)
 
 
 def test_every_file_that_people_start_with_is_installed(prefix):

@@ -1,0 +1,137 @@
+"""How well legs are predicted that were not fitted: parts of all at random, other recordings, regions of the map."""
+import math
+from typing import NamedTuple, Optional
+
+import numpy as np
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.factors import along
+
+from .fit import fit, succeeded
+from .law import Durations
+
+PARTS = 10
+MET = 1.5  # m: nearer to another robot than this a leg may have been held up
+_SEED = 20130213
+_INTERVAL = (0.05, 0.95)
+
+
+class Predicted(NamedTuple):
+    """What was predicted of legs, beside what was measured; arrays of one value a leg, [s]."""
+
+    measured: np.ndarray
+    median: np.ndarray
+    mean: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    below: np.ndarray  # the predicted chance of no more than what was measured
+    straight: np.ndarray  # the straight line at the nominal speed
+
+
+class Score(NamedTuple):
+    """How well legs were predicted; shares, not per cent. ``success``: (predicted, measured) rates."""
+
+    name: str
+    legs: int
+    median_error: float
+    mean_ratio: float
+    within: float
+    straight_error: float
+    straight_ratio: float
+    success: Optional[tuple] = None
+
+
+def predict(values, pairs, nominal_speed):
+    """Return the Predicted of those of ``pairs`` that succeeded and count."""
+    used = succeeded(pairs)
+    law = Durations(values, [way for _, way in used])
+    measured = np.array([leg.duration for leg, _ in used])
+    straight = np.array([leg.start.distance_to(leg.goal) for leg, _ in used]) / nominal_speed
+    return Predicted(measured, law.quantile(0.5), law.mean(), *map(law.quantile, _INTERVAL),
+                     law.share_below(measured), straight)
+
+
+def score(name, predicted, success=None):
+    """Return the Score of a Predicted."""
+    measured = predicted.measured
+    return Score(
+        name, len(measured), float(np.median(np.abs(predicted.median - measured) / measured)),
+        float(predicted.mean.sum() / measured.sum()),
+        float(np.mean((predicted.low <= measured) & (measured <= predicted.high))),
+        float(np.median(np.abs(predicted.straight - measured) / measured)),
+        float(np.median(measured / np.maximum(predicted.straight, 1e-9))), success)
+
+
+def success_rates(values, pairs):
+    """Return the predicted and the measured rate of success of ``pairs``."""
+    ended = [(leg, way) for leg, way in pairs if leg.counts and (leg.succeeded or leg.failed)]
+    failures = tuple(map(tuple, values['failure_by_length']))
+    chances = [along(failures, way.length) if failures else 0.0 for _, way in ended]
+    return 1.0 - float(np.mean(chances)), sum(leg.succeeded for leg, _ in ended) / len(ended)
+
+
+def by_parts(pairs):
+    """Return [(legs to fit, legs to predict)] for parts of ``pairs`` at random, always the same ones."""
+    order = np.random.default_rng(_SEED).permutation(len(pairs))
+    return [([pairs[index] for index in np.setdiff1d(order, order[part::PARTS])],
+             [pairs[index] for index in order[part::PARTS]]) for part in range(PARTS)]
+
+
+def by_regions(pairs):
+    """Return the same for the four quarters around the middle goal: legs that begin or end there are not fitted."""
+    middle = np.median([(leg.goal.x, leg.goal.y) for leg, _ in pairs], axis=0)
+
+    def quarter(pose):
+        return pose.x > middle[0], pose.y > middle[1]
+    quarters = [(east, north) for east in (False, True) for north in (False, True)]
+    return [([pair for pair in pairs if one not in (quarter(pair[0].start), quarter(pair[0].goal))],
+             [pair for pair in pairs if quarter(pair[0].goal) == one]) for one in quarters]
+
+
+def by_recordings(pairs):
+    """Return {name of a recording: (legs of the others, its own legs)}, where there are several."""
+    names = sorted({leg.recording for leg, _ in pairs})
+    return {name: ([pair for pair in pairs if pair[0].recording != name],
+                   [pair for pair in pairs if pair[0].recording == name]) for name in names} if len(names) > 1 else {}
+
+
+def predict_folds(folds, nominal_speed):
+    """Return one Predicted of all legs to predict, and the (predicted, measured) rates of success.
+
+    Folds that leave too few legs to fit or none to predict are left out; without any others both are None.
+    """
+    found, rates = [], []
+    for known, asked in folds:
+        try:
+            values = fit(known)
+        except ConfigurationError:
+            continue
+        if succeeded(asked):
+            found.append(predict(values, asked, nominal_speed))
+            rates.append((len(asked), *success_rates(values, asked)))
+    if not found:
+        return None, None
+    weights, predicted, measured = np.transpose(rates)
+    return (Predicted(*(np.concatenate(parts) for parts in zip(*found))),
+            (float(np.average(predicted, weights=weights)), float(np.average(measured, weights=weights))))
+
+
+def scores(values, pairs, nominal_speed):
+    """Return ([Score], the Predicted by parts at random): of the legs themselves first, then by cross-validation."""
+    rows = [score('the legs that were fitted', predict(values, pairs, nominal_speed), success_rates(values, pairs))]
+    parts, rates = predict_folds(by_parts(pairs), nominal_speed)
+    if parts is not None:
+        rows.append(score('{} parts at random'.format(PARTS), parts, rates))
+    regions, rates = predict_folds(by_regions(pairs), nominal_speed)
+    if regions is not None:
+        rows.append(score('four quarters of the map', regions, rates))
+    for name, (known, asked) in by_recordings(pairs).items():
+        alone = [pair for pair in asked if (pair[0].nearest_robot or math.inf) >= MET]
+        kinds = [('recording {} by the others'.format(name), asked)]
+        if len(alone) < len(asked):
+            kinds.append(('of these, legs that met no other robot within {:g} m'.format(MET), alone))
+        for words, chosen in kinds:
+            predicted, rates = predict_folds([(known, chosen)], nominal_speed)
+            if predicted is not None:
+                rows.append(score(words, predicted, rates))
+    return rows, parts

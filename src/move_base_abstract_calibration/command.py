@@ -1,0 +1,156 @@
+"""Fit how long a real robot's legs take from recordings, check it, and write it for the simulator.
+
+    rosrun move_base_abstract calibrate RECORDING... [-o robot.yaml] [--map MAP.yaml --radius M]
+    rosrun move_base_abstract calibrate RECORDING... --predict robot.yaml [--map MAP.yaml --radius M]
+
+Exit codes: 0 written; 2 a file cannot be read or written, too few legs, or wrong arguments.
+"""
+import argparse
+import math
+import os
+import sys
+
+from move_base_abstract.bounded_yaml import load_yaml_file
+from move_base_abstract.calibration import calibration_file, read_calibration
+from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.shown import shown
+
+_YAML = 'calibration.yaml'
+
+
+def main(words=None):
+    """Fit and write what the command line asks for, and exit with the code."""
+    options = _parse(words)
+    try:
+        _run(options)
+    except SimulatorError as error:
+        print('calibrate: {}'.format(error), file=sys.stderr)
+        sys.exit(2)
+
+
+def _parse(words):
+    parser = argparse.ArgumentParser(
+        prog='calibrate', description='Fit how long the legs of a real robot take, from what was recorded of it, and '
+        'write a YAML file that a scenario names, and a page of how well it predicts.',
+        epilog='exit codes: 0 written, 2 a file cannot be read or written, too few legs, or wrong arguments')
+    parser.add_argument('recordings', metavar='RECORDING', nargs='+',
+                        help='a bag with goals, results and poses of move_base, or a CSV file with a row a leg')
+    parser.add_argument('-o', '--output', metavar='FILE.yaml', default=_YAML,
+                        help='(default: %(default)s; the page goes beside it, as FILE.html). Files that this program '
+                        'made are replaced, nothing else is')
+    parser.add_argument('--predict', metavar='CALIBRATION', help='fit and write nothing: say how well this file, or '
+                        'one that ships, by its name, predicts the recordings')
+    parser.add_argument('--map', metavar='MAP.yaml', help='take lengths and turns of the ways that the simulator plans '
+                        'on this map, not as recorded')
+    parser.add_argument('--radius', type=_positive, metavar='M', default=0.46,
+                        help='with --map: how far ways stay off what is occupied (default: %(default)g m)')
+    parser.add_argument('--clear-of-robots', type=_positive, metavar='M', help='leave out legs that came nearer than '
+                        'this to another robot, where the recording says so')
+    parser.add_argument('--pose-topic', metavar='NAME', help="of bags: the topic of the poses below a robot's "
+                        'namespace (default: base_pose_ground_truth, else amcl_pose, else odom)')
+    parser.add_argument('--nominal-speed', type=_positive, metavar='M/S', help='of the straight line that is shown '
+                        'beside (default: the fitted top speed)')
+    parser.add_argument('--source', metavar='TEXT', help='a line on where the recordings are from')
+    options = parser.parse_args(words)
+    if not options.output.endswith('.yaml'):
+        parser.error('-o: got {}; allowed: a name that ends with .yaml'.format(shown(options.output)))
+    return options
+
+
+def _run(options):
+    if options.predict:
+        _predict(options)
+    else:
+        _calibrate(options)
+
+
+def _predict(options):
+    from . import check  # this takes a while to import
+    from .fit import succeeded
+    name = os.path.abspath(options.predict) if options.predict.endswith('.yaml') else options.predict
+    read_calibration(name, 'calibrate')
+    values = load_yaml_file(calibration_file(name, 'calibrate'))
+    pairs, notes = _pairs(options)
+    if not succeeded(pairs):
+        raise ConfigurationError('calibrate: got no legs that succeeded and count; allowed: at least one')
+    nominal_speed = options.nominal_speed or values['max_speed']
+    _say(notes, [check.score(options.predict, check.predict(values, pairs, nominal_speed),
+                             check.success_rates(values, pairs))])
+
+
+def _pairs(options):
+    """Return the legs with their ways, and notes."""
+    from .legs import ways_of
+    legs, notes = _read(options)
+    pairs = ways_of(legs, _map_ways(options, notes))
+    if len(pairs) < len(legs):
+        notes.append('{} of {} legs have no way on the map and are left out'.format(len(legs) - len(pairs), len(legs)))
+    if options.clear_of_robots:
+        clear = [pair for pair in pairs if (pair[0].nearest_robot or math.inf) >= options.clear_of_robots]
+        notes.append('{} legs that came nearer than {:g} m to another robot are left out'.format(
+            len(pairs) - len(clear), options.clear_of_robots))
+        pairs = clear
+    return pairs, notes
+
+
+def _calibrate(options):
+    from . import check, outputs  # these take a while to import
+    from .fit import fit, succeeded
+    page = options.output[:-len('.yaml')] + '.html'
+    outputs.check(options.output, page)
+    pairs, notes = _pairs(options)
+    values = fit(pairs)
+    source = options.source or '{} legs of {}'.format(
+        len(succeeded(pairs)), ', '.join(os.path.basename(path) for path in options.recordings))
+    text = outputs.yaml_text(values, source)
+    nominal_speed = options.nominal_speed or values['max_speed']
+    rows, predicted = check.scores(values, pairs, nominal_speed)
+    from .pictures import draw
+    picture = draw(values, pairs, predicted or check.predict(values, pairs, nominal_speed))
+    outputs.write(options.output, text)
+    outputs.write(page, outputs.page_text(text, source, rows, picture, nominal_speed, notes))
+    _say(notes, rows)
+    print(options.output)
+    print(page)
+
+
+def _say(notes, rows):
+    for note in notes:
+        print('calibrate: note: {}'.format(note), file=sys.stderr)
+    for row in rows:
+        print('{:60s} {:5d} legs: median error {:5.2f} %, mean {:.3f}, in 90 %: {:4.1f} %; success {:.1f} %, measured '
+              '{:.1f} %; straight line: {:.0f} %'.format(
+                  row.name, row.legs, 100.0 * row.median_error, row.mean_ratio, 100.0 * row.within,
+                  *(100.0 * rate for rate in row.success), 100.0 * row.straight_error))
+
+
+def _read(options):
+    """Return all RecordedLegs, and notes."""
+    legs, notes = [], []
+    for path in options.recordings:
+        if path.endswith('.bag'):
+            from .bags import read_legs as read_bag  # only who has bags needs ROS
+            found, about = read_bag(path, options.pose_topic)
+            notes += about
+        else:
+            from .csv_files import read_legs as read_csv
+            found = read_csv(path)
+        legs += found
+    return legs, notes
+
+
+def _map_ways(options, notes):
+    if options.map is None:
+        return None
+    from move_base_abstract.grid_planner import MapWays
+    from move_base_abstract_ros.map_files import load_map, read_description
+    description = read_description(options.map)
+    notes += list(description.warnings)
+    return MapWays.on(load_map(description), options.radius)
+
+
+def _positive(text):
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError('must be a finite number > 0, got {}'.format(shown(text)))
+    return value

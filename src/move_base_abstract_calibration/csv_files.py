@@ -1,0 +1,79 @@
+"""Legs from a table: one row a goal, with the columns that docs/calibrate.md names."""
+import csv
+import math
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract.shown import shown, shown_text
+
+from .legs import RecordedLeg, Way, way_along
+
+_NEEDED = ('start_x', 'start_y', 'start_yaw', 'goal_x', 'goal_y', 'goal_yaw', 'duration_s', 'state')
+_SUCCEEDED, _ABORTED = 3, 4  # of actionlib_msgs/GoalStatus
+_MOST_ROWS = 1_000_000
+
+
+def read_legs(path):
+    """Return the RecordedLegs in the CSV file ``path``.
+
+    :raises ConfigurationError: if it cannot be read, a column is missing, or a value is no number.
+    """
+    try:
+        with open(path, encoding='utf-8', newline='') as stream:
+            return _read(csv.DictReader(line for line in stream if not line.startswith('#')), str(path))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise ConfigurationError('{}: cannot be read: {}'.format(
+            shown_text(str(path)), getattr(error, 'strerror', None) or error)) from None
+
+
+def _read(rows, path):
+    missing = [name for name in _NEEDED if name not in (rows.fieldnames or ())]
+    if missing:
+        raise ConfigurationError('{}: no column {}; allowed: a table with {}'.format(
+            path, ', '.join(missing), ', '.join(_NEEDED)))
+    legs = []
+    for row in rows:
+        if len(legs) >= _MOST_ROWS:
+            raise ConfigurationError('{}: got more than {} rows; allowed: at most that'.format(path, _MOST_ROWS))
+        legs.append(_leg(row, '{}: line {}'.format(path, rows.line_num), len(legs) + 1))
+    return legs
+
+
+def _leg(row, where, number):
+    values = {name: _number(row, name, where) for name in _NEEDED}
+    start, goal = (Pose2D(*(values[name + axis] for axis in ('_x', '_y', '_yaw'))) for name in ('start', 'goal'))
+    optional = {name: _optional(row, name, where) for name in (
+        'plan_m', 'driven_m', 'start_turn_rad', 'end_turn_rad', 'end_x', 'end_y', 'end_yaw', 'goal', 'rescued',
+        'stuck_start', 'cancelled', 'min_robot_dist_m')}
+    end = [optional[name] for name in ('end_x', 'end_y', 'end_yaw')]
+    return RecordedLeg(
+        row.get('run') or '', row.get('robot') or '', int(optional['goal'] or number), start, goal,
+        values['duration_s'], values['state'] == _SUCCEEDED, values['state'] == _ABORTED,
+        _way(optional, start, goal), None if None in end else Pose2D(*end),
+        not (optional['rescued'] or optional['stuck_start'] or optional['cancelled'] == 2.0),
+        optional['min_robot_dist_m'])
+
+
+def _way(values, start, goal):
+    """Return the recorded way: as planned, else as driven. Turns have the side of those of the straight line."""
+    length = values['driven_m'] if values['plan_m'] is None else values['plan_m']
+    if length is None:
+        return None
+    straight = way_along(start, (), goal)
+    turns = [turn if values[name] is None else math.copysign(values[name], turn) for name, turn in (
+        ('start_turn_rad', straight.start_turn), ('end_turn_rad', straight.end_turn))]
+    return Way(length, *turns)
+
+
+def _optional(row, name, where):
+    return _number(row, name, where) if row.get(name) not in (None, '') else None
+
+
+def _number(row, name, where):
+    try:
+        value = float(row[name])
+    except (TypeError, ValueError):
+        value = math.nan
+    if not math.isfinite(value):
+        raise ConfigurationError('{}: {}: got {}; allowed: a finite number'.format(where, name, shown(row[name])))
+    return value

@@ -1,0 +1,89 @@
+"""The law of the core's ``calibration`` for many legs at once, as a fit needs it. A test holds both together."""
+import math
+
+import numpy as np
+from scipy import special, stats
+
+
+def approach_seconds(distance, speed, acceleration, gain, offset):
+    """Return how long each of ``distance`` [m] takes [s]: the ``seconds`` of the core's ApproachProfile."""
+    distance = np.maximum(distance, 0.0)
+    whole = distance + offset
+    peak = np.minimum(speed, 2.0 * whole / (1.0 / gain + np.sqrt(1.0 / gain ** 2 + 2.0 * whole / acceleration)))
+    brakes = peak > gain * offset
+    with np.errstate(divide='ignore', invalid='ignore'):
+        peak = np.where(brakes, peak, np.minimum(speed, np.sqrt(2.0 * acceleration * distance)))
+        ramp = 0.0 if math.isinf(acceleration) else peak / acceleration
+        cruise = np.maximum(0.0, distance - 0.5 * peak * ramp - np.where(brakes, peak / gain - offset, 0.0)) / peak
+        seconds = ramp + cruise + np.where(brakes, np.log(peak / (gain * offset)) / gain, 0.0)
+    return np.where(distance > 0.0, seconds, 0.0)
+
+
+def motion_seconds(values, ways):
+    """Return how long the motion along each way takes [s], the start's delay left out.
+
+    ``values``: {parameter of a calibration: value}; ``ways``: array of rows (length, start turn, end turn).
+    """
+    length, start_turn, end_turn = ways.T
+    moves = length > values['xy_goal_tolerance']
+    start_turn = np.where(moves, start_turn, 0.0)
+    turned = np.abs(start_turn)
+    drive = approach_seconds(length - values['xy_goal_tolerance'], values['max_speed'], values['acceleration'],
+                             values['braking_gain'], values['braking_offset'])
+    square = values['bow_length'] ** 2
+    bowed = end_turn - start_turn * square / np.maximum(square + np.where(moves, length, 0.0) ** 2, 1e-12)
+    whole = np.abs(np.remainder(bowed + math.pi, 2.0 * math.pi) - math.pi)
+    turn = approach_seconds(whole - values['yaw_goal_tolerance'], values['turning_speed'], math.inf,
+                            values['turning_gain'], values['turning_offset'])
+    return turned * (values['start_turn_linear'] + values['start_turn_square'] * turned) + drive + turn
+
+
+class Durations:
+    """The distributions of the durations [s] of legs along ``ways`` (rows of length, start turn, end turn).
+
+    Each is ``values['start_delay']`` and the motion, and then with the chance ``tail`` a gamma distributed rest, else a
+    normal one and an exponential one together.
+    """
+
+    def __init__(self, values, ways):
+        ways = np.asarray(ways, float)
+        motion = motion_seconds(values, ways)
+        self.least = values['start_delay'] + motion
+        self._spread = max(values['spread'], 1e-6)
+        self._delay = np.maximum(values['delay_share'] * motion, 1e-6)
+        by_turn = np.interp(np.abs(ways[:, 1]), *np.transpose(values['tail_chance_by_turn']))
+        self.tail = 1.0 - np.exp(-values['tail_rate'] * motion) * (1.0 - by_turn)
+        self._shape = 1.0 / values['tail_cv'] ** 2
+        self._tail_mean = values['tail_mean']
+
+    def mean(self):
+        """Return the mean duration of each leg [s]."""
+        return self.least + self.tail * self._tail_mean + (1.0 - self.tail) * self._delay
+
+    def density(self, durations):
+        """Return the density [1/s] of each leg at ``durations`` [s]."""
+        excess = durations - self.least
+        spread, delay = self._spread, self._delay
+        usual = np.exp(0.5 * (spread / delay) ** 2 - excess / delay
+                       + special.log_ndtr(excess / spread - spread / delay)) / delay
+        tail = stats.gamma.pdf(excess, self._shape, scale=self._tail_mean / self._shape)
+        return (1.0 - self.tail) * usual + self.tail * tail
+
+    def share_below(self, durations):
+        """Return the chance of each leg that it takes no longer than ``durations`` [s]."""
+        excess = durations - self.least
+        spread, delay = self._spread, self._delay
+        usual = special.ndtr(excess / spread) - np.exp(0.5 * (spread / delay) ** 2 - excess / delay
+                                                       + special.log_ndtr(excess / spread - spread / delay))
+        tail = special.gammainc(self._shape, np.maximum(0.0, excess) * self._shape / self._tail_mean)
+        return (1.0 - self.tail) * usual + self.tail * tail
+
+    def quantile(self, share):
+        """Return the quantile of each leg's duration [s] at ``share``: found by bisection."""
+        low = self.least - 10.0 * self._spread
+        high = self.least + 40.0 * (self._tail_mean + self._spread + self._delay)
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            below = self.share_below(middle) < share
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        return 0.5 * (low + high)

@@ -1,0 +1,64 @@
+"""Legs as a real robot drove them, and the way that each had: its length and its turns."""
+import math
+from typing import NamedTuple, Optional
+
+from move_base_abstract.geometry import Pose2D, normalize_angle
+
+
+class Way(NamedTuple):
+    """How far a leg leads [m], and by how much the robot turns before and behind [rad, to the left > 0]."""
+
+    length: float
+    start_turn: float
+    end_turn: float
+
+
+class RecordedLeg(NamedTuple):
+    """One goal of one robot. Poses in one fixed frame [m, m, rad].
+
+    ``recording`` and ``robot`` name where it comes from; ``duration`` [s] from the goal to its result; ``way`` as
+    planned or driven, None where nothing says it; ``end`` where the robot was at the result; ``counts``: whether its
+    duration says something of the robot (not of somebody who moved it, or of one that was stuck already);
+    ``nearest_robot`` [m]: how near another robot came, None if nobody says.
+    """
+
+    recording: str
+    robot: str
+    number: int
+    start: Pose2D
+    goal: Pose2D
+    duration: float
+    succeeded: bool
+    failed: bool
+    way: Optional[Way] = None
+    end: Optional[Pose2D] = None
+    counts: bool = True
+    nearest_robot: Optional[float] = None
+
+
+def way_along(start, points, goal):
+    """Return the :class:`Way` of straight pieces from ``start`` by ``points`` [(x, y), m] to ``goal`` (Pose2D)."""
+    places = [(start.x, start.y), *points, (goal.x, goal.y)]
+    pieces = [(math.dist(one, other), math.atan2(other[1] - one[1], other[0] - one[0]))
+              for one, other in zip(places, places[1:]) if one != other]
+    if not pieces:
+        return Way(0.0, 0.0, normalize_angle(goal.yaw - start.yaw))
+    return Way(math.fsum(length for length, _ in pieces), normalize_angle(pieces[0][1] - start.yaw),
+               normalize_angle(goal.yaw - pieces[-1][1]))
+
+
+def ways_of(legs, map_ways=None):
+    """Return [(leg, Way)] of ``legs``: on the map (``map_ways``, a MapWays), else as recorded, else straight.
+
+    A leg to which no way leads on the map is left out.
+    """
+    found = []
+    for leg in legs:
+        if map_ways is not None:
+            corners = map_ways.corners(leg.start, leg.goal)
+            way = None if corners is None else way_along(leg.start, corners, leg.goal)
+        else:
+            way = leg.way or way_along(leg.start, (), leg.goal)
+        if way is not None:
+            found.append((leg, way))
+    return found

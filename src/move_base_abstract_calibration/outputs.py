@@ -1,0 +1,59 @@
+"""The files of a calibration: the YAML that a scenario names, and the page that shows how far it can be trusted."""
+import base64
+from pathlib import Path
+
+import jinja2
+
+from move_base_abstract import own_files
+from move_base_abstract.calibration import FORMAT, TABLE, make_calibration
+
+_FIRST_YAML = '# move_base_abstract calibration'
+_FIRST_PAGE = '<!doctype html><!-- move_base_abstract calibration -->'
+_UNITS = {parameter.name: parameter.allowed.rpartition('[')[2].rstrip(']') if '[' in parameter.allowed else ''
+          for parameter in TABLE}
+_DIGITS = 5
+
+
+def check(*paths):
+    """Complain of what is at one of the paths and not of our making. :raises ConfigurationError: naming it."""
+    for path in paths:
+        own_files.check_file(str(path), lambda line: line.startswith((_FIRST_YAML.encode(), _FIRST_PAGE.encode())))
+
+
+def yaml_text(values, source):
+    """Return the YAML of a calibration, its numbers rounded to 5 digits; what it says is checked first."""
+    rounded = {name: _rounded(values[name]) for name in values}
+    make_calibration({'format': FORMAT, 'source': source, **rounded}, 'calibrate')
+    lines = ['{}: what each value means stands in docs/calibrate.md'.format(_FIRST_YAML), 'format: {}'.format(FORMAT),
+             'source: {}'.format(_quoted(source))]
+    for parameter in TABLE:
+        if parameter.name != 'source':
+            unit = _UNITS[parameter.name] if parameter.name in _UNITS and 'list' not in parameter.allowed else ''
+            lines.append('{}: {}{}'.format(parameter.name, rounded[parameter.name], '  # ' + unit if unit else ''))
+    return '\n'.join(lines) + '\n'
+
+
+def write(path, text):
+    """Write a text file, whole or not at all, in the place of nothing or of one of our own."""
+    check(path)
+    with own_files.whole_file(path, 'w', encoding='utf-8') as stream:
+        stream.write(text)
+
+
+def page_text(calibration, source, rows, picture, nominal_speed, notes):
+    """Return the page: ``calibration`` is its YAML, ``rows`` [check.Score], ``picture`` a PNG's bytes."""
+    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(str(Path(__file__).with_name('templates'))),
+                                     autoescape=True, undefined=jinja2.StrictUndefined)
+    return '{}\n{}\n'.format(_FIRST_PAGE, environment.get_template('page.html.j2').render(
+        calibration=calibration, source=source, rows=rows, nominal_speed=nominal_speed, notes=notes,
+        picture=base64.b64encode(picture).decode('ascii')))
+
+
+def _quoted(text):
+    return "'{}'".format(' '.join(text.split()).replace("'", "''"))
+
+
+def _rounded(value):
+    if isinstance(value, (list, tuple)):
+        return [_rounded(each) for each in value]
+    return float('{:.{}g}'.format(value, _DIGITS))

@@ -1,0 +1,136 @@
+"""Legs from bags: goals, results, poses and plans of several robots; what a bag lacks is said."""
+import sys
+from pathlib import Path
+
+import pytest
+import rosbag
+import rospy
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / 'src'))
+
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped  # noqa: E402
+from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult  # noqa: E402
+from nav_msgs.msg import Odometry  # noqa: E402
+from nav_msgs.msg import Path as PathMessage  # noqa: E402
+
+from move_base_abstract.errors import ConfigurationError  # noqa: E402
+from move_base_abstract.fleet import Fleet  # noqa: E402
+from move_base_abstract.geometry import quaternion_of_yaw  # noqa: E402
+from move_base_abstract.scenario import make_scenario  # noqa: E402
+from move_base_abstract_calibration.bags import read_legs  # noqa: E402
+from move_base_abstract_calibration.legs import way_along  # noqa: E402
+
+GOALS = [(10.0, 0.0, 1.0), (10.0, 8.0, -2.0), (0.0, 3.0, 0.5)]
+
+
+def put(pose, x, y, yaw):
+    """Fill in a geometry_msgs/Pose."""
+    pose.position.x, pose.position.y = x, y
+    (pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w) = quaternion_of_yaw(yaw)
+
+
+class Recorder:
+    """Writes what a robot of the plain fleet does into a bag."""
+
+    def __init__(self, bag, frame, pose_kind, pose_topic):
+        self._bag, self._frame, self._pose_kind, self._pose_topic = bag, frame, pose_kind, pose_topic
+        self.fleet = Fleet(make_scenario({'robots': [
+            {'name': 'bot', 'max_speed': 1.0, 'acceleration': 0.5, 'turn_rate': 1.0}]}))
+
+    def tell(self, kind, topic, fill):
+        message = kind()
+        now_ns = self.fleet.now_ns
+        message.header.stamp = rospy.Time(now_ns // 10 ** 9, now_ns % 10 ** 9)
+        fill(message)
+        self._bag.write('/bot/' + topic, message, message.header.stamp)
+
+    def tell_pose(self):
+        def fill(message):
+            message.header.frame_id = self._frame
+            pose = self.fleet.pose('bot')
+            put(message.pose.pose, pose.x, pose.y, pose.yaw)
+        self.tell(self._pose_kind, self._pose_topic, fill)
+
+    def tell_plan(self, goal):
+        def fill(message):
+            start = self.fleet.pose('bot')
+            places = [(start.x, start.y), (start.x, start.y + 5.0), goal[:2]]
+            message.poses = [PoseStamped() for _ in places]
+            for pose, place in zip(message.poses, places):
+                put(pose.pose, *place, 0.0)
+        self.tell(PathMessage, 'move_base/NavfnROS/plan', fill)
+
+    def drive(self, goal, state, with_plan):
+        """Send a goal and record the robot until it ends; return how long it takes [s]."""
+        self.tell_pose()
+        begin_ns = self.fleet.now_ns
+        name = self.fleet.send('bot', *goal)
+
+        def fill_goal(message):
+            message.goal_id.id = name
+            message.goal.target_pose.header.frame_id = 'map'
+            put(message.goal.target_pose.pose, *goal)
+
+        def fill_result(message):
+            message.status.goal_id.id, message.status.status = name, state
+        self.tell(MoveBaseActionGoal, 'move_base/goal', fill_goal)
+        if with_plan:
+            self.tell_plan(goal)
+        while self.fleet.trace[-1].kind != 'ended':
+            self.fleet.run_for(0.1)
+            self.tell_pose()
+        self.tell(MoveBaseActionResult, 'move_base/result', fill_result)
+        return (self.fleet.now_ns - begin_ns) / 1e9
+
+
+def write(path, frame='map', pose_kind=Odometry, pose_topic='odom', with_plan=False):
+    """Write a bag of three goals, the last of which fails; return their durations [s]."""
+    with rosbag.Bag(str(path), 'w') as bag:
+        recorder = Recorder(bag, frame, pose_kind, pose_topic)
+        return [recorder.drive(goal, state, with_plan) for goal, state in zip(GOALS, (3, 3, 4))]
+
+
+def test_each_goal_with_a_result_is_a_leg(tmp_path):
+    durations = write(tmp_path / 'run.bag')
+    legs, notes = read_legs(tmp_path / 'run.bag')
+    assert notes == []
+    assert [leg.duration for leg in legs] == pytest.approx(durations)
+    assert [(leg.goal.x, leg.goal.y, round(leg.goal.yaw, 9)) for leg in legs] == GOALS
+    assert [(leg.succeeded, leg.failed) for leg in legs] == [(True, False), (True, False), (False, True)]
+    assert {leg.robot for leg in legs} == {'/bot'}
+    for leg in legs:
+        straight = way_along(leg.start, (), leg.goal)
+        assert leg.way == pytest.approx(straight, abs=0.01)
+        assert leg.end.distance_to(leg.goal) < 0.01
+
+
+def test_a_plan_says_the_way(tmp_path):
+    write(tmp_path / 'run.bag', with_plan=True)
+    leg = read_legs(tmp_path / 'run.bag')[0][0]
+    assert leg.way.length == pytest.approx(5.0 + 125.0 ** 0.5)
+    assert leg.way.start_turn == pytest.approx(1.5707963, abs=1e-6)
+
+
+def test_amcls_pose_comes_before_odometry_and_other_frames_are_told(tmp_path):
+    write(tmp_path / 'run.bag', 'odom')
+    assert read_legs(tmp_path / 'run.bag')[1] == [
+        '{}: goals of /bot are in map, its poses (/bot/odom) in odom: taken for the same frame'.format(
+            tmp_path / 'run.bag')]
+    write(tmp_path / 'other.bag', pose_kind=PoseWithCovarianceStamped, pose_topic='amcl_pose')
+    assert len(read_legs(tmp_path / 'other.bag')[0]) == len(GOALS)
+
+
+def test_what_a_bag_lacks_is_said(tmp_path):
+    with pytest.raises(ConfigurationError, match='none.bag: cannot be read'):
+        read_legs(tmp_path / 'none.bag')
+    (tmp_path / 'text.bag').write_text('no bag')
+    with pytest.raises(ConfigurationError, match='cannot be read as a bag'):
+        read_legs(tmp_path / 'text.bag')
+    write(tmp_path / 'run.bag')
+    with pytest.raises(ConfigurationError, match='no poses of /bot; allowed: one of /bot/pose'):
+        read_legs(tmp_path / 'run.bag', 'pose')
+    with rosbag.Bag(str(tmp_path / 'empty.bag'), 'w') as bag:
+        bag.write('/odom', Odometry(), rospy.Time(1))
+    with pytest.raises(ConfigurationError, match='no goals'):
+        read_legs(tmp_path / 'empty.bag')
