@@ -1,7 +1,8 @@
 """Service calls between participants, put in the place of rospy's connections.
 
 A call is handled in the next round, by a thread of its own as in rospy, and may itself sleep or call. Calls from other
-nodes come over rospy's connections and enter at the next grant; calls to other nodes block, with time standing still.
+nodes come over rospy's connections and enter at the next grant; calls to other nodes block, with time standing still,
+unless the answer takes long: the other node may wait for simulated time.
 """
 import _thread
 import sys
@@ -22,6 +23,7 @@ from .links import creating_index
 _OF_ROSPY = ('/get_loggers', '/set_logger_level')
 _TIME_MASTERS = '/time_master/'  # its services
 _SEEK_SECONDS = 0.1
+_PATIENCE = 5.0  # s, wall
 
 
 class Services:
@@ -145,11 +147,27 @@ class Services:
         self._participant.label('service {} was waited for; a node offers it that does not take part'.format(name))
         self._found.add(name)
 
-    def label_outside(self, name):
-        """Label the run for the call of a service that a node answers as it likes; the time master's own are none."""
-        if not name.startswith(_TIME_MASTERS):
-            self._participant.label(
-                'service {}, which was called, is offered by a node that does not take part'.format(name))
+    def call_outside(self, name, call):
+        """Return what ``call()`` returns, which asks a node that answers as it likes; the run is labelled.
+
+        Simulated time stands until the answer comes, but for a few seconds of wall time at most. (The time master's own
+        services label nothing.)
+        """
+        if name.startswith(_TIME_MASTERS):
+            return call()
+        label = self._participant.label
+        label('service {}, which was called, is offered by a node that does not take part'.format(name))
+        asked = _Asked(call)
+        if not asked.is_over.acquire(True, _PATIENCE):
+            label('service {} of a node that does not take part has not answered for {:g} s of wall time: simulated '
+                  'time goes on until it does'.format(name, _PATIENCE))
+            scheduler = self._participant.scheduler
+            asked.when_over(lambda: scheduler.from_outside(_nothing))
+            try:
+                scheduler.wait_until(lambda: asked.outcome, waits_for='the answer of service {}'.format(name))
+            except TurnLost:
+                raise rospy.ROSInterruptException('node shutdown interrupted service call') from None
+        return asked.result()
 
     def is_offered_outside(self, name):
         """Return whether the ROS master knows a node that offers the service and has never taken part.
@@ -162,6 +180,42 @@ class Services:
             return False
         members = set(self._participant.names.values())
         return code == 1 and any(service == name and not members.issuperset(nodes) for service, nodes in offered)
+
+
+class _Asked:
+    """A call in a thread of its own, which is none of the application's."""
+
+    def __init__(self, call):
+        self.outcome = []  # what it returns, what it raises
+        self.is_over = _make_lock()
+        self.is_over.acquire()
+        self._then = []
+        _thread.start_new_thread(self._ask, (call,))
+
+    def _ask(self, call):
+        try:
+            outcome = (call(), None)
+        except BaseException as error:
+            outcome = (None, error)
+        self.outcome.append(outcome)
+        self.is_over.release()
+        for then in self._then:
+            then()
+
+    def when_over(self, then):
+        """Have ``then()`` called in the thread of the call, unless that is over by now, which ``outcome`` says."""
+        self._then.append(then)
+
+    def result(self):
+        """Return what the call returned, or raise what it raised."""
+        (result, error), = self.outcome
+        if error is not None:
+            raise error
+        return result
+
+
+def _nothing():
+    """There is nothing to do but to look what has happened."""
 
 
 def _serve(service, data):
@@ -231,8 +285,7 @@ def _replace_calling(services, scheduler):
             if status != wire.CallStatus.NO_SERVER:
                 return _answer(self, status, answer)
             if services.is_offered_outside(self.resolved_name):
-                services.label_outside(self.resolved_name)
-                return call(self, request)
+                return services.call_outside(self.resolved_name, lambda: call(self, request))
             raise rospy.ServiceException('service [{}] unavailable'.format(self.resolved_name))
         return _call
 
