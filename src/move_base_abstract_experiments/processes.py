@@ -48,11 +48,16 @@ def fork(body, output=None, cwd=None, new_session=False):
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
     parent = os.getpid()
-    pid = os.fork()
-    if pid:
-        if not new_session:
+    # What an interrupt raises within Python's own work around a fork is lost, and locks that it holds stay locked.
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
+    try:
+        pid = os.fork()
+        if pid and not new_session:
             with contextlib.suppress(OSError):  # both do it, so that it is so for both
                 os.setpgid(pid, pid)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    if pid:
         return pid
     code = 1
     try:

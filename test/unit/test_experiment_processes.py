@@ -42,6 +42,17 @@ print(os.read(read, 1) == b'')
 """) == ['True']
 
 
+def test_an_interrupt_at_a_fork_is_not_lost():
+    assert run("""
+os.register_at_fork(before=lambda: os.kill(os.getpid(), signal.SIGINT))
+try:
+    processes.fork(lambda: None)
+    print('lost')
+except KeyboardInterrupt:
+    print('interrupted')
+""") == ['interrupted']
+
+
 def test_a_second_thread_at_a_fork_is_an_error():
     assert run("""
 import threading
