@@ -58,12 +58,12 @@ test: deps-test build  ## all tests; ONLY=part_of_a_name for some
 lint: deps-lint build  ## ruff and C++ includes with the borders, Python 3.8, catkin_lint, clang-format, shell scripts
 	@$(ENTER) tools/lint
 
-bench: deps-bench deps-test build  ## the measurements, as JSON lines
+bench: deps-bench deps-test deps-study build  ## the measurements, as JSON lines
 	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) tests
 	@cmake --build '$(WS)/build' --target bench_ping_pong bench_rate bench_dense_agent >'$(WS)/build_bench.log' || \
 	  { cat '$(WS)/build_bench.log'; exit 1; }
 	@$(ENTER) $(PYTHON) bench/lockstep $(BENCH_ARGS) && $(PYTHON) bench/launcher $(BENCH_ARGS) && \
-	  $(PYTHON) bench/dense $(BENCH_ARGS) && \
+	  $(PYTHON) bench/dense $(BENCH_ARGS) && $(PYTHON) bench/experiments $(BENCH_ARGS) && \
 	  $(PYTHON) bench/dense --one-core --kinds roscpp --agents 4 8 $(BENCH_ARGS) && \
 	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS)
 

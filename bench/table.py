@@ -12,6 +12,7 @@ COLUMNS = {
     'lockstep': ('client', 'rates', 'robots', 'events_per_s', 'wanted_per_s', 'over_reference', 'speed_up',
                  'wanted_speed_up'),
     'sequence': ('clock', 'robots', 'goals', 'same_order', 'earliest_s', 'latest_s'),
+    'experiments': ('what', 'wall_s', 'wanted_s', 'cpu_s', 'load', 'memory_mb_early', 'memory_mb_late'),
     'launcher': ('what', 'per_s', 'wanted_per_s', 'exact'),
     'launcher_start': ('plain_s', 'launched_s', 'added_s', 'wanted_added_s'),
     'dense': ('cores', 'agent', 'agents', 'rates', 'speed_up', 'wanted_speed_up', 'rounds_per_s', 'deliveries_per_s',

@@ -7,17 +7,15 @@ that the memory of all who take part does not grow with the number of trials.
 import contextlib
 import os
 import queue
-import shutil
 import signal
 import sys
-import tempfile
 import time
 import warnings
 from multiprocessing import resource_tracker
 
 from move_base_abstract.errors import SimulatorError
 
-from . import jobs
+from . import jobs, temporary
 
 TRIES = 2  # of a trial that fails by itself
 LOSSES = 8  # of workers, before a trial counts as failed
@@ -49,8 +47,7 @@ def connected(workers, scheduler):
     _quiet()
     with contextlib.ExitStack() as stack:
         if scheduler is None:
-            folder = tempfile.mkdtemp(prefix='move_base_abstract_dask_')
-            stack.callback(shutil.rmtree, folder, ignore_errors=True)  # made above, by this process
+            folder = stack.enter_context(temporary.folder('move_base_abstract_dask_'))
             with _ctrl_c_is_ours():
                 scheduler = LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, host='127.0.0.1',
                                          dashboard_address='127.0.0.1:0', worker_dashboard_address='127.0.0.1:0',

@@ -4,6 +4,7 @@ A function that is a trial may be a simulation in plain Python, or start what it
 at its end.
 """
 import contextlib
+import hashlib
 import importlib
 import json
 import math
@@ -50,6 +51,48 @@ class FunctionTrial:
     def not_repeatable(self, reason):
         """Say why the same seed may give another trial: the report tells it."""
         self.labels.append(str(reason)[:200])
+
+
+def sources(names, folder):
+    """Return {path from the folder: text} of those modules of functions that lie beside the experiment's file.
+
+    They go with a trial to a worker that may have no such folder. Of a package all modules go.
+    """
+    found = {}
+    for name in filter(None, names):
+        module = name.partition(':')[0]
+        first = module.partition('.')[0]
+        paths = [f'{first}.py'] if module == first else [
+            os.path.relpath(path, folder) for path in sorted(Path(folder, first).rglob('*.py'))]
+        for path in paths:
+            with contextlib.suppress(OSError, ValueError), open(os.path.join(folder, path), encoding='utf-8') as stream:
+                found[path] = stream.read(_MOST_BYTES)
+    return found if sum(map(len, found.values())) < _MOST_BYTES else {}
+
+
+def place(job, folder):
+    """Have a job find its modules: where they are, or, if they are not there or others, in a new place in a folder."""
+    if all(_holds(os.path.join(job['folder'], path), text) for path, text in job['sources'].items()):
+        return {**job, 'modules': job['folder']}
+    key = hashlib.sha256(json.dumps(job['sources'], sort_keys=True).encode()).hexdigest()[:16]
+    own = os.path.join(folder, f'modules-{key}')
+    for path, text in job['sources'].items():
+        target = os.path.join(own, path)
+        if not os.path.abspath(target).startswith(own + os.sep):
+            raise ConfigurationError(f'a module by the path {path}; allowed: beside the experiment')
+        if not os.path.exists(target):
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            with open(target, 'x', encoding='utf-8') as stream:
+                stream.write(text)
+    return {**job, 'modules': own}
+
+
+def _holds(path, text):
+    try:
+        with open(path, encoding='utf-8') as stream:
+            return stream.read() == text
+    except (OSError, ValueError):
+        return False
 
 
 def load(name, folder):
@@ -138,19 +181,19 @@ def run_trial(job, folders):
 
     def work():
         trial = FunctionTrial(job, folders)
-        metrics = checked(load(job['trial_function'], job['folder'])(trial), job['factors'], ())
+        metrics = checked(load(job['trial_function'], job['modules'])(trial), job['factors'], ())
         seconds = trial.simulated_seconds
         return {'metrics': metrics, 'labels': trial.labels[:_MOST_LABELS],
                 'simulated_seconds': None if seconds is None else float(seconds)}
     return call(work, job['time_limit'], os.path.join(folders.logs, OUTPUT), folders.files)
 
 
-def prepare(wanted):
-    """Call the function that a job's 'prepare' names, [name, folder, args, factors], in this process.
+def prepare(wanted, folder):
+    """Call the function that a job's 'prepare' names, [name, args, factors], in this process. folder: of modules.
 
     :raises ConfigurationError: if it fails, or leaves a thread.
     """
-    name, folder, arguments, factors = wanted
+    name, arguments, factors = wanted
     try:
         load(name, folder)(arguments, factors)
         processes.assert_one_thread()
@@ -200,7 +243,7 @@ def main(words):
     job = given['job']
     try:
         if job['prepare']:
-            prepare(job['prepare'])
+            prepare(job['prepare'], job['modules'])
         answer = run_trial(job, run.Folders(*given['folders']))
     except SimulatorError as problem:
         answer = {'problem': str(problem)}

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the warm process has one
 
-from . import plan, trial
+from . import functions, plan, trial
 from .warm_nodes import interpreter_of
 
 _ANSWER_S = 1e7  # wall; the trial itself ends by its time limit
@@ -24,8 +24,9 @@ def make_job(experiment, one, **others):
             'arguments': plan.launch_arguments(experiment, one),
             'trial_function': experiment.trial_function,
             'function_arguments': plan.function_arguments(experiment, one),
-            'prepare': [experiment.prepare, experiment.folder, experiment.args, experiment.factors]
-            if experiment.prepare else None,
+            'prepare': [experiment.prepare, experiment.args, experiment.factors] if experiment.prepare else None,
+            'sources': functions.sources((experiment.function, experiment.trial_function, experiment.prepare),
+                                         experiment.folder),
             'command': [checks.filled(word, values) for word in experiment.command], 'folder': experiment.folder,
             'participants': experiment.participants, 'leave_out': experiment.leave_out,
             'replace': sorted(experiment.replace.items()), 'until': experiment.until, 'record': experiment.record,

@@ -21,9 +21,10 @@ from . import launch_files, processes, ros_master, warm_nodes
 LOG_MOTION, PARTICIPANTS = '/log_motion', '/time_master/participants'
 END_NODE, RECORDER_NODE = '/experiment_end', '/experiment_recorder'
 LOG, MESSAGES = 'events.jsonl', 'messages.jsonl'
+_END_RECORD_BYTES = 1 << 16  # a log's last line is shorter
 _ONLOOKER_GRACE_S = 5.0  # wall
 _OWN_END_S = 6.0  # wall, that participants may take to end by themselves once the run is over
-_LOOK_S = 0.2  # wall
+_LOOK_S = 0.02  # wall
 _BEFORE_START_S = 5.0  # wall, that the time master may take to be asked
 _NODE_FILE = re.compile(r'[^\w.-]+', re.ASCII)
 
@@ -205,7 +206,7 @@ def _await_end(master, started, wanted, folders):
     time_master = started[0]
     deadline = time.monotonic() + wanted.time_limit
     statuses, seen, problem = {}, set(), None
-    while problem is None and time_master.pid not in statuses:
+    while problem is None and time_master.pid not in statuses and not is_over(folders):
         if not processes.reap(statuses):
             processes.await_child(_LOOK_S)
         for process in started:
@@ -217,6 +218,9 @@ def _await_end(master, started, wanted, folders):
         if time.monotonic() > deadline:
             problem = problem or f'it was not over after {wanted.time_limit:g} s of wall time (time_limit)'
     if problem is None:
+        if time_master.pid not in statuses:
+            processes.end([time_master.pid], signal.SIGKILL, 1.0, statuses)
+            statuses[time_master.pid] = 0
         code = processes.code_of(statuses[time_master.pid])
         problem = None if code == 0 else f'the run did not end as wished: the time master ended with exit code {code}'
     else:
@@ -226,6 +230,20 @@ def _await_end(master, started, wanted, folders):
         raise RunError(problem)
     return {one.name: processes.code_of(statuses[one.pid]) for one in started
             if one.pid in statuses and one.has_last_words}  # the others were killed
+
+
+def is_over(folders):
+    """Return whether the event log of a run that ended as wished is complete: its time master has nothing more to do.
+
+    It may be killed then; roscpp's own end takes a third of a second.
+    """
+    try:
+        with open(os.path.join(folders.own, LOG), 'rb') as stream:
+            stream.seek(max(0, os.fstat(stream.fileno()).st_size - _END_RECORD_BYTES))
+            end = json.loads(stream.read().splitlines()[-1])['end']
+    except (OSError, ValueError, LookupError, TypeError):
+        return False
+    return not end.get('by_fault')
 
 
 def _judge(process, statuses, folders):

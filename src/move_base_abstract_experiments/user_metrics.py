@@ -55,7 +55,7 @@ class TrialData:
 def call(job, folders, about):
     """Return ({name: number or None}, what is wrong or None)."""
     def work():
-        function = functions.load(job['function'], job['folder'])
+        function = functions.load(job['function'], job['modules'])
         known = (*BUILT_IN, *about['metrics'])
         return functions.checked(function(TrialData(folders.own, folders.files, about)), job['factors'], known)
     try:

@@ -14,11 +14,10 @@ import shutil
 import signal
 import socket
 import sys
-import tempfile
 
 from move_base_abstract.errors import ConfigurationError
 
-from . import functions, launch_files, processes, warm_nodes
+from . import functions, launch_files, processes, temporary, warm_nodes
 
 _HASH_SEED = 'PYTHONHASHSEED'
 READY = b'ready\n'
@@ -41,13 +40,12 @@ def main(words):
     launch_files.remember_programs()
     processes.assert_one_thread()
     processes.adopt_orphans()
-    folder = tempfile.mkdtemp(prefix='move_base_abstract_trials_')
-    try:
-        with socket.socket(fileno=int(words[0])) as client:
-            _serve(client, folder)
-    finally:
-        processes.end_all_children()
-        shutil.rmtree(folder, ignore_errors=True)  # made above, by this process
+    with temporary.folder('move_base_abstract_trials_') as folder:
+        try:
+            with socket.socket(fileno=int(words[0])) as client:
+                _serve(client, folder)
+        finally:
+            processes.end_all_children()
 
 
 def _serve(client, folder):
@@ -63,7 +61,7 @@ def _serve(client, folder):
             count += 1
             path = os.path.join(folder, f'{count:06d}')
             os.mkdir(path)
-            job = json.loads(line)
+            job = functions.place(json.loads(line), folder)
             problem = _prepare(job, problems)
             pid = processes.fork(lambda job=job, path=path, problem=problem: _carry_out(job, path, problem, (
                 client.fileno(), wake, woken)),
@@ -83,11 +81,11 @@ def _prepare(job, problems):
     """Call the function that a job wants called in this process, once; return what is wrong with it, or None."""
     if not job['prepare']:
         return None
-    key = json.dumps(job['prepare'])
+    key = json.dumps([job['prepare'], job['modules']])
     if key not in problems:
         problems[key] = None
         try:
-            functions.prepare(job['prepare'])
+            functions.prepare(job['prepare'], job['modules'])
         except ConfigurationError as problem:
             problems[key] = str(problem)
     return problems[key]

@@ -2,6 +2,7 @@
 
 This process has one thread until all are started: before rospy.init_node. The kernel ends what it has forked with it.
 """
+import functools
 import os
 import signal
 import subprocess
@@ -17,6 +18,12 @@ from . import processes, ros_master, warm_nodes
 _POLL_S = 0.005  # wall
 
 
+@functools.lru_cache(maxsize=None)
+def _launcher():
+    """Return the path of our launcher; the search walks through all packages, so that it is made once."""
+    return loopback.find_executable('lockstep')
+
+
 class WarmLoopback(Loopback):
     """A Loopback whose master and Python nodes of this package are forks of this process."""
 
@@ -25,8 +32,11 @@ class WarmLoopback(Loopback):
         full_name = ns_join(namespace, name)
         ros_master.set_parameters(self.uri, [(ns_join(full_name, key), value)
                                              for key, value in (parameters or {}).items()])
-        words = [loopback.find_executable(executable), *arguments, f'__ns:={namespace}', f'__name:={name}']
-        launcher = loopback.find_executable('lockstep')
+        launcher = _launcher()
+        words = [os.path.join(os.path.dirname(launcher), executable), *arguments, f'__ns:={namespace}',
+                 f'__name:={name}']
+        if not os.access(words[0], os.X_OK):
+            words[0] = loopback.find_executable(executable)
         if not warm_nodes.is_fit(words, self.environment, launcher, os.path.dirname(launcher)):
             return self.spawn(full_name, words)
         environment, log_path = self.environment, self._log_path(full_name)

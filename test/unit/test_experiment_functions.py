@@ -1,10 +1,14 @@
 """Trials that are a user's function: what it is given, what it may return, and that it is alone."""
+import importlib
 import json
 import os
 import subprocess
 import sys
 
 import pytest
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_experiments import functions
 
 MODEL = """
 import os, sys, threading, time
@@ -39,8 +43,8 @@ def call(tmp_path, n):
     for path in folders:
         os.mkdir(path)
     job = {'configuration': {'n': n}, 'replication': 0, 'seed': 7, 'function_arguments': {'n': n}, 'factors': ['n'],
-           'trial_function': 'model:run', 'folder': str(tmp_path), 'time_limit': 60.0,
-           'prepare': ['model:prepare', str(tmp_path), {'n': '{n}'}, {'n': [n]}]}
+           'trial_function': 'model:run', 'modules': str(tmp_path), 'time_limit': 60.0,
+           'prepare': ['model:prepare', {'n': '{n}'}, {'n': [n]}]}
     path = tmp_path / 'job.json'
     path.write_text(json.dumps({'job': job, 'folders': folders}))
     environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
@@ -69,3 +73,28 @@ def test_what_it_leaves_running_ends_with_it(tmp_path):
     (5, 'or its process died')])
 def test_what_goes_wrong_is_told_in_a_line(tmp_path, n, problem):
     assert problem in call(tmp_path, n)['problem']
+
+
+def test_a_module_beside_the_file_goes_to_a_worker_that_does_not_have_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, 'path', list(sys.path))
+    here, there = tmp_path / 'here', tmp_path / 'there'
+    (here / 'pack').mkdir(parents=True)
+    there.mkdir()
+    (here / 'alone.py').write_text('def run(trial):\n    return 1\n')
+    (here / 'pack' / '__init__.py').write_text('')
+    (here / 'pack' / 'inner.py').write_text('from .other import run\n')
+    (here / 'pack' / 'other.py').write_text('def run(trial):\n    return 2\n')
+    sources = functions.sources(('alone:run', '', 'pack.inner:run', 'json:dumps'), str(here))
+    assert sorted(sources) == ['alone.py', 'pack/__init__.py', 'pack/inner.py', 'pack/other.py']
+    assert functions.place({'folder': str(here), 'sources': sources}, str(there))['modules'] == str(here)
+    (here / 'alone.py').write_text('def run(trial):\n    return 3\n')  # the worker's copy is another one
+    for _ in range(2):
+        modules = functions.place({'folder': str(here), 'sources': sources}, str(there))['modules']
+        assert modules.startswith(str(there))
+    importlib.invalidate_caches()
+    assert [functions.load(name, modules)(None) for name in ('alone:run', 'pack.inner:run')] == [1, 2]
+
+
+def test_a_module_goes_nowhere_else(tmp_path):
+    with pytest.raises(ConfigurationError, match='beside the experiment'):
+        functions.place({'folder': str(tmp_path), 'sources': {'../x.py': ''}}, str(tmp_path / 'own'))

@@ -19,6 +19,7 @@ from .truth import truth_of
 
 NODE = 'soil_coordinator'
 TASK = 'take_sample'
+POLL_S = 0.002  # wall
 POSE_TOPIC = 'base_pose_ground_truth'
 
 
@@ -45,7 +46,7 @@ def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
             ros.check()
             raise
         over()
-        _end(ros, nodes, recorder)
+        _end(nodes, recorder, event_log if spec.clock != 'scaled' else None)
     seconds = dict(stopwatch.seconds, start_up=run.began - began, mission=run.wall_s,
                    end=time.perf_counter() - run.ended)
     inner = sum(seconds.get(name, 0.0) for name in ('kriging', 'allocation', 'maps'))
@@ -80,12 +81,16 @@ def _clock(spec, event_log):
             'speed_limit': float(spec.limit), 'event_log': str(event_log)}
 
 
-def _end(ros, nodes, recorder):
+def _end(nodes, recorder, event_log):
     """Let bag and event log be written to their ends; the rest has nothing to say, and a second can be saved."""
     if lockstep.participant() is not None:
         lockstep.participant().leave('the mission is over')
     if recorder is not None:
         recorder.close()
-    ros.end(nodes[0])
-    for node in nodes[1:]:
+    if event_log is not None:
+        nodes[0].signal(signal.SIGTERM)
+        # It gets its name when it is complete; roscpp's own end takes a third of a second after that.
+        while not event_log.exists() and nodes[0].process.poll() is None:
+            time.sleep(POLL_S)
+    for node in nodes:
         node.signal(signal.SIGKILL)

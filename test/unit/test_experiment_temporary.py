@@ -1,0 +1,50 @@
+"""Temporary folders: what killed processes leave is removed, and nothing else."""
+import os
+import tempfile
+
+import pytest
+
+from move_base_abstract_experiments import temporary
+
+PREFIX = 'move_base_abstract_x_'
+
+
+@pytest.fixture(autouse=True)
+def own_tmp(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, 'tempdir', str(tmp_path))
+
+
+def left(tmp_path, name='left'):
+    path = tmp_path / (PREFIX + name)
+    os.close(temporary.KIND.make(str(path)))
+    (path / 'worker').mkdir()
+    (path / 'worker' / 'file').write_text('x')
+    return path
+
+
+def test_what_a_killed_process_left_is_removed_by_the_next_one(tmp_path):
+    path = left(tmp_path)
+    with temporary.folder(PREFIX) as own:
+        assert not path.exists()
+        assert os.listdir(tmp_path) == [os.path.basename(own)]
+    assert not os.listdir(tmp_path)
+
+
+def test_what_is_in_use_or_not_ours_stays(tmp_path):
+    in_use = left(tmp_path, 'used')
+    marker = temporary.KIND.make(str(in_use))
+    (tmp_path / (PREFIX + 'others')).mkdir()
+    (tmp_path / (PREFIX + 'others') / 'file').write_text('precious')
+    (tmp_path / (PREFIX + 'marked')).mkdir()
+    (tmp_path / (PREFIX + 'marked') / temporary.MARKER).write_text('by another program')
+    elsewhere = tmp_path / 'elsewhere'
+    os.close(temporary.KIND.make(str(elsewhere)))
+    (tmp_path / (PREFIX + 'link')).symlink_to(elsewhere)
+    (tmp_path / (PREFIX + 'empty')).mkdir()
+    before = sorted(os.listdir(tmp_path))
+    try:
+        assert temporary.remove_left(PREFIX) == []
+    finally:
+        os.close(marker)
+    assert sorted(os.listdir(tmp_path)) == before
+    assert temporary.remove_left(PREFIX) == [str(in_use)]
