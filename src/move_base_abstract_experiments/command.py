@@ -100,7 +100,7 @@ def _write_report(output, with_own=True):
     path, problems = command.write(output, with_own)
     for problem in problems:
         print(f'experiment: {problem}', file=sys.stderr)
-    print(f'report: {path}')
+    print(f'report: {os.path.abspath(path)}')
     return True
 
 

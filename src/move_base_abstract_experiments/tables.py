@@ -7,6 +7,7 @@ import csv
 import importlib.util
 import io
 import json
+import sys
 
 from . import outputs
 
@@ -75,7 +76,12 @@ def plan_text(plan):
 def _write_parquet(folder, names, table):
     if not all(importlib.util.find_spec(name) for name in ('pandas', 'pyarrow')):
         return
-    import pandas
     stream = io.BytesIO()
-    pandas.DataFrame(table, columns=names).to_parquet(stream, engine='pyarrow', index=False)
-    folder.write('trials.parquet', stream.getvalue())
+    try:
+        import pandas
+        pandas.DataFrame(table, columns=names).to_parquet(stream, engine='pyarrow', index=False)
+    except Exception as problem:  # a pyarrow that does not fit numpy, a factor of texts and numbers; the CSV is there
+        lines = str(problem).strip().splitlines()
+        print(f'experiment: no trials.parquet: {type(problem).__name__}: {lines[0] if lines else ""}', file=sys.stderr)
+    else:
+        folder.write('trials.parquet', stream.getvalue())

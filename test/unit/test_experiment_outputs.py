@@ -1,6 +1,7 @@
 """The folder of an experiment: what comes into it, what is never replaced, and its table."""
 import io
 import json
+import sys
 import tarfile
 
 import pytest
@@ -91,3 +92,15 @@ def test_a_failure_is_told(tmp_path):
     lines = list(state.lines(tmp_path / 'out'))
     assert lines[0] == 'e: 0 of 1 trials complete, 1 failed, 0 missing'
     assert 'it was lost' in lines[1]
+
+
+def test_a_pyarrow_that_cannot_be_used_costs_only_its_own_file(tmp_path, monkeypatch, capsys):
+    (tmp_path / 'pyarrow').mkdir()
+    (tmp_path / 'pyarrow' / '__init__.py').write_text("raise ImportError('it needs NumPy 2')")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, 'pyarrow', raising=False)
+    with outputs.OutputFolder(tmp_path / 'out') as folder:
+        folder.put(packed(trial()), 'w', 1)
+        tables.write(folder, {**PLAN})
+    assert (tmp_path / 'out' / 'trials.csv').exists()
+    assert 'no trials.parquet: ' in capsys.readouterr().err
