@@ -2,11 +2,12 @@
 // time.
 //
 // ~period [s, simulated], ~ticks (0: without end), ~topic. Publishes the time of each tick; after
-// the last one it prints the rate and leaves.
+// the last one it prints the rate and how many listeners it had, and leaves.
 #include <move_base_abstract/lockstep_participant.h>
 #include <ros/ros.h>
 #include <std_msgs/Time.h>
 
+#include <cstdint>
 #include <cstdio>
 
 int main(int argc, char** argv) {
@@ -19,12 +20,14 @@ int main(int argc, char** argv) {
   move_base_abstract::lockstep::Participant participant;
   const auto publisher = participant.advertise<std_msgs::Time>(topic);
   int done = 0;
+  std::uint32_t listeners = 0;
   const ros::WallTime begin = ros::WallTime::now();
   const auto timer =
       participant.createTimer(ros::Duration(period), [&](const ros::TimerEvent& event) {
         std_msgs::Time message;
         message.data = event.current_real;
         publisher.publish(message);
+        listeners = publisher.getNumSubscribers();
         if (++done == ticks) {
           participant.leave("all ticks are done");
         }
@@ -32,5 +35,6 @@ int main(int argc, char** argv) {
   participant.spin();
   const double wall = (ros::WallTime::now() - begin).toSec();
   std::printf("%d ticks in %.3f s: %.0f ticks/s\n", done, wall, done / wall);
+  std::printf("%u listeners\n", listeners);
   return 0;
 }

@@ -263,7 +263,7 @@ class LockstepCppTest(unittest.TestCase):
             rospy.Subscriber('/time_master/state', TimeState, states.append)
             said = rospy.Publisher('/said', Time, queue_size=1)
             self.start(ros, '/ticker', '/listener', start_paused=True)
-            ros.run('lockstep_ticker', 'ticker', parameters=dict(period=1.0, ticks=50))
+            ticker = ros.run('lockstep_ticker', 'ticker', parameters=dict(period=1.0, ticks=50))
             listener = ros.run('lockstep_listener', 'listener', parameters=dict(until=60.0, topics=['/said', '/ticks']))
             wait_for('the connections', lambda: ticks.get_num_connections() and said.get_num_connections())
             self.assertTrue(states[-1].repeatable, states[-1])
@@ -278,6 +278,8 @@ class LockstepCppTest(unittest.TestCase):
             self.assert_ends(listener)
             self.assertEqual(lines(listener)[1:], [f'{second * NS} 1 /ticks {second * NS}' for second in range(2, 52)])
             wait_for('all ticks', lambda: len(heard) == 50)
+            self.assert_ends(ticker)
+            self.assertEqual(lines(ticker)[-1], '1 listeners')  # who takes no part is not counted
             self.assertEqual(heard, [second * NS for second in range(2, 52)])
 
     def test_a_copy_that_comes_after_its_sender_has_left_is_no_message_from_outside(self):
