@@ -107,8 +107,8 @@ def nodes(names):
             for number, name in enumerate(names)}
 
 
-def oracle(names, own=None):
-    """Return what the plain Python fleet does with the client's plan ``goals``; ``own`` as of fleet()."""
+def oracle(names, own=None, scenario=None):
+    """Return what the plain fleet does with the client's plan ``goals``; ``own`` as of fleet(), or a scenario."""
     goals, counts = plan_of(names), {name: itertools.count(1) for name in names}
 
     def send(fleet, name, *place):
@@ -119,7 +119,8 @@ def oracle(names, own=None):
             send(plain, name, *goals[name].pop(0))
 
     robots = next(iter(globals()['fleet'](names, own=own).values()))[2]
-    plain = Fleet(make_scenario({key: robots[key] for key in ('defaults', 'robots')}), on_end=on_end)
+    scenario = scenario or {key: robots[key] for key in ('defaults', 'robots')}
+    plain = Fleet(make_scenario(scenario), on_end=on_end)
     for name in names:
         plain.at(2 * NS_PER_S, lambda fleet, name=name: send(fleet, name, *goals[name].pop(0)))
     plain.at(3 * NS_PER_S, lambda fleet: fleet.cancel(names[0]))
@@ -180,6 +181,13 @@ class LockstepFleet(unittest.TestCase):
         alone = Run('goals', TWO, nodes(TWO), of_all={'log_motion': True})
         self.assertEqual([event for event in alone.events if event[2] != 'motion'], oracle(TWO))
         self.assertEqual([event[1:3] for event in alone.events[:2]], [(name, 'motion') for name in TWO])
+
+    def test_the_log_of_robots_as_they_were_recorded_is_the_trace_of_the_plain_fleet(self):
+        scenario = {'seed': 3, 'defaults': {'calibration': 'move_base_dwa_stage'},
+                    'robots': [{'name': name, 'start_y': 2.0 * number} for number, name in enumerate(TWO)]}
+        run = Run('goals', TWO, {'/fleet': ('fleet', '/', scenario)})
+        self.assertEqual(run.events, oracle(TWO, scenario=scenario))
+        self.assert_repeatable(run)
 
     def test_what_robots_send_at_one_instant_comes_in_the_order_of_their_indices(self):
         one = Run('backwards', TWELVE, fleet(TWELVE))
