@@ -54,10 +54,13 @@ def _find(trials, name):
 
 def _rviz_words():
     import shutil
+
+    import rospkg
     path = shutil.which('rviz')
     if path is None:
         raise ConfigurationError('rviz is not on PATH; Debian has it as the package rviz (make deps-picture)')
-    return [path]
+    config = os.path.join(rospkg.RosPack().get_path('move_base_abstract'), 'rviz', 'simulator.rviz')
+    return [path, '-d', config]  # without it RViz shows none of the robots
 
 
 def _run(job, logs, stream):
