@@ -170,6 +170,11 @@ class Leg:
         return self.arrive_ns - self.depart_ns
 
     @property
+    def way(self):
+        """The places ((x, y), ...) [m] between which it goes straight, up to where it ends."""
+        return (self.start.x, self.start.y), (self.end.x, self.end.y)
+
+    @property
     def course(self):
         """The direction of the drive [rad]."""
         return self._course

@@ -27,6 +27,11 @@ class PacedLeg:
         """How long the trip takes, the delay included, simulated [ns]."""
         return self.arrive_ns - self.depart_ns
 
+    @property
+    def way(self):
+        """The places ((x, y), ...) [m] between which it goes straight, up to where it ends."""
+        return self._leg.way
+
     def distance_at(self, now_ns):
         """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
         return self._leg.distance_at(self._leg_ns(now_ns))

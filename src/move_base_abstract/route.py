@@ -42,13 +42,15 @@ class Route:
     and ``arrive_ns`` are simulated time [ns].
     """
 
-    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', '_begins_ns', '_parts')
+    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', 'way', '_begins_ns', '_parts')
 
     def __init__(self, start, goal, corners, limits, tolerances=Tolerances(), depart_ns=0, law=CornerLaw.KEEP):
         segments, place = _segments(start, goal, corners, tolerances.xy)
         drives = [segments] if law is CornerLaw.KEEP and segments else [[segment] for segment in segments]
         self.start = start
         self.corners = tuple(corners)
+        #: the places ((x, y), ...) [m] between which it goes straight, up to where it ends
+        self.way = (*((segment.x, segment.y) for segment in segments or [start]), place)
         self.distance = math.fsum(segment.length for segment in segments)
         self.depart_ns = self.arrive_ns = depart_ns
         self._begins_ns, self._parts = [], []

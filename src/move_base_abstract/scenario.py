@@ -6,10 +6,10 @@
       - {name: robot_0, start_x: 1.0, start_y: 2.0}
       - {name: tractor, max_speed: 4.0, acceleration: 0.5}
       - {name: drone, count: 10, start_y: 5.0, step_x: 2.0}    # drone_0 .. drone_9, 2 m apart
+    zones: []                                      # see zones
 
 The settings are the private parameters of the ``move_base`` node; a robot's own come before the defaults.
 """
-import difflib
 import os
 from dataclasses import dataclass, field, replace
 from typing import Tuple
@@ -20,8 +20,10 @@ from .parameter_table import Parameter, checked, integer, number
 from .ros_names import ROBOT_NAME_RULE, is_robot_name
 from .settings import OWN_NAMES, RobotSettings, read_settings
 from .shown import shown, shown_text
+from .unknown_keys import check_keys
+from .zones import Zone, read_zones
 
-_TOP_KEYS = ('seed', 'defaults', 'robots')
+_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones')
 _FILES = ('duration_quantiles', 'calibration')  # settings that are paths, or names without .yaml that ship
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
 MAX_ROBOTS = 100_000  # of a scenario; ten thousand are the most that have been driven
@@ -41,11 +43,12 @@ class RobotSpec:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A fleet: the robots in the order of their indices, the settings of all, and the seed of what is random."""
+    """A fleet: the robots in the order of their indices, the settings of all, the seed of what is random, the zones."""
 
     robots: Tuple[RobotSpec, ...]
     defaults: dict = field(default_factory=dict)
     seed: int = 0
+    zones: Tuple[Zone, ...] = ()
 
 
 def read_scenario(path, overrides=None, base=None):
@@ -78,10 +81,10 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     :raises ConfigurationError: if a key is unknown, a value is not allowed, or two robots bear one name.
     """
     _check_type(raw, dict, 'a mapping with {}'.format(', '.join(_TOP_KEYS)), where)
-    _check_keys(raw, _TOP_KEYS, where, '')
+    check_keys(raw, _TOP_KEYS, where, '')
     defaults = raw.get('defaults') or {}
     _check_type(defaults, dict, 'a mapping of settings', where + ': defaults')
-    _check_keys(defaults, OWN_NAMES, where, 'defaults.')
+    check_keys(defaults, OWN_NAMES, where, 'defaults.')
     seed = checked(raw.get('seed', 0), 'seed', _SEED, where)
     own_seed = {'seed': seed} if seed else {}
     defaults = {**own_seed, **(base or {}), **defaults, **(overrides or {})}
@@ -91,7 +94,7 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
         raise ConfigurationError('{}: robots: got more than {} robots; allowed: at most that'.format(where, MAX_ROBOTS))
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, where)]
     _check_different(specs, where)
-    return Scenario(tuple(specs), defaults, (overrides or {}).get('seed', seed))
+    return Scenario(tuple(specs), defaults, (overrides or {}).get('seed', seed), read_zones(raw.get('zones'), where))
 
 
 def make_robot(name, parameters, where='robot'):
@@ -101,7 +104,7 @@ def make_robot(name, parameters, where='robot'):
     """
     if not is_robot_name(name):
         raise ConfigurationError('{}: name: got {}; allowed: {}'.format(where, shown(name), ROBOT_NAME_RULE))
-    _check_keys(parameters, OWN_NAMES, where, '')
+    check_keys(parameters, OWN_NAMES, where, '')
     return RobotSpec(name, dict(parameters), read_settings(parameters, where))
 
 
@@ -109,7 +112,7 @@ def _expand(group, index, defaults, where):
     """Return the robots of one entry of the list."""
     place = 'robots[{}]'.format(index)
     _check_type(group, dict, 'a mapping with at least a name', '{}: {}'.format(where, place))
-    _check_keys(group, _GROUP_KEYS + OWN_NAMES, where, place + '.')
+    check_keys(group, _GROUP_KEYS + OWN_NAMES, where, place + '.')
     where = '{}: {}'.format(where, place)
     parameters = dict(defaults, **{key: value for key, value in group.items() if key not in _GROUP_KEYS})
     if 'count' not in group:
@@ -163,11 +166,3 @@ def check_frame(spec, frames, where):
 def _check_type(value, kind, allowed, where):
     if not isinstance(value, kind):
         raise ConfigurationError('{}: got {}; allowed: {}'.format(where, shown(value), allowed))
-
-
-def _check_keys(raw, known, where, prefix):
-    for key in raw:
-        if key not in known:
-            close = difflib.get_close_matches(shown_text(key), known, n=1)
-            hint = "; did you mean '{}'?".format(close[0]) if close else '; allowed: ' + ', '.join(known[:12])
-            raise ConfigurationError('{}: {}{}: unknown key{}'.format(where, prefix, shown_text(key), hint))

@@ -1,0 +1,17 @@
+"""Keys that nobody knows, in files that people write: refused with the key that they are most like."""
+import difflib
+
+from .errors import ConfigurationError
+from .shown import shown_text
+
+
+def check_keys(raw, known, where, prefix):
+    """Check that all keys of the mapping ``raw`` are among ``known``; an error names them behind ``prefix``.
+
+    :raises ConfigurationError: naming ``where``, the key, and the one that may be meant.
+    """
+    for key in raw:
+        if key not in known:
+            close = difflib.get_close_matches(shown_text(key), known, n=1)
+            hint = "; did you mean '{}'?".format(close[0]) if close else '; allowed: ' + ', '.join(known[:12])
+            raise ConfigurationError('{}: {}{}: unknown key{}'.format(where, prefix, shown_text(key), hint))
