@@ -8,6 +8,7 @@ from .bounded_yaml import load_yaml_file
 from .chance import Chance, Purpose
 from .errors import ConfigurationError
 from .factors import Constant, Gamma, Lognormal, Quantiles, along
+from .instants import first_ns
 from .pace import Pace, PacedLeg
 from .parameter_table import Parameter, ascending_pairs, checked, number, one_of, text
 from .shown import shown
@@ -113,11 +114,13 @@ class GoalDurations:
         self._factor: Optional[float] = None
         self._ready_ns = 0
         self._fails: Optional[bool] = None
+        self._failure_ns: Optional[int] = None
+        self._way_to_failure: Optional[float] = None
 
     def next_goal(self):
         """The robot works on its next goal."""
         self._number += 1
-        self._factor = self._fails = None
+        self._factor = self._fails = self._way_to_failure = None
 
     def paced(self, leg):
         """Return ``leg`` at the pace of its goal."""
@@ -136,7 +139,17 @@ class GoalDurations:
             self._fails = self._uniform(Purpose.FAILURE) < along(self._durations.failures, leg.distance)
         if not self._fails:
             return None
-        return leg.depart_ns + int(self._uniform(Purpose.FAILURE_PLACE) * leg.duration_ns)
+        way, self._way_to_failure = self._way_to_failure, None
+        if way is None:
+            self._failure_ns = leg.depart_ns + int(self._uniform(Purpose.FAILURE_PLACE) * leg.duration_ns)
+        else:
+            self._failure_ns = first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= way)
+        return self._failure_ns
+
+    def interrupted(self, leg, now_ns):
+        """It stands on its ``leg`` at ``now_ns`` [ns] and will go on: if it is to fail, then at the same place."""
+        if self._fails:
+            self._way_to_failure = leg.distance_at(self._failure_ns) - leg.distance_at(now_ns)
 
     def _uniform(self, purpose, place=0):
         return self._chance.uniform(self._number, purpose, place)

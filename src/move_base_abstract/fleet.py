@@ -92,6 +92,14 @@ class Fleet:
         """Put a robot at ``pose`` (Pose2D, global frame) at once; with a goal it goes on from there."""
         self._member(name).navigator.place(pose, self.now_ns)
 
+    def hold(self, name, reason):
+        """Have a robot stand where it is for ``reason`` (a text), its goal still active, until :meth:`release`."""
+        self._member(name).navigator.hold(reason, self.now_ns)
+
+    def release(self, name, reason):
+        """End what :meth:`hold` began; without another reason the robot goes on, planned anew from where it is."""
+        self._member(name).navigator.release(reason, self.now_ns)
+
     def use_map(self, occupancy):
         """Have another map (OccupancyMap) from now on; routes that it cuts are planned again."""
         self._occupancy = occupancy
@@ -169,7 +177,7 @@ class _Member(NavigatorListener):
         self._trace.motion(self.robot, fleet.now_ns)
 
     def reset(self, now_ns):
-        self.navigator.shut_down(ROBOT_RESET, now_ns)
+        self.navigator.reset(ROBOT_RESET, now_ns)
         self._ledger.clear()
         self.robot.reset(self._settings.start, now_ns)
         self._trace.motion(self.robot, now_ns)
@@ -184,6 +192,9 @@ class _Member(NavigatorListener):
 
     def stands(self, robot, now_ns):
         self._trace.stands(robot.pose_at(now_ns), now_ns)
+
+    def held(self, reasons, now_ns):
+        self._trace.held(reasons, now_ns)
 
     def publish_status(self):
         pass

@@ -48,6 +48,9 @@ class NavigatorListener:
     def target(self, goal, now_ns):
         """``goal`` is what the robot now works on."""
 
+    def held(self, reasons, now_ns):
+        """The robot is held for ``reasons``, a tuple of texts in the order in which they came; none: it is released."""
+
     def stop_wheels(self):
         """move_base would now send a zero velocity."""
 
@@ -84,6 +87,8 @@ class Navigator:
         self._events = []
         self._target = None
         self._starts_from_idle = True
+        self._holds = ()
+        self._waits_for_release = False
 
     def set_recovery_policy(self, policy):
         """Give up by ``policy`` (RecoveryPolicy), from the next goal on that cannot be reached."""
@@ -114,6 +119,11 @@ class Navigator:
         """The pose in the global frame that the robot works on, or None."""
         return self._target
 
+    @property
+    def held_for(self):
+        """The reasons for which the robot is held, texts in the order in which they came; none: it may travel."""
+        return self._holds
+
     def receive(self, goal_id, stamp_ns, goal, now_ns):
         """Take the :class:`GoalPose` ``goal`` in. The newest goal wins; whatever is wrong with it ends it."""
         was_active = self.is_active
@@ -122,8 +132,7 @@ class Navigator:
             return
         self._durations.next_goal()
         self._starts_from_idle = not was_active
-        self._forget_events()
-        self._target = None
+        self._forget_goal()
         if self.robot.leg is not None:
             self.robot.stop(now_ns)
             self._listener.stands(self.robot, now_ns)
@@ -207,12 +216,17 @@ class Navigator:
         self._give_up(now_ns)
 
     def _travel(self, corners, now_ns):
+        if self._holds:
+            self._waits_for_release = True
+            return
         try:
             leg = self.robot.depart(self._target, now_ns, corners, self._durations.paced)
         except ValueError as error:
             self._end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
             return
         self._listener.departed(self.robot, self._target, now_ns)
+        if self.robot.leg is not leg:  # who was told of it holds the robot, which has not moved
+            return
         failure_ns = self._durations.failure_ns(leg)
         if failure_ns is None:
             self._at(leg.arrive_ns, self._arrive)
@@ -249,11 +263,48 @@ class Navigator:
             self._halt(now_ns)
             self._end(CANCELLED, now_ns)
 
+    def hold(self, reason, now_ns):
+        """Have the robot stand at its exact pose of this instant for ``reason`` (a text), until :meth:`release`.
+
+        Its goal stays active, and a new one is taken in, planned and waits. What is no travel goes on: a goal's frame
+        is looked for, a goal without a way is given up. A reason that is there already changes nothing.
+        """
+        if reason in self._holds:
+            return
+        self._holds += (reason,)
+        self._listener.held(self._holds, now_ns)
+        leg = self.robot.leg
+        if leg is not None:
+            self._durations.interrupted(leg, now_ns)
+            self._forget_events()
+            self._halt(now_ns)
+            self._waits_for_release = True
+
+    def release(self, reason, now_ns):
+        """End what :meth:`hold` began for ``reason``; without any left the robot goes on, by a way that is new.
+
+        A reason that is not there changes nothing.
+        """
+        if reason not in self._holds:
+            return
+        self._holds = tuple(one for one in self._holds if one != reason)
+        self._listener.held(self._holds, now_ns)
+        if self._waits_for_release and not self._holds:
+            self._waits_for_release = False
+            self._plan_again(now_ns)
+
     def shut_down(self, outcome, now_ns):
         """End the active goal, if any, with ``outcome``."""
         if self.is_active:
             self._halt(now_ns)
             self._end(outcome, now_ns)
+
+    def reset(self, outcome, now_ns):
+        """End the active goal, if any, with ``outcome``; nothing holds the robot any more."""
+        self.shut_down(outcome, now_ns)
+        if self._holds:
+            self._holds = ()
+            self._listener.held((), now_ns)
 
     def restart(self, before_ns, now_ns):
         """Go on at ``now_ns`` [ns] of a clock that has started anew, the old one having come to ``before_ns`` [ns].
@@ -267,7 +318,10 @@ class Navigator:
         self._listener.stands(self.robot, now_ns)
 
     def place(self, pose, now_ns):
-        """Put the robot at ``pose`` (global frame). With a goal under way, it goes on to it from there."""
+        """Put the robot at ``pose`` (global frame). With a goal under way, it goes on to it from there.
+
+        One that is held stays so, and goes on from there when it is released.
+        """
         driving = self.robot.leg is not None
         self.robot.place(pose, now_ns)
         self._listener.stands(self.robot, now_ns)
@@ -278,10 +332,11 @@ class Navigator:
     def map_changed(self, now_ns):
         """Another map counts from now on: a way that it cuts is planned again, from rest; so is one that there was not.
 
+        One that waits for its release is planned then.
         Where no way has corners a map counts for the goals that come after it only.
         """
         planner = self.planner
-        if planner.goes_straight or self._target is None or planner.lacking:
+        if planner.goes_straight or self._target is None or planner.lacking or self._waits_for_release:
             return
         pose, leg = self.robot.pose_at(now_ns), self.robot.leg
         if leg is None:
@@ -308,8 +363,7 @@ class Navigator:
             self._listener.stands(self.robot, now_ns)
 
     def _end(self, outcome, stamp_ns):
-        self._forget_events()
-        self._target = None
+        self._forget_goal()
         if self._feedback is not None:
             self._feedback.stop()
         if outcome.stops_wheels:
@@ -325,6 +379,11 @@ class Navigator:
     def _at(self, due_ns, action):
         self._events = [event for event in self._events if event.action is not None]
         self._events.append(self._simulation.queue.schedule(due_ns, self.robot.index, action))
+
+    def _forget_goal(self):
+        self._forget_events()
+        self._target = None
+        self._waits_for_release = False
 
     def _forget_events(self):
         for event in self._events:

@@ -23,7 +23,7 @@ STATES = (
     State('charging', ('charging_began',), ('charging_ended',)),
     State('moving', ('departed',), ('stands',)),
     State('task', ('task_began',), ('task_ended',)),
-    State('waiting', ('waiting_began',), ('waiting_ended',)),
+    State('waiting', ('waiting_began', 'held'), ('waiting_ended', 'released')),
 )
 IDLE = 'idle'
 NAMES = tuple(state.name for state in STATES) + (IDLE,)
@@ -60,6 +60,11 @@ class Timeline:
     def begin(self, state, time_ns):
         """The state begins, or once more: two tasks at a time are two."""
         self._holds[state] += 1
+        self._show(time_ns)
+
+    def begin_once(self, state, time_ns):
+        """The state begins, if it has not begun."""
+        self._holds[state] = max(1, self._holds[state])
         self._show(time_ns)
 
     def end(self, state, time_ns):
@@ -135,7 +140,9 @@ def _take(timeline, time_ns, kind, values):
             timeline.failures.append(time_ns)
     if kind == 'departed':
         timeline.end_once(_BEGINS[kind], time_ns)
-    if kind in _BEGINS:
+    if kind == 'held':  # may say anew, for other reasons, what is so
+        timeline.begin_once(_WAITING, time_ns)
+    elif kind in _BEGINS:
         timeline.begin(_BEGINS[kind], time_ns)
     elif kind in _ENDS:
         timeline.end(_ENDS[kind], time_ns)

@@ -104,7 +104,7 @@ class MoveBaseServer(NavigatorListener):
         settings = self._settings
         with self._clock.lock:
             now_ns = self._clock.now_ns()
-            self.navigator.shut_down(ROBOT_RESET, now_ns)
+            self.navigator.reset(ROBOT_RESET, now_ns)
             self._goal_server.flush()
             self._ledger.clear()
             self._goal_server.reset()
@@ -149,6 +149,11 @@ class MoveBaseServer(NavigatorListener):
         """Show that the robot stands."""
         self._trace.stands(robot.pose_at(now_ns), now_ns)
         self._publisher.stands(now_ns)
+        self._markers.changed()
+
+    def held(self, reasons, now_ns):
+        """Note for which reasons the robot is held, or that it is released."""
+        self._trace.held(reasons, now_ns)
         self._markers.changed()
 
     def target(self, goal, now_ns):

@@ -15,6 +15,7 @@ from move_base_abstract.goal_ledger import GoalLedger  # noqa: E402
 from move_base_abstract.motion import MotionLimits, Tolerances  # noqa: E402
 from move_base_abstract.navigator import BadFramePolicy, GoalPose, Navigator, NavigatorListener  # noqa: E402
 from move_base_abstract.planning import StraightLinePlanner, WorldBounds  # noqa: E402
+from move_base_abstract.recovery import RecoveryPolicy  # noqa: E402
 from move_base_abstract.robot import Robot  # noqa: E402
 from move_base_abstract.simulation import Simulation  # noqa: E402
 from move_base_abstract.units import seconds_to_ns  # noqa: E402
@@ -27,7 +28,8 @@ class NavigatorRig(NavigatorListener):
     """One navigator, driven by hand in simulated seconds; ``trace`` gets all that it tells the outside, in order."""
 
     def __init__(self, start=Pose2D(), limits=MotionLimits(2.0), tolerances=Tolerances(), bounds=WorldBounds(),
-                 feedback_freq=0.0, foreign=None, bad_frame_policy=BadFramePolicy.ABORT):
+                 feedback_freq=0.0, foreign=None, bad_frame_policy=BadFramePolicy.ABORT,
+                 recovery_policy=RecoveryPolicy()):
         self.trace = []
         self.foreign = foreign or {}
         self.simulation = Simulation()
@@ -35,7 +37,7 @@ class NavigatorRig(NavigatorListener):
         self.ledger = GoalLedger(lambda: None, self._result, 'made-up-{}'.format)
         frames = RobotFrames(self.robot, 'map', 'odom', 'base_link', self._lookup)
         self.navigator = Navigator(self.robot, self.simulation, self.ledger, frames, self,
-                                   StraightLinePlanner(bounds), bad_frame_policy)
+                                   StraightLinePlanner(bounds), bad_frame_policy, recovery_policy)
         self.navigator.set_feedback_frequency(feedback_freq)
 
     def advance(self, seconds):
@@ -61,6 +63,14 @@ class NavigatorRig(NavigatorListener):
         self.navigator.place(pose, self.simulation.now_ns)
         return self.told()
 
+    def hold(self, reason):
+        self.navigator.hold(reason, self.simulation.now_ns)
+        return self.told()
+
+    def release(self, reason):
+        self.navigator.release(reason, self.simulation.now_ns)
+        return self.told()
+
     def _lookup(self, frame_id, stamp_ns):
         if frame_id not in self.foreign:
             raise FrameError("'{}' is not known to tf".format(frame_id))
@@ -77,6 +87,9 @@ class NavigatorRig(NavigatorListener):
 
     def target(self, goal, now_ns):
         self.trace.append(('target', goal, now_ns))
+
+    def held(self, reasons, now_ns):
+        self.trace.append(('held', reasons, now_ns))
 
     def stop_wheels(self):
         self.trace.append(('stop wheels',))

@@ -153,6 +153,15 @@ def test_states_come_from_pairs_of_events_and_moving_hides_a_task(read):
     assert NAMES[-1] == IDLE
 
 
+def test_a_robot_that_is_held_waits_until_it_is_released_however_many_reasons_there_were(read):
+    recording = read([(S, 'r', 'departed', (1.0, 0.0, 0.0)), (2 * S, 'r', 'held', ('a',)),
+                      (2 * S, 'r', 'stands', (1.0, 0.0, 0.0)), (3 * S, 'r', 'held', ('a', 'b')),
+                      (4 * S, 'r', 'held', ('b',)), (5 * S, 'r', 'released', ()),
+                      (6 * S, 'r', 'departed', (1.0, 0.0, 0.0)), (7 * S, 'r', 'stands', (1.0, 0.0, 0.0))])
+    (robot,) = find_timelines(recording, ['r'])
+    assert spans(robot) == [(1, 2, 'moving'), (2, 5, 'waiting'), (6, 7, 'moving')]
+
+
 def test_a_robot_with_a_goal_that_does_not_move_waits_where_the_log_has_messages(read):
     recording = read([(S, '/r/move_base/goal', 'message', ('/boss', '/r/move_base', 9, 'ff')),
                       (3 * S, 'r', 'departed', (1.0, 0.0, 0.0)), (4 * S, 'r', 'stands', (1.0, 0.0, 0.0)),
