@@ -85,7 +85,8 @@ class ApproachProfile:
         if even <= self.brake_begin:
             return even
         braked = self.gain * (self.distance - covered + self.offset)
-        return self.brake_begin + math.log(self.peak_speed / braked) / self.gain
+        # Never sooner: of a trip that does not brake the last digit of what is covered may lie behind its end.
+        return self.brake_begin + max(0.0, math.log(self.peak_speed / braked)) / self.gain
 
     def changes(self, pieces):
         """Return instants [s after the start] that part the times of changing speed into ``pieces`` equal ones each."""

@@ -8,6 +8,7 @@ import hashlib
 from enum import IntEnum
 
 _SCALE = 2.0 ** -53
+_HIGHEST = 1.0 - _SCALE
 
 
 class Purpose(IntEnum):
@@ -42,4 +43,5 @@ class Chance:
         state['state']['counter'][:] = (place, goal_number, purpose, 0)
         state['buffer_pos'] = self._beyond
         self._generator.state = state
-        return ((int(self._generator.random_raw()) >> 11) + 0.5) * _SCALE
+        # The highest of all would be rounded to 1.
+        return min(_HIGHEST, ((int(self._generator.random_raw()) >> 11) + 0.5) * _SCALE)

@@ -38,6 +38,8 @@ class PacedLeg:
 
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: the start until the delay is over, the end from the arrival on."""
+        if now_ns < self._begin_ns:
+            return self.start  # a leg whose turns take no time has its first heading at its departure
         return self._leg.pose_at(self._leg_ns(now_ns))
 
     def velocity_at(self, now_ns):

@@ -89,9 +89,10 @@ class Robot:
             leg = Route(start, goal, corners, self._limits, self._tolerances, now_ns, self._corner_law)
         else:
             leg = Leg(start, goal, self._limits, self._tolerances, now_ns)
+        check_reachable(leg.arrive_ns, 'the arrival would be')  # before its time is multiplied
         if paced is not None:
             leg = paced(leg)
-        check_reachable(leg.arrive_ns, 'the arrival would be')
+            check_reachable(leg.arrive_ns, 'the arrival would be')
         self._driven = self.distance_at(now_ns)
         return self._begin(leg)
 

@@ -1,6 +1,7 @@
 """Numbers by chance: each follows from seed, robot, goal and purpose alone, and is as evenly distributed as it says."""
 import hashlib
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,15 @@ def test_a_number_is_the_one_that_numpys_philox_gives_for_key_and_counter():
     key = [int.from_bytes(digest[:8], 'little'), int.from_bytes(digest[8:16], 'little')]
     raw = np.random.Philox(key=key, counter=[5, 3, 2, 0]).random_raw()
     assert Chance(7, 'robot_0').uniform(3, Purpose.FAILURE, 5) == ((int(raw) >> 11) + 0.5) / 2.0 ** 53
+
+
+def test_the_ends_are_never_drawn():
+    chance = Chance(1, 'robot_0')
+    drawn = []
+    for raw in (0, 2 ** 64 - 1):
+        chance._generator = SimpleNamespace(random_raw=lambda raw=raw: raw)
+        drawn.append(chance.uniform(1, Purpose.FACTOR))
+    assert 0.0 < drawn[0] < 1e-15 < drawn[1] < 1.0
 
 
 def test_a_number_does_not_depend_on_what_was_drawn_before():

@@ -83,6 +83,14 @@ def test_a_leg_without_length_takes_its_delay():
     assert (paced.arrive_ns, paced.pose_at(5), paced.velocity_at(15)) == (15, Pose2D(), (0.0, 0.0))
 
 
+def test_until_its_delay_is_over_a_robot_that_turns_in_no_time_has_not_turned():
+    start, goal = Pose2D(1.0, 2.0, 0.5), Pose2D(1.0, 9.0, -1.0)
+    for place in (goal, Pose2D(1.0, 2.0, 2.0)):  # the second one is a turn alone
+        paced = PacedLeg(Leg(start, place, MotionLimits(1.0)), Pace(2 * S, 1.5))
+        assert paced.pose_at(0) == paced.pose_at(2 * S - 1) == start
+        assert paced.pose_at(2 * S).yaw == pytest.approx(math.pi / 2 if place is goal else 2.0)
+
+
 # ---- goals
 
 def test_overhead_and_factor_to_the_nanosecond():
@@ -143,6 +151,23 @@ def test_of_the_overhead_only_the_rest_is_waited_for():
     fleet.place('bot', Pose2D())
     fleet.run()
     assert ends(fleet)[0][0] == 10 * S
+
+
+def test_a_robot_that_is_stopped_while_it_waits_looks_where_it_looked():
+    fleet = fleet_of('bot', goal_overhead=3.0, turn_rate=0.0)
+    goal = fleet.send('bot', 0.0, 10.0)
+    fleet.run_for(1.0)
+    fleet.cancel('bot', goal)
+    assert fleet.pose('bot') == Pose2D()
+
+
+def test_a_goal_that_no_time_reaches_is_aborted_with_durations_too():
+    fleet = fleet_of('bot', duration_factor=1.1)
+    fleet.send('bot', 1e305, 0.0)
+    fleet.run()
+    (_, state, text), = ends(fleet)
+    assert state == 'ABORTED'
+    assert 'cannot be travelled to: the arrival would be' in text
 
 
 # ---- failures

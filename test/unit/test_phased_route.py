@@ -40,6 +40,13 @@ def test_when_a_distance_is_covered_is_the_reverse_of_what_is_covered_when(profi
     assert sorted(profile.changes(4)) == pytest.approx(profile.changes(4))
 
 
+def test_the_end_of_a_trip_that_does_not_brake_is_never_reached_sooner():
+    # by rounding what is covered just before the end seems to lie behind it
+    profile = ApproachProfile(24.353057952320476, 0.03253362142524134, 0.5, 0.5, 1.0)
+    assert profile.brake_begin == profile.seconds
+    assert profile.elapsed(24.353057952320473) == pytest.approx(profile.seconds)
+
+
 def test_a_long_trip_takes_what_its_phases_say():
     # 1 m/s after 2 s and 1 m; braking begins 1.9 m before the end, which is ln(20) / 0.5 s away
     profile = ApproachProfile(10.0, 1.0, 0.5, 0.5, 0.1)
