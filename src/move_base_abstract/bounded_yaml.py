@@ -46,6 +46,19 @@ def load_yaml_file(path):
     return load_yaml_text(data, str(path))
 
 
+def file_version(path, where):
+    """Return (time of its last change [ns], bytes) of a file, by which what was read of it is known to be of today.
+
+    :raises ConfigurationError: if it cannot be looked at; the text begins with ``where``.
+    """
+    try:
+        status = os.stat(path)
+    except (OSError, ValueError) as error:
+        raise ConfigurationError('{}: {}: cannot be read: {}'.format(
+            where, shown(path), getattr(error, 'strerror', None) or error)) from None
+    return status.st_mtime_ns, status.st_size
+
+
 def load_yaml_text(text, where, bounds=FILE):
     """Return the document in ``text`` (str, or bytes in UTF-8); ``where`` begins the text of an error.
 

@@ -9,7 +9,7 @@ from statistics import NormalDist
 from typing import Any, Tuple
 
 from .approach import MotionPhases
-from .bounded_yaml import load_yaml_file
+from .bounded_yaml import file_version, load_yaml_file
 from .chance import Purpose
 from .errors import ConfigurationError
 from .factors import Gamma, along
@@ -30,29 +30,34 @@ def _row(name, convert, allowed):
     return Parameter(name, _REQUIRED, convert, allowed)
 
 
+def _number(name, low, high, unit=''):
+    allowed = 'a number in {:g}..{:g}'.format(low, high)
+    return _row(name, number(low, high), '{} [{}]'.format(allowed, unit) if unit else allowed)
+
+
 TABLE = (
     _row('source', text, 'a text'),
-    _row('max_speed', number(0.001, 100.0), 'a number in 0.001..100 [m/s]'),
-    _row('acceleration', number(0.001, 1000.0), 'a number in 0.001..1000 [m/s^2]'),
-    _row('xy_goal_tolerance', number(0.0, 10.0), 'a number in 0..10 [m]'),
-    _row('yaw_goal_tolerance', number(0.0, math.pi), 'a number in 0..3.1416 [rad]'),
-    _row('start_delay', number(0.0, 3600.0), 'a number in 0..3600 [s]'),
-    _row('start_turn_linear', number(0.0, 1000.0), 'a number in 0..1000 [s/rad]'),
-    _row('start_turn_square', number(0.0, 1000.0), 'a number in 0..1000 [s/rad^2]'),
-    _row('braking_gain', number(0.001, 1000.0), 'a number in 0.001..1000 [1/s]'),
-    _row('braking_offset', number(0.001, 100.0), 'a number in 0.001..100 [m]'),
-    _row('turning_speed', number(0.001, 1000.0), 'a number in 0.001..1000 [rad/s]'),
-    _row('turning_gain', number(0.001, 1000.0), 'a number in 0.001..1000 [1/s]'),
-    _row('turning_offset', number(0.001, 100.0), 'a number in 0.001..100 [rad]'),
-    _row('bow_length', number(0.0, 1000.0), 'a number in 0..1000 [m]'),
-    _row('spread', number(0.0, 3600.0), 'a number in 0..3600 [s]'),
-    _row('delay_share', number(0.0, 10.0), 'a number in 0..10 [s per s of motion]'),
-    _row('tail_rate', number(0.0, 10.0), 'a number in 0..10 [1/s of motion]'),
+    _number('max_speed', 0.001, 100.0, 'm/s'),
+    _number('acceleration', 0.001, 1000.0, 'm/s^2'),
+    _number('xy_goal_tolerance', 0.0, 10.0, 'm'),
+    _number('yaw_goal_tolerance', 0.0, math.pi, 'rad'),
+    _number('start_delay', 0.0, 3600.0, 's'),
+    _number('start_turn_linear', 0.0, 1000.0, 's/rad'),
+    _number('start_turn_square', 0.0, 1000.0, 's/rad^2'),
+    _number('braking_gain', 0.001, 1000.0, '1/s'),
+    _number('braking_offset', 0.001, 100.0, 'm'),
+    _number('turning_speed', 0.001, 1000.0, 'rad/s'),
+    _number('turning_gain', 0.001, 1000.0, '1/s'),
+    _number('turning_offset', 0.001, 100.0, 'rad'),
+    _number('bow_length', 0.0, 1000.0, 'm'),
+    _number('spread', 0.0, 3600.0, 's'),
+    _number('delay_share', 0.0, 10.0, 's per s of motion'),
+    _number('tail_rate', 0.0, 10.0, '1/s of motion'),
     _row('tail_chance_by_turn', ascending_pairs(number(0.0, 3.15), number(0.0, 1.0)),
          'a list of [start turn in 0..3.15 rad, chance in 0..1], the turns ascending'),
-    _row('tail_mean', number(0.001, 86400.0), 'a number in 0.001..86400 [s]'),
-    _row('tail_cv', number(0.01, 10.0), 'a number in 0.01..10'),
-    _row('failure_by_length', lambda value: _FAILURES(value) if value else (),
+    _number('tail_mean', 0.001, 86400.0, 's'),
+    _number('tail_cv', 0.01, 10.0),
+    _row('failure_by_length', lambda value: () if value == [] else _FAILURES(value),
          'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending'),
 )
 
@@ -123,12 +128,7 @@ def read_calibration(name, where):
     :raises ConfigurationError: if there is none, or it cannot be used; ``where`` has the parameter.
     """
     path = calibration_file(name, where)
-    try:
-        status = os.stat(path)
-    except (OSError, ValueError) as error:
-        raise ConfigurationError('parameter {}/calibration: {}: cannot be read: {}'.format(
-            where.rstrip('/'), shown(path), getattr(error, 'strerror', None) or error)) from None
-    return _calibration_in(path, status.st_mtime_ns, status.st_size)
+    return _calibration_in(path, *file_version(path, 'parameter {}/calibration'.format(where.rstrip('/'))))
 
 
 @lru_cache(maxsize=64)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Optional, Tuple
 
-from .bounded_yaml import load_yaml_file
+from .bounded_yaml import file_version, load_yaml_file
 from .chance import Chance, Purpose
 from .errors import ConfigurationError
 from .factors import Constant, Gamma, Lognormal, Quantiles, along
@@ -77,12 +77,7 @@ def _read_quantiles(path, where):
         raise ConfigurationError(
             'parameter {}/duration_quantiles: got {}; allowed: an absolute path, in a scenario file also one from its '
             'folder'.format(where.rstrip('/'), shown(path)))
-    try:
-        status = os.stat(path)
-    except (OSError, ValueError) as error:
-        raise ConfigurationError('parameter {}/duration_quantiles: {}: cannot be read: {}'.format(
-            where.rstrip('/'), shown(path), getattr(error, 'strerror', None) or error)) from None
-    return _quantiles_in(path, status.st_mtime_ns, status.st_size)
+    return _quantiles_in(path, *file_version(path, 'parameter {}/duration_quantiles'.format(where.rstrip('/'))))
 
 
 @lru_cache(maxsize=64)
