@@ -111,13 +111,12 @@ class PlanningGrid:
         """
         column, row = place[0] // PARTS, place[1] // PARTS
         best = None
-        for dy in range(-reach, reach + 1):
-            for dx in range(-reach, reach + 1):
-                if 0 <= column + dx < self.columns and 0 <= row + dy < self.rows:
-                    cell = (row + dy + 1) * self.stride + column + dx + 1
-                    distance = dx * dx + dy * dy
-                    if self._is_free[cell] and distance <= reach * reach and (best is None or distance < best[0]):
-                        best = distance, cell
+        for dy in range(max(-reach, -row), min(reach, self.rows - 1 - row) + 1):
+            for dx in range(max(-reach, -column), min(reach, self.columns - 1 - column) + 1):
+                cell = (row + dy + 1) * self.stride + column + dx + 1
+                distance = dx * dx + dy * dy
+                if self._is_free[cell] and distance <= reach * reach and (best is None or distance < best[0]):
+                    best = distance, cell
         return best[1] if best else None
 
     def sees(self, one, other):

@@ -1,11 +1,13 @@
 """Legs from a bag: goals and results of move_base actions, where the robots were meanwhile, and their plans."""
 import bisect
 import math
+import struct
 
+import genpy
 import rosbag
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.geometry import Pose2D, normalize_angle, yaw_of_quaternion
+from move_base_abstract.geometry import Pose2D, normalize_angle, quaternion_fault, yaw_of_quaternion
 from move_base_abstract.shown import shown_text
 
 from .legs import RecordedLeg, Way, way_along
@@ -15,6 +17,8 @@ _POSES = ('nav_msgs/Odometry', 'geometry_msgs/PoseWithCovarianceStamped')
 #: below a robot's namespace, the best one first
 _POSE_TOPICS = ('base_pose_ground_truth', 'amcl_pose', 'odom')
 _SUCCEEDED, _ABORTED = 3, 4
+#: what rosbag lets out where a bag cannot be read, or is damaged
+_BROKEN = (OSError, rosbag.ROSBagException, genpy.MessageException, struct.error, KeyError, ValueError)
 _NEAR = 1.0  # m: how far along a plan its first and last directions are measured
 
 
@@ -26,7 +30,9 @@ def read_legs(path, pose_topic=None):
     try:
         with rosbag.Bag(path) as bag:
             return _read(bag, str(path), pose_topic)
-    except (OSError, rosbag.ROSBagException) as error:
+    except ConfigurationError:
+        raise
+    except _BROKEN as error:
         raise ConfigurationError('{}: cannot be read as a bag: {}'.format(
             shown_text(str(path)), getattr(error, 'strerror', None) or error)) from None
 
@@ -40,8 +46,11 @@ def _read(bag, path, pose_topic):
     for action in actions:
         namespace = action.rstrip('/').rpartition('/')[0]
         tracks = _Track(bag, types, namespace, pose_topic, path)
-        found, frames = _legs_of(bag, action, namespace, tracks, path)
+        found, frames, strange_goals = _legs_of(bag, action, namespace, tracks, path)
         legs += found
+        if strange_goals:
+            notes.append('{}: {} goals of {} are no poses in the plane, and are left out'.format(
+                path, strange_goals, namespace or '/'))
         strange = sorted(frames - {tracks.frame})
         if strange:
             notes.append('{}: goals of {} are in {}, its poses ({}) in {}: taken for the same frame'.format(
@@ -59,14 +68,15 @@ class _Track:
             raise ConfigurationError('{}: no poses of {}; allowed: one of {}, of {}'.format(
                 path, namespace or '/', ', '.join(topics), ' or '.join(_POSES)))
         self.topic, self.frame = found[0], ''
-        self._times, self._poses = [], []
+        track = []
         for _, message, time in bag.read_messages(topics=[self.topic]):
-            self._times.append(_stamp(message.header, time))
-            self._poses.append(_pose(message.pose.pose))
+            track.append((_stamp(message.header, time), _pose(message.pose.pose)))
             self.frame = message.header.frame_id.lstrip('/')
+        track = sorted((one for one in track if one[1] is not None), key=lambda one: one[0])
+        self._times, self._poses = [time for time, _ in track], [pose for _, pose in track]
         plans = [topic for topic, kind in types.items()
                  if kind == _PATH and topic.startswith(namespace + '/') and topic.endswith('/plan')]
-        self._plans = [(_stamp(message.header, time), [_pose(one.pose) for one in message.poses])
+        self._plans = [(_stamp(message.header, time), _path(message))
                        for _, message, time in bag.read_messages(topics=plans)] if plans else []
 
     def at(self, time):
@@ -79,7 +89,7 @@ class _Track:
         for time, plan in self._plans:
             if begin <= time <= end and len(plan) > 1:
                 return _way(start, plan, goal)
-        driven = [pose for time, pose in zip(self._times, self._poses) if begin <= time <= end]
+        driven = self._poses[bisect.bisect_left(self._times, begin):bisect.bisect_right(self._times, end)]
         return _way(start, [start, *driven], goal) if driven else None
 
 
@@ -97,12 +107,17 @@ def _way(start, poses, goal):
 
 
 def _legs_of(bag, action, namespace, track, path):
-    """Return the legs of one action, and the frames of its goals."""
-    goals, legs, frames = {}, [], set()
+    """Return the legs of one action, the frames of its goals, and how many of these are no poses in the plane."""
+    goals, legs, frames, strange = {}, [], set(), 0
     for topic, message, time in bag.read_messages(topics=[action + 'goal', action + 'result']):
         if topic.endswith('goal'):
-            frames.add(message.goal.target_pose.header.frame_id.lstrip('/'))
-            goals[message.goal_id.id] = (_stamp(message.header, time), _pose(message.goal.target_pose.pose))
+            target = message.goal.target_pose
+            frames.add(target.header.frame_id.lstrip('/'))
+            goal = None if quaternion_fault(_quaternion(target.pose)) else _pose(target.pose)
+            if goal is None:  # move_base refuses it
+                strange += 1
+            else:
+                goals[message.goal_id.id] = (_stamp(message.header, time), goal)
             continue
         sent, goal = goals.pop(message.status.goal_id.id, (None, None))
         ended = _stamp(message.header, time)
@@ -112,7 +127,7 @@ def _legs_of(bag, action, namespace, track, path):
         state = message.status.status
         legs.append(RecordedLeg(path, namespace, len(legs) + 1, start, goal, ended - sent, state == _SUCCEEDED,
                                 state == _ABORTED, track.way(sent, ended, start, goal), track.at(ended)))
-    return legs, frames
+    return legs, frames, strange
 
 
 def _stamp(header, time):
@@ -120,6 +135,18 @@ def _stamp(header, time):
 
 
 def _pose(pose):
+    """Return a geometry_msgs/Pose as a Pose2D, None where its numbers are none."""
+    try:
+        return Pose2D(pose.position.x, pose.position.y, yaw_of_quaternion(_quaternion(pose)))
+    except ValueError:
+        return None
+
+
+def _path(message):
+    found = [_pose(one.pose) for one in message.poses]
+    return [pose for pose in found if pose is not None]
+
+
+def _quaternion(pose):
     orientation = pose.orientation
-    return Pose2D(pose.position.x, pose.position.y,
-                  yaw_of_quaternion((orientation.x, orientation.y, orientation.z, orientation.w)))
+    return orientation.x, orientation.y, orientation.z, orientation.w

@@ -1,5 +1,4 @@
 """How well legs are predicted that were not fitted: parts of all at random, other recordings, regions of the map."""
-import math
 from typing import NamedTuple, Optional
 
 import numpy as np
@@ -9,6 +8,7 @@ from move_base_abstract.factors import along
 
 from .fit import fit, succeeded
 from .law import Durations
+from .legs import met_no_robot
 
 PARTS = 10
 MET = 1.5  # m: nearer to another robot than this a leg may have been held up
@@ -126,7 +126,7 @@ def scores(values, pairs, nominal_speed):
     if regions is not None:
         rows.append(score('four quarters of the map', regions, rates))
     for name, (known, asked) in by_recordings(pairs).items():
-        alone = [pair for pair in asked if (pair[0].nearest_robot or math.inf) >= MET]
+        alone = [pair for pair in asked if met_no_robot(pair[0], MET)]
         kinds = [('recording {} by the others'.format(name), asked)]
         if len(alone) < len(asked):
             kinds.append(('of these, legs that met no other robot within {:g} m'.format(MET), alone))

@@ -70,26 +70,28 @@ def _predict(options):
     name = os.path.abspath(options.predict) if options.predict.endswith('.yaml') else options.predict
     read_calibration(name, 'calibrate')
     values = load_yaml_file(calibration_file(name, 'calibrate'))
-    pairs, notes = _pairs(options)
+    pairs, _ = _pairs(options)
     if not succeeded(pairs):
-        raise ConfigurationError('calibrate: got no legs that succeeded and count; allowed: at least one')
+        raise ConfigurationError('got no legs that succeeded and count; allowed: at least one')
     nominal_speed = options.nominal_speed or values['max_speed']
-    _say(notes, [check.score(options.predict, check.predict(values, pairs, nominal_speed),
-                             check.success_rates(values, pairs))])
+    _say([check.score(options.predict, check.predict(values, pairs, nominal_speed),
+                      check.success_rates(values, pairs))])
 
 
 def _pairs(options):
-    """Return the legs with their ways, and notes."""
-    from .legs import ways_of
+    """Return the legs with their ways, and notes, which are said."""
+    from .legs import met_no_robot, ways_of
     legs, notes = _read(options)
     pairs = ways_of(legs, _map_ways(options, notes))
     if len(pairs) < len(legs):
         notes.append('{} of {} legs have no way on the map and are left out'.format(len(legs) - len(pairs), len(legs)))
     if options.clear_of_robots:
-        clear = [pair for pair in pairs if (pair[0].nearest_robot or math.inf) >= options.clear_of_robots]
+        clear = [pair for pair in pairs if met_no_robot(pair[0], options.clear_of_robots)]
         notes.append('{} legs that came nearer than {:g} m to another robot are left out'.format(
             len(pairs) - len(clear), options.clear_of_robots))
         pairs = clear
+    for note in notes:
+        print('calibrate: note: {}'.format(note), file=sys.stderr)
     return pairs, notes
 
 
@@ -109,14 +111,12 @@ def _calibrate(options):
     picture = draw(values, pairs, predicted or check.predict(values, pairs, nominal_speed))
     outputs.write(options.output, text)
     outputs.write(page, outputs.page_text(text, source, rows, picture, nominal_speed, notes))
-    _say(notes, rows)
+    _say(rows)
     print(options.output)
     print(page)
 
 
-def _say(notes, rows):
-    for note in notes:
-        print('calibrate: note: {}'.format(note), file=sys.stderr)
+def _say(rows):
     for row in rows:
         print('{:60s} {:5d} legs: median error {:5.2f} %, mean {:.3f}, in 90 %: {:4.1f} %; success {:.1f} %, measured '
               '{:.1f} %; straight line: {:.0f} %'.format(

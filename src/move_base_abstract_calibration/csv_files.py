@@ -11,6 +11,7 @@ from .legs import RecordedLeg, Way, way_along
 _NEEDED = ('start_x', 'start_y', 'start_yaw', 'goal_x', 'goal_y', 'goal_yaw', 'duration_s', 'state')
 _SUCCEEDED, _ABORTED = 3, 4  # of actionlib_msgs/GoalStatus
 _MOST_ROWS = 1_000_000
+_HALF_TURN = math.pi + 1e-3  # rad, as rounded in a table
 
 
 def read_legs(path):
@@ -19,14 +20,29 @@ def read_legs(path):
     :raises ConfigurationError: if it cannot be read, a column is missing, or a value is no number.
     """
     try:
-        with open(path, encoding='utf-8', newline='') as stream:
-            return _read(csv.DictReader(line for line in stream if not line.startswith('#')), str(path))
+        with open(path, encoding='utf-8-sig', newline='') as stream:  # spreadsheets begin with a mark
+            return _read(_Lines(stream), str(path))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ConfigurationError('{}: cannot be read: {}'.format(
             shown_text(str(path)), getattr(error, 'strerror', None) or error)) from None
 
 
-def _read(rows, path):
+class _Lines:
+    """The lines of a stream that are no comments; ``number``: that of the last one, from 1 on."""
+
+    def __init__(self, stream):
+        self._stream = stream
+        self.number = 0
+
+    def __iter__(self):
+        for line in self._stream:
+            self.number += 1
+            if not line.startswith('#'):
+                yield line
+
+
+def _read(lines, path):
+    rows = csv.DictReader(lines)
     missing = [name for name in _NEEDED if name not in (rows.fieldnames or ())]
     if missing:
         raise ConfigurationError('{}: no column {}; allowed: a table with {}'.format(
@@ -35,16 +51,21 @@ def _read(rows, path):
     for row in rows:
         if len(legs) >= _MOST_ROWS:
             raise ConfigurationError('{}: got more than {} rows; allowed: at most that'.format(path, _MOST_ROWS))
-        legs.append(_leg(row, '{}: line {}'.format(path, rows.line_num), len(legs) + 1))
+        legs.append(_leg(row, '{}: line {}'.format(path, lines.number), len(legs) + 1))
     return legs
 
 
 def _leg(row, where, number):
     values = {name: _number(row, name, where) for name in _NEEDED}
+    _check('duration_s', values['duration_s'], where, values['duration_s'] > 0.0, 'a number > 0 [s]')
     start, goal = (Pose2D(*(values[name + axis] for axis in ('_x', '_y', '_yaw'))) for name in ('start', 'goal'))
     optional = {name: _optional(row, name, where) for name in (
         'plan_m', 'driven_m', 'start_turn_rad', 'end_turn_rad', 'end_x', 'end_y', 'end_yaw', 'goal', 'rescued',
         'stuck_start', 'cancelled', 'min_robot_dist_m')}
+    for name in ('plan_m', 'driven_m', 'min_robot_dist_m'):
+        _check(name, optional[name], where, (optional[name] or 0.0) >= 0.0, 'a number >= 0 [m]')
+    for name in ('start_turn_rad', 'end_turn_rad'):
+        _check(name, optional[name], where, 0.0 <= (optional[name] or 0.0) <= _HALF_TURN, 'a number in 0..pi [rad]')
     end = [optional[name] for name in ('end_x', 'end_y', 'end_yaw')]
     return RecordedLeg(
         row.get('run') or '', row.get('robot') or '', int(optional['goal'] or number), start, goal,
@@ -63,6 +84,11 @@ def _way(values, start, goal):
     turns = [turn if values[name] is None else math.copysign(values[name], turn) for name, turn in (
         ('start_turn_rad', straight.start_turn), ('end_turn_rad', straight.end_turn))]
     return Way(length, *turns)
+
+
+def _check(name, value, where, is_allowed, allowed):
+    if not is_allowed:
+        raise ConfigurationError('{}: {}: got {:g}; allowed: {}'.format(where, name, value, allowed))
 
 
 def _optional(row, name, where):

@@ -36,7 +36,7 @@ def fit(pairs):
     """
     used = succeeded(pairs)
     if len(used) < LEAST_LEGS:
-        raise ConfigurationError('calibrate: got {} legs that succeeded and count; allowed: at least {}'.format(
+        raise ConfigurationError('got {} legs that succeeded and count; allowed: at least {}'.format(
             len(used), LEAST_LEGS))
     ways = np.array([way for _, way in used], float)
     durations = np.array([leg.duration for leg, _ in used])

@@ -36,6 +36,11 @@ class RecordedLeg(NamedTuple):
     nearest_robot: Optional[float] = None
 
 
+def met_no_robot(leg, distance):
+    """Return whether no other robot came nearer than ``distance`` [m], as far as anybody says."""
+    return leg.nearest_robot is None or leg.nearest_robot >= distance
+
+
 def way_along(start, points, goal):
     """Return the :class:`Way` of straight pieces from ``start`` by ``points`` [(x, y), m] to ``goal`` (Pose2D)."""
     places = [(start.x, start.y), *points, (goal.x, goal.y)]

@@ -1,22 +1,29 @@
 """The files of a calibration: the YAML that a scenario names, and the page that shows how far it can be trusted."""
 import base64
+import os
 from pathlib import Path
 
 import jinja2
 
 from move_base_abstract import own_files
 from move_base_abstract.calibration import FORMAT, TABLE, make_calibration
+from move_base_abstract.errors import ConfigurationError
 
 _FIRST_YAML = '# move_base_abstract calibration'
 _FIRST_PAGE = '<!doctype html><!-- move_base_abstract calibration -->'
-_UNITS = {parameter.name: parameter.allowed.rpartition('[')[2].rstrip(']') if '[' in parameter.allowed else ''
-          for parameter in TABLE}
+_UNITS = {parameter.name: parameter.allowed.rpartition('[')[2][:-1] for parameter in TABLE
+          if parameter.allowed.endswith(']')}
 _DIGITS = 5
 
 
 def check(*paths):
-    """Complain of what is at one of the paths and not of our making. :raises ConfigurationError: naming it."""
+    """Complain of what is at one of the paths and not of our making, and where there is no folder for it.
+
+    :raises ConfigurationError: naming it.
+    """
     for path in paths:
+        if not os.path.isdir(os.path.dirname(path) or '.'):
+            raise ConfigurationError('{}: there is no folder {}'.format(path, os.path.dirname(path)))
         own_files.check_file(str(path), lambda line: line.startswith((_FIRST_YAML.encode(), _FIRST_PAGE.encode())))
 
 
@@ -28,7 +35,7 @@ def yaml_text(values, source):
              'source: {}'.format(_quoted(source))]
     for parameter in TABLE:
         if parameter.name != 'source':
-            unit = _UNITS[parameter.name] if parameter.name in _UNITS and 'list' not in parameter.allowed else ''
+            unit = _UNITS.get(parameter.name)
             lines.append('{}: {}{}'.format(parameter.name, rounded[parameter.name], '  # ' + unit if unit else ''))
     return '\n'.join(lines) + '\n'
 
@@ -50,7 +57,8 @@ def page_text(calibration, source, rows, picture, nominal_speed, notes):
 
 
 def _quoted(text):
-    return "'{}'".format(' '.join(text.split()).replace("'", "''"))
+    plain = ''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in ' '.join(text.split()))
+    return "'{}'".format(plain.replace("'", "''"))
 
 
 def _rounded(value):

@@ -7,6 +7,7 @@ matplotlib.use('Agg')
 import matplotlib.pyplot as plt
 import numpy as np
 
+from .fit import succeeded
 from .law import Durations
 
 _BLUE, _GREY, _RED = '#1f6fb4', '#9a9a9a', '#c0392b'
@@ -58,7 +59,7 @@ def _chances(axes, predicted):
 
 
 def _tail(axes, values, pairs):
-    used = [(leg, way) for leg, way in pairs if leg.counts and leg.succeeded]
+    used = succeeded(pairs)
     law = Durations(values, [way for _, way in used])
     excess = np.array([leg.duration for leg, _ in used]) - law.least
     turns = np.degrees(np.abs([way.start_turn for _, way in used]))

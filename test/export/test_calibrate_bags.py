@@ -1,4 +1,5 @@
 """Legs from bags: goals, results, poses and plans of several robots; what a bag lacks is said."""
+import random
 import sys
 from pathlib import Path
 
@@ -119,6 +120,60 @@ def test_amcls_pose_comes_before_odometry_and_other_frames_are_told(tmp_path):
             tmp_path / 'run.bag')]
     write(tmp_path / 'other.bag', pose_kind=PoseWithCovarianceStamped, pose_topic='amcl_pose')
     assert len(read_legs(tmp_path / 'other.bag')[0]) == len(GOALS)
+
+
+def test_goals_and_poses_that_are_none_are_left_out(tmp_path):
+    durations = write(tmp_path / 'run.bag')
+    with rosbag.Bag(str(tmp_path / 'run.bag'), 'a') as bag:
+        end = rospy.Time.from_sec(bag.get_end_time())
+        for name, yaw in (('lying', 0.0), ('nowhere', float('nan'))):
+            goal, result = MoveBaseActionGoal(), MoveBaseActionResult()
+            goal.goal_id.id = result.status.goal_id.id = name
+            put(goal.goal.target_pose.pose, yaw, 0.0, 0.0)
+            goal.goal.target_pose.header.frame_id = 'map'
+            if name == 'lying':
+                goal.goal.target_pose.pose.orientation.w = 0.0
+            goal.header.stamp, result.header.stamp = end, end + rospy.Duration(1)
+            result.status.status = 4
+            bag.write('/bot/move_base/goal', goal, goal.header.stamp)
+            bag.write('/bot/move_base/result', result, result.header.stamp)
+        odometry = Odometry()
+        odometry.header.stamp, odometry.header.frame_id = rospy.Time(2), 'map'
+        odometry.pose.pose.position.x = float('nan')
+        bag.write('/bot/odom', odometry, end)
+    legs, notes = read_legs(tmp_path / 'run.bag')
+    assert [leg.duration for leg in legs] == pytest.approx(durations)
+    assert notes == ['{}: 2 goals of /bot are no poses in the plane, and are left out'.format(tmp_path / 'run.bag')]
+
+
+def test_poses_that_were_recorded_late_count_by_their_stamps(tmp_path):
+    write(tmp_path / 'run.bag')
+    legs, _ = read_legs(tmp_path / 'run.bag')
+    with rosbag.Bag(str(tmp_path / 'run.bag')) as bag, rosbag.Bag(str(tmp_path / 'late.bag'), 'w') as late:
+        end, odometry = bag.get_end_time(), 0
+        for topic, message, time in bag.read_messages():
+            odometry += topic == '/bot/odom'
+            is_late = topic == '/bot/odom' and odometry % 2
+            late.write(topic, message, rospy.Time.from_sec(end + 1.0) if is_late else time)
+    assert [leg._replace(recording='') for leg in read_legs(tmp_path / 'late.bag')[0]] == [
+        leg._replace(recording='') for leg in legs]
+
+
+def test_a_damaged_bag_is_named(tmp_path):
+    write(tmp_path / 'run.bag')
+    whole = (tmp_path / 'run.bag').read_bytes()
+    chance = random.Random(2)
+    said = 0
+    for number in range(60):
+        damaged = bytearray(whole[:chance.randrange(len(whole))] if number % 4 == 0 else whole)
+        for _ in range(30):
+            damaged[chance.randrange(len(damaged))] = chance.randrange(256)
+        (tmp_path / 'run.bag').write_bytes(damaged)
+        try:
+            read_legs(tmp_path / 'run.bag')
+        except ConfigurationError as error:
+            said += 'run.bag' in str(error)
+    assert said > 20
 
 
 def test_what_a_bag_lacks_is_said(tmp_path):

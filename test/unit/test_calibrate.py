@@ -20,13 +20,14 @@ from move_base_abstract_calibration import check, command, outputs
 from move_base_abstract_calibration.csv_files import read_legs
 from move_base_abstract_calibration.fit import fit, succeeded
 from move_base_abstract_calibration.law import Durations, approach_seconds, motion_seconds
-from move_base_abstract_calibration.legs import way_along, ways_of
+from move_base_abstract_calibration.legs import met_no_robot, way_along, ways_of
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = ROOT / 'examples' / 'calibration' / 'move_base_stage_legs.csv'
 WHOLE = ROOT.parent / 'shared' / 'data' / 'move_base_stage' / 'move_base_stage_legs.csv'
 SHIPPED = 'move_base_dwa_stage'
 NOMINAL = 1.0  # m/s
+COLUMNS = 'start_x,start_y,start_yaw,goal_x,goal_y,goal_yaw,duration_s,state'
 
 
 def shipped_values():
@@ -133,7 +134,7 @@ def test_one_robot_alone_predicts_three_together():
     together = [pair for pair in pairs if pair[0].recording == 'B']
     score = check.score('B', check.predict(values, together, NOMINAL))
     alone = check.score('B', check.predict(
-        values, [pair for pair in together if (pair[0].nearest_robot or 99.0) >= check.MET], NOMINAL))
+        values, [pair for pair in together if met_no_robot(pair[0], check.MET)], NOMINAL))
     assert score.median_error <= 0.025
     assert alone.median_error <= 0.025
     assert alone.mean_ratio == pytest.approx(1.0, abs=0.02)
@@ -148,6 +149,12 @@ def test_folds_leave_out_what_they_ask_for(pairs):
         for known, asked in folds:
             assert not {id(leg) for leg, _ in known} & {id(leg) for leg, _ in asked}
         assert sum(len(asked) for _, asked in folds) == len(pairs)
+
+
+def test_a_robot_that_touched_another_one_has_met_it(pairs):
+    leg = pairs[0][0]
+    assert [met_no_robot(leg._replace(nearest_robot=near), 1.5) for near in (None, 0.0, 1.4, 1.5)] == [
+        True, False, False, True]
 
 
 # ---- the program
@@ -185,15 +192,27 @@ def test_what_others_made_stays(tmp_path, capsys):
         path.unlink()
 
 
+def test_a_folder_that_is_not_there_is_said_before_the_fit(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(command, '_pairs', None)
+    with pytest.raises(SystemExit) as end:
+        command.main([str(SMALL), '-o', str(tmp_path / 'none' / 'robot.yaml')])
+    assert end.value.code == 2
+    assert 'there is no folder' in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(('text', 'words'), [
     (None, 'cannot be read'), ('a,b\n1,2\n', 'no column start_x'), ('', 'no column start_x'),
-    ('start_x,start_y,start_yaw,goal_x,goal_y,goal_yaw,duration_s,state\n0,0,0,1,x,0,9,3\n', "goal_y: got 'x'"),
-    ('start_x,start_y,start_yaw,goal_x,goal_y,goal_yaw,duration_s,state\n0,0,0,1,0,0,9,3\n', 'at least 25'),
+    (COLUMNS + '\n0,0,0,1,x,0,9,3\n', "line 2: goal_y: got 'x'"),
+    ('# a note\n' + COLUMNS + '\n# another\n0,0,0,1,x,0,9,3\n', "line 4: goal_y: got 'x'"),
+    (COLUMNS + '\n0,0,0,1,0,0,0,3\n', 'duration_s: got 0; allowed: a number > 0 [s]'),
+    (COLUMNS + ',plan_m\n0,0,0,1,0,0,9,3,-1\n', 'plan_m: got -1; allowed: a number >= 0 [m]'),
+    (COLUMNS + ',start_turn_rad\n0,0,0,1,0,0,9,3,-0.5\n', 'start_turn_rad: got -0.5; allowed: a number in 0..pi'),
+    (COLUMNS + '\n0,0,0,1,0,0,9,3\n', 'at least 25'), ('\ufeff' + COLUMNS + '\n0,0,0,1,0,0,9,3\n', 'at least 25'),
 ])
 def test_what_cannot_be_fitted_is_said(tmp_path, capsys, text, words):
     path = tmp_path / 'legs.csv'
     if text is not None:
-        path.write_text(text)
+        path.write_text(text, encoding='utf-8')
     with pytest.raises(SystemExit) as end:
         command.main([str(path), '-o', str(tmp_path / 'robot.yaml')])
     assert end.value.code == 2
@@ -201,9 +220,9 @@ def test_what_cannot_be_fitted_is_said(tmp_path, capsys, text, words):
 
 
 def test_what_is_written_is_read_back_to_five_digits(pairs, fitted):
-    text = outputs.yaml_text(fitted, "it's\nhere")
+    text = outputs.yaml_text(fitted, "it's\nhere \x1b[0m")
     raw = yaml.safe_load(text)
-    assert raw['source'] == "it's here"
+    assert raw['source'] == "it's here \\x1b[0m"
     assert raw['max_speed'] == pytest.approx(fitted['max_speed'], rel=1e-4)
     assert make_calibration(raw, 'x').durations.spread == raw['spread']
 

@@ -76,6 +76,7 @@ def test_the_nearest_free_cell_of_equal_ones_is_the_southernmost_then_the_wester
     middle = 3 * PARTS + 5, 3 * PARTS + 7
     assert grid.nearest_free(middle, 2) == grid.cell_of((3 * PARTS, 1 * PARTS))
     assert grid.nearest_free(middle, 1) is None
+    assert grid.nearest_free(middle, 10 ** 6) == grid.nearest_free(middle, 2)  # no more than the grid is looked at
     blocked[1, 3] = True
     assert PlanningGrid(blocked).nearest_free(middle, 2) == grid.cell_of((1 * PARTS, 3 * PARTS))
 
