@@ -60,3 +60,14 @@ class PacedLeg:
             return max(now_ns, self._leg.arrive_ns)
         elapsed_ns = max(0, now_ns - self._begin_ns)
         return self.depart_ns + (elapsed_ns * self._leg.duration_ns // self._ns if elapsed_ns else 0)
+
+
+class TimedLeg(PacedLeg):
+    """A :class:`Leg` or :class:`Route` that takes ``duration_ns`` [ns], whatever its law says."""
+
+    __slots__ = ()
+
+    def __init__(self, leg, duration_ns):
+        super().__init__(leg, Pace(0, 1.0))
+        self._ns = duration_ns
+        self.arrive_ns = self.depart_ns + duration_ns

@@ -2,6 +2,7 @@
 import math
 from typing import NamedTuple, Optional
 
+from .instants import first_ns
 from .outline import BORDER
 
 
@@ -39,11 +40,4 @@ def instant_at(leg, distance):
 
     By bisection, to the nanosecond: the distance never falls.
     """
-    early, late = leg.depart_ns - 1, leg.arrive_ns  # not yet; for sure
-    while late - early > 1:
-        middle = (early + late) // 2
-        if leg.distance_at(middle) >= distance:
-            late = middle
-        else:
-            early = middle
-    return late
+    return first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= distance)

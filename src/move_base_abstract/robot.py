@@ -4,9 +4,10 @@ from collections import deque
 from .errors import TimeError
 from .geometry import Pose2D
 from .motion import Leg, MotionLimits, Tolerances
+from .pace import TimedLeg
 from .phased_route import PhasedRoute
 from .route import CornerLaw, Route
-from .units import check_reachable
+from .units import check_reachable, seconds_to_ns
 
 _REMEMBERED_LEGS = 64
 
@@ -75,6 +76,8 @@ class Robot:
     def depart(self, goal, now_ns, corners=(), paced=None):
         """Start for ``goal`` from where the robot is at ``now_ns`` [ns], from rest, by ``corners`` [(x, y), m].
 
+        ``corners`` may be a :class:`.PlannedWay`, which says more.
+
         Return the :class:`Leg`, or where there are corners or phases the :class:`Route`; ``paced(leg)`` makes of it
         the one to travel.
 
@@ -85,10 +88,13 @@ class Robot:
         if self._phases is not None:
             leg = PhasedRoute(start, goal, corners, self._limits, self._phases, self._tolerances, now_ns,
                               self._corner_law)
-        elif corners:
+        elif corners or getattr(corners, 'limits', ()):
             leg = Route(start, goal, corners, self._limits, self._tolerances, now_ns, self._corner_law)
         else:
             leg = Leg(start, goal, self._limits, self._tolerances, now_ns)
+        seconds = getattr(corners, 'seconds', None)
+        if seconds is not None:
+            leg = TimedLeg(leg, seconds_to_ns(seconds))
         check_reachable(leg.arrive_ns, 'the arrival would be')  # before its time is multiplied
         if paced is not None:
             leg = paced(leg)

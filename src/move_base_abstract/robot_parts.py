@@ -9,6 +9,7 @@ from .navigator import Navigator
 from .planning import StraightLinePlanner
 from .robot import Robot
 from .route import CornerLaw
+from .travel_matrix import MatrixPlanner
 from .units import seconds_to_ns
 
 
@@ -47,9 +48,15 @@ def make_planner(settings, map_check=None):
 
     :raises ConfigurationError: where ways are to be planned on a map and there is none.
     """
-    if settings.values['routes'] == 'none':
+    routes = settings.values['routes']
+    if routes == 'none':
         return StraightLinePlanner(settings.bounds, map_check)
+    if routes == 'matrix':
+        return MatrixPlanner(settings.network, settings.bounds, map_check)
+    if routes == 'lanes':
+        from .lane_planner import LanePlanner, LaneWays  # only who plans pays for networkx
+        return LanePlanner(LaneWays.on(settings.network, settings.limits.max_speed), settings.bounds, map_check)
     if map_check is None:
         raise ConfigurationError("routes: got 'grid' for robots that have no map; allowed: with a map only")
-    from .grid_planner import GridPlanner  # only who plans pays for numpy
+    from .grid_planner import GridPlanner  # likewise, for numpy
     return GridPlanner(map_check, settings.costmaps.global_footprint.inscribed_radius, settings.bounds)

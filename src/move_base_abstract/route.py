@@ -5,11 +5,13 @@ As of a leg, any instant's pose is computed exactly, in any order; nothing is in
 import math
 from bisect import bisect_right
 from enum import Enum
-from itertools import accumulate
-from typing import NamedTuple
+from itertools import accumulate, repeat
+from typing import NamedTuple, Optional
 
 from .geometry import Pose2D, normalize_angle
+from .limited_profile import profile_over
 from .motion import SpeedProfile, Tolerances, turn_within
+from .planned_way import PieceLimit
 from .units import NS_PER_S, seconds_to_ns
 
 
@@ -21,12 +23,13 @@ class CornerLaw(Enum):
 
 
 class Segment(NamedTuple):
-    """A straight piece of a route: where it begins [m], its direction [rad] and its length [m, > 0]."""
+    """A straight piece of a route: where it begins [m], its direction [rad], its length [m, > 0] and its PieceLimit."""
 
     x: float
     y: float
     course: float
     length: float
+    limit: Optional[PieceLimit] = None
 
     def at(self, covered):
         """Return the pose ``covered`` [m] behind the beginning, heading along it."""
@@ -35,6 +38,8 @@ class Segment(NamedTuple):
 
 class Route:
     """One trip along ``corners`` [(x, y), m]: turn, drive from corner to corner, turn to the goal's heading. Immutable.
+
+    ``corners`` may be a :class:`.PlannedWay`, whose pieces have speed limits of their own.
 
     With ``CornerLaw.KEEP`` one speed profile runs over the whole length, and headings change at once; with
     ``CornerLaw.STOP`` each straight piece is driven from rest to rest, after a turn at the turn rate. The robot stops
@@ -58,7 +63,7 @@ class Route:
         for pieces in drives:
             first = pieces[0]
             self._turn_to_drive(first, yaw, normalize_angle(first.course - yaw), limits, driven)
-            drive = _Drive(pieces, lambda length: self._profile(length, limits), driven)
+            drive = _Drive(pieces, self._profile_along(pieces, limits), driven)
             self._add(drive, drive.profile.seconds)
             yaw = pieces[-1].course
             driven += drive.profile.distance
@@ -80,6 +85,12 @@ class Route:
         """Add the turn by ``turn`` [rad] at the end, from ``begin`` (Pose2D); ``_whole``: up to the goal's heading."""
         part = Turn(begin.x, begin.y, begin.yaw, turn, limits.turn_rate, self.distance)
         self._add(part, abs(turn) / limits.turn_rate)
+
+    def _profile_along(self, pieces, limits):
+        """Return the profile of a drive over ``pieces`` (Segment, ...)."""
+        if pieces[0].limit is None:
+            return self._profile(list(accumulate(piece.length for piece in pieces))[-1], limits)
+        return profile_over([(piece.length, piece.limit.of(limits.max_speed)) for piece in pieces], limits.acceleration)
 
     @staticmethod
     def _profile(length, limits):
@@ -169,13 +180,13 @@ class Turn:
 
 
 class _Drive:
-    """Straight pieces driven from rest to rest, ``driven`` [m] after the departure, by the profile of their length."""
+    """Straight pieces driven from rest to rest, ``driven`` [m] after the departure, by ``profile``."""
 
     __slots__ = ('profile', '_pieces', '_begins', '_driven')
 
-    def __init__(self, pieces, profile_of, driven):
+    def __init__(self, pieces, profile, driven):
         ends = list(accumulate(piece.length for piece in pieces))
-        self.profile = profile_of(ends[-1])
+        self.profile = profile
         self._pieces = pieces
         self._begins = [0.0] + ends[:-1]
         self._driven = driven
@@ -200,12 +211,13 @@ def _segments(start, goal, corners, tolerance):
     """Return the pieces [:class:`Segment`] up to where ``tolerance`` [m] is first met, and that place (x, y) [m]."""
     segments = []
     begin = start
-    for end in [Pose2D(x, y) for x, y in corners] + [goal]:
+    points = [*(Pose2D(x, y) for x, y in corners), goal]
+    for end, limit in zip(points, getattr(corners, 'limits', ()) or repeat(None)):
         length = begin.distance_to(end)
         reach = _first_within(begin, end, length, goal, tolerance)
         covered = length if reach is None else reach
         if length > 0.0 and covered > 0.0:
-            segments.append(Segment(begin.x, begin.y, begin.bearing_to(end), covered))
+            segments.append(Segment(begin.x, begin.y, begin.bearing_to(end), covered, limit))
         if reach is not None:
             share = reach / length if length > 0.0 else 0.0
             if share == 1.0:

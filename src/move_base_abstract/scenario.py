@@ -6,7 +6,7 @@
       - {name: robot_0, start_x: 1.0, start_y: 2.0}
       - {name: tractor, max_speed: 4.0, acceleration: 0.5}
       - {name: drone, count: 10, start_y: 5.0, step_x: 2.0}    # drone_0 .. drone_9, 2 m apart
-    zones: []                                      # see zones
+    zones: []                                      # see zones; likewise lanes and travel_matrix, paths of files
 
 The settings are the private parameters of the ``move_base`` node; a robot's own come before the defaults.
 """
@@ -23,8 +23,10 @@ from .shown import shown, shown_text
 from .unknown_keys import check_keys
 from .zones import Zone, read_zones
 
-_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones')
-_FILES = ('duration_quantiles', 'calibration')  # settings that are paths, or names without .yaml that ship
+_NETWORKS = ('lanes', 'travel_matrix')  # of the world, so that they stand at the top
+_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', *_NETWORKS)
+#: settings that are paths, or names without .yaml that ship
+_FILES = ('duration_quantiles', 'calibration', *_NETWORKS)
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
 MAX_ROBOTS = 100_000  # of a scenario; ten thousand are the most that have been driven
 _COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
@@ -66,7 +68,7 @@ def _find_files(raw, folder):
     if not isinstance(raw, dict):
         return
     groups = raw.get('robots')
-    for setting in [raw.get('defaults'), *(groups if isinstance(groups, list) else [])]:
+    for setting in [raw, raw.get('defaults'), *(groups if isinstance(groups, list) else [])]:
         for key in _FILES if isinstance(setting, dict) else ():
             if isinstance(setting.get(key), str) and (key != 'calibration' or setting[key].endswith('.yaml')):
                 setting[key] = os.path.join(folder, setting[key])
@@ -86,8 +88,8 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     _check_type(defaults, dict, 'a mapping of settings', where + ': defaults')
     check_keys(defaults, OWN_NAMES, where, 'defaults.')
     seed = checked(raw.get('seed', 0), 'seed', _SEED, where)
-    own_seed = {'seed': seed} if seed else {}
-    defaults = {**own_seed, **(base or {}), **defaults, **(overrides or {})}
+    of_all = {**({'seed': seed} if seed else {}), **{key: raw[key] for key in _NETWORKS if key in raw}}
+    defaults = {**of_all, **(base or {}), **defaults, **(overrides or {})}
     groups = raw.get('robots') or []
     _check_type(groups, list, 'a list of robots', where + ': robots')
     if sum(_size(group) for group in groups) > MAX_ROBOTS:

@@ -12,6 +12,7 @@ from .durations import TABLE as DURATIONS
 from .durations import Durations, read_durations
 from .errors import ConfigurationError
 from .geometry import Pose2D
+from .lane_map import LaneMap, read_lane_map
 from .local_planner import ACCELERATION as ACCELERATION_LIMIT
 from .local_planner import XY_TOLERANCE as XY_LIMIT
 from .local_planner import YAW_TOLERANCE as YAW_LIMIT
@@ -41,8 +42,12 @@ from .recovery import (
     RecoveryPolicy,
 )
 from .shown import shown
+from .travel_matrix import TravelMatrix, read_travel_matrix
 
 DEFAULT_SPEED = 0.5
+
+#: how a robot finds its way
+ROUTES = ('none', 'grid', 'lanes', 'matrix')
 
 _POSITIVE = 'a finite number > 0'
 _NOT_NEGATIVE = 'a finite number >= 0'
@@ -89,7 +94,9 @@ TABLE = (
     Parameter('map_topic', None, topic, 'a topic name'),
     Parameter('allow_unknown', True, boolean, 'true or false'),
     Parameter('allow_occupied_goals', False, boolean, 'true or false'),
-    Parameter('routes', 'none', one_of('none', 'grid'), "'none' or 'grid'"),
+    Parameter('routes', 'none', one_of(*ROUTES), "'none', 'grid', 'lanes' or 'matrix'"),
+    Parameter('lanes', None, text, 'the path of a file'),
+    Parameter('travel_matrix', None, text, 'the path of a file'),
     Parameter('corners', 'keep', one_of('keep', 'stop'), "'keep' or 'stop'"),
     Parameter('controller_frequency', 20.0, number(above=0.0), _POSITIVE + ' [Hz, simulated]'),
     Parameter('planner_patience', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]'),
@@ -138,6 +145,8 @@ class RobotSettings:
     durations: Union[Durations, CalibratedDurations, None] = None
     #: how legs begin and end; None: as of a Leg
     phases: Optional[MotionPhases] = None
+    #: the LaneMap or TravelMatrix by which it goes; None: neither
+    network: Union[LaneMap, TravelMatrix, None] = None
     #: {name: m/s} of the planner's parameters that the speed comes from
     speeds: Dict[str, float] = field(default_factory=dict)
     ignored: List[str] = field(default_factory=list)
@@ -173,7 +182,7 @@ def read_settings(raw, where):
     if not isinstance(raw, dict):
         raise ConfigurationError('{}: got {}; allowed: a namespace of parameters'.format(where, shown(raw)))
     values = read_table(raw, TABLE, where)
-    _check_routes(values, where)
+    network = _check_routes(values, where)
     planner = PlannerGroup(raw, where)
     speed = _limit(raw, SPEED, where, planner.speed)
     acceleration = _limit(raw, ACCELERATION, where, partial(planner.limit, ACCELERATION_LIMIT))
@@ -193,7 +202,7 @@ def read_settings(raw, where):
         bounds=_bounds(values['world_bounds'], where),
         recovery=_recovery(values, behaviors), behaviors=behaviors,
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
-        costmaps=costmaps, durations=read_durations(values, where),
+        costmaps=costmaps, network=network, durations=read_durations(values, where),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
         **_other_names(raw, values, used, where, planner.warnings))
     return settings if values['calibration'] is None else _calibrated(settings, raw, where)
@@ -206,6 +215,11 @@ def _calibrated(settings, raw, where):
         raise ConfigurationError('parameter {}/{}: got {} with a calibration, which says it too; allowed: one of '
                                  'them'.format(where.rstrip('/'), own[0], shown(raw[own[0]])))
     calibration = read_calibration(settings.values['calibration'], where)
+    if settings.values['routes'] == 'matrix' or (settings.network and settings.network.has_speeds):
+        raise ConfigurationError("parameter {}/calibration: got {} with routes: {}; allowed: with 'none', 'grid', or "
+                                 "'lanes' whose edges have neither speed nor length".format(
+                                     where.rstrip('/'), shown(settings.values['calibration']),
+                                     settings.values['routes']))
     source = 'calibration {}'.format(settings.values['calibration'])
     return replace(settings, limits=calibration.limits, tolerances=calibration.tolerances, phases=calibration.phases,
                    durations=calibration.durations, speed_source=source, acceleration_source=source)
@@ -251,12 +265,21 @@ def _bounds(values, where):
 
 
 def _check_routes(values, where):
-    if values['routes'] != 'grid':
-        return
-    for key, allowed in (('use_map', True), ('allow_occupied_goals', False)):
-        if values[key] is not allowed:
-            raise ConfigurationError("parameter {}/routes: got 'grid' with {}: {}; allowed: with {}: {} only".format(
-                where.rstrip('/'), key, str(not allowed).lower(), key, str(allowed).lower()))
+    """Check what goes with ``routes``, and return the LaneMap or the TravelMatrix that they need, or None."""
+    routes = values['routes']
+    if routes == 'grid':
+        for key, allowed in (('use_map', True), ('allow_occupied_goals', False)):
+            if values[key] is not allowed:
+                raise ConfigurationError(
+                    "parameter {}/routes: got 'grid' with {}: {}; allowed: with {}: {} only".format(
+                        where.rstrip('/'), key, str(not allowed).lower(), key, str(allowed).lower()))
+    for key, kind, read in (('lanes', 'lanes', read_lane_map), ('travel_matrix', 'matrix', read_travel_matrix)):
+        if routes == kind:
+            if values[key] is None:
+                raise ConfigurationError("parameter {}/routes: got '{}' without {}; allowed: with the path of a file "
+                                         'there'.format(where.rstrip('/'), kind, key))
+            return read(values[key], where)
+    return None
 
 
 def _recovery(values, behaviors):

@@ -17,7 +17,9 @@ from move_base_abstract.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_ros.map_files import load_map, read_description
 
-MAPS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'maps')
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
+MAPS = os.path.join(ROOT, 'maps')
+LANES = os.path.join(ROOT, 'config', 'lanes', 'farm_yard.yaml')
 START, GOAL, WALL, FAR = (10.0, 4.0), (10.0, 20.0), (10.0, 12.0), (-5.0, 4.0)
 REACHED = (GoalStatus.SUCCEEDED, 'Goal reached.')
 
@@ -75,6 +77,20 @@ class Routes(unittest.TestCase):
                 plan = points(rospy.wait_for_message('/{}/move_base/{}'.format(robot, topic), Path, GUARD))
                 self.assertEqual((plan[0], plan[-1]), (START, GOAL))
                 self.assertTrue(set(corners) <= set(plan))
+
+    def test_it_keeps_to_the_lanes_for_as_long_as_in_the_plain_fleet(self):
+        pen = (43.0, 11.0)
+        corners, duration_ns = travelled(pen, routes='lanes', use_map=False, lanes=LANES)
+        client = RawClient('/laner')
+        goal_id = client.send(pose_stamped(*pen))
+        start_ns = active_since_ns(client, goal_id)
+        ended = client.ending(goal_id)
+        self.assertEqual((ended.status.status, ended.status.text), REACHED)
+        self.assertEqual(ended.header.stamp.to_nsec() - start_ns, duration_ns)
+        self.assertGreater(duration_ns, 9.0 / 0.4 * 1e9)  # of which the last lane is slow
+        plan = points(rospy.wait_for_message('/laner/move_base/NavfnROS/plan', Path, GUARD))
+        self.assertEqual((plan[0], plan[-1]), (START, pen))
+        self.assertTrue(set(corners) <= set(plan) and len(corners) == 3)
 
     def test_make_plan_gives_the_way_or_none(self):
         name = '/planner/move_base/make_plan'

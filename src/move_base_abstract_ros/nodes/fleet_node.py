@@ -26,7 +26,7 @@ _TABLE = (
 )
 #: parameters of the node that come before the scenario's defaults of the same name
 _OVERRIDES = ('use_map', 'backend', 'seed')
-_INLINE = ('defaults', 'robots', 'zones')
+_INLINE = ('defaults', 'robots', 'zones', 'lanes', 'travel_matrix')
 
 
 def main():

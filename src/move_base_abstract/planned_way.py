@@ -1,0 +1,36 @@
+"""The way that a planner finds: its corners, and where it has them, the limits of its pieces and how long it takes."""
+import math
+from typing import NamedTuple, Optional
+
+
+class PieceLimit(NamedTuple):
+    """How a straight piece of a way is driven: at most at ``speed`` [m/s], and ``share`` times as fast as that.
+
+    A piece whose ``share`` is 0.5 takes as long as one of twice its length.
+    """
+
+    speed: float = math.inf
+    share: float = 1.0
+
+    def of(self, max_speed):
+        """Return the top speed [m/s] on the piece for a robot of ``max_speed`` [m/s]."""
+        return min(self.speed, max_speed) * self.share
+
+
+class PlannedWay(tuple):
+    """The corners ((x, y), ...) [m] of a way, and what more is to be said of it. Immutable as the tuple that it is.
+
+    ``limits`` (PieceLimit, ...) and ``lanes`` (what each piece runs on, or None) have one entry for each straight
+    piece, one more than there are corners, or none at all; ``seconds``: how long the whole way takes, whatever the
+    robot's limits, None: as long as these say.
+    """
+
+    limits = ()
+    lanes = ()
+    seconds: Optional[float] = None
+
+    def __new__(cls, corners=(), limits=(), lanes=(), seconds=None):
+        """Return the way by ``corners``."""
+        way = super().__new__(cls, corners)
+        way.limits, way.lanes, way.seconds = tuple(limits), tuple(lanes), seconds
+        return way

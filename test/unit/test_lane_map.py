@@ -1,0 +1,95 @@
+"""Files of lanes: ours and the topological maps of L-CAS, and what is wrong with one, in one line."""
+import math
+import os
+
+import pytest
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.lane_map import make_lane_map, read_lane_map
+
+LANES = os.path.abspath(os.path.join(os.path.dirname(__file__), '..', '..', 'config', 'lanes', 'farm_yard.yaml'))
+NODES = [{'name': 'a', 'x': 0, 'y': 0}, {'name': 'b', 'x': 10, 'y': 0, 'yaw': 1.0}]
+EDGE = {'from': 'a', 'to': 'b'}
+TURNED = {'orientation': {'x': 0, 'y': 0, 'z': math.sqrt(0.5), 'w': math.sqrt(0.5)}}
+
+
+def topological(**more):
+    """Return a map in the format tmap2 as the topological navigation writes it, with what is not used here."""
+    def node(name, x, y, edges):
+        return {'meta': {'map': 'm', 'node': name, 'pointset': 'p'}, 'node': {
+            'name': name, 'parent_frame': 'topo_map', 'properties': {'xy_goal_tolerance': 0.3}, 'edges': edges,
+            'localise_by_topic': '', 'pose': {'position': {'x': x, 'y': y, 'z': 0.0}, **TURNED},
+            'restrictions_planning': 'True', 'verts': [{'x': 0.3, 'y': 0.3}]}}
+
+    def edge(to, *config):
+        return {'action': 'move_base', 'edge_id': 'x_' + to, 'node': to, 'config': list(config), 'fail_policy': 'fail'}
+    slow = {'namespace': '/DWAPlannerROS', 'name': 'max_vel_x', 'value': 0.3, 'reset': True}
+    return {'meta': {'last_updated': 'today'}, 'metric_map': 'm', 'name': 'm', 'pointset': 'p',
+            'nodes': [node('A', 1.0, 2.0, [edge('B', slow), edge('B')]), node('B', 4.0, 2.0, [edge('A')])], **more}
+
+
+def test_nodes_and_edges_keep_the_order_of_the_file():
+    lanes = make_lane_map({'nodes': NODES, 'edges': [
+        {**EDGE, 'points': [[5, 5]], 'speed': 0.5, 'capacity': 2, 'one_way': True}]})
+    assert list(lanes.nodes) == ['a', 'b'] and lanes.nodes['b'].yaw == 1.0
+    edge, = lanes.edges
+    assert (edge.begin, edge.end, edge.points) == ('a', 'b', ((0.0, 0.0), (5.0, 5.0), (10.0, 0.0)))
+    assert (edge.speed, edge.capacity, edge.one_way, edge.share) == (0.5, 2, True, 1.0)
+
+
+def test_a_length_says_how_much_slower_the_straight_line_is_driven():
+    assert make_lane_map({'nodes': NODES, 'edges': [{**EDGE, 'length': 40}]}).edges[0].share == 0.25
+
+
+def test_a_topological_map_is_lanes_that_lead_one_way_each():
+    lanes = make_lane_map(topological())
+    assert {name: (pose.x, pose.y) for name, pose in lanes.nodes.items()} == {'A': (1.0, 2.0), 'B': (4.0, 2.0)}
+    assert lanes.nodes['A'].yaw == pytest.approx(math.pi / 2)
+    assert [(edge.begin, edge.end, edge.speed, edge.one_way) for edge in lanes.edges] == [
+        ('A', 'B', 0.3, True), ('B', 'A', None, True)]
+
+
+def test_a_topological_map_in_a_frame_of_its_own_is_brought_into_its_parents():
+    transformation = {'parent': 'map', 'child': 'topo_map', 'translation': {'x': 10.0, 'y': 0.0, 'z': 0.0},
+                      'rotation': TURNED['orientation']}
+    lanes = make_lane_map(topological(transformation=transformation))
+    assert (lanes.nodes['A'].x, lanes.nodes['A'].y) == pytest.approx((8.0, 1.0))
+    other = make_lane_map(topological(transformation={**transformation, 'child': 'another'}))
+    assert (other.nodes['A'].x, other.nodes['A'].y) == (1.0, 2.0)
+
+
+def test_the_lanes_of_the_yard_ship():
+    assert len(read_lane_map(LANES, 'here').nodes) == 11
+
+
+@pytest.mark.parametrize(('raw', 'words'), [
+    (3, ['got 3', 'nodes and edges']), ({'nodes': NODES}, ['nodes and edges']),
+    ({'nodes': [], 'edges': []}, ['at least one']),
+    ({'nodes': NODES, 'edges': [], 'egdes': []}, ['egdes', "did you mean 'edges'?"]),
+    ({'nodes': [*NODES, NODES[0]], 'edges': []}, ['nodes[2]', "'a' is there twice"]),
+    ({'nodes': [{'name': 'a', 'x': 0}], 'edges': []}, ['nodes[0]', 'y is missing']),
+    ({'nodes': [{'name': '', 'x': 0, 'y': 0}], 'edges': []}, ['nodes[0]', 'name']),
+    ({'nodes': [{'name': 'a', 'x': math.nan, 'y': 0}], 'edges': []}, ['nodes[0]', 'x: got nan']),
+    ({'nodes': NODES, 'edges': [{'from': 'a', 'to': 'c'}]}, ['edges[0]', "to: got 'c'", 'the name of a node']),
+    ({'nodes': NODES, 'edges': [{'from': 'a', 'to': 'a'}]}, ['edges[0]', 'two nodes']),
+    ({'nodes': NODES, 'edges': [{**EDGE, 'sped': 1}]}, ['edges[0]', "did you mean 'speed'?"]),
+    ({'nodes': NODES, 'edges': [{**EDGE, 'speed': 0}]}, ['edges[0]', 'speed: got 0']),
+    ({'nodes': NODES, 'edges': [{**EDGE, 'capacity': 0.5}]}, ['edges[0]', 'capacity: got 0.5']),
+    ({'nodes': NODES, 'edges': [{**EDGE, 'points': [[0, 0]]}]}, ['edges[0]', 'the same place twice']),
+    ({'nodes': NODES, 'edges': [EDGE, {'from': 'b', 'to': 'a', 'one_way': True}]}, ['edges[1]', 'edges[0] leads']),
+    (topological(nodes=[{'node': {'name': 'A'}}]), ['nodes[0]', 'no node of a tmap2', 'pose']),
+    (topological(nodes=[*topological()['nodes'], {'node': 3}]), ['nodes[2]', 'no node of a tmap2']),
+    (topological(nodes=topological()['nodes'][:1]), ['edges[0]', "to: got 'B'"]),
+])
+def test_lanes_that_cannot_be_are_refused_in_words(raw, words):
+    with pytest.raises(ConfigurationError) as error:
+        make_lane_map(raw, 'lanes.yaml')
+    for word in ('lanes.yaml', *words):
+        assert word in str(error.value)
+
+
+def test_a_file_is_given_by_an_absolute_path(tmp_path):
+    with pytest.raises(ConfigurationError, match="bot/lanes: got 'lanes.yaml'; allowed: an absolute path"):
+        read_lane_map('lanes.yaml', 'bot')
+    with pytest.raises(ConfigurationError, match='cannot be read: No such file'):
+        read_lane_map(str(tmp_path / 'none.yaml'), 'bot')
