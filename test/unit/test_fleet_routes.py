@@ -180,8 +180,8 @@ def test_without_routes_a_new_map_counts_for_the_next_goal_only():
 # ---- settings
 
 @pytest.mark.parametrize('settings, text', [
-    ({'routes': 'straight'}, "parameter scenario: robots[0]/routes: got 'straight'; allowed: 'none', 'grid', 'lanes' or "
-                             "'matrix'"),
+    ({'routes': 'straight'}, "parameter scenario: robots[0]/routes: got 'straight'; allowed: 'none', 'grid', 'lanes' "
+                             "or 'matrix'"),
     ({'corners': 'cut'}, "parameter scenario: robots[0]/corners: got 'cut'; allowed: 'keep' or 'stop'"),
     ({'use_map': False}, "parameter scenario: robots[0]/routes: got 'grid' with use_map: false; allowed: with use_map: "
                          'true only'),
