@@ -198,7 +198,7 @@ def _pack(job, path, folders, about):
     with open(os.path.join(path, 'trial.json'), 'w', encoding='utf-8') as stream:
         json.dump(about, stream, allow_nan=False)
     part = os.path.join(path, OUTPUTS + '.part')
-    with tarfile.open(part, 'w:gz', compresslevel=3) as archive:
+    with tarfile.open(part, 'w:gz', compresslevel=1) as archive:
         for source, name in [(os.path.join(path, 'trial.json'), 'trial.json'), *members]:
             if os.path.isfile(source) and not os.path.islink(source):
                 archive.add(source, name, recursive=False)

@@ -6,6 +6,7 @@ A request on the socket is a line of JSON, {"job": ..., "path": ...}; the answer
 process has ended: {"code": 0}. What the trial has to say is in its folder. When the other end of the socket is closed,
 because the worker has ended in whatever way, the trial is ended and its folder removed.
 """
+import gc
 import importlib
 import json
 import os
@@ -25,6 +26,7 @@ READY = b'ready\n'
 
 def main(words):
     """Serve until the socket is closed."""
+    from move_base_abstract_ros import replaced
     from move_base_abstract_ros.lockstep import address_layout
     is_new = address_layout.choose(os.environ)
     if is_new or _HASH_SEED not in os.environ or any(os.environ.get(name) != value for name, value in
@@ -33,11 +35,14 @@ def main(words):
         os.environ.setdefault(_HASH_SEED, '0')
         os.environ.update(warm_nodes.ONE_THREAD)
         os.execv(sys.executable, [sys.executable, '-m', __spec__.name, *words])
+    processes.keep_memory()
     for name in warm_nodes.MODULES:
         importlib.import_module(name)
     from . import trial  # noqa: F401 - for the forks
     launch_files.core()
     launch_files.remember_programs()
+    replaced.look_up()
+    _share()
     processes.assert_one_thread()
     processes.adopt_orphans()
     with temporary.folder('move_base_abstract_trials_') as folder:
@@ -88,7 +93,14 @@ def _prepare(job, problems):
             functions.prepare(job['prepare'], job['modules'])
         except ConfigurationError as problem:
             problems[key] = str(problem)
+        _share()
     return problems[key]
+
+
+def _share():
+    """Have no collection in a fork touch, and so copy, what there is now."""
+    gc.collect()
+    gc.freeze()
 
 
 def _carry_out(job, path, problem, descriptors):

@@ -233,6 +233,14 @@ def note(name, original):
             _unknown.append(name)
 
 
+def look_up():
+    """Look up what :func:`note` will ask about what is imported, for the processes that are forked from this one."""
+    for row in _ROWS:
+        if row.digests and any(row.name.startswith(module + '.') for module in sys.modules):
+            owner, attribute = _place(row.name)
+            digest(getattr(owner, attribute, None))
+
+
 def name_of(function):
     """Return the dotted name of a function or method."""
     return '{}.{}'.format(function.__module__, function.__qualname__)
@@ -255,6 +263,7 @@ def unknown():
                 ', '.join(found), 'is' if len(found) == 1 else 'are', SOURCES, *PYTHON[0], *PYTHON[1]))
 
 
+@functools.lru_cache(maxsize=None)
 def digest(function):
     """Return a digest of a function's source that comments, its docstring and white space do not change, or ''."""
     try:

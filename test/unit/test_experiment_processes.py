@@ -62,3 +62,17 @@ try:
 except RuntimeError as error:
     print(str(error).split()[0])
 """) == ['2']
+
+
+def test_freed_memory_is_kept():
+    assert run("""
+import resource
+def faults():
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    for _ in range(50):
+        [bytearray(2000000) for _ in range(8)]
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+processes.keep_memory()
+faults()
+print(faults() < 5000)
+""") == ['True']

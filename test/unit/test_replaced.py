@@ -147,3 +147,12 @@ def test_a_digest_is_of_what_a_function_does_not_of_its_comments(tmp_path):
     another = written(tmp_path, 'c', 'def f(x):\n    return x + 2\n')
     assert replaced.digest(plain) == replaced.digest(told) != replaced.digest(another)
     assert replaced.digest(len) == ''  # made in C
+
+
+def test_what_is_imported_is_looked_up_beforehand(monkeypatch):
+    row = replaced.Row('textwrap.dedent', '', '', ('0' * 12,))
+    absent = replaced.Row('no_such_module.function', '', '', ('0' * 12,))
+    monkeypatch.setattr(replaced, '_ROWS', (row, absent))
+    replaced.digest.cache_clear()
+    replaced.look_up()
+    assert replaced.digest.cache_info().currsize == 1
