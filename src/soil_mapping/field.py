@@ -1,8 +1,10 @@
 """The truth: soil compaction over the whole field, and where it comes from."""
 
+import functools
 import hashlib
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from importlib.util import find_spec
 
 import numpy as np
 
@@ -67,8 +69,39 @@ class Field:
 
     def every_second_cell(self):
         """Return the field of cells twice as large, of which each has the value of its south-western quarter."""
-        coarse = Grid(-(-self.grid.rows // 2), -(-self.grid.columns // 2), 2.0 * self.grid.cell_m)
-        return replace(self, values=self.values[::2, ::2], grid=coarse)
+        return Field(self.values[::2, ::2], _coarse(self.grid), self.source, self.unit, self.extent)
+
+
+class DrawnField(Field):
+    """A Field that is drawn when its values are first asked for, which takes longer than all else about it."""
+
+    def __init__(self, grid, source, draw):
+        """draw() returns the values, as of Field."""
+        for name, value in (('grid', grid), ('source', source), ('unit', 'kPa'), ('extent', ''), ('_draw', draw)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def draw(self):
+        """What draws its values: a function that returns them."""
+        return self._draw
+
+    def draw_by(self, draw):
+        """Have another function draw its values, if they are not drawn."""
+        object.__setattr__(self, '_draw', draw)
+
+    @functools.cached_property
+    def values(self):
+        """As of Field."""
+        return Field(self._draw(), self.grid, self.source).values
+
+    def every_second_cell(self):
+        """As of Field."""
+        return DrawnField(_coarse(self.grid), self.source, lambda: self.values[::2, ::2])
+
+
+def _coarse(grid):
+    """Return the Grid of cells twice as large."""
+    return Grid(-(-grid.rows // 2), -(-grid.columns // 2), 2.0 * grid.cell_m)
 
 
 def field_of(config):
@@ -181,14 +214,21 @@ def _synthetic(source, seed_text):
     """Return a gaussian random field with the mean and the standard deviation of the published study's."""
     if not seed_text.isdecimal() or len(seed_text) > 19:
         raise ConfigurationError(f'field {shown(source)}: the seed must be a whole number of at most 19 digits')
+    if find_spec('gstools') is None:
+        raise ConfigurationError(f'field {shown(source)}: gstools, which draws it, is not installed')
+    grid = Grid.of_field(1)
+    return DrawnField(grid, source, lambda: _draw(grid, int(seed_text)))
+
+
+def _draw(grid, field_seed):
+    """Return the values of a gaussian random field [kPa]."""
     import gstools  # takes 0.7 s to import, and nothing else needs it
     from scipy.interpolate import RectBivariateSpline
-    grid = Grid.of_field(1)
     model = gstools.Gaussian(dim=2, var=1.0, len_scale=SYNTHETIC_LENGTH_M)
-    seed = int(generator(int(seed_text), Purpose.FIELD).integers(2**31))
+    seed = int(generator(field_seed, Purpose.FIELD).integers(2**31))
     nodes_x, nodes_y = (np.arange(0.0, extent + SYNTHETIC_NODE_M, SYNTHETIC_NODE_M)
                         for extent in (grid.width_m, grid.height_m))
     nodes = gstools.SRF(model, seed=seed).structured([nodes_x, nodes_y]).T
     values = RectBivariateSpline(nodes_y, nodes_x, nodes)(grid.y_centres(), grid.x_centres())
     values = (values - values.mean()) / values.std()
-    return Field(np.round(SYNTHETIC_MEAN_KPA + SYNTHETIC_SD_KPA * values, SYNTHETIC_DECIMALS), grid, source)
+    return np.round(SYNTHETIC_MEAN_KPA + SYNTHETIC_SD_KPA * values, SYNTHETIC_DECIMALS)

@@ -13,6 +13,7 @@ from pathlib import Path
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract.own_files import FolderKind
 from move_base_abstract.shown import shown_text
+from move_base_abstract_experiments import processes
 from soil_mapping import environment
 from soil_mapping.config import Crs, TrialConfig
 
@@ -62,7 +63,8 @@ def _trial(arguments):
     path = _folder(arguments)
     TrialFolder(path).check()
     began = time.monotonic()
-    trials.check(spec)
+    processes.keep_memory()
+    trials.check(spec, ahead=True)
 
     def run(_):
         try:

@@ -37,6 +37,7 @@ def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
         names = [f'robot_{index}' for index in range(spec.config.robots)]
         nodes = _start_nodes(ros, spec, names, folder, event_log)
         recorder = BagRecorder(ros, folder / 'trial.bag', names, ('move_base', TASK), POSE_TOPIC, NODE) if bag else None
+        truth_of(spec.config).values  # noqa: B018 - made, if it is not, while the nodes come up
         coordinator = Coordinator(spec.config, spec.seed, truth_of(spec.config), stopwatch)
         rospy.init_node(NODE, disable_signals=True)
         try:

@@ -15,10 +15,11 @@ from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract.own_files import whole_file
 from move_base_abstract_experiments import processes
 from soil_mapping.config import TrialConfig
+from soil_mapping.provenance import machine, versions
 from soil_mapping.trial_folder import TrialFolder, write_files
 
 from .groups import specs_of
-from .truth import truth_of
+from .truth import draw_ahead, truth_of
 
 HEAVY = {'ros': ('soil_mapping.study.ros_trial', 'rosmaster.master', 'move_base_abstract_ros.nodes.fleet_node',
                  'move_base_abstract_ros.nodes.task_server_node'), 'mesa': ('soil_mapping.mesa_model',)}
@@ -32,16 +33,22 @@ def prepare(args, factors):
     """Import what the experiment's trials need and make their fields; called once per warm process."""
     for spec in specs_of(factors['engine'], _config(args)):
         check(spec)
+        truth_of(spec.config).values  # noqa: B018 - made here
+    versions()
+    machine()
 
 
-def check(spec):
-    """Import what the trial of a TrialSpec needs and make its field; complain of what cannot be.
+def check(spec, ahead=False):
+    """Import what the trial of a TrialSpec needs and read its field, if that is read; complain of what cannot be.
 
+    ahead: another process draws the field meanwhile, if it is drawn.
     :raises ConfigurationError: if a file that it reads, or a class of the user's, cannot be used.
     """
     from soil_mapping.coordinator import Coordinator
     spec.inputs  # noqa: B018 - looked at, and kept
     truth = truth_of(spec.config)
+    if ahead:
+        draw_ahead(spec.config)
     for module in HEAVY[spec.engine]:
         _import(spec.engine, module)
     Coordinator(spec.config, spec.seed, truth)

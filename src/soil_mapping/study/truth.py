@@ -1,8 +1,12 @@
 """The field of a trial, made once per process: making it takes longer than most else."""
 
 import functools
+import os
 
-from soil_mapping.field import load_field
+import numpy as np
+
+from move_base_abstract_experiments import processes
+from soil_mapping.field import DrawnField, load_field
 from soil_mapping.inputs import inputs_of
 
 
@@ -10,6 +14,34 @@ def truth_of(config):
     """Return the Field of a TrialConfig."""
     digests(config.field)  # before it is read
     return _load(config.field, config.cell_m, config.crs, config.size)
+
+
+def draw_ahead(config):
+    """Have a process of its own draw the field of a TrialConfig, if it is drawn, until its values are asked for.
+
+    So that this process can import what else a trial needs, and start its nodes: all of it takes about as long.
+    """
+    field = truth_of(config)
+    if not isinstance(field, DrawnField):
+        return
+    draw, (ready, done) = field.draw, os.pipe()
+
+    def body():
+        os.close(ready)
+        with open(done, 'wb') as stream:
+            stream.write(np.ascontiguousarray(draw(), dtype=np.float64).tobytes())
+        return 0
+
+    def read():
+        with open(ready, 'rb') as stream:
+            content = stream.read()
+        shape = field.grid.shape
+        if len(content) != 8 * shape[0] * shape[1]:  # it was killed, or out of memory
+            return draw()
+        return np.frombuffer(content).reshape(shape)
+    processes.fork(body, os.devnull)
+    os.close(done)
+    field.draw_by(read)
 
 
 @functools.lru_cache(maxsize=None)

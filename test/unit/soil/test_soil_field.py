@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from move_base_abstract.errors import ConfigurationError
-from soil_mapping.field import Field, load_field
+from soil_mapping.field import DrawnField, Field, load_field
 from soil_mapping.grid import Grid
 from soil_mapping.readings import read_meuse, read_readings
 
@@ -115,3 +115,20 @@ def test_values_at_the_ends_of_what_is_allowed_make_a_field(tmp_path, values):
 def test_an_unknown_field_is_refused(source):
     with pytest.raises(ConfigurationError):
         load_field(source)
+
+
+def test_a_synthetic_field_is_drawn_when_its_values_are_asked_for_and_once():
+    drawn = []
+    grid = Grid(2, 3, 2.0)
+    field = DrawnField(grid, 'six cells', lambda: drawn.append(1) or np.arange(6.0).reshape(2, 3))
+    coarse = field.every_second_cell()
+    assert (field.grid, field.about['width_m'], coarse.grid.shape, drawn) == (grid, 6.0, (1, 2), [])
+    assert coarse.values.tolist() == [[0.0, 2.0]]
+    assert field.value_at(0.0, 2.0) == 3.0
+    assert drawn == [1]
+
+
+def test_a_field_that_cannot_be_drawn_is_refused_before(monkeypatch):
+    monkeypatch.setattr('soil_mapping.field.find_spec', lambda name: None)
+    with pytest.raises(ConfigurationError, match='gstools, which draws it, is not installed'):
+        load_field('synthetic:7')

@@ -1,7 +1,10 @@
 """Which trials a study is made of, and what its report says of those that are there."""
 
 import json
+import os
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +18,7 @@ from move_base_abstract_experiments.report import command as report
 from move_base_abstract_experiments.report import extension, outcome
 from soil_mapping.comparison import differences
 from soil_mapping.config import TrialConfig
+from soil_mapping.field import load_field
 from soil_mapping.result import Metrics
 from soil_mapping.study import experiment, groups, outcomes, sections, tables, wording
 from soil_mapping.study.command import main
@@ -290,3 +294,35 @@ def test_without_a_complete_trial_the_study_adds_nothing(tmp_path):
 def test_a_folder_without_a_study_is_an_error_that_says_what_makes_one(tmp_path, capsys):
     assert main(['report', '--output', str(tmp_path)]) == 2
     assert '`experiment run` made' in capsys.readouterr().err
+
+
+AHEAD = """
+import os, signal, sys
+sys.path.insert(0, {source!r})
+from move_base_abstract_experiments import processes
+from soil_mapping.config import TrialConfig
+from soil_mapping.study import truth
+field = truth.truth_of(TrialConfig(field='synthetic:3'))
+draw = field.draw
+field.draw_by(lambda: print('drawn by', 'me' if os.getpid() == me else 'another', flush=True) or draw())
+me, output = os.getpid(), os.fdopen(os.dup(1), 'w')
+os.devnull = '/dev/stdout'  # so that what the other process prints is seen
+fork = processes.fork
+processes.fork = lambda *words: children.append(fork(*words))
+children = []
+truth.draw_ahead(TrialConfig(field='synthetic:3'))
+if {killed}:
+    os.kill(children[0], signal.SIGKILL)
+print(field.values[3, 4])
+"""
+
+
+@pytest.mark.parametrize('killed, who', [(False, ['another']), (True, ['me'])])
+def test_a_field_that_another_process_draws_is_the_same_also_where_that_is_killed(killed, who):
+    source = str(Path(__file__).resolve().parents[3] / 'src')
+    done = subprocess.run([sys.executable, '-c', AHEAD.format(source=source, killed=killed)], stdout=subprocess.PIPE,
+                          timeout=60, check=True, text=True,
+                          env={**os.environ, 'OPENBLAS_NUM_THREADS': '1'})
+    *lines, value = done.stdout.split('\n')[:-1]
+    assert float(value) == load_field('synthetic:3').values[3, 4]
+    assert [line.split()[-1] for line in lines][-1:] == who
