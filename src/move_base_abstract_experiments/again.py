@@ -4,13 +4,12 @@ import json
 import os
 import sys
 import tarfile
-import tempfile
 
 from move_base_abstract import event_log, run_difference
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.event_log import EventLog
 
-from . import checks, jobs, outputs, plan, run, spec
+from . import checks, jobs, outputs, plan, run, spec, temporary, trial
 
 SAME, DIFFERENT, FAILED = 0, 1, 1
 
@@ -23,21 +22,30 @@ def rerun(output, name, until=0.0, speed=0.0, rviz=False, logs=None, stream=sys.
     known = outputs.read_plan(output)
     experiment = spec.read(os.path.join(output, 'experiment.yaml'))._replace(folder=_folder_of(known, output))
     one = _find(plan.trials(experiment), name)
+    if logs is not None and os.path.lexists(logs):
+        raise ConfigurationError(f'--logs: {logs} is there already; must be a new folder')
     if experiment.trial_function:
         if until or speed or rviz:
             raise ConfigurationError('--until, --speed and --rviz are of launch files and commands; a function runs as '
                                      'it is')
+        was = outputs.read_trial(output, one.id)
+        if was is None:
+            raise _not_run(os.path.join(output, 'trials', one.id, 'trial.json'))
         job = jobs.make_job(experiment, one._replace(verified_by=''))
-        return _compare_function(_run(job, logs, stream), os.path.join(output, 'trials', one.id), known, stream)
+        return _compare_function(_run(job, logs, stream), os.path.join(output, 'trials', one.id), was, stream)
     if until:
         experiment = experiment._replace(until=experiment.until._replace(
             seconds=min(until, experiment.until.seconds or until)))
     before = os.path.join(output, 'trials', one.id, run.LOG)
     if not os.path.isfile(before):
-        raise ConfigurationError(f'{before}: is not there; the trial has not run to its end')
+        raise _not_run(before)
     job = jobs.make_job(experiment, one._replace(verified_by=''), speed_limit=speed or (1.0 if rviz else 0.0),
                         extra=_rviz_words() if rviz else ())
     return _compare(_run(job, logs, stream), before, bool(until), stream)
+
+
+def _not_run(path):
+    return ConfigurationError(f'{path}: is not there; the trial has not run to its end')
 
 
 def _folder_of(known, output):
@@ -46,7 +54,7 @@ def _folder_of(known, output):
 
 def _find(trials, name):
     for one in trials:
-        if name == one.id or name == one.id.partition('-')[0] or name.isdigit() and (
+        if name == one.id or name == one.id.partition('-')[0] or name.isdecimal() and (
                 int(name) == int(one.id.partition('-')[0])):
             return one
     raise checks.unknown('TRIAL', name, [one.id for one in trials][:20])
@@ -80,29 +88,29 @@ def _run(job, logs, stream):
     return content
 
 
-def _compare_function(content, before, known, stream):
-    """Compare what a function gave; where it leaves an event log, by that as well."""
-    if os.path.isfile(os.path.join(before, run.LOG)):
-        return _compare(content, os.path.join(before, run.LOG), False, stream)
+def _compare_function(content, before, was, stream):
+    """Compare what a function gave with what it gave before (``was``), and the event logs where it leaves any."""
     with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
-        about = json.load(archive.extractfile('trial.json'))
-    with open(os.path.join(before, 'trial.json'), encoding='utf-8') as stream_before:
-        was = json.load(stream_before)
+        about, has_log = json.load(archive.extractfile('trial.json')), run.LOG in archive.getnames()
+    had_log = os.path.isfile(os.path.join(before, run.LOG))
     if about['status'] != 'complete':
         print(f"rerun: failed: {about['error']}", file=stream)
         return FAILED
-    for name in known['metrics']:
-        first, second = was['metrics'].get(name), about['metrics'].get(name)
-        if first != second:
-            print(f'rerun: different: {name}: {first!r} / {second!r}', file=stream)
-            return DIFFERENT
+    difference = trial.other_metrics(was['metrics'], about['metrics'])
+    if difference is None and has_log != had_log:
+        difference = 'an event log the first time only' if had_log else 'an event log the second time only'
+    if difference is not None:
+        print(f'rerun: different: {difference}', file=stream)
+        return DIFFERENT
+    if has_log:
+        return _compare(content, os.path.join(before, run.LOG), False, stream)
     print('rerun: the same trial, by its metrics', file=stream)
     return SAME
 
 
 def _compare(content, before, is_part, stream):
     with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive, \
-            tempfile.TemporaryDirectory(prefix='move_base_abstract_rerun_') as folder:
+            temporary.folder('move_base_abstract_rerun_') as folder:
         about = json.load(archive.extractfile('trial.json'))
         if about['status'] != 'complete':
             print(f"rerun: failed: {about['error']}", file=stream)

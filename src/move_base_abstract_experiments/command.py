@@ -16,6 +16,9 @@ def main(words):
     except SimulatorError as error:
         print(f'experiment: {error}', file=sys.stderr)
         return CANNOT
+    except KeyboardInterrupt:
+        print('experiment: interrupted', file=sys.stderr)
+        return INTERRUPTED
 
 
 def _parse(words):

@@ -17,6 +17,7 @@ import time
 from pathlib import Path
 
 from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.shown import shown
 
 from . import processes, run
 
@@ -24,6 +25,8 @@ OUTPUT = 'function.txt'  # what a trial's function prints
 _MOST_BYTES = 1 << 20
 _MOST_METRICS = 200
 _MOST_LABELS = 100
+_LONGEST_LABEL = 200
+_LARGEST = int(sys.float_info.max)
 _NAME = re.compile(r'[A-Za-z]\w{0,63}\Z', re.ASCII)
 
 
@@ -50,7 +53,7 @@ class FunctionTrial:
 
     def not_repeatable(self, reason):
         """Say why the same seed may give another trial: the report tells it."""
-        self.labels.append(str(reason)[:200])
+        self.labels.append(reason)
 
 
 def sources(names, folder):
@@ -61,13 +64,18 @@ def sources(names, folder):
     found = {}
     for name in filter(None, names):
         module = name.partition(':')[0]
-        first = module.partition('.')[0]
-        paths = [f'{first}.py'] if module == first else [
-            os.path.relpath(path, folder) for path in sorted(Path(folder, first).rglob('*.py'))]
-        for path in paths:
+        for path in _modules_beside(module.partition('.')[0], folder):
             with contextlib.suppress(OSError, ValueError), open(os.path.join(folder, path), encoding='utf-8') as stream:
                 found[path] = stream.read(_MOST_BYTES)
     return found if sum(map(len, found.values())) < _MOST_BYTES else {}
+
+
+def _modules_beside(name, folder):
+    """Return the paths from the folder of the modules that a module's name stands for there: Python's own choice."""
+    alone = f'{name}.py'
+    if os.path.isfile(os.path.join(folder, alone)) and not os.path.isfile(os.path.join(folder, name, '__init__.py')):
+        return [alone]
+    return [os.path.relpath(path, folder) for path in sorted(Path(folder, name).rglob('*.py'))]
 
 
 def place(job, folder):
@@ -166,6 +174,8 @@ def checked(found, factors, known):
         if value is not None and not isinstance(value, (bool, int, float)):
             raise TypeError(f'{name} must be a number or None, got {type(value).__name__}')
         is_none = isinstance(value, float) and not math.isfinite(value)
+        if isinstance(value, int) and abs(value) > _LARGEST:
+            raise ValueError(f'{name} must lie within what a float holds, got {shown(value)}')
         numbers[name] = None if is_none else int(value) if isinstance(value, bool) else value
     return numbers
 
@@ -182,10 +192,18 @@ def run_trial(job, folders):
     def work():
         trial = FunctionTrial(job, folders)
         metrics = checked(load(job['trial_function'], job['modules'])(trial), job['factors'], ())
-        seconds = trial.simulated_seconds
-        return {'metrics': metrics, 'labels': trial.labels[:_MOST_LABELS],
-                'simulated_seconds': None if seconds is None else float(seconds)}
+        return {'metrics': metrics, 'labels': [str(one)[:_LONGEST_LABEL] for one in trial.labels[:_MOST_LABELS]],
+                'simulated_seconds': _seconds(trial.simulated_seconds)}
     return call(work, job['time_limit'], os.path.join(folders.logs, OUTPUT), folders.files)
+
+
+def _seconds(given):
+    if given is None:
+        return None
+    value = float(given)
+    if not 0.0 <= value < math.inf:
+        raise ValueError(f'simulated_seconds must be a finite number >= 0, got {shown(given)}')
+    return value
 
 
 def prepare(wanted, folder):

@@ -4,12 +4,14 @@ import os
 import socket
 import subprocess
 import sys
+import tempfile
 import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the warm process has one
+
+from move_base_abstract.errors import SimulatorError
 
 from . import functions, plan, trial
 from .warm_nodes import interpreter_of
 
-_ANSWER_S = 1e7  # wall; the trial itself ends by its time limit
 _END_S = 10.0  # wall
 _state = threading.local()
 _all = []
@@ -35,7 +37,7 @@ def make_job(experiment, one, **others):
             'made_of': plan.made_of(experiment, one), 'version': plan.package_version(), **others}
 
 
-class WorkerError(RuntimeError):
+class WorkerError(SimulatorError):
     """The warm process of a worker did not start, or was lost."""
 
 
@@ -45,6 +47,8 @@ class WarmProcess:
     def __init__(self):
         from move_base_abstract_ros.loopback import find_executable
         own, other = socket.socketpair()
+        # A pipe that nobody reads would stop it when it is full.
+        self._said = tempfile.TemporaryFile()  # noqa: SIM115 - it is there as long as this
         with other:
             os.set_inheritable(other.fileno(), True)
             python = _python(interpreter_of(find_executable('lockstep')))
@@ -53,13 +57,12 @@ class WarmProcess:
             self._process = subprocess.Popen(
                 [python, '-m', 'move_base_abstract_experiments.warm', str(other.fileno())], env=environment,
                 pass_fds=[other.fileno()], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                stderr=subprocess.PIPE, start_new_session=True)
+                stderr=self._said, start_new_session=True)
         self._socket = own
         self._answers = own.makefile('rb')
         if self._answers.readline() != b'ready\n':
             self.close()
-            text = self._process.stderr.read().decode('utf-8', 'replace').strip()
-            raise WorkerError(f'the warm process did not start: {text[-500:] or "no text"}')
+            raise WorkerError(f'the warm process did not start: {self._last_words()}')
 
     def run(self, job):
         """Run the trial of a job; return its outputs as bytes. :raises WorkerError: if the process is lost."""
@@ -69,7 +72,7 @@ class WarmProcess:
             line = self._answers.readline()
             answer = json.loads(line) if line else None
             if answer is None:
-                raise WorkerError('the warm process has gone')
+                raise WorkerError(f'the warm process has gone: {self._last_words()}')
             path = os.path.join(answer['path'], trial.OUTPUTS)
             try:
                 with open(path, 'rb') as stream:
@@ -83,6 +86,10 @@ class WarmProcess:
         if content is None:
             raise WorkerError(f"the trial's process ended with code {answer['code']}: {text}")
         return content
+
+    def _last_words(self):
+        self._said.seek(0)
+        return self._said.read().decode('utf-8', 'replace').strip()[-500:] or 'no text'
 
     def close(self):
         """End it, and with it whatever it has started."""
@@ -114,9 +121,16 @@ def _end_of(path):
 
 
 def carry_out(job):
-    """Run a job on this worker; return (who ran it, the outputs as bytes). The warm process stays for the next one."""
+    """Run a job on this worker; return (who ran it, the outputs as bytes). The warm process stays for the next one.
+
+    But not for one that is prepared in another way, or by another text: what was imported stays imported.
+    """
+    prepared = (job['prepare'], job['sources']) if job['prepare'] else None
+    if getattr(_state, 'warm', None) is not None and _state.prepared != prepared:
+        forget(_state.warm)
+        _state.warm = None
     if getattr(_state, 'warm', None) is None:
-        _state.warm = WarmProcess()
+        _state.warm, _state.prepared = WarmProcess(), prepared
         _all.append(_state.warm)
     try:
         return f'{socket.gethostname()}:{os.getpid()}', _state.warm.run(job)

@@ -126,7 +126,8 @@ def made_of(experiment, trial):
                experiment.record, experiment.function, experiment.sleep, trial.configuration, trial.replication,
                trial.seed, trial.verified_by, package_version(), platform.python_version(),
                _launch_digests(checks.filled(experiment.launch, values_of(trial)), experiment.folder),
-               experiment.trial_function, experiment.prepare,
+               [experiment.trial_function, function_arguments(experiment, trial)] if experiment.trial_function else '',
+               experiment.prepare,
                [_module_digest(name.partition(':')[0], experiment.folder) for name in (
                    experiment.function, experiment.trial_function, experiment.prepare) if name],
                [[name, _digest(os.path.join(experiment.folder, name))] for name in experiment.inputs]]
@@ -146,9 +147,10 @@ def _launch_digests(text, folder):
 
 @functools.lru_cache(maxsize=None)
 def _module_digest(name, folder):
-    beside = os.path.join(folder, *name.split('.')) + '.py'
-    if os.path.isfile(beside):
-        return _digest(beside)
+    path = os.path.join(folder, *name.split('.'))
+    for beside in (os.path.join(path, '__init__.py'), path + '.py'):
+        if os.path.isfile(beside):
+            return _digest(beside)
     try:
         found = importlib.util.find_spec(name)
     except Exception:  # whatever a user's package raises when it is imported; the check before the run tells it

@@ -284,9 +284,12 @@ def _check_replications(experiment):
     for name, levels in experiment.fewer.items():
         if name not in experiment.factors:
             raise checks.unknown('replications: the factor', name, ['all', *experiment.factors])
-        for level in levels:
+        for level, number in levels.items():
             if level not in experiment.factors[name]:
                 raise checks.unknown(f'replications.{name}: the value', str(level), map(str, experiment.factors[name]))
+            if number > experiment.replications:
+                raise checks.error(f'replications.{name}.{level}', number,
+                                   f"at most 'all', which is {experiment.replications}")
     count = experiment.replications * math.prod(len(values) for values in experiment.factors.values())
     if count > MOST_TRIALS:
         raise ConfigurationError(f'{count} trials; allowed: at most {MOST_TRIALS}')

@@ -41,12 +41,13 @@ def check(experiment, chosen):
     :raises ConfigurationError: naming it.
     """
     seen = set()
-    for one in chosen:
-        job = jobs.make_job(experiment, one)
-        key = (job['launch'], *job['arguments'])
-        if job['launch'] and one.replication == 0 and key not in seen:
-            seen.add(key)
-            _check_launch(job)
+    for one in chosen if experiment.launch else ():
+        if one.replication == 0:  # the others have other seeds only
+            job = jobs.make_job(experiment, one)
+            key = (job['launch'], *job['arguments'])
+            if key not in seen:
+                seen.add(key)
+                _check_launch(job)
     for name in experiment.inputs:
         if not os.path.isfile(os.path.join(experiment.folder, name)):
             raise ConfigurationError(f'inputs: there is no file {os.path.join(experiment.folder, name)}')

@@ -42,10 +42,11 @@ def carry_out(job, path, problem=None):
         os.mkdir(os.path.join(path, 'run'))
         folders = run.make_folders(os.path.join(path, 'run'))
         (_call if job['trial_function'] else _run_first)(job, folders, about)
+        first = dict(about['metrics'])  # without those that the user's function adds
         if job['function']:
             _measure(job, folders, about)
         if job['verified_by'] and not (job['trial_function'] and about['labels']):  # it says that it would differ
-            _verify(job, path, folders, about)
+            _verify(job, path, folders, about, first)
     except (SimulatorError, OSError) as error:
         about['error'] = _first_line(str(error), folders)
     except Exception as error:
@@ -126,14 +127,14 @@ def _measure(job, folders, about):
         about['error'] = f"metrics {job['function']}: {problem}"[:_LONGEST_ERROR]
 
 
-def _verify(job, path, folders, about):
+def _verify(job, path, folders, about, first):
     """Run once more under another condition, each node started as a program, and compare."""
     os.mkdir(os.path.join(path, 'again'))
     again = run.make_folders(os.path.join(path, 'again'))
     try:
         if job['trial_function']:
             found = functions.again(job, os.path.join(path, 'again', 'job.json'), again)
-            about['difference'] = _other_metrics(about['metrics'], found['metrics']) or compare(folders, again)
+            about['difference'] = other_metrics(first, found['metrics']) or compare(folders, again)
         else:
             from move_base_abstract_ros.launching.conditions import CONDITIONS
             condition = next(one for one in CONDITIONS if one.name == job['verified_by'])
@@ -146,11 +147,12 @@ def _verify(job, path, folders, about):
         about['difference'] = f"{job['verified_by']}: {about['difference']}"
 
 
-def _other_metrics(first, second):
-    """Return which of the metrics that a function gave the second time is another one, or None."""
-    for name, value in second.items():
-        if name not in first or first[name] != value:
-            return f'{name}: {first.get(name)!r} / {value!r}'
+def other_metrics(first, second):
+    """Return which of the metrics that a function gave twice is another one, or there once only, or None."""
+    for name in sorted({*first, *second}):
+        values = [one.get(name, 'none') for one in (first, second)]
+        if values[0] != values[1]:
+            return '{}: {!r} / {!r}'.format(name, *values)
     return None
 
 

@@ -1,8 +1,16 @@
-"""A trial again: how it is looked at."""
+"""A trial again: how it is looked at, what it is compared with, what cannot be run again."""
+import io
+import json
 import os
 import shutil
+import tarfile
 
-from move_base_abstract_experiments import again
+import pytest
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_experiments import again, command, trial
+
+ID = '0001-ab12cd'
 
 
 def test_rviz_shows_the_robots(monkeypatch):
@@ -12,3 +20,69 @@ def test_rviz_shows_the_robots(monkeypatch):
     with open(config, encoding='utf-8') as stream:
         assert '/move_base_abstract/markers' in stream.read()
     assert os.path.basename(config) == 'simulator.rviz'
+
+
+def outputs(metrics, *logs):
+    """Return what a trial's process leaves, as an archive."""
+    stream = io.BytesIO()
+    with tarfile.open(fileobj=stream, mode='w:gz') as archive:
+        for name, text in (('trial.json', json.dumps({'status': 'complete', 'metrics': metrics})), *logs):
+            info = tarfile.TarInfo(name)
+            info.size = len(text)
+            archive.addfile(info, io.BytesIO(text.encode()))
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize('was, now, logs, said', [
+    ({'a': 1}, {'a': 1}, (), 'the same trial, by its metrics'), ({'a': 1}, {'a': 2}, (), 'different: a: 1 / 2'),
+    ({'a': 1, 'b': 2}, {'a': 1}, (), "different: b: 2 / 'none'"),
+    ({'a': 1}, {'a': 1}, (('events.jsonl', ''),), 'different: an event log the second time only')])
+def test_a_function_is_compared_by_all_that_it_gave(tmp_path, was, now, logs, said):
+    stream = io.StringIO()
+    code = again._compare_function(outputs(now, *logs), str(tmp_path), {'metrics': was}, stream)
+    assert said in stream.getvalue()
+    assert code == (again.SAME if 'the same' in said else again.DIFFERENT)
+
+
+def test_a_log_that_a_function_left_is_missed(tmp_path):
+    (tmp_path / 'events.jsonl').write_text('')
+    stream = io.StringIO()
+    assert again._compare_function(outputs({}), str(tmp_path), {'metrics': {}}, stream) == again.DIFFERENT
+    assert 'an event log the first time only' in stream.getvalue()
+
+
+def test_a_function_that_gives_less_the_second_time_is_another_one():
+    assert trial.other_metrics({'a': 1, 'b': None}, {'a': 1, 'b': None}) is None
+    assert trial.other_metrics({'a': 1, 'b': None}, {'a': 1}) == "b: None / 'none'"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """An experiment's folder, of which nothing has run."""
+    (tmp_path / 'plan.json').write_text(json.dumps({'format': 1, 'provenance': {}}))
+    (tmp_path / 'experiment.yaml').write_text('{experiment: x, function: "model:run"}')
+    return tmp_path
+
+
+def test_a_trial_that_has_not_run_cannot_be_run_again(folder, capsys):
+    assert command.main(['rerun', str(folder), '1']) == command.CANNOT
+    assert 'the trial has not run to its end' in capsys.readouterr().err
+
+
+def test_a_folder_that_is_there_is_not_taken_for_logs(folder):
+    (folder / 'logs').mkdir()
+    with pytest.raises(ConfigurationError, match='--logs: .*logs is there already'):
+        again.rerun(str(folder), '1', logs=str(folder / 'logs'))
+
+
+def test_a_number_that_int_does_not_read_is_no_trial(folder):
+    with pytest.raises(ConfigurationError, match='TRIAL'):
+        again.rerun(str(folder), '\u00b2')
+
+
+def test_ctrl_c_ends_it_with_a_line(monkeypatch, capsys):
+    def interrupted(*_words, **_options):
+        raise KeyboardInterrupt
+    monkeypatch.setattr(again, 'rerun', interrupted)
+    assert command.main(['rerun', 'x', '1']) == command.INTERRUPTED
+    assert capsys.readouterr().err == 'experiment: interrupted\n'

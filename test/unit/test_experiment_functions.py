@@ -30,6 +30,12 @@ def run(trial):
         return {'seed': 1}
     if trial.args['n'] == 5:
         os._exit(3)
+    if trial.args['n'] == 7:
+        trial.simulated_seconds = float('nan')
+    if trial.args['n'] == 8:
+        trial.labels = [8]
+    if trial.args['n'] == 9:
+        return {'large': 10 ** 400}
     if trial.args['n'] == 6 and os.fork() == 0:
         time.sleep(600)  # what it starts ends with it, and nobody waits for it
     return {'doubled': 2 * trial.args['n'], 'prepared': len(ready), 'seeds': trial.seed, 'none': float('nan')}
@@ -64,13 +70,18 @@ def test_it_may_say_that_it_is_not_repeatable(tmp_path):
     assert call(tmp_path, 2)['labels'] == ['two']
 
 
+def test_what_it_makes_of_its_labels_is_told_as_text(tmp_path):
+    assert call(tmp_path, 8)['labels'] == ['8']
+
+
 def test_what_it_leaves_running_ends_with_it(tmp_path):
     assert call(tmp_path, 6)['metrics']['doubled'] == 12
 
 
 @pytest.mark.parametrize('n, problem', [
     (3, 'ValueError: three is too many'), (4, "ValueError: 'seed' is no name for a metric"),
-    (5, 'or its process died')])
+    (5, 'or its process died'), (7, 'simulated_seconds must be a finite number >= 0, got nan'),
+    (9, 'large must lie within what a float holds, got a whole number of about 401 digits')])
 def test_what_goes_wrong_is_told_in_a_line(tmp_path, n, problem):
     assert problem in call(tmp_path, n)['problem']
 
@@ -93,6 +104,17 @@ def test_a_module_beside_the_file_goes_to_a_worker_that_does_not_have_it(tmp_pat
         assert modules.startswith(str(there))
     importlib.invalidate_caches()
     assert [functions.load(name, modules)(None) for name in ('alone:run', 'pack.inner:run')] == [1, 2]
+
+
+def test_of_a_package_that_is_named_itself_all_modules_go(tmp_path):
+    (tmp_path / 'pack').mkdir()
+    (tmp_path / 'pack' / '__init__.py').write_text('from .inner import run\n')
+    (tmp_path / 'pack' / 'inner.py').write_text('def run(trial):\n    return 1\n')
+    (tmp_path / 'alone.py').write_text('')
+    (tmp_path / 'alone').mkdir()  # a folder of data: Python takes the module
+    (tmp_path / 'alone' / 'data.py').write_text('')
+    assert sorted(functions.sources(('pack:run', 'alone:run'), str(tmp_path))) == [
+        'alone.py', 'pack/__init__.py', 'pack/inner.py']
 
 
 def test_a_module_goes_nowhere_else(tmp_path):

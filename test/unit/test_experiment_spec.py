@@ -31,6 +31,8 @@ def read(**others):
     ({'replications': {'all': 3, 'robot': {}}, 'factors': {'robots': [1]}}, "did you mean 'robots'"),
     ({'replications': {'all': 3, 'robots': {2: 1}}, 'factors': {'robots': [1]}}, "the value '2' is unknown"),
     ({'replications': {'robots': {1: 0}}, 'factors': {'robots': [1]}}, 'in 1..'),
+    ({'replications': {'all': 2, 'robots': {1: 3}}, 'factors': {'robots': [1]}}, "at most 'all', which is 2"),
+    ({'replications': {'robots': {1: 3}}, 'factors': {'robots': [1]}}, "at most 'all', which is 1"),
     ({'replications': {'robots': 3}, 'factors': {'robots': [1]}}, 'a mapping'),
     ({'metrics': 'import os; os.system(1)'}, 'module:function'),
     ({'metrics': {'columns': {'a': {}}}}, 'no metrics.function'),
@@ -156,6 +158,18 @@ def test_what_a_launch_file_includes_makes_it_another_one(tmp_path):
         path.write_text(text)
         plan.forget()
         seen.add(plan.made_of(experiment, one))
+    assert len(seen) == 3
+
+
+def test_a_package_and_the_kind_of_an_argument_make_it_another_trial(tmp_path):
+    (tmp_path / 'model').mkdir()
+    given = {'experiment': 'x', 'function': 'model:run', 'args': {'n': 1}}
+    seen = set()
+    for text, n in (('1', 1), ('2', 1), ('2', '1')):
+        (tmp_path / 'model' / '__init__.py').write_text(text)
+        experiment = spec.checked({**given, 'args': {'n': n}}, str(tmp_path))
+        plan.forget()
+        seen.add(plan.made_of(experiment, plan.trials(experiment)[0]))
     assert len(seen) == 3
 
 

@@ -11,7 +11,6 @@ import time
 from pathlib import Path
 
 from move_base_abstract.errors import ConfigurationError, SimulatorError
-from move_base_abstract.own_files import FolderKind
 from move_base_abstract.shown import shown_text
 from move_base_abstract_experiments import processes
 from soil_mapping import environment
@@ -116,22 +115,20 @@ def _print_trial(path, total_s):
 
 def _run(arguments):
     """Run what is missing of the study's experiment, then write the report."""
-    import tempfile
-
     from yaml import safe_dump
 
-    from move_base_abstract_experiments import sweep
+    from move_base_abstract_experiments import outputs, sweep, temporary
 
     from . import trials
     config = _config(arguments)
     names = groups.chosen(arguments.groups, os.environ.get('STUDY_1X') == '1')
     output = _folder(arguments)
-    FolderKind('folder of an experiment').check(output)
+    outputs.OUT.check(output)
     for spec in groups.specs_of(names, config):
         trials.check(spec)
     document = experiment.document(config, names, arguments.seeds, arguments.scaled_seeds, arguments.verify,
                                    arguments.pictures)
-    with tempfile.TemporaryDirectory(prefix='move_base_abstract_study_') as folder:
+    with temporary.folder('move_base_abstract_study_') as folder:
         file = os.path.join(folder, 'experiment.yaml')
         with open(file, 'w', encoding='utf-8') as stream:
             safe_dump(document, stream, sort_keys=False, allow_unicode=True)

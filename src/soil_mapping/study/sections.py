@@ -2,9 +2,9 @@
 
 import base64
 import html
-import tempfile
 from pathlib import Path
 
+from move_base_abstract_experiments import temporary
 from move_base_abstract_experiments.report.parts import Html, Section, figure_of
 from soil_mapping.pictures import write_pictures
 from soil_mapping.trial_folder import read_trial
@@ -39,7 +39,7 @@ def sections(given):
 
 def _maps(trial):
     """Return the pictures of a trial, as parts of the page that need no other file."""
-    with tempfile.TemporaryDirectory() as folder:
+    with temporary.folder('move_base_abstract_study_maps_') as folder:
         write_pictures(Path(folder), read_trial(trial.path, FILES))
         for name in MAPS:
             data = base64.b64encode((Path(folder) / f'{name}.png').read_bytes()).decode('ascii')

@@ -1,0 +1,75 @@
+"""The warm process of a worker: for whom it stays, and what it may say."""
+import sys
+
+import pytest
+
+from move_base_abstract_experiments import jobs
+
+SERVER = """#!{}
+import socket, sys
+own = socket.socket(fileno=int(sys.argv[-1]))
+if '{}' == 'dies':
+    sys.exit('this is why')
+own.sendall(b'ready\\n')
+sys.stderr.write('x' * 300000)  # more than a pipe holds
+sys.stderr.write('the last words')
+sys.stderr.flush()
+own.makefile('rb').readline()
+"""
+
+
+@pytest.fixture
+def server(tmp_path, monkeypatch):
+    """Have a program of the test's be the warm process; give what makes it."""
+    def make(how):
+        path = tmp_path / 'python'
+        path.write_text(SERVER.format(sys.executable, how))
+        path.chmod(0o755)
+        monkeypatch.setattr(jobs, '_python', lambda _nodes: str(path))
+        return jobs.WarmProcess
+    monkeypatch.setattr('move_base_abstract_ros.loopback.find_executable', lambda _name: '')
+    return make
+
+
+def test_a_warm_process_that_does_not_start_says_why(server):
+    with pytest.raises(jobs.WorkerError, match='did not start: this is why'):
+        server('dies')()
+
+
+def test_what_is_said_stops_no_warm_process_and_is_told_when_it_has_gone(server):
+    warm = server('speaks')()
+    with pytest.raises(jobs.WorkerError, match='has gone: x*the last words'):
+        warm.run({})
+    warm.close()
+
+
+class Warm:
+    """Stands for a warm process."""
+
+    made = []
+
+    def __init__(self):
+        self.is_closed = False
+        self.made.append(self)
+
+    def run(self, job):
+        return job['id']
+
+    def close(self):
+        self.is_closed = True
+
+
+def test_what_was_prepared_in_another_way_is_prepared_anew(monkeypatch):
+    monkeypatch.setattr(jobs, 'WarmProcess', Warm)
+    monkeypatch.setattr(jobs, '_state', jobs.threading.local())
+    prepared = ['model:prepare', {'n': 1}, {}]
+    wanted = [(None, {}), (None, {'a.py': '1'}), (prepared, {'a.py': '1'}), (prepared, {'a.py': '1'}),
+              (prepared, {'a.py': '2'}), (['model:prepare', {'n': 2}, {}], {'a.py': '2'}), (None, {})]
+    counts = []
+    for number, (prepare, sources) in enumerate(wanted):
+        assert jobs.carry_out({'id': number, 'prepare': prepare, 'sources': sources})[1] == number
+        counts.append(len(Warm.made))
+    assert counts == [1, 1, 2, 2, 3, 4, 5]
+    assert [one.is_closed for one in Warm.made] == [True] * 4 + [False]
+    jobs.end_all()
+    assert Warm.made[-1].is_closed
