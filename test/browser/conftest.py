@@ -21,8 +21,8 @@ class Browser:
     def __init__(self, driver):
         self.driver = driver
 
-    def open(self, path, width=1280, height=800, dark=False):
-        """Open a file and wait until the page is ready."""
+    def open(self, path, width=1280, height=800, dark=False, ready="document.body.classList.contains('ready')"):
+        """Open a file and wait until the page is ready: until ``ready`` is true there."""
         self.driver.get('about:blank')
         self.console()
         self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
@@ -30,7 +30,7 @@ class Browser:
         self.driver.execute_cdp_cmd('Emulation.setEmulatedMedia', {'features': [
             {'name': 'prefers-color-scheme', 'value': 'dark' if dark else 'light'}]})
         self.driver.get('file://{}'.format(path))
-        self.wait("return document.body.classList.contains('ready')")
+        self.wait('return ' + ready)
 
     def run(self, script, *arguments):
         """Return what a script in the page returns."""
