@@ -10,10 +10,14 @@ import sys
 import tempfile
 import time
 import unittest
+from types import SimpleNamespace
+from unittest import mock
 
 import rostest
 
 from move_base_abstract.event_log import EventLog
+from move_base_abstract.shown import MAX_LENGTH
+from move_base_abstract_ros.launching import roles
 from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -152,6 +156,16 @@ class LaunchTest(unittest.TestCase):
                           ('/missing', 'there is no program'), ('/binary', 'it is a shell script')):
             line, = [line for line in others if line.startswith('lockstep_launch: {} looks on'.format(name))]
             self.assertIn(why, line)
+
+    def test_of_a_program_that_is_not_there_it_is_said_how_ours_is_started_in_its_place(self):
+        for package, kind, hint in (('move_base', 'move_base', '; ours: --replace move_base/move_base='
+                                     'move_base_abstract/move_base'), ('map_server', 'map_saver', '')):
+            node = SimpleNamespace(package=package, type=kind, name='node', namespace='/', machine_name=None,
+                                   respawn=False, launch_prefix=None)
+            with mock.patch.object(roles, '_program', lambda _node: None):
+                role = roles.role_of(node)
+            self.assertEqual(role.why, 'there is no program {}/{}{}'.format(package, kind, hint))
+            self.assertLessEqual(len(role.why), MAX_LENGTH)  # it is told whole
 
     def test_options_say_otherwise(self):
         done = self.run_it('--list', '--no-respawn', '--onlooker', 'flags', '--leave-out', '/one/relay',

@@ -16,6 +16,7 @@ _LOOK_ON = {
     'rqt_gui': 'it only shows', 'image_view': 'it only shows', 'plotjuggler': 'it only shows'}
 _CLOCKS = (('stage_ros', 'stageros'), ('gazebo_ros', 'gazebo'), ('gazebo_ros', 'gzserver'), ('gazebo_ros', 'debug'),
            ('flatland_server', 'flatland_server'), ('mvsim', 'mvsim_node'), ('mvsim', 'mvsim'))
+_STAND_INS = {('move_base', 'move_base'): 'move_base', ('map_server', 'map_server'): 'map_server'}
 _DEBUGGERS = ('gdb', 'valgrind', 'strace', 'ltrace', 'perf', 'rr', 'lldb', 'ddd')
 _OWN_PREFIX = 'move_base_abstract lockstep'
 
@@ -64,7 +65,7 @@ def role_of(node, forced=(), kept_out=(), with_respawned=False):
         return Role(name, 'itself', '')
     path = _program(node)
     if path is None:
-        return Role(name, None, 'there is no program {}/{}'.format(node.package, node.type))
+        return Role(name, None, 'there is no program {}'.format(_without(node)))
     kind, why = programs.kind_of(path)
     if kind is None and name in forced:
         kind = 'rospy'
@@ -87,6 +88,12 @@ def _outside(node, with_respawned):
     if words and os.path.basename(words[0]) in _DEBUGGERS:
         return "it runs under '{}'".format(words[0])
     return None
+
+
+def _without(node):
+    """Return the kind of a node whose program is not there, and how ours is started in its place, if there is one."""
+    kind, own = '{}/{}'.format(node.package, node.type), _STAND_INS.get((node.package, node.type))
+    return '{}; ours: --replace {}={}/{}'.format(kind, kind, PACKAGE, own) if own else kind
 
 
 def _program(node):
