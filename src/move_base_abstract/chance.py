@@ -21,6 +21,10 @@ class Purpose(IntEnum):
     TAIL_SECONDS = 5
     SPREAD = 6
     SMALL_DELAYS = 7
+    FAILURE_HOURS = 8
+    FAILURE_KM = 9
+    FAILURE_GOALS = 10
+    REPAIR = 11
 
 
 class Chance:

@@ -10,6 +10,7 @@ The robots are those of the nodes, with the same settings, and time is kept in t
 import itertools
 
 from .errors import ConfigurationError, FrameError, TimeError
+from .failures import KINDS, REQUEST, check_request
 from .geometry import quaternion_of_yaw
 from .map_check import MapCheck
 from .navigator import GoalPose, NavigatorListener
@@ -68,7 +69,7 @@ class Fleet:
 
     def remove(self, name):
         """Remove a robot; its goal, if any, is aborted."""
-        self._member(name).navigator.shut_down(ROBOT_REMOVED, self.now_ns)
+        self._member(name).remove(self.now_ns)
         del self._members[name]
 
     def reset(self):
@@ -99,6 +100,23 @@ class Fleet:
     def release(self, name, reason):
         """End what :meth:`hold` began; without another reason the robot goes on, planned anew from where it is."""
         self._member(name).navigator.release(reason, self.now_ns)
+
+    def fail(self, name, kind=None, repair=None):
+        """Have a robot fail now, as ``failure_kind`` says or in another way, for ``repair`` [s], None: as is drawn.
+
+        Return whether it has: one that has failed already does not. Nothing fails with ``failure_kind: none``.
+        """
+        failing = self._failing(name)
+        check_request(kind, repair, "robot '{}'".format(name))
+        return failing.fail(REQUEST, self.now_ns, kind, repair)
+
+    def repair(self, name):
+        """Repair a robot now; return whether it had failed."""
+        return self._failing(name).repair(self.now_ns)
+
+    def condition(self, name):
+        """Return a robot's :class:`.condition.Condition`."""
+        return self._member(name).condition
 
     def use_map(self, occupancy):
         """Have another map (OccupancyMap) from now on; routes that it cuts are planned again."""
@@ -150,6 +168,13 @@ class Fleet:
             raise ConfigurationError("robot '{}' is unknown; there are: {}".format(
                 name, ', '.join(list(self._members)[:10]) or 'none')) from None
 
+    def _failing(self, name):
+        failing = self._member(name).condition.failing
+        if failing is None:
+            raise ConfigurationError("robot '{}': failure_kind: got none; allowed, for a robot that is to fail: "
+                                     "{}".format(name, ', '.join(KINDS)))
+        return failing
+
     def _ended(self, robot, record, stamp_ns):
         if self._on_end is not None:
             # The goal's own event must be over before the next goal comes, so it comes at the end of this instant.
@@ -171,17 +196,23 @@ class _Member(NavigatorListener):
         self._map_check = None
         if occupancy is not None and values['use_map']:
             self._map_check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
-        self.robot, _, self._ledger, self.navigator = make_robot_parts(
-            settings, spec.name, index, fleet.simulation, self, self, _no_lookup,
-            planner or make_planner(settings, self._map_check))
+        parts = make_robot_parts(settings, spec.name, index, fleet.simulation, self, self, _no_lookup,
+                                 planner or make_planner(settings, self._map_check))
+        self.robot, self._ledger, self.navigator, self.condition = (
+            parts.robot, parts.ledger, parts.navigator, parts.condition)
         self._trace.motion(self.robot, fleet.now_ns)
 
     def reset(self, now_ns):
         self.navigator.reset(ROBOT_RESET, now_ns)
         self._ledger.clear()
+        self.condition.reset(now_ns)
         self.robot.reset(self._settings.start, now_ns)
         self._trace.motion(self.robot, now_ns)
         self.stands(self.robot, now_ns)
+
+    def remove(self, now_ns):
+        self.condition.close()
+        self.navigator.close(ROBOT_REMOVED, now_ns)
 
     def use_map(self, occupancy):
         if self._map_check is not None:
@@ -195,6 +226,12 @@ class _Member(NavigatorListener):
 
     def held(self, reasons, now_ns):
         self._trace.held(reasons, now_ns)
+
+    def failed(self, kind, cause, now_ns):
+        self._trace.failed(kind, cause, now_ns)
+
+    def repaired(self, now_ns):
+        self._trace.repaired(now_ns)
 
     def publish_status(self):
         pass

@@ -42,6 +42,9 @@ class GoalLedger:
         # A cancel may overtake its goal on another socket. Upstream forgets it after some seconds of ROS time, which
         # at a high speed is no time at all; here it is remembered by number, not by age.
         self._early_cancels = OrderedDict()
+        #: whether it says nothing for now
+        self.is_silent = False
+        self._untold = []
 
     @property
     def active(self):
@@ -110,6 +113,9 @@ class GoalLedger:
 
     def _end(self, record, outcome, stamp_ns):
         record.state, record.text, record.ended_ns = outcome.state, outcome.text, stamp_ns
+        if self.is_silent:
+            self._untold.append(record)
+            return
         self._publish_result(record, stamp_ns)
         self._publish_status()
 
@@ -136,6 +142,21 @@ class GoalLedger:
             self._remember_cancel(goal_id, stamp_ns, now_ns)
         self._last_cancel_ns = max(self._last_cancel_ns, stamp_ns)
         return hits_active
+
+    def go_silent(self):
+        """Publish nothing until :meth:`answer_again`."""
+        self.is_silent = True
+
+    def answer_again(self, now_ns):
+        """Publish at ``now_ns`` [ns] what has ended while it was silent, and go on as ever."""
+        if not self.is_silent:
+            return
+        self.is_silent = False
+        untold, self._untold = self._untold, []
+        for record in untold:
+            record.ended_ns = now_ns
+            self._publish_result(record, now_ns)
+        self._publish_status()
 
     def clear(self):
         """Forget all goals and cancels, ended or not, without a word to anybody."""

@@ -3,68 +3,21 @@
 Threading contract: all methods are called under one lock, by whoever holds the present, with ``now_ns`` [ns] not
 before the simulation's present.
 """
-from enum import Enum
-from typing import NamedTuple, Tuple
+from collections import deque
 
 from .durations import GoalDurations
 from .errors import FrameError
 from .geometry import Pose2D, quaternion_fault, yaw_of_quaternion
+from .navigator_listener import BadFramePolicy, GoalPose, NavigatorListener
 from .outcome import CANCELLED, CLOCK_RESTARTED, INVALID_QUATERNION, NO_CONTROL, NO_PLAN, REACHED, aborted
 from .planning import StraightLinePlanner
 from .recovery import RecoveryPolicy
 from .units import NS_PER_S, check_reachable
 
+__all__ = ['BadFramePolicy', 'GoalPose', 'Navigator', 'NavigatorListener']
+
 _RETRY_NS = NS_PER_S // 20  # where a frame that is not known is waited for
-
-
-class BadFramePolicy(Enum):
-    """What becomes of a goal whose frame is not known: ended at once, or retried until it is cancelled (upstream)."""
-
-    ABORT = 'abort'
-    WAIT = 'wait'
-
-
-class GoalPose(NamedTuple):
-    """A goal as it was sent: position [m] and quaternion (x, y, z, w) in ``frame_id`` at ``stamp_ns`` [ns; 0 = now]."""
-
-    frame_id: str
-    stamp_ns: int
-    position: Tuple[float, float]
-    quaternion: Tuple[float, float, float, float]
-
-
-class NavigatorListener:
-    """What a :class:`Navigator` tells the outside. All times in ns, all poses in the global frame."""
-
-    #: a function: whether feedback would be heard; None: it is told anyhow, see :class:`Series`
-    is_feedback_heard = None
-
-    def departed(self, robot, goal, now_ns):
-        """The robot starts for ``goal``."""
-
-    def stands(self, robot, now_ns):
-        """The robot arrived, was stopped or was placed elsewhere."""
-
-    def target(self, goal, now_ns):
-        """``goal`` is what the robot now works on."""
-
-    def held(self, reasons, now_ns):
-        """The robot is held for ``reasons``, a tuple of texts in the order in which they came; none: it is released."""
-
-    def stop_wheels(self):
-        """move_base would now send a zero velocity."""
-
-    def feedback(self, record, pose, stamp_ns, is_last=False):
-        """The robot with the active goal ``record`` is at ``pose``; may return for how long to be silent [ns].
-
-        ``is_last``: it has reached the goal, of which nobody may be left in the dark.
-        """
-
-    def recovery(self, pose, index, behaviors, stamp_ns):
-        """Recovery behaviour ``index`` of ``behaviors`` begins."""
-
-    def warn(self, text):
-        """Something is wrong with a goal."""
+_UNHEARD = 50  # goals and cancels that wait for a silent robot; actionlib's default of a server's queue
 
 
 class Navigator:
@@ -89,6 +42,10 @@ class Navigator:
         self._starts_from_idle = True
         self._holds = ()
         self._waits_for_release = False
+        self._refusals = {}
+        self._unheard = deque(maxlen=_UNHEARD)
+        self._followers = []
+        self.goal_number = 0  # how many goals it has begun to work on
 
     def set_recovery_policy(self, policy):
         """Give up by ``policy`` (RecoveryPolicy), from the next goal on that cannot be reached."""
@@ -126,27 +83,35 @@ class Navigator:
 
     def receive(self, goal_id, stamp_ns, goal, now_ns):
         """Take the :class:`GoalPose` ``goal`` in. The newest goal wins; whatever is wrong with it ends it."""
+        if self._ledger.is_silent:
+            self._unheard.append(lambda at_ns: self.receive(goal_id, stamp_ns, goal, at_ns))
+            return
         was_active = self.is_active
         record = self._ledger.receive(goal_id, stamp_ns, now_ns)
         if record is None:
             return
         self._durations.next_goal()
+        self.goal_number += 1
         self._starts_from_idle = not was_active
         self._forget_goal()
         if self.robot.leg is not None:
             self.robot.stop(now_ns)
             self._listener.stands(self.robot, now_ns)
+        self._work_on(goal, now_ns)
+
+    def _work_on(self, goal, now_ns):
         fault = quaternion_fault(goal.quaternion)
         if fault:
             self._listener.warn(fault)
             self._end(INVALID_QUATERNION, now_ns)
             return
-        self._start_feedback(now_ns)
-        self._find_place(goal, now_ns)
-
-    def _start_feedback(self, now_ns):
+        for refusal in self._refusals.values():
+            self._end(refusal, now_ns)
+            return
+        self._tell_followers(now_ns)
         if self._feedback is not None:
             self._feedback.start(now_ns)
+        self._find_place(goal, now_ns)
 
     def _find_place(self, goal, now_ns):
         """Bring the goal into the global frame; wait if its stamp has yet to come."""
@@ -259,6 +224,9 @@ class Navigator:
 
     def cancel(self, goal_id, stamp_ns, now_ns):
         """Take a cancel request in; the robot stops at its exact pose of this instant."""
+        if self._ledger.is_silent:
+            self._unheard.append(lambda at_ns: self.cancel(goal_id, stamp_ns, at_ns))
+            return
         if self._ledger.cancel(goal_id, stamp_ns, now_ns):
             self._halt(now_ns)
             self._end(CANCELLED, now_ns)
@@ -293,15 +261,51 @@ class Navigator:
             self._waits_for_release = False
             self._plan_again(now_ns)
 
+    def disable(self, reason, outcome, now_ns):
+        """End the active goal with ``outcome``, and each that comes, for ``reason`` (a text), until :meth:`enable`."""
+        self._refusals[reason] = outcome
+        self.shut_down(outcome, now_ns)
+
+    def enable(self, reason):
+        """End what :meth:`disable` began for ``reason``; one that is not there changes nothing."""
+        self._refusals.pop(reason, None)
+
+    def go_silent(self):
+        """Say nothing of goals any more, and hear neither goals nor cancels, until :meth:`answer_again`."""
+        self._ledger.go_silent()
+
+    def answer_again(self, now_ns):
+        """Say which goals have ended meanwhile, and take in what came, in its order (of more than 50 the latest)."""
+        self._ledger.answer_again(now_ns)
+        unheard = list(self._unheard)
+        self._unheard.clear()
+        for take_in in unheard:
+            take_in(now_ns)
+
+    def follow(self, follower):
+        """Call ``follower(now_ns)`` whenever the robot has got a goal, or has none any more."""
+        self._followers.append(follower)
+
+    def _tell_followers(self, now_ns):
+        for follower in self._followers:
+            follower(now_ns)
+
     def shut_down(self, outcome, now_ns):
         """End the active goal, if any, with ``outcome``."""
         if self.is_active:
             self._halt(now_ns)
             self._end(outcome, now_ns)
 
-    def reset(self, outcome, now_ns):
-        """End the active goal, if any, with ``outcome``; nothing holds the robot any more."""
+    def close(self, outcome, now_ns):
+        """As :meth:`shut_down`, for good: a robot that was silent says so too, and of what it has not heard nothing."""
+        self._unheard.clear()
         self.shut_down(outcome, now_ns)
+        self._ledger.answer_again(now_ns)
+
+    def reset(self, outcome, now_ns):
+        """End the active goal, if any, with ``outcome``; nothing keeps the robot from its goals any more."""
+        self.close(outcome, now_ns)
+        self._refusals.clear()
         if self._holds:
             self._holds = ()
             self._listener.held((), now_ns)
@@ -369,10 +373,11 @@ class Navigator:
         if outcome.stops_wheels:
             self._listener.stop_wheels()
         self._ledger.finish(outcome, stamp_ns)
+        self._tell_followers(stamp_ns)
 
     def _tell_position(self, due_ns, _now_ns):
         record = self._ledger.active
-        if record is None:
+        if record is None or self._ledger.is_silent:
             return None
         return self._listener.feedback(record, self.robot.pose_at(due_ns), due_ns)
 

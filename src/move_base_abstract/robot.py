@@ -31,6 +31,11 @@ class Robot:
         self._motion = self._stand
         self._past = deque([self._stand], maxlen=_REMEMBERED_LEGS)
         self._driven = 0.0
+        self._followers = []
+
+    def follow(self, follower):
+        """Call ``follower(now_ns)`` whenever the robot begins another leg or another stand, as it has begun."""
+        self._followers.append(follower)
 
     @property
     def limits(self):
@@ -130,6 +135,8 @@ class Robot:
     def _begin(self, motion):
         self._motion = motion
         self._past.append(motion)
+        for follower in self._followers:
+            follower(motion.depart_ns)
         return motion
 
 

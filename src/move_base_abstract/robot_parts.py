@@ -1,8 +1,11 @@
 """One robot and what works on its goals, put together in one place: for the nodes and for the plain Python fleet."""
 from typing import NamedTuple
 
+from .chance import Chance
+from .condition import Condition
 from .durations import GoalDurations
 from .errors import ConfigurationError
+from .failing import Failing
 from .frames import RobotFrames
 from .goal_ledger import GoalLedger
 from .navigator import Navigator
@@ -14,12 +17,13 @@ from .units import seconds_to_ns
 
 
 class RobotParts(NamedTuple):
-    """The robot, its frames, the book of its goals, and who works on them."""
+    """The robot, its frames, the book of its goals, who works on them, and its condition."""
 
     robot: Robot
     frames: RobotFrames
     ledger: GoalLedger
     navigator: Navigator
+    condition: Condition
 
 
 def make_robot_parts(settings, name, index, simulation, answers, listener, lookup, planner=None):
@@ -40,7 +44,10 @@ def make_robot_parts(settings, name, index, simulation, answers, listener, looku
     navigator = Navigator(robot, simulation, ledger, frames, listener, planner or make_planner(settings),
                           settings.bad_frame_policy, settings.recovery,
                           GoalDurations(settings.durations, values['seed'], name))
-    return RobotParts(robot, frames, ledger, navigator)
+    failing = None
+    if settings.failures is not None:
+        failing = Failing(settings.failures, robot, navigator, simulation, Chance(values['seed'], name), listener)
+    return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing))
 
 
 def make_planner(settings, map_check=None):

@@ -9,6 +9,7 @@ class TraceEntry(NamedTuple):
     Kinds and values: ``departed`` (x, y, yaw of the goal), ``stands`` (x, y, yaw), ``ended`` (goal id, state, text);
     ``route`` (x, y, x, y, ...), behind ``departed``: the corners of a way that has any;
     ``held`` (reason, ...): for which reasons the robot is held, whenever these change, and ``released`` ();
+    ``failed`` (kind, cause, see :mod:`.failures`) and ``repaired`` ();
     and, where it is asked for, ``motion`` (x, y, yaw of the robot, then by what it travels from the next leg on:
     max_speed, acceleration, turn_rate, xy_goal_tolerance, yaw_goal_tolerance, as the parameters of these names, in
     which 0 is an acceleration or a turn rate without limit). Positions in m, yaw in rad, global frame.
@@ -52,6 +53,14 @@ class RobotTrace:
     def held(self, reasons, now_ns):
         """The robot is held for ``reasons``, or for none any more."""
         self._add(now_ns, 'held' if reasons else 'released', *reasons)
+
+    def failed(self, kind, cause, now_ns):
+        """The robot has failed."""
+        self._add(now_ns, 'failed', kind, cause)
+
+    def repaired(self, now_ns):
+        """It is as before."""
+        self._add(now_ns, 'repaired')
 
     def ended(self, record, stamp_ns):
         """A goal ended; ``record`` is the ledger's."""

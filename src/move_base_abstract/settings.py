@@ -11,6 +11,8 @@ from .costmaps import Costmaps, read_costmaps
 from .durations import TABLE as DURATIONS
 from .durations import Durations, read_durations
 from .errors import ConfigurationError
+from .failures import TABLE as FAILURES
+from .failures import Failures, read_failures
 from .geometry import Pose2D
 from .lane_map import LaneMap, read_lane_map
 from .local_planner import ACCELERATION as ACCELERATION_LIMIT
@@ -108,6 +110,7 @@ TABLE = (
     Parameter('base_global_planner', upstream.DEFAULT_GLOBAL_PLANNER, text, 'the name of a plugin'),
     Parameter('seed', 0, integer(0), 'a whole number >= 0'),
     *DURATIONS,
+    *FAILURES,
     Parameter('calibration', None, text, 'the path of a calibration, or the name of one that ships'),
 )
 _ODOM = 'odom'
@@ -143,6 +146,8 @@ class RobotSettings:
     behaviors: Tuple[RecoveryBehavior, ...] = DEFAULT_BEHAVIORS
     #: how goals differ from the law of motion; None: in nothing
     durations: Union[Durations, CalibratedDurations, None] = None
+    #: what goes wrong; None: nothing
+    failures: Optional[Failures] = None
     #: how legs begin and end; None: as of a Leg
     phases: Optional[MotionPhases] = None
     #: the LaneMap or TravelMatrix by which it goes; None: neither
@@ -203,6 +208,7 @@ def read_settings(raw, where):
         recovery=_recovery(values, behaviors), behaviors=behaviors,
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
         costmaps=costmaps, network=network, durations=read_durations(values, where),
+        failures=read_failures(values, where),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
         **_other_names(raw, values, used, where, planner.warnings))
     return settings if values['calibration'] is None else _calibrated(settings, raw, where)

@@ -111,7 +111,9 @@ class ActionShell:
                           0.0 if arrived is None else arrived + self._min_answer_delay)
 
     def publish_status(self):
-        """Publish which goals there are; who comes later gets it, too."""
+        """Publish which goals there are; who comes later gets it, too. Of a silent ledger nothing."""
+        if self._ledger.is_silent:
+            return
         now_ns = self._clock.simulation.now_ns
         if self._min_answer_delay and self._status.is_heard():
             self._outbox.send(self._status, self._pack_status(now_ns), self._acceptance_wall)

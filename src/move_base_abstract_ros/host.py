@@ -71,6 +71,7 @@ class Host:
         clock.show_rates(self.rates.text)
         self.status_heartbeat = Heartbeat(self, self.options.status_frequency, _STATUS_RATE_CAP)
         self._tf_heartbeats = {}
+        self._diagnostics = None
         timing.begin_to_publish()
 
     def add_robot(self):
@@ -86,6 +87,13 @@ class Host:
         if (frequency, rate_cap) not in self._tf_heartbeats:
             self._tf_heartbeats[frequency, rate_cap] = Heartbeat(self, frequency, rate_cap)
         return self._tf_heartbeats[frequency, rate_cap]
+
+    def diagnostics(self):
+        """Return the :class:`.diagnostics.Diagnostics` of the process, made when it is first asked for."""
+        if self._diagnostics is None:
+            from .diagnostics import Diagnostics  # which needs Heartbeat
+            self._diagnostics = Diagnostics(self)
+        return self._diagnostics
 
     def throttle(self, rate):
         """Return a throttle of ``rate`` [Hz, wall], or of the robot's share of all publications if that is less."""

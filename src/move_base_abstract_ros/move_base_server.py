@@ -8,6 +8,7 @@ from move_base_abstract.robot_parts import make_planner, make_robot_parts
 from move_base_abstract.robot_trace import RobotTrace
 
 from . import backends, beforehand, lockstep, robot_markers, tf_watch
+from .condition_server import ConditionServer
 from .costmap_topics import CostmapTopics
 from .goal_server import GoalServer
 from .packing import InFrame
@@ -52,6 +53,7 @@ class MoveBaseServer(NavigatorListener):
         self._teleport = Teleport(names, settings, clock, self.navigator, self._frames, self._prefetch_frame)
         self._planner_interface = PlannerInterface(names, settings, clock, self.navigator, self._map)
         self._reconfigure = Reconfigure(names, settings, self)
+        self._condition_server.serve()
         through_the_topic = host.timing.has_own_goal_connection(host.is_crowded)
         # First its publisher, then the subscription of the same topic: see single_connections.
         self._simple_goals = SimpleGoals(names, clock, None if through_the_topic else self._goal_server.take)
@@ -67,9 +69,9 @@ class MoveBaseServer(NavigatorListener):
         self._goal_server = GoalServer(self._names.action('').rstrip('/'), self._names.private, self._host,
                                        self._trace, values['min_answer_delay'])
         self.is_feedback_heard = self._host.timing.when_heard(self._goal_server.has_feedback_listeners)
-        robot, self._frames, self._ledger, self.navigator = make_robot_parts(
-            settings, self._names.robot, robot_index, self._clock.simulation, self._goal_server, self,
-            self._lookup.lookup, make_planner(settings, self._map.check))
+        parts = make_robot_parts(settings, self._names.robot, robot_index, self._clock.simulation, self._goal_server,
+                                 self, self._lookup.lookup, make_planner(settings, self._map.check))
+        robot, self._frames, self._ledger, self.navigator, self.condition = parts
         self._trace.motion(robot, self._clock.look_ns())
         self.navigator.set_feedback_frequency(values['feedback_freq'])
         self._feedback_throttle = self._host.throttle(values['max_feedback_rate'])
@@ -77,20 +79,23 @@ class MoveBaseServer(NavigatorListener):
         self._publisher = RobotPublisher(self._names, settings, self._host, robot, backend, costmaps)
         self._frames_told = backend.frames
         self._host.timing.claim_frames(self._names.robot, self._frames_told)
+        self._condition_server = ConditionServer(self._names, self._host, robot_index, self.condition)
         self._markers = robot_markers.add(self._clock, settings, self.navigator)
 
     def shut_down(self):
         """End the active goal as a killed move_base does, and let the answer leave."""
         with self._clock.lock:
-            self.navigator.shut_down(NODE_KILLED, self._clock.now_ns())
+            self.navigator.close(NODE_KILLED, self._clock.now_ns())
         self._goal_server.flush()
 
     def close(self):
         """Take the robot out of the world: its goal ends, its topics and services go."""
-        for part in (self._map, self._simple_goals, self._teleport, self._reconfigure, self._planner_interface):
+        for part in (self._map, self._simple_goals, self._teleport, self._reconfigure, self._planner_interface,
+                     self._condition_server):
             part.close()
         with self._clock.lock:
-            self.navigator.shut_down(ROBOT_REMOVED, self._clock.now_ns())
+            self.condition.close()
+            self.navigator.close(ROBOT_REMOVED, self._clock.now_ns())
             self._goal_server.flush()
             self._goal_server.close()
             self._publisher.close()
@@ -108,6 +113,7 @@ class MoveBaseServer(NavigatorListener):
             self._goal_server.flush()
             self._ledger.clear()
             self._goal_server.reset()
+            self.condition.reset(now_ns)
             self.navigator.robot.set_motion(settings.limits, settings.tolerances)
             self.navigator.robot.reset(settings.start, now_ns)
             self._trace.motion(self.navigator.robot, now_ns)
@@ -115,6 +121,7 @@ class MoveBaseServer(NavigatorListener):
 
     def _restart(self, before_ns, now_ns):
         self._publisher.restart()
+        self.condition.restart(now_ns - before_ns)
         self.navigator.restart(before_ns, now_ns)
 
     def set_motion(self, limits, tolerances):
@@ -154,6 +161,20 @@ class MoveBaseServer(NavigatorListener):
     def held(self, reasons, now_ns):
         """Note for which reasons the robot is held, or that it is released."""
         self._trace.held(reasons, now_ns)
+        self._tell_condition(now_ns)
+
+    def failed(self, kind, cause, now_ns):
+        """Note that the robot has failed."""
+        self._trace.failed(kind, cause, now_ns)
+        self._tell_condition(now_ns)
+
+    def repaired(self, now_ns):
+        """Note that it is as before."""
+        self._trace.repaired(now_ns)
+        self._tell_condition(now_ns)
+
+    def _tell_condition(self, now_ns):
+        self._condition_server.changed(now_ns)
         self._markers.changed()
 
     def target(self, goal, now_ns):

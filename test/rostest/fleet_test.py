@@ -12,6 +12,7 @@ import rospy
 import rostest
 import tf2_ros
 from actionlib_msgs.msg import GoalStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from dynamic_reconfigure.client import Client
 from nav_msgs.msg import Odometry
 from robot_harness import ANOTHER_GOAL, GUARD, RawClient, Record, active_since_ns, pose_stamped
@@ -19,7 +20,7 @@ from std_srvs.srv import Trigger
 
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import read_scenario
-from move_base_abstract.srv import AddRobot, RemoveRobot
+from move_base_abstract.srv import AddRobot, Fail, RemoveRobot
 
 #: 9 ** 6 values in some 200 bytes
 EXPLODING = 'a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n' + ''.join('{0}: &{0} [{1}]\n'.format(name, ', '.join(
@@ -133,6 +134,32 @@ class FleetTrial(unittest.TestCase):
         self.assertEqual(parameters_of_all(), parameters)
         self.assertTrue(service(SECOND + '/add_robot', AddRobot)('newcomer', 0.0, 0.0, 0.0, '').success)
         self.assertTrue(service(SECOND + '/remove_robot', RemoveRobot)('newcomer').success)
+
+    def test_a_robot_fails_on_request_is_silent_and_is_repaired_and_diagnostics_say_so(self):
+        parameters = 'max_speed: 1.0\nfailure_kind: silent\nrepair_distribution: never'
+        self.assertTrue(service(SECOND + '/add_robot', AddRobot)('patient', 0.0, 0.0, 0.0, parameters).success)
+        self.addCleanup(service(SECOND + '/remove_robot', RemoveRobot), 'patient')
+        fail, repair = service('/patient/move_base/fail', Fail), service('/patient/move_base/repair', Trigger)
+        told = Record('/diagnostics', DiagnosticArray)
+        told.wait_for(lambda array: array.status[0].level == DiagnosticStatus.OK)
+        client = RawClient('/patient')
+        goal_id = client.send(pose_stamped(0.0, 40.0))
+        client.wait_for_state(goal_id, GoalStatus.ACTIVE)
+        self.assertIn("got 'nap'; allowed: 'abort', 'stall' or 'silent'", fail('nap', rospy.Duration()).message)
+        self.assertTrue(fail('', rospy.Duration()).success)
+        self.assertFalse(fail('', rospy.Duration()).success)
+        failed = told.wait_for(lambda array: array.status[0].level == DiagnosticStatus.ERROR)
+        self.assertEqual((failed.status[0].hardware_id, failed.status[0].message), ('patient', 'failed: silent'))
+        client.cancel(goal_id)
+        for seconds in range(3):  # simulated; a status that was on its way has come in the first of them
+            told.clear()
+            told.wait_for(lambda array: array.status[0].level == DiagnosticStatus.ERROR)
+            if seconds == 0:
+                client.status.clear()
+        self.assertEqual((client.status.messages, client.endings(goal_id)), ([], []))
+        self.assertTrue(repair().success)
+        self.assertEqual(client.ending(goal_id).status.status, GoalStatus.PREEMPTED)
+        self.assertFalse(repair().success)
 
     def test_parameters_that_were_there_before_a_robot_stay_when_it_is_removed(self):
         of_the_user = {'max_planning_retries': 3, 'of_the_user': 1, 'TrajectoryPlannerROS': {'max_vel_x': 0.75}}

@@ -89,6 +89,10 @@ class Run:
         """Return the events of one robot, or of the client, as (kind, values)."""
         return [event[2:] for event in self.events if event[1] == robot]
 
+#: what goes wrong with a robot, in every way that leaves it with its goals
+WEAR = {'failure_kind': 'stall', 'failures_per_km': 60.0, 'failures_per_hour': 200.0, 'repair_time': 3.0,
+        'repair_distribution': 'lognormal', 'repair_cv': 0.5,
+        'failure_times': [{'at': 5.0, 'kind': 'silent', 'repair': 4.0}]}
 #: nothing is told at rates
 SILENT = {'feedback_freq': 0.0, 'pose_update_freq': 0.0, 'tf_heartbeat_freq': 0.0}
 
@@ -169,12 +173,14 @@ class LockstepFleet(unittest.TestCase):
     def test_how_robots_travel_is_in_the_log_if_a_parameter_asks_for_it_and_chance_is_the_plain_fleets(self):
         own = {'acceleration': 0.5, 'turn_rate': 1.0}
         expected = oracle(TWO, dict(own, log_motion=True))
-        chance = dict(own, seed=5, goal_overhead=0.7, duration_distribution='gamma', duration_cv=0.3,
-                      failure_by_length=[[0.0, 0.0], [16.0, 0.8]], log_motion=True)
+        chance = dict(own, seed=2, goal_overhead=0.7, duration_distribution='gamma', duration_cv=0.3,
+                      failure_by_length=[[0.0, 0.0], [16.0, 0.8]], **WEAR, log_motion=True)
         self.assertEqual(expected[1], (NS_PER_S, 'robot_1', 'motion', [0.0, 2.0, 0.0, 2.0, 0.5, 1.0, 0.0, 0.0]))
         self.assertEqual(Run('goals', TWO, fleet(TWO, own=dict(own, log_motion=True))).events, expected)
         drawn = oracle(TWO, chance)
         self.assertEqual({event[3][1] for event in drawn if event[2] == 'ended'}, {'PREEMPTED', 'SUCCEEDED', 'ABORTED'})
+        self.assertEqual({(event[2], *event[3]) for event in drawn if event[2] in ('failed', 'repaired')}, {
+            ('failed', 'stall', 'km'), ('failed', 'stall', 'hour'), ('failed', 'silent', 'script'), ('repaired',)})
         chance.pop('log_motion')
         asked = Run('goals', TWO, fleet(TWO, parts=2, own=chance), of_all={'log_motion': True})
         self.assertEqual(asked.events, drawn)

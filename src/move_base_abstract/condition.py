@@ -1,0 +1,38 @@
+"""The condition of a robot besides where it is: whether something holds it, or it has failed."""
+
+
+class Condition:
+    """Read-only for who shows it. ``failing`` (:class:`.failing.Failing`) is None for a robot that never fails."""
+
+    def __init__(self, navigator, failing=None):
+        self._navigator = navigator
+        self.failing = failing
+        self._parts = [part for part in (failing,) if part is not None]
+
+    @property
+    def is_ordinary(self):
+        """Whether the robot is one of which there is nothing to tell: it never fails."""
+        return not self._parts
+
+    @property
+    def state_text(self):
+        """What is out of the ordinary, in a few words for people; '' if nothing is."""
+        failing = self.failing
+        failed = ['failed: ' + failing.failure.kind] if failing is not None and failing.failure is not None else []
+        held = [reason for reason in self._navigator.held_for if not failed or reason != failing.REASON]
+        return ', '.join(failed + (['held: ' + ', '.join(held)] if held else []))
+
+    def reset(self, now_ns):
+        """The robot is about to be put to its start at ``now_ns`` [ns]; its navigator has been reset."""
+        for part in self._parts:
+            part.reset(now_ns)
+
+    def restart(self, by_ns):
+        """The clock has started anew, and what was due been shifted by ``by_ns`` [ns]; the navigator comes next."""
+        for part in self._parts:
+            part.restart(by_ns)
+
+    def close(self):
+        """The robot is gone."""
+        for part in self._parts:
+            part.close()

@@ -1,0 +1,61 @@
+"""The condition of one robot in ROS: the services ``~fail`` and ``~repair``, and what it tells on ``/diagnostics``."""
+import rospy
+from std_srvs.srv import Trigger, TriggerResponse
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.failures import REQUEST, check_request
+from move_base_abstract.srv import Fail, FailResponse
+
+from . import diagnostics
+
+
+class ConditionServer:
+    """Of a robot that can fail; of another it has nothing at all. ``condition`` is its Condition.
+
+    Made with the clock's lock.
+    """
+
+    def __init__(self, names, host, robot_index, condition):
+        self._names = names
+        self._clock = host.clock
+        self._condition = condition
+        self._services = ()
+        self._diagnostics = None
+        if not condition.is_ordinary:
+            self._diagnostics = host.diagnostics().add(robot_index, names.robot,
+                                                       lambda: diagnostics.of_condition(condition))
+
+    def serve(self):
+        """Take requests from now on; no lock is held."""
+        names = self._names
+        if self._condition.failing is not None:
+            self._services += (rospy.Service(names.own('fail'), Fail, self._fail),
+                               rospy.Service(names.own('repair'), Trigger, self._repair))
+
+    def changed(self, now_ns):
+        """Tell the condition at ``now_ns`` [ns]."""
+        if self._diagnostics is not None:
+            self._diagnostics.changed(now_ns)
+
+    def close(self):
+        """Leave the graph; the caller holds no lock."""
+        for service in self._services:
+            service.shutdown('the robot is removed')
+        if self._diagnostics is not None:
+            self._diagnostics.close()
+
+    def _fail(self, request):
+        repair = request.repair.to_nsec() / 1e9
+        try:
+            check_request(request.kind or None, repair or None, self._names.own('fail'))
+        except ConfigurationError as error:
+            return FailResponse(False, str(error))
+        with self._clock.lock:
+            has_failed = self._condition.failing.fail(REQUEST, self._clock.now_ns(), request.kind or None,
+                                                      repair or None)
+        return FailResponse(has_failed, 'The robot has failed.' if has_failed else 'The robot had failed before.')
+
+    def _repair(self, _request):
+        with self._clock.lock:
+            is_repaired = self._condition.failing.repair(self._clock.now_ns())
+        return TriggerResponse(is_repaired, 'The robot is repaired.' if is_repaired else 'The robot had not failed.')
