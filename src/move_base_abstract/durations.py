@@ -143,7 +143,7 @@ class GoalDurations:
 
     def interrupted(self, leg, now_ns):
         """It stands on its ``leg`` at ``now_ns`` [ns] and will go on: if it is to fail, then at the same place."""
-        if self._fails:
+        if self._fails and self._way_to_failure is None:
             self._way_to_failure = leg.distance_at(self._failure_ns) - leg.distance_at(now_ns)
 
     def _uniform(self, purpose, place=0):

@@ -19,6 +19,7 @@ from .robot_parts import make_planner, make_robot_parts
 from .robot_trace import RobotTrace, TraceEntry
 from .scenario import Scenario, make_robot
 from .simulation import Simulation
+from .traffic import DeadlockPolicy, Traffic
 from .units import NS_PER_S, seconds_to_ns
 
 __all__ = ['Fleet', 'TraceEntry']
@@ -43,6 +44,7 @@ class Fleet:
         self._on_end = on_end
         self._planner = planner
         self._occupancy = occupancy
+        self.traffic = Traffic(self.simulation, scenario.zones, DeadlockPolicy(scenario.deadlock))
         self._members = {}
         self._indices = itertools.count()
         for spec in scenario.robots:
@@ -117,6 +119,18 @@ class Fleet:
     def condition(self, name):
         """Return a robot's :class:`.condition.Condition`."""
         return self._member(name).condition
+
+    def close_zone(self, name, closed=True):
+        """Let no robot into a zone from now on, or with ``closed=False`` let them in again.
+
+        :raises ConfigurationError: if there is no zone of that name.
+        """
+        self.traffic.close_zone(name, closed)
+
+    @property
+    def zones(self):
+        """Who is in the zones, and on the lanes with a capacity, and who waits: [:class:`.AreaState`, ...]."""
+        return self.traffic.states()
 
     def use_map(self, occupancy):
         """Have another map (OccupancyMap) from now on; routes that it cuts are planned again."""
@@ -201,6 +215,7 @@ class _Member(NavigatorListener):
         self.robot, self._ledger, self.navigator, self.condition = (
             parts.robot, parts.ledger, parts.navigator, parts.condition)
         self._trace.motion(self.robot, fleet.now_ns)
+        self._traveller = fleet.traffic.join(self.navigator, settings.network, self._trace.note, self.warn)
 
     def reset(self, now_ns):
         self.navigator.reset(ROBOT_RESET, now_ns)
@@ -213,6 +228,8 @@ class _Member(NavigatorListener):
     def remove(self, now_ns):
         self.condition.close()
         self.navigator.close(ROBOT_REMOVED, now_ns)
+        if self._traveller is not None:
+            self._traveller.leave(now_ns)
 
     def use_map(self, occupancy):
         if self._map_check is not None:
@@ -220,9 +237,17 @@ class _Member(NavigatorListener):
 
     def departed(self, robot, goal, now_ns):
         self._trace.departed(goal, now_ns, robot.leg.corners)
+        if self._traveller is not None:
+            self._traveller.departed(robot.leg, now_ns)
 
     def stands(self, robot, now_ns):
         self._trace.stands(robot.pose_at(now_ns), now_ns)
+        if self._traveller is not None:
+            self._traveller.stands(now_ns)
+
+    def abandons(self, now_ns):
+        if self._traveller is not None:
+            self._traveller.abandons(now_ns)
 
     def held(self, reasons, now_ns):
         self._trace.held(reasons, now_ns)

@@ -69,6 +69,11 @@ class LaneMap(NamedTuple):
     source: str
 
     @property
+    def has_capacities(self):
+        """Whether on any edge there is place for some robots only."""
+        return any(edge.capacity is not None for edge in self.edges)
+
+    @property
     def has_speeds(self):
         """Whether any edge says how fast it is driven."""
         return any(edge.speed is not None or edge.share != 1.0 for edge in self.edges)

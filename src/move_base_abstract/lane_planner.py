@@ -104,10 +104,10 @@ class LaneWays:
             return None
         _, first, last = min(candidates, key=lambda candidate: candidate[0])
         if last is None:
-            return _planned(start, first, goal)
+            return _planned(start, first, goal, True)
         lanes = self._lanes_between(first.node, last.node)
         over = [piece for lane in lanes for piece in _pieces(lane, lane.points[1:])]
-        return _planned(start, [*first.pieces, *over, *last.pieces], goal)
+        return _planned(start, [*first.pieces, *over, *last.pieces], goal, bool(last.pieces))
 
     def _costs_to(self, node):
         if node not in self._costs:
@@ -129,10 +129,8 @@ class LaneWays:
 
         Straight means by the nearest node; of equally near ones the first of the file.
         """
-        far = np.hypot(*(self._nodes_xy - place).T)
-        nearest = int(np.round(far, 6).argmin())
-        node = list(self._places)[nearest]
-        if far[nearest] <= NEAR:
+        node, is_there = self._nearest(place)
+        if is_there:
             return [_Access(node, (), 0)]
         accesses = []
         for number, index, share in self._lanes_at(place):
@@ -145,6 +143,12 @@ class LaneWays:
         if accesses:
             return accesses
         return [_Access(node, () if to_goal else (_Piece(self._places[node], _FREE, None),), 0)]
+
+    def _nearest(self, place):
+        """Return the node that is nearest to ``place``, and whether that is there."""
+        far = np.hypot(*(self._nodes_xy - place).T)
+        nearest = int(np.round(far, 6).argmin())
+        return list(self._places)[nearest], far[nearest] <= NEAR
 
     def _lanes_at(self, place):
         """Return (number of a lane, of its piece, share of that) for each lane that ``place`` lies on."""
@@ -159,7 +163,9 @@ class LaneWays:
         return [(number, *where) for number, where in found.items()]
 
     def _along_one_lane(self, start, goal):
-        """Return the candidates that never leave the lane on which both are."""
+        """Return the candidates that never leave the lane on which both are, and neither is at a node."""
+        if self._nearest(start)[1] or self._nearest(goal)[1]:
+            return []
         ends = {number: where for number, *where in self._lanes_at(goal)}
         candidates = []
         for number, *begin in self._lanes_at(start):
@@ -214,7 +220,7 @@ def _pieces(lane, points):
     return tuple(_Piece(point, lane.limit, lane.edge) for point in points)
 
 
-def _planned(start, pieces, goal):
+def _planned(start, pieces, goal, ends_on_lane):
     """Return the PlannedWay from ``start`` by ``pieces`` to ``goal``, without pieces that have no length."""
     kept = _without_rests(start, pieces)
     if kept and math.dist(kept[-1].to, goal) <= NEAR:
@@ -222,7 +228,7 @@ def _planned(start, pieces, goal):
     else:
         kept.append(_Piece(goal, _FREE, None))
     return PlannedWay([piece.to for piece in kept[:-1]], [piece.limit for piece in kept],
-                      [piece.edge for piece in kept])
+                      [piece.edge for piece in kept], ends_on_lane=ends_on_lane)
 
 
 def _without_rests(start, pieces):

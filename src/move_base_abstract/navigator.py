@@ -93,7 +93,7 @@ class Navigator:
         self._durations.next_goal()
         self.goal_number += 1
         self._starts_from_idle = not was_active
-        self._forget_goal()
+        self._forget_goal(now_ns)
         if self.robot.leg is not None:
             self.robot.stop(now_ns)
             self._listener.stands(self.robot, now_ns)
@@ -367,7 +367,7 @@ class Navigator:
             self._listener.stands(self.robot, now_ns)
 
     def _end(self, outcome, stamp_ns):
-        self._forget_goal()
+        self._forget_goal(stamp_ns)
         if self._feedback is not None:
             self._feedback.stop()
         if outcome.stops_wheels:
@@ -385,10 +385,11 @@ class Navigator:
         self._events = [event for event in self._events if event.action is not None]
         self._events.append(self._simulation.queue.schedule(due_ns, self.robot.index, action))
 
-    def _forget_goal(self):
+    def _forget_goal(self, now_ns):
         self._forget_events()
         self._target = None
         self._waits_for_release = False
+        self._listener.abandons(now_ns)
 
     def _forget_events(self):
         for event in self._events:

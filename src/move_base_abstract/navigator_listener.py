@@ -43,6 +43,9 @@ class NavigatorListener:
     def held(self, reasons, now_ns):
         """The robot is held for ``reasons``, a tuple of texts in the order in which they came; none: it is released."""
 
+    def abandons(self, now_ns):
+        """Where the robot was going it goes no more: its goal has ended, or gives way to another one."""
+
     def stop_wheels(self):
         """move_base would now send a zero velocity."""
 

@@ -28,9 +28,12 @@ class PlannedWay(tuple):
     limits = ()
     lanes = ()
     seconds: Optional[float] = None
+    #: whether the goal lies on the last of the lanes, and not at its end
+    ends_on_lane = False
 
-    def __new__(cls, corners=(), limits=(), lanes=(), seconds=None):
+    def __new__(cls, corners=(), limits=(), lanes=(), seconds=None, ends_on_lane=False):
         """Return the way by ``corners``."""
         way = super().__new__(cls, corners)
         way.limits, way.lanes, way.seconds = tuple(limits), tuple(lanes), seconds
+        way.ends_on_lane = ends_on_lane
         return way

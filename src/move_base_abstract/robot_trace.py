@@ -8,6 +8,8 @@ class TraceEntry(NamedTuple):
 
     Kinds and values: ``departed`` (x, y, yaw of the goal), ``stands`` (x, y, yaw), ``ended`` (goal id, state, text);
     ``route`` (x, y, x, y, ...), behind ``departed``: the corners of a way that has any;
+    ``entered`` (area) and ``left`` (area): it got a place in a zone or on a lane, or gave it back; ``deadlock`` (robot,
+    area, ...): it closed a circle of waiting;
     ``held`` (reason, ...): for which reasons the robot is held, whenever these change, and ``released`` ();
     ``failed`` (kind, cause, see :mod:`.failures`) and ``repaired`` ();
     and, where it is asked for, ``motion`` (x, y, yaw of the robot, then by what it travels from the next leg on:
@@ -61,6 +63,10 @@ class RobotTrace:
     def repaired(self, now_ns):
         """It is as before."""
         self._add(now_ns, 'repaired')
+
+    def note(self, kind, now_ns, *values):
+        """Something of ``kind`` happened to the robot."""
+        self._add(now_ns, kind, *values)
 
     def ended(self, record, stamp_ns):
         """A goal ended; ``record`` is the ledger's."""

@@ -11,7 +11,7 @@ from typing import NamedTuple, Optional
 from .geometry import Pose2D, normalize_angle
 from .limited_profile import profile_over
 from .motion import SpeedProfile, Tolerances, turn_within
-from .planned_way import PieceLimit
+from .planned_way import PieceLimit, PlannedWay
 from .units import NS_PER_S, seconds_to_ns
 
 
@@ -53,7 +53,7 @@ class Route:
         segments, place = _segments(start, goal, corners, tolerances.xy)
         drives = [segments] if law is CornerLaw.KEEP and segments else [[segment] for segment in segments]
         self.start = start
-        self.corners = tuple(corners)
+        self.corners = corners if isinstance(corners, PlannedWay) else tuple(corners)
         #: the places ((x, y), ...) [m] between which it goes straight, up to where it ends
         self.way = (*((segment.x, segment.y) for segment in segments or [start]), place)
         self.distance = math.fsum(segment.length for segment in segments)

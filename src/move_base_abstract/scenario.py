@@ -16,7 +16,7 @@ from typing import Tuple
 
 from .bounded_yaml import load_yaml_file
 from .errors import ConfigurationError
-from .parameter_table import Parameter, checked, integer, number
+from .parameter_table import Parameter, checked, integer, number, one_of
 from .ros_names import ROBOT_NAME_RULE, is_robot_name
 from .settings import OWN_NAMES, RobotSettings, read_settings
 from .shown import shown, shown_text
@@ -24,13 +24,14 @@ from .unknown_keys import check_keys
 from .zones import Zone, read_zones
 
 _NETWORKS = ('lanes', 'travel_matrix')  # of the world, so that they stand at the top
-_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', *_NETWORKS)
+_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', 'deadlock', *_NETWORKS)
 #: settings that are paths, or names without .yaml that ship
 _FILES = ('duration_quantiles', 'calibration', *_NETWORKS)
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
 MAX_ROBOTS = 100_000  # of a scenario; ten thousand are the most that have been driven
 _COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
 _SEED = Parameter('seed', 0, integer(0), 'a whole number >= 0')
+_DEADLOCK = Parameter('deadlock', 'wait', one_of('wait', 'abort'), "'wait' or 'abort'")
 _STEP = Parameter('step', 0.0, number(), 'a finite number [m]')
 
 
@@ -51,6 +52,7 @@ class Scenario:
     defaults: dict = field(default_factory=dict)
     seed: int = 0
     zones: Tuple[Zone, ...] = ()
+    deadlock: str = 'wait'
 
 
 def read_scenario(path, overrides=None, base=None):
@@ -96,7 +98,20 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
         raise ConfigurationError('{}: robots: got more than {} robots; allowed: at most that'.format(where, MAX_ROBOTS))
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, where)]
     _check_different(specs, where)
-    return Scenario(tuple(specs), defaults, (overrides or {}).get('seed', seed), read_zones(raw.get('zones'), where))
+    return Scenario(tuple(specs), defaults, (overrides or {}).get('seed', seed), read_zones(raw.get('zones'), where),
+                    checked(raw.get('deadlock', 'wait'), 'deadlock', _DEADLOCK, where))
+
+
+def check_one_process(scenario, parts, where):
+    """Check that places which are counted are not counted in several processes.
+
+    :raises ConfigurationError: if a scenario with zones, or with lanes that have a capacity, is split into ``parts``.
+    """
+    has_lanes = any(getattr(spec.settings.network, 'has_capacities', False) for spec in scenario.robots)
+    if parts > 1 and (scenario.zones or has_lanes):
+        raise ConfigurationError(
+            'parameter {}/parts: got {} with {}; allowed: 1, since who is in them is counted in one process'.format(
+                where.rstrip('/'), parts, 'zones' if scenario.zones else 'lanes that have a capacity'))
 
 
 def make_robot(name, parameters, where='robot'):

@@ -14,6 +14,7 @@ from move_base_abstract.srv import AddRobot, AddRobotResponse, RemoveRobot, Remo
 from .bulk_registration import bulk_registration
 from .move_base_server import MoveBaseServer
 from .names import RobotNames
+from .traffic_interface import TrafficInterface, make_traffic
 
 
 def robot_names(namespace, name):
@@ -28,11 +29,12 @@ _OF_REQUEST = {'start_x': 'x', 'start_y': 'y', 'start_yaw': 'yaw'}
 class FleetServer:
     """The robots of one process below ``namespace``, in the order of their indices."""
 
-    def __init__(self, namespace, host, specs, defaults, indices):
-        """``specs``: (index, RobotSpec) pairs; ``defaults``, ``indices``: settings, indices of robots added later."""
+    def __init__(self, namespace, host, specs, scenario, indices):
+        """``specs``: (index, RobotSpec) pairs of ``scenario`` (Scenario); ``indices``: those of robots added later."""
         self._namespace = namespace
         self._host = host
-        self._defaults = defaults
+        self._defaults = scenario.defaults
+        self._traffic = make_traffic(host.clock.simulation, scenario)
         self._robots = {}
         self._frames = {}  # {tf frame: name of its robot}
         self._indices = indices
@@ -40,6 +42,8 @@ class FleetServer:
         with bulk_registration():
             for index, spec in specs:
                 self._add(spec, index)
+        if self._traffic.states():
+            self._traffic_interface = TrafficInterface(self._traffic, host.clock)
         # Services come last: who finds them finds the robots.
         self._services = [rospy.Service('~add_robot', AddRobot, self._on_add),
                           rospy.Service('~remove_robot', RemoveRobot, self._on_remove),
@@ -62,7 +66,7 @@ class FleetServer:
             settings = replace(settings, tf_prefix=spec.name)
         try:
             self._robots[spec.name] = MoveBaseServer(robot_names(self._namespace, spec.name), settings, self._host,
-                                                     index)
+                                                     index, self._traffic)
         except BaseException:
             self._forget_frame(spec.name)
             raise

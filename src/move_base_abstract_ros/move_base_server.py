@@ -28,8 +28,11 @@ _DEAF_SECONDS = 0.1  # wall; how long a robot to whose feedback nobody listens i
 class MoveBaseServer(NavigatorListener):
     """One robot of a process's :class:`Host`."""
 
-    def __init__(self, names, settings, host, robot_index=0):
+    def __init__(self, names, settings, host, robot_index=0, traffic=None):
+        """``traffic``: the Traffic in which the robot takes part, None: it is alone."""
         clock = host.clock
+        self._traffic = traffic
+        self._traveller = None
         self._names = names
         self._settings = settings
         self._clock = clock
@@ -81,6 +84,8 @@ class MoveBaseServer(NavigatorListener):
         self._host.timing.claim_frames(self._names.robot, self._frames_told)
         self._condition_server = ConditionServer(self._names, self._host, robot_index, self.condition)
         self._markers = robot_markers.add(self._clock, settings, self.navigator)
+        if self._traffic is not None:
+            self._traveller = self._traffic.join(self.navigator, settings.network, self._trace.note, self.warn)
 
     def shut_down(self):
         """End the active goal as a killed move_base does, and let the answer leave."""
@@ -94,8 +99,11 @@ class MoveBaseServer(NavigatorListener):
                      self._condition_server):
             part.close()
         with self._clock.lock:
+            now_ns = self._clock.now_ns()
             self.condition.close()
-            self.navigator.close(ROBOT_REMOVED, self._clock.now_ns())
+            self.navigator.close(ROBOT_REMOVED, now_ns)
+            if self._traveller is not None:
+                self._traveller.leave(now_ns)
             self._goal_server.flush()
             self._goal_server.close()
             self._publisher.close()
@@ -151,12 +159,21 @@ class MoveBaseServer(NavigatorListener):
         if not self.navigator.feedback_frequency:
             self._clock.falls_silent(robot, self._goal_server, 'feedback_freq')
         self._planner_interface.show(robot.pose_at(now_ns), corners, goal, now_ns)
+        if self._traveller is not None:  # last: it may hold the robot
+            self._traveller.departed(robot.leg, now_ns)
 
     def stands(self, robot, now_ns):
         """Show that the robot stands."""
         self._trace.stands(robot.pose_at(now_ns), now_ns)
         self._publisher.stands(now_ns)
         self._markers.changed()
+        if self._traveller is not None:
+            self._traveller.stands(now_ns)
+
+    def abandons(self, now_ns):
+        """Leave the queues in which the robot waits."""
+        if self._traveller is not None:
+            self._traveller.abandons(now_ns)
 
     def held(self, reasons, now_ns):
         """Note for which reasons the robot is held, or that it is released."""

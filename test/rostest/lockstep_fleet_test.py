@@ -285,6 +285,18 @@ class LockstepFleet(unittest.TestCase):
         self.assertEqual(run.events, expected)
         self.assert_repeatable(run)
 
+    def test_robots_wait_for_zones_as_in_plain_python(self):
+        zones = [{'name': 'east', 'rectangle': [1, -1, 3, 30], 'capacity': 1},
+                 {'name': 'west', 'rectangle': [-3, -1, -1, 30], 'capacity': 2}]
+        hosts = fleet(TWELVE, zones=zones)
+        expected = oracle(TWELVE, scenario={key: hosts['/fleet'][2][key] for key in ('defaults', 'robots', 'zones')})
+        self.assertGreater(sum(event[2] == 'held' for event in expected), 5)
+        run = Run('goals', TWELVE, hosts)
+        by_robot = [sorted(events, key=lambda event: (event[0], TWELVE.index(event[1])))
+                    for events in (run.events, expected)]
+        self.assertEqual(*by_robot)
+        self.assert_repeatable(run)
+
     def test_robots_are_added_and_removed_by_a_participant(self):
         run = Run('services', TWO, fleet(TWO))
         self.assertEqual(run.of('client'), [('added', [True, '']), ('removed', [True])])

@@ -14,7 +14,9 @@ from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go
 
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.geometry import Pose2D
+from move_base_abstract.msg import ZoneStates
 from move_base_abstract.scenario import make_scenario
+from move_base_abstract.srv import CloseZone
 from move_base_abstract_ros.map_files import load_map, read_description
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
@@ -91,6 +93,28 @@ class Routes(unittest.TestCase):
         plan = points(rospy.wait_for_message('/laner/move_base/NavfnROS/plan', Path, GUARD))
         self.assertEqual((plan[0], plan[-1]), (START, pen))
         self.assertTrue(set(corners) <= set(plan) and len(corners) == 3)
+
+    def test_a_robot_waits_for_a_zone_and_all_can_see_it(self):
+        zones = Record('/fleet/zones', ZoneStates)
+        first = zones.wait_for().zones
+        self.assertEqual(((first[0].kind, first[0].name), first[0].robots), (('zone', 'shed'), ['holder']))
+        self.assertEqual((first[1].kind, first[1].name, first[1].capacity), ('lane', 'gate - pen', 1))
+        feedback = Record('/waiter/move_base/feedback', MoveBaseActionFeedback)
+        client, holder = RawClient('/waiter'), RawClient('/holder')
+        goal_id = client.send(pose_stamped(5.0, -21.0))
+        zones.wait_for(lambda message: message.zones[0].waiting == ['waiter'])
+        last = feedback.wait_for(lambda message: message.feedback.base_position.pose.position.x > -1e-6)
+        self.assertAlmostEqual(last.feedback.base_position.pose.position.x, 0.0, places=6)
+        self.assertEqual(last.status.status, GoalStatus.ACTIVE)
+        close = rospy.ServiceProxy('/fleet/close_zone', CloseZone)
+        self.assertIn('there are: shed', close('shop', True).message)
+        self.assertTrue(close('shed', True).success)
+        self.assertEqual(holder.ending(holder.send(pose_stamped(15.0, -20.0))).status.status, GoalStatus.SUCCEEDED)
+        closed = zones.wait_for(lambda message: not message.zones[0].robots).zones[0]
+        self.assertEqual((closed.closed, closed.waiting), (True, ['waiter']))
+        self.assertTrue(close('shed', False).success)
+        self.assertEqual(client.ending(goal_id).status.status, GoalStatus.SUCCEEDED)
+        zones.wait_for(lambda message: message.zones[0].robots == ['waiter'])
 
     def test_make_plan_gives_the_way_or_none(self):
         name = '/planner/move_base/make_plan'

@@ -7,7 +7,7 @@ import rospy
 
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.parameter_table import Parameter, boolean, integer, read_table, text, unknown_names
-from move_base_abstract.scenario import make_scenario, read_scenario
+from move_base_abstract.scenario import check_one_process, make_scenario, read_scenario
 
 from ..fleet_server import FleetServer, robot_names
 from ..host import Host
@@ -26,7 +26,7 @@ _TABLE = (
 )
 #: parameters of the node that come before the scenario's defaults of the same name
 _OVERRIDES = ('use_map', 'backend', 'seed')
-_INLINE = ('defaults', 'robots', 'zones', 'lanes', 'travel_matrix')
+_INLINE = ('defaults', 'robots', 'zones', 'deadlock', 'lanes', 'travel_matrix')
 
 
 def main():
@@ -55,12 +55,13 @@ def _build():
     clock = timing.make_clock()
     scenario = _read_scenario(raw, values, where, timing.base_settings)
     part, parts = values['part'], values['parts']
+    check_one_process(scenario, parts, where)
     specs = _share(scenario.robots, part, parts)
     namespace = rospy.get_namespace()
     if not start(clock, timing, [(robot_names(namespace, spec.name), spec.settings) for _, spec in specs]):
         return None
     # Robots that are added later get indices that no other process gives.
-    fleet = FleetServer(namespace, Host(clock, timing, is_crowded=True), specs, scenario.defaults,
+    fleet = FleetServer(namespace, Host(clock, timing, is_crowded=True), specs, scenario,
                         itertools.count(len(scenario.robots) + part, parts))
     clock.serve()
     return fleet

@@ -1,0 +1,81 @@
+"""Zones and lanes as traffic sees them: how many robots they hold, which ones, and who waits for a place."""
+from bisect import insort
+from typing import NamedTuple, Optional, Tuple
+
+
+class AreaState(NamedTuple):
+    """A ``kind`` 'zone' or 'lane': robots that hold a place, and robots that wait for one, first come first."""
+
+    kind: str
+    name: str
+    capacity: Optional[int]
+    closed: bool
+    robots: Tuple[str, ...]
+    waiting: Tuple[str, ...]
+
+
+class Area:
+    """A zone with its ``outline`` (Outline), or a lane without; its ``name`` is as 'zone gate', 'lane depot - gate'."""
+
+    def __init__(self, kind, name, capacity=None, outline=None):
+        self.name = '{} {}'.format(kind, name)
+        self._kind_and_name = kind, name
+        self.capacity = capacity
+        self.outline = outline
+        self.is_closed = False
+        self._state = None
+        self.queue = []  # of Request, in their order
+        self.holders = {}  # {Traveller: True}, in the order in which they came
+
+    def has_room(self):
+        """Return whether one more may come in."""
+        return not self.is_closed and not self.is_full()
+
+    def is_full(self):
+        """Return whether as many as there is place for, or more, hold one."""
+        return self.capacity is not None and len(self.holders) >= self.capacity
+
+    def changed(self):
+        """Its state is another now."""
+        self._state = None
+
+    def state(self):
+        """Return the AreaState. What has not changed is not made anew."""
+        if self._state is None:
+            robots = sorted(self.holders, key=lambda one: one.index)
+            self._state = AreaState(*self._kind_and_name, self.capacity, self.is_closed,
+                                    tuple(one.name for one in robots),
+                                    tuple(request.traveller.name for request in self.queue))
+        return self._state
+
+
+class Request:
+    """``traveller`` asks for a place in each of ``areas`` since ``since_ns`` [ns], and then gives back ``leaves``."""
+
+    __slots__ = ('key', 'traveller', 'areas', 'leaves')
+
+    def __init__(self, since_ns, traveller, areas, leaves):
+        self.key = since_ns, traveller.index
+        self.traveller = traveller
+        self.areas = areas
+        self.leaves = leaves
+        for area in areas:
+            insort(area.queue, self)
+
+    def __lt__(self, other):
+        """Return whether this one comes first: who asked first, at one instant the lower robot index."""
+        return self.key < other.key
+
+    @property
+    def reason(self):
+        """For what the robot is held."""
+        return ', '.join(area.name for area in self.areas)
+
+    def is_first(self):
+        """Return whether there is a place in all the areas, and nobody comes before."""
+        return all(area.has_room() and area.queue[0] is self for area in self.areas)
+
+    def withdraw(self):
+        """Leave the queues."""
+        for area in self.areas:
+            area.queue.remove(self)

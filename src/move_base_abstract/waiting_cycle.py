@@ -1,0 +1,72 @@
+"""Robots that wait for one another in a circle: nobody among them will ever go on by itself."""
+
+
+def waiting_cycle(request):
+    """Return a circle of waiting that ``request`` closed, ((robot's name, area's name), ...), or None.
+
+    Each robot of it waits for the area beside it, in which the next robot holds a place; it begins with the lowest
+    index. A robot is stuck if one of the areas that it asks for is full of stuck robots only, or if a stuck one comes
+    before it there: the largest set of which that is so. An area that is closed may be opened: nobody is stuck for it.
+    """
+    if not request.traveller.held:
+        return None  # nobody waits for it
+    stuck = _stuck(_connected(request))
+    ring = _way_back(request.traveller, stuck) if request.traveller in stuck else None
+    if ring is None:
+        return None  # it waits for a circle that was there before
+    first = min(range(len(ring)), key=lambda place: ring[place][0].index)
+    return tuple((traveller.name, area.name) for traveller, area in ring[first:] + ring[:first])
+
+
+def _way_back(traveller, stuck):
+    """Return the shortest circle of waiting from ``traveller`` to it, [(Traveller, Area), ...], or None."""
+    came, open_ = {}, [traveller]
+    for one in open_:
+        for area, other in _waits_for(one, stuck):
+            if other not in came:
+                came[other] = one, area
+                open_.append(other)
+    if traveller not in came:
+        return None
+    ring, one = [], traveller
+    while not ring or one is not traveller:
+        ring.append(came[one])
+        one = came[one][0]
+    return ring[::-1]
+
+
+def _connected(request):
+    """Return all who wait, {Traveller: True}, that can be reached from ``request`` by waiting for one another."""
+    found, open_ = {}, [request.traveller]
+    while open_:
+        traveller = open_.pop()
+        if traveller.request is not None and traveller not in found:
+            found[traveller] = True
+            for area in traveller.request.areas:
+                open_ += [*area.holders, *_before(area, traveller)]
+    return found
+
+
+def _before(area, traveller):
+    queue = [request.traveller for request in area.queue]
+    return queue[:queue.index(traveller)]
+
+
+def _stuck(candidates):
+    """Return those of ``candidates`` that wait for candidates only, {Traveller: True}."""
+    while True:
+        left = {one: True for one in candidates if _waits_for(one, candidates)}
+        if len(left) == len(candidates):
+            return left
+        candidates = left
+
+
+def _waits_for(traveller, stuck):
+    """Return [(area, Traveller), ...]: by which areas ``traveller`` is stuck, and for whom it waits there."""
+    found = []
+    for area in traveller.request.areas if traveller.request is not None else ():
+        if not area.is_closed:
+            if area.is_full() and all(one in stuck for one in area.holders):
+                found += [(area, one) for one in sorted(area.holders, key=lambda one: one.index)]
+            found += [(area, one) for one in _before(area, traveller) if one in stuck]
+    return found

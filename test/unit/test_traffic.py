@@ -1,0 +1,295 @@
+"""Zones and lanes with place for some robots only: who waits where, for how long, in which order, and what is off."""
+import json
+
+import pytest
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract.scenario import check_one_process, make_scenario
+
+S = 1_000_000_000
+NO_CONTROL = 'Failed to find a valid control. Even after executing recovery behaviors.'
+GATE = {'name': 'gate', 'rectangle': [4, -50, 6, 50], 'capacity': 1}
+
+
+def fleet_of(robots, zones=(GATE,), **more):
+    """Return a Fleet at time 0; ``robots`` {name: (x, y)}, in the order of their indices, all at 2 m/s."""
+    return Fleet(make_scenario({
+        'defaults': {'max_speed': 2.0}, 'zones': list(zones), **more,
+        'robots': [{'name': name, 'start_x': float(x), 'start_y': float(y)} for name, (x, y) in robots.items()]}),
+        start_ns=0)
+
+
+def rows(fleet, *kinds):
+    """Return what was recorded of some kinds: [(time [s], robot, kind, *values)]."""
+    return [(entry.time_ns / S, entry.robot, entry.kind, *entry.values) for entry in fleet.trace if entry.kind in kinds]
+
+
+def ends(fleet):
+    return {entry.robot: (entry.time_ns / S, entry.values[1]) for entry in fleet.trace if entry.kind == 'ended'}
+
+
+def state(fleet, number=0):
+    """Return (holders, waiting) of a zone."""
+    area = fleet.zones[number]
+    return area.robots, area.waiting
+
+
+# ---- one zone
+
+def test_who_comes_second_waits_at_the_border_until_the_first_has_left():
+    fleet = fleet_of({'a': (0, 0), 'b': (0, 1)})
+    fleet.send('a', 10, 0)
+    fleet.run(S // 2)
+    fleet.send('b', 10, 1)
+    fleet.run(11 * S // 4)
+    assert (fleet.pose('b').x, state(fleet)) == (pytest.approx(4.0, abs=1e-8), (('a',), ('b',)))
+    fleet.run()
+    assert rows(fleet, 'held', 'released', 'entered', 'left') == [
+        (2.0, 'a', 'entered', 'zone gate'), (2.5, 'b', 'held', 'zone gate'), (3.0, 'a', 'left', 'zone gate'),
+        (3.0, 'b', 'entered', 'zone gate'), (3.0, 'b', 'released'), (4.0, 'b', 'left', 'zone gate')]
+    assert ends(fleet) == {'a': (5.0, 'SUCCEEDED'), 'b': (6.0, 'SUCCEEDED')}
+
+
+def test_who_finds_a_place_does_not_stop():
+    fleet = fleet_of({'a': (0, 0), 'b': (0, 1)}, [dict(GATE, capacity=2)])
+    for name, y in (('a', 0), ('b', 1)):
+        fleet.send(name, 10, y)
+    fleet.run()
+    assert ends(fleet) == {'a': (5.0, 'SUCCEEDED'), 'b': (5.0, 'SUCCEEDED')} and not rows(fleet, 'held')
+
+
+def test_first_come_is_first_served_and_at_one_instant_the_lower_index():
+    fleet = fleet_of({'z': (0, 0), 'c': (-1, 1), 'b': (-1, 2), 'a': (-0.5, 3)})
+    for name, y in (('a', 3), ('b', 2), ('c', 1), ('z', 0)):
+        fleet.send(name, 10, y)
+    fleet.run()
+    assert [row[1] for row in rows(fleet, 'entered')] == ['z', 'a', 'c', 'b']
+
+
+def test_a_place_that_is_given_back_at_an_instant_can_be_taken_in_it():
+    fleet = fleet_of({'b': (-2, 1), 'a': (0, 0)})
+    for name, y in (('a', 0), ('b', 1)):
+        fleet.send(name, 10, y)
+    fleet.run()
+    assert not rows(fleet, 'held') and ends(fleet)['b'] == (6.0, 'SUCCEEDED')
+
+
+def test_who_has_its_goal_inside_keeps_the_place_and_who_starts_inside_has_one():
+    fleet = fleet_of({'a': (5, 0), 'b': (0, 1)})
+    assert state(fleet) == (('a',), ())
+    fleet.send('b', 5, 1)
+    fleet.run(10 * S)
+    assert state(fleet) == (('a',), ('b',))
+    fleet.send('a', 10, 0)
+    fleet.run()
+    assert state(fleet) == (('b',), ()) and ends(fleet)['b'] == (11.0, 'SUCCEEDED')
+
+
+def test_more_than_there_is_place_for_may_stand_inside_and_none_comes_before_they_have_left():
+    fleet = fleet_of({'a': (5, 0), 'b': (5, 1), 'c': (0, 2)})
+    fleet.send('c', 10, 2)
+    fleet.send('a', 10, 0)
+    fleet.run(5 * S)
+    assert state(fleet) == (('b',), ('c',))
+    fleet.place('b', Pose2D(20.0))
+    assert state(fleet) == (('c',), ())
+    fleet.place('b', Pose2D(5.0))
+    assert state(fleet) == (('b', 'c'), ())
+
+
+@pytest.mark.parametrize('how', ['cancel', 'newer goal', 'place', 'remove', 'reset'])
+def test_who_gives_up_waiting_leaves_the_queue(how):
+    fleet = fleet_of({'a': (5, 0), 'b': (0, 1)})
+    fleet.send('b', 10, 1)
+    fleet.run(3 * S)
+    assert state(fleet) == (('a',), ('b',))
+    {'cancel': lambda: fleet.cancel('b'), 'newer goal': lambda: fleet.send('b', 0, 1), 'remove': lambda: fleet.remove(
+        'b'), 'place': lambda: fleet.place('b', Pose2D(8.0, 1.0)), 'reset': fleet.reset}[how]()
+    fleet.run()
+    assert state(fleet) == (('a',), ())
+    if how == 'cancel':
+        assert fleet.pose('b').x == pytest.approx(4.0, abs=1e-8)
+    if how in ('newer goal', 'place'):
+        assert ends(fleet)['b'] == ({'newer goal': 5.0, 'place': 4.0}[how], 'SUCCEEDED')
+
+
+def test_who_is_stopped_inside_keeps_the_place_and_who_turns_round_at_the_border_leaves():
+    fleet = fleet_of({'a': (0, 0), 'b': (0, 1)})
+    fleet.send('a', 10, 0)
+    fleet.run(5 * S // 2)
+    fleet.cancel('a')
+    assert state(fleet) == (('a',), ())
+    fleet.send('a', 4, 0)  # to the border
+    fleet.run()
+    assert state(fleet) == ((), ())
+
+
+def test_a_closed_zone_lets_nobody_in_and_those_inside_out():
+    fleet = fleet_of({'a': (5, 0), 'b': (0, 1)}, [dict(GATE, capacity=None)])
+    fleet.close_zone('gate')
+    fleet.send('a', 10, 0)
+    fleet.send('b', 10, 1)
+    fleet.run(10 * S)
+    assert (state(fleet), fleet.zones[0].closed) == (((), ('b',)), True)
+    fleet.close_zone('gate', closed=False)
+    fleet.run()
+    assert ends(fleet) == {'a': (2.5, 'SUCCEEDED'), 'b': (13.0, 'SUCCEEDED')}
+    with pytest.raises(ConfigurationError, match="zone 'gaet' is unknown; there are: gate"):
+        fleet.close_zone('gaet')
+
+
+def test_a_robot_that_fails_on_its_way_fails_at_the_same_place_however_often_it_is_held():
+    driven = []
+    for zones in ((), (GATE,)):
+        fleet = fleet_of({'a': (5, 0), 'b': (0, 1)}, zones)
+        fleet.add('c', start_y=2.0, max_speed=2.0, failure_by_length=[[0.0, 1.0]], seed=5)
+        fleet.send('c', 100, 2)
+        if zones:  # it asks again at once
+            fleet.at(10 * S, lambda fleet: fleet.place('c', Pose2D(4.0, 2.5)))
+        fleet.at(20 * S, lambda fleet: fleet.send('a', 20, 0))
+        fleet.run()
+        driven.append(fleet.distance('c'))
+        assert ends(fleet)['c'][1] == 'ABORTED'
+    assert len(rows(fleet, 'held')) == 2
+    assert driven[0] == pytest.approx(driven[1], abs=1e-6) and driven[0] > 8.0
+
+
+# ---- several zones
+
+ROW = [dict(GATE, name=name, rectangle=[x, -50, x + 2, 50]) for name, x in (('one', 2), ('two', 4), ('three', 6))]
+
+
+def test_who_waits_at_the_end_of_a_zone_for_the_next_one_keeps_its_place():
+    fleet = fleet_of({'a': (5, 0), 'b': (0, 1), 'c': (-2, 2)}, ROW)
+    fleet.send('b', 10, 1)
+    fleet.send('c', 10, 2)
+    fleet.run(10 * S)
+    assert [state(fleet, number) for number in range(3)] == [(('b',), ('c',)), (('a',), ('b',)), ((), ())]
+    fleet.send('a', 10, 0)
+    fleet.run()
+    assert ends(fleet) == {'a': (12.5, 'SUCCEEDED'), 'b': (13.5, 'SUCCEEDED'), 'c': (14.5, 'SUCCEEDED')}
+
+
+def test_zones_that_begin_at_the_same_place_are_entered_together_or_not_at_all():
+    both = [GATE, dict(GATE, name='wide', rectangle=[4, -50, 8, 50])]
+    fleet = fleet_of({'a': (7, 0), 'b': (0, 1)}, both)
+    fleet.send('b', 10, 1)
+    fleet.run(10 * S)
+    assert rows(fleet, 'held') == [(2.0, 'b', 'held', 'zone gate, zone wide')]
+    assert state(fleet, 0) == ((), ('b',)) and state(fleet, 1) == (('a',), ('b',))
+
+
+CROSSING = [dict(GATE, name='west', rectangle=[0, 0, 5, 5]), dict(GATE, name='east', rectangle=[5, 0, 10, 5])]
+
+
+@pytest.mark.parametrize('policy', ['wait', 'abort'])
+def test_a_circle_of_waiting_is_named_once(policy):
+    fleet = fleet_of({'a': (1, 1), 'b': (9, 2), 'c': (-3, 3)}, CROSSING, deadlock=policy)
+    fleet.send('a', 9, 1)
+    fleet.send('b', 1, 2)
+    fleet.send('c', 3, 3)
+    fleet.run(20 * S)
+    assert rows(fleet, 'deadlock') == [(2.0, 'b', 'deadlock', 'a', 'zone east', 'b', 'zone west')]
+    if policy == 'wait':
+        assert ends(fleet) == {} and state(fleet, 0) == (('a',), ('c', 'b'))
+        return
+    assert ends(fleet) == {'b': (2.0, 'ABORTED')} and rows(fleet, 'ended')[0][5] == NO_CONTROL
+    fleet.send('b', 20, 2)
+    fleet.run()
+    assert ends(fleet)['a'][1] == ends(fleet)['c'][1] == 'SUCCEEDED'
+
+
+def test_no_circle_is_seen_where_one_may_go_on():
+    room = [CROSSING[0], dict(CROSSING[1], capacity=2)]
+    fleet = fleet_of({'a': (1, 1), 'b': (9, 2), 'd': (8, 4)}, room)
+    fleet.send('a', 9, 1)
+    fleet.send('b', 1, 2)
+    fleet.run(10 * S)
+    assert not rows(fleet, 'deadlock') and state(fleet, 1) == (('b', 'd'), ('a',))
+    fleet.send('d', 20, 4)
+    fleet.run()
+    assert {state for _, state in ends(fleet).values()} == {'SUCCEEDED'}
+
+
+def test_a_long_row_of_robots_goes_on_at_one_instant():
+    row = [dict(GATE, name='z{}'.format(k), rectangle=[2 * k, -1, 2 * k + 2, 1]) for k in range(400)]
+    fleet = fleet_of({'r{}'.format(k): (2 * k + 1, 0) for k in range(400)}, row)
+    for k in range(399):
+        fleet.send('r{}'.format(k), 2 * k + 3, 0)
+    fleet.run(10 * S)
+    assert not ends(fleet)
+    fleet.send('r399', 900, 0)
+    fleet.run(12 * S)
+    assert len(ends(fleet)) == 399 and set(ends(fleet).values()) == {(11.0, 'SUCCEEDED')}
+
+
+# ---- lanes
+
+@pytest.fixture
+def lanes_fleet(tmp_path):
+    """Return a function that makes a Fleet on a row of nodes 10 m apart, joined by lanes for one robot each."""
+    def make(robots, *edges):
+        nodes = [{'name': str(k), 'x': 10 * k, 'y': 0} for k in range(4)]
+        pairs = [{'from': str(k), 'to': str(k + 1), 'capacity': 1} for k in range(3)]
+        path = tmp_path / 'lanes.yaml'
+        path.write_text(json.dumps({'nodes': nodes, 'edges': [*pairs, *edges]}))
+        return fleet_of(robots, (), lanes=str(path), defaults={'routes': 'lanes', 'max_speed': 2.0})
+    return make
+
+
+def test_a_lane_for_one_is_driven_by_one_in_whichever_direction(lanes_fleet):
+    fleet = lanes_fleet({'a': (0, 0), 'b': (10, 0)})
+    fleet.send('a', 10, 0)
+    fleet.send('b', 0, 0)
+    fleet.run()
+    assert rows(fleet, 'entered', 'left', 'held') == [
+        (0.0, 'a', 'entered', 'lane 0 - 1'), (0.0, 'b', 'held', 'lane 0 - 1'), (5.0, 'a', 'left', 'lane 0 - 1'),
+        (5.0, 'b', 'entered', 'lane 0 - 1'), (10.0, 'b', 'left', 'lane 0 - 1')]
+    assert ends(fleet) == {'a': (5.0, 'SUCCEEDED'), 'b': (10.0, 'SUCCEEDED')}
+
+
+def test_who_waits_at_a_node_for_the_next_lane_keeps_the_one_behind(lanes_fleet):
+    fleet = lanes_fleet({'a': (10, 0), 'b': (0, 0), 'c': (-1, 0)})
+    fleet.send('a', 15, 0)  # in the middle of a lane, where it stays
+    fleet.send('b', 30, 0)
+    fleet.send('c', 10, 0)
+    fleet.run(20 * S)
+    assert [state(fleet, number) for number in range(3)] == [(('b',), ('c',)), (('a',), ('b',)), ((), ())]
+    fleet.place('a', Pose2D(50.0))
+    fleet.run()
+    assert ends(fleet) == {'a': (2.5, 'SUCCEEDED'), 'b': (30.0, 'SUCCEEDED'), 'c': (25.0, 'SUCCEEDED')}
+
+
+def test_head_on_in_a_row_of_lanes_is_a_circle(lanes_fleet):
+    fleet = lanes_fleet({'a': (0, 0), 'b': (20, 0)})
+    fleet.send('a', 20, 0)
+    fleet.send('b', 0, 0)
+    fleet.run()
+    assert rows(fleet, 'deadlock') == [(5.0, 'b', 'deadlock', 'a', 'lane 1 - 2', 'b', 'lane 0 - 1')]
+
+
+# ---- what is off, and what is refused
+
+def test_without_zones_the_log_is_the_same_to_the_byte():
+    def log(**more):
+        fleet = fleet_of({'a': (0, 0), 'b': (10, 0)}, **more)
+        for number in range(20):
+            fleet.at(number * S, lambda fleet, number=number: fleet.send('ab'[number % 2], number, number % 3))
+        fleet.run()
+        return fleet.trace
+    assert log(zones=()) == log(zones=[dict(GATE, rectangle=[100, 100, 101, 101])])
+
+
+def test_places_are_counted_in_one_process(lanes_fleet):
+    for scenario in (make_scenario({'zones': [GATE]}), lanes_fleet({'a': (0, 0)}).scenario):
+        check_one_process(scenario, 1, '/fleet')
+        with pytest.raises(ConfigurationError, match='/fleet/parts: got 3 with .*; allowed: 1'):
+            check_one_process(scenario, 3, '/fleet')
+    check_one_process(make_scenario({}), 3, '/fleet')
+
+
+def test_what_deadlock_may_be():
+    with pytest.raises(ConfigurationError, match="deadlock: got 'push'; allowed: 'wait' or 'abort'"):
+        make_scenario({'deadlock': 'push'})
