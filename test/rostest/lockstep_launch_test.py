@@ -15,9 +15,10 @@ from unittest import mock
 
 import rostest
 
+from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.event_log import EventLog
 from move_base_abstract.shown import MAX_LENGTH
-from move_base_abstract_ros.launching import roles
+from move_base_abstract_ros.launching import plan, roles
 from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -166,6 +167,16 @@ class LaunchTest(unittest.TestCase):
                 role = roles.role_of(node)
             self.assertEqual(role.why, 'there is no program {}/{}{}'.format(package, kind, hint))
             self.assertLessEqual(len(role.why), MAX_LENGTH)  # it is told whole
+
+    def test_who_is_named_may_stand_in_a_text(self):
+        for value, named in (('[/a, "b"]', ['/a', '/b']), (['c'], ['/c']), (None, [])):
+            config = SimpleNamespace(params={} if value is None else {
+                plan.TIME_MASTER + '/participants': SimpleNamespace(value=value)})
+            self.assertEqual(plan._named(config), named)
+        for value in ('/a', '[1]', 3, '['):
+            config = SimpleNamespace(params={plan.TIME_MASTER + '/participants': SimpleNamespace(value=value)})
+            with self.assertRaisesRegex(ConfigurationError, '/time_master/participants'):
+                plan._named(config)
 
     def test_options_say_otherwise(self):
         done = self.run_it('--list', '--no-respawn', '--onlooker', 'flags', '--leave-out', '/one/relay',
