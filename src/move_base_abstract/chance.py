@@ -25,6 +25,10 @@ class Purpose(IntEnum):
     FAILURE_KM = 9
     FAILURE_GOALS = 10
     REPAIR = 11
+    ARRIVAL = 41
+    TASK_X = 42
+    TASK_Y = 43
+    TASK_DURATION = 44
 
 
 class Chance:

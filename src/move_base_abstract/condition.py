@@ -15,10 +15,15 @@ class Condition:
         return not self._parts
 
     @property
+    def has_failed(self):
+        """Whether the robot has failed and is not repaired yet."""
+        return self.failing is not None and self.failing.failure is not None
+
+    @property
     def state_text(self):
         """What is out of the ordinary, in a few words for people; '' if nothing is."""
         failing = self.failing
-        failed = ['failed: ' + failing.failure.kind] if failing is not None and failing.failure is not None else []
+        failed = ['failed: ' + failing.failure.kind] if self.has_failed else []
         held = [reason for reason in self._navigator.held_for if not failed or reason != failing.REASON]
         return ', '.join(failed + (['held: ' + ', '.join(held)] if held else []))
 

@@ -15,12 +15,14 @@ from .geometry import quaternion_of_yaw
 from .map_check import MapCheck
 from .navigator import GoalPose, NavigatorListener
 from .outcome import ROBOT_REMOVED, ROBOT_RESET
+from .place_tasks import Rooms
 from .robot_parts import make_planner, make_robot_parts
 from .robot_trace import RobotTrace, TraceEntry
 from .scenario import Scenario, make_robot
 from .simulation import Simulation
 from .traffic import DeadlockPolicy, Traffic
 from .units import NS_PER_S, seconds_to_ns
+from .worker import Worker
 
 __all__ = ['Fleet', 'TraceEntry']
 
@@ -34,14 +36,17 @@ class Fleet:
     ``on_end(robot, goal_id, state, text, now_ns)``, if given, is called when a goal ends, and may send the next one.
     With ``trace=None`` nothing is recorded; else each :class:`TraceEntry` is appended to that list. ``occupancy``
     (OccupancyMap, its frame the global one) is the map of the robots with ``use_map``; ``planner`` is in the place of
-    what the settings ask for.
+    what the settings ask for. ``on_worked``: as ``on_end``, of tasks at places (:meth:`work`).
     """
 
-    def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=(), occupancy=None):
+    def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=(), occupancy=None,
+                 on_worked=None):
         self.simulation = Simulation(start_ns)
         self.trace = None if trace is None else list(trace)
         self.scenario = scenario
         self._on_end = on_end
+        self._on_worked = on_worked
+        self._rooms = None if scenario.places is None else Rooms(self.simulation, scenario.places)
         self._planner = planner
         self._occupancy = occupancy
         self.traffic = Traffic(self.simulation, scenario.zones, DeadlockPolicy(scenario.deadlock))
@@ -90,6 +95,19 @@ class Fleet:
     def cancel(self, name, goal_id=''):
         """Cancel a robot's goal ``goal_id``, or whatever goal it has."""
         self._member(name).navigator.cancel(goal_id, 0, self.now_ns)
+
+    def work(self, name, task, goal_id=''):
+        """Have a robot, which stands there, do the ``task`` (:class:`arrivals.Task`) now; return the goal's id.
+
+        :raises ConfigurationError: if the scenario says nothing of places.
+        """
+        goal_id = goal_id or task.task_id
+        self._worker(name).take(goal_id, 0, task, self.now_ns)
+        return goal_id
+
+    def cancel_work(self, name, goal_id=''):
+        """Cancel a robot's task ``goal_id``, or whatever task it has."""
+        self._worker(name).cancel(goal_id, 0, self.now_ns)
 
     def place(self, name, pose):
         """Put a robot at ``pose`` (Pose2D, global frame) at once; with a goal it goes on from there."""
@@ -175,6 +193,13 @@ class Fleet:
     def _add(self, spec):
         self._members[spec.name] = _Member(self, spec, next(self._indices), self._planner, self._occupancy)
 
+    def _worker(self, name):
+        worker = self._member(name).worker
+        if worker is None:
+            raise ConfigurationError("robot '{}' cannot work: the scenario has no places; allowed: a list, also an "
+                                     'empty one'.format(name))
+        return worker.tasks
+
     def _member(self, name):
         try:
             return self._members[name]
@@ -190,9 +215,15 @@ class Fleet:
         return failing
 
     def _ended(self, robot, record, stamp_ns):
-        if self._on_end is not None:
+        self._tell(self._on_end, robot, record, stamp_ns)
+
+    def _worked(self, robot, record, stamp_ns):
+        self._tell(self._on_worked, robot, record, stamp_ns)
+
+    def _tell(self, listener, robot, record, stamp_ns):
+        if listener is not None:
             # The goal's own event must be over before the next goal comes, so it comes at the end of this instant.
-            self.at(max(stamp_ns, self.now_ns), lambda fleet: self._on_end(
+            self.at(max(stamp_ns, self.now_ns), lambda fleet: listener(
                 robot, record.goal_id, record.state, record.text, fleet.now_ns))
 
 
@@ -214,10 +245,18 @@ class _Member(NavigatorListener):
                                  planner or make_planner(settings, self._map_check))
         self.robot, self._ledger, self.navigator, self.condition = (
             parts.robot, parts.ledger, parts.navigator, parts.condition)
+        self.worker = None
         self._trace.motion(self.robot, fleet.now_ns)
         self._traveller = fleet.traffic.join(self.navigator, settings.network, self._trace.note, self.warn)
+        if fleet._rooms is not None:
+            self.worker = Worker(fleet._rooms, self.robot, values['seed'],
+                                 None if fleet.trace is None else fleet.trace.append,
+                                 lambda record, stamp_ns: fleet._worked(spec.name, record, stamp_ns),
+                                 lambda: self.condition.has_failed)
 
     def reset(self, now_ns):
+        if self.worker is not None:
+            self.worker.tasks.shut_down(ROBOT_RESET, now_ns)
         self.navigator.reset(ROBOT_RESET, now_ns)
         self._ledger.clear()
         self.condition.reset(now_ns)
@@ -226,6 +265,8 @@ class _Member(NavigatorListener):
         self.stands(self.robot, now_ns)
 
     def remove(self, now_ns):
+        if self.worker is not None:
+            self.worker.tasks.shut_down(ROBOT_REMOVED, now_ns)
         self.condition.close()
         self.navigator.close(ROBOT_REMOVED, now_ns)
         if self._traveller is not None:
@@ -237,11 +278,13 @@ class _Member(NavigatorListener):
 
     def departed(self, robot, goal, now_ns):
         self._trace.departed(goal, now_ns, robot.leg.corners)
+        self._moved(now_ns)
         if self._traveller is not None:
             self._traveller.departed(robot.leg, now_ns)
 
     def stands(self, robot, now_ns):
         self._trace.stands(robot.pose_at(now_ns), now_ns)
+        self._moved(now_ns)
         if self._traveller is not None:
             self._traveller.stands(now_ns)
 
@@ -249,11 +292,17 @@ class _Member(NavigatorListener):
         if self._traveller is not None:
             self._traveller.abandons(now_ns)
 
+    def _moved(self, now_ns):
+        if self.worker is not None:
+            self.worker.tasks.moved(now_ns)
+
     def held(self, reasons, now_ns):
         self._trace.held(reasons, now_ns)
 
     def failed(self, kind, cause, now_ns):
         self._trace.failed(kind, cause, now_ns)
+        if self.worker is not None:
+            self.worker.tasks.failed(now_ns)
 
     def repaired(self, now_ns):
         self._trace.repaired(now_ns)

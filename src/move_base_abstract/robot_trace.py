@@ -75,3 +75,35 @@ class RobotTrace:
     def _add(self, time_ns, kind, *values):
         if self._record is not None:
             self._record(TraceEntry(time_ns, self._robot_name, kind, values))
+
+
+class TaskTrace:
+    """Makes the entries of one robot's tasks; ``record``: as of RobotTrace.
+
+    ``waiting_began`` and ``waiting_ended`` (goal id, place), where a task has to wait; ``task_began`` (goal id, how
+    long it will take [ns]), ``task_ended`` (goal id, state, text).
+    """
+
+    def __init__(self, robot_name, record=None):
+        self._robot_name = robot_name
+        self._record = record
+
+    def waits(self, record, place, now_ns):
+        """The task waits for room at ``place``."""
+        self._add(now_ns, 'waiting_began', record.goal_id, place)
+
+    def waited(self, record, place, now_ns):
+        """The task waits no more."""
+        self._add(now_ns, 'waiting_ended', record.goal_id, place)
+
+    def began(self, record, duration_ns, now_ns):
+        """Work on the task begins."""
+        self._add(now_ns, 'task_began', record.goal_id, duration_ns)
+
+    def ended(self, record, stamp_ns):
+        """The task ended."""
+        self._add(stamp_ns, 'task_ended', record.goal_id, record.state.name, record.text)
+
+    def _add(self, time_ns, kind, *values):
+        if self._record is not None:
+            self._record(TraceEntry(time_ns, self._robot_name, kind, values))

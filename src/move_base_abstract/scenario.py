@@ -7,16 +7,20 @@
       - {name: tractor, max_speed: 4.0, acceleration: 0.5}
       - {name: drone, count: 10, start_y: 5.0, step_x: 2.0}    # drone_0 .. drone_9, 2 m apart
     zones: []                                      # see zones; likewise lanes and travel_matrix, paths of files
+    places: [{name: dock, x: 12.0, y: 3.0}]        # see places
+    arrivals: [{place: dock, rate_per_hour: 20.0, duration: 30.0}]    # of tasks, see arrivals
 
 The settings are the private parameters of the ``move_base`` node; a robot's own come before the defaults.
 """
 import os
 from dataclasses import dataclass, field, replace
-from typing import Tuple
+from typing import Any, Tuple
 
+from .arrivals import merged, read_arrivals
 from .bounded_yaml import load_yaml_file
 from .errors import ConfigurationError
 from .parameter_table import Parameter, checked, integer, number, one_of
+from .places import read_places
 from .ros_names import ROBOT_NAME_RULE, is_robot_name
 from .settings import OWN_NAMES, RobotSettings, read_settings
 from .shown import shown, shown_text
@@ -24,7 +28,7 @@ from .unknown_keys import check_keys
 from .zones import Zone, read_zones
 
 _NETWORKS = ('lanes', 'travel_matrix')  # of the world, so that they stand at the top
-_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', 'deadlock', *_NETWORKS)
+_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', 'deadlock', *_NETWORKS, 'places', 'arrivals')
 #: settings that are paths, or names without .yaml that ship
 _FILES = ('duration_quantiles', 'calibration', *_NETWORKS)
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
@@ -46,13 +50,22 @@ class RobotSpec:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A fleet: the robots in the order of their indices, the settings of all, the seed of what is random, the zones."""
+    """A fleet: the robots in the order of their indices, the settings of all, the seed of what is random, the zones.
+
+    ``places``: {name: Place}, or None where the scenario says nothing of places; ``arrivals``: of tasks.
+    """
 
     robots: Tuple[RobotSpec, ...]
     defaults: dict = field(default_factory=dict)
     seed: int = 0
     zones: Tuple[Zone, ...] = ()
     deadlock: str = 'wait'
+    places: Any = None
+    arrivals: Tuple[Any, ...] = ()
+
+    def tasks(self, seed=None):
+        """Yield the tasks (Task) that arrive, in order, of the scenario's seed or another one; they may be endless."""
+        return merged(self.arrivals, self.seed if seed is None else seed)
 
 
 def read_scenario(path, overrides=None, base=None):
@@ -74,6 +87,10 @@ def _find_files(raw, folder):
         for key in _FILES if isinstance(setting, dict) else ():
             if isinstance(setting.get(key), str) and (key != 'calibration' or setting[key].endswith('.yaml')):
                 setting[key] = os.path.join(folder, setting[key])
+    arrivals = raw.get('arrivals')
+    for entry in arrivals if isinstance(arrivals, list) else []:
+        if isinstance(entry, dict) and isinstance(entry.get('file'), str):
+            entry['file'] = os.path.join(folder, entry['file'])
 
 
 def make_scenario(raw, where='scenario', overrides=None, base=None):
@@ -98,20 +115,24 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
         raise ConfigurationError('{}: robots: got more than {} robots; allowed: at most that'.format(where, MAX_ROBOTS))
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, where)]
     _check_different(specs, where)
+    places = None if raw.get('places') is None else read_places(raw['places'], where)
+    arrivals = () if raw.get('arrivals') is None else read_arrivals(raw['arrivals'], places or {}, where)
     return Scenario(tuple(specs), defaults, (overrides or {}).get('seed', seed), read_zones(raw.get('zones'), where),
-                    checked(raw.get('deadlock', 'wait'), 'deadlock', _DEADLOCK, where))
+                    checked(raw.get('deadlock', 'wait'), 'deadlock', _DEADLOCK, where), places, arrivals)
 
 
 def check_one_process(scenario, parts, where):
     """Check that places which are counted are not counted in several processes.
 
-    :raises ConfigurationError: if a scenario with zones, or with lanes that have a capacity, is split into ``parts``.
+    :raises ConfigurationError: one with zones, or with lanes or places that have a capacity, is split into ``parts``.
     """
     has_lanes = any(getattr(spec.settings.network, 'has_capacities', False) for spec in scenario.robots)
-    if parts > 1 and (scenario.zones or has_lanes):
+    has_places = any(place.capacity is not None for place in (scenario.places or {}).values())
+    if parts > 1 and (scenario.zones or has_lanes or has_places):
+        what = 'zones' if scenario.zones else 'lanes' if has_lanes else 'places'
         raise ConfigurationError(
             'parameter {}/parts: got {} with {}; allowed: 1, since who is in them is counted in one process'.format(
-                where.rstrip('/'), parts, 'zones' if scenario.zones else 'lanes that have a capacity'))
+                where.rstrip('/'), parts, what if scenario.zones else what + ' that have a capacity'))
 
 
 def make_robot(name, parameters, where='robot'):

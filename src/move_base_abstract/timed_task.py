@@ -60,14 +60,18 @@ class TimedTaskRunner:
         if record is None:
             return
         self._stop()
+        self._begin(record, duration_ns or self._durations.draw_ns(), now_ns)
+
+    def _begin(self, record, duration_ns, now_ns):
+        """Work on the goal ``record`` for ``duration_ns`` [ns] from now on, if that is possible."""
         self._began_ns = now_ns
-        self._duration_ns = duration_ns or self._durations.draw_ns()
-        fault = _duration_fault(self._duration_ns, now_ns)
+        self._duration_ns = duration_ns
+        fault = _duration_fault(duration_ns, now_ns)
         if fault:
             self._duration_ns = 0
             self._ledger.finish(aborted(fault), now_ns)
             return
-        self._on_begin(record, self._duration_ns, now_ns)
+        self._on_begin(record, duration_ns, now_ns)
         self._end = self._queue.schedule(now_ns + self._duration_ns, self._robot_index, self._done)
         if self._progress is not None:
             self._progress.start(now_ns)

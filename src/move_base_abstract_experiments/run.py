@@ -31,7 +31,8 @@ _NODE_FILE = re.compile(r'[^\w.-]+', re.ASCII)
 
 #: this package's own nodes that are done when the run is over: what they know is in the event log, or written already
 _WITHOUT_LAST_WORDS = tuple((PACKAGE, kind) for kind in (
-    'move_base', 'fleet', 'task_server', 'move_base_abstract_actionserver', 'end_at_message', 'message_recorder'))
+    'move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver', 'end_at_message',
+    'message_recorder'))
 
 
 class RunError(SimulatorError):

@@ -53,11 +53,7 @@ def carry_out(job, path, problem=None):
         traceback.print_exc()
         about['error'] = _first_line(f'{type(error).__name__}: {error}', folders)
     launch_files.save_programs(path)
-    try:
-        _pack(job, path, folders, about)
-    except OSError as error:  # what it left, or should have, has gone; or the disk is full
-        about.update(status=FAILED, error=_first_line(f'its outputs cannot be packed: {error}', folders))
-        _pack(job, path, None, about)
+    _pack(job, path, folders, about)
 
 
 def wanted_of(job):
@@ -175,18 +171,13 @@ def compare(folders, again):
 
 
 def _first_line(text, folders):
-    """Return the first line of an error, with the first error line of what was printed, without times and folders."""
+    """Return the first line of an error, with the first error line of the nodes' outputs, without wall times."""
     line = text.strip().splitlines()[0] if text.strip() else 'no text'
-    if folders is None:
-        return line[:_LONGEST_ERROR]
-    own = folders.own + os.sep  # it has another name each time
-    line = line.replace(own, '')
-    for name in sorted(os.listdir(folders.logs)) if os.path.isdir(folders.logs) else ():
+    for name in sorted(os.listdir(folders.logs)) if folders is not None else ():
         if name.endswith('.txt') and name != 'rosmaster.txt':  # it complains of who has gone
             with open(os.path.join(folders.logs, name), encoding='utf-8', errors='replace') as stream:
-                found = next((_STAMP.sub('', one).strip().replace(own, '') for one in stream
-                              if _ERROR_LINE.match(one)), None)
-            if found and found not in line:
+                found = next((_STAMP.sub('', one).strip() for one in stream if _ERROR_LINE.match(one)), None)
+            if found:
                 return f'{line}; {name[:-len(".txt")]}: {found}'[:_LONGEST_ERROR]
     return line[:_LONGEST_ERROR]
 

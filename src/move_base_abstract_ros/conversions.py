@@ -13,6 +13,11 @@ def to_time(time_ns):
     return genpy.Time(time_ns // NS_PER_S, time_ns % NS_PER_S)
 
 
+def to_duration(duration_ns):
+    """Return ``duration_ns`` [ns] as a ROS duration."""
+    return genpy.Duration(duration_ns // NS_PER_S, duration_ns % NS_PER_S)
+
+
 def to_header(frame_id, stamp_ns):
     """Return a header."""
     return Header(frame_id=frame_id, stamp=to_time(stamp_ns))

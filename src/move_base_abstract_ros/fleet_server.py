@@ -7,6 +7,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from move_base_abstract.bounded_yaml import REQUEST, load_yaml_text
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.place_tasks import Rooms
 from move_base_abstract.scenario import check_frame, make_robot
 from move_base_abstract.shown import shown, shown_text
 from move_base_abstract.srv import AddRobot, AddRobotResponse, RemoveRobot, RemoveRobotResponse
@@ -35,6 +36,7 @@ class FleetServer:
         self._host = host
         self._defaults = scenario.defaults
         self._traffic = make_traffic(host.clock.simulation, scenario)
+        self._rooms = None if scenario.places is None else Rooms(host.clock.simulation, scenario.places)
         self._robots = {}
         self._frames = {}  # {tf frame: name of its robot}
         self._indices = indices
@@ -66,7 +68,7 @@ class FleetServer:
             settings = replace(settings, tf_prefix=spec.name)
         try:
             self._robots[spec.name] = MoveBaseServer(robot_names(self._namespace, spec.name), settings, self._host,
-                                                     index, self._traffic)
+                                                     index, self._traffic, self._rooms)
         except BaseException:
             self._forget_frame(spec.name)
             raise

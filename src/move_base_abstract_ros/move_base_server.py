@@ -20,19 +20,23 @@ from .simple_goals import SimpleGoals
 from .teleport import Teleport
 from .tf_lookup import TfLookup
 from .throttle import WallThrottle
+from .work_server import ACTION as WORK
+from .work_server import WorkServer
 
 _REPEATED_WARNINGS_RATE = 0.2  # Hz, wall
 _DEAF_SECONDS = 0.1  # wall; how long a robot to whose feedback nobody listens is silent
 
 
 class MoveBaseServer(NavigatorListener):
-    """One robot of a process's :class:`Host`."""
+    """One robot of a process's :class:`Host`; ``rooms`` (Rooms): it does tasks at places, too."""
 
-    def __init__(self, names, settings, host, robot_index=0, traffic=None):
+    def __init__(self, names, settings, host, robot_index=0, traffic=None, rooms=None):
         """``traffic``: the Traffic in which the robot takes part, None: it is alone."""
         clock = host.clock
         self._traffic = traffic
         self._traveller = None
+        self._rooms = rooms
+        self._work = None
         self._names = names
         self._settings = settings
         self._clock = clock
@@ -63,6 +67,13 @@ class MoveBaseServer(NavigatorListener):
         self._goal_server.start(self._ledger, self.navigator, self._prefetch)
         self._simple_goals.listen()
         self._map.follow_changes(self._map_changed)
+        if self._rooms is not None:
+            values = settings.values
+            self._work = WorkServer(names.topic(WORK), names.robot, robot_index, host, self._rooms, {
+                'seed': values['seed'], 'frame': values['global_frame'],
+                'feedback_freq': host.timing.task_feedback_frequency,
+                'min_answer_delay': values['min_answer_delay']}, self.navigator.robot,
+                has_failed=lambda: self.condition.has_failed)
 
     def _build(self, robot_index):
         settings, values = self._settings, self._settings.values
@@ -89,12 +100,16 @@ class MoveBaseServer(NavigatorListener):
 
     def shut_down(self):
         """End the active goal as a killed move_base does, and let the answer leave."""
+        if self._work is not None:
+            self._work.shut_down(NODE_KILLED)
         with self._clock.lock:
             self.navigator.close(NODE_KILLED, self._clock.now_ns())
         self._goal_server.flush()
 
     def close(self):
         """Take the robot out of the world: its goal ends, its topics and services go."""
+        if self._work is not None:
+            self._work.close(ROBOT_REMOVED)
         for part in (self._map, self._simple_goals, self._teleport, self._reconfigure, self._planner_interface,
                      self._condition_server):
             part.close()
@@ -115,6 +130,8 @@ class MoveBaseServer(NavigatorListener):
     def reset(self):
         """Be as at the start, but for the time: at the start pose, with the start's limits, without goals."""
         settings = self._settings
+        if self._work is not None:
+            self._work.shut_down(ROBOT_RESET)
         with self._clock.lock:
             now_ns = self._clock.now_ns()
             self.navigator.reset(ROBOT_RESET, now_ns)
@@ -159,6 +176,7 @@ class MoveBaseServer(NavigatorListener):
         if not self.navigator.feedback_frequency:
             self._clock.falls_silent(robot, self._goal_server, 'feedback_freq')
         self._planner_interface.show(robot.pose_at(now_ns), corners, goal, now_ns)
+        self._moved(now_ns)
         if self._traveller is not None:  # last: it may hold the robot
             self._traveller.departed(robot.leg, now_ns)
 
@@ -167,6 +185,7 @@ class MoveBaseServer(NavigatorListener):
         self._trace.stands(robot.pose_at(now_ns), now_ns)
         self._publisher.stands(now_ns)
         self._markers.changed()
+        self._moved(now_ns)
         if self._traveller is not None:
             self._traveller.stands(now_ns)
 
@@ -183,6 +202,8 @@ class MoveBaseServer(NavigatorListener):
     def failed(self, kind, cause, now_ns):
         """Note that the robot has failed."""
         self._trace.failed(kind, cause, now_ns)
+        if self._work is not None:
+            self._work.tasks.failed(now_ns)
         self._tell_condition(now_ns)
 
     def repaired(self, now_ns):
@@ -193,6 +214,10 @@ class MoveBaseServer(NavigatorListener):
     def _tell_condition(self, now_ns):
         self._condition_server.changed(now_ns)
         self._markers.changed()
+
+    def _moved(self, now_ns):
+        if self._work is not None:
+            self._work.tasks.moved(now_ns)
 
     def target(self, goal, now_ns):
         """Show the goal that is worked on."""

@@ -4,7 +4,7 @@ import time
 
 from move_base_abstract.goal_ledger import GoalLedger
 from move_base_abstract.msg import TimedTaskActionFeedback, TimedTaskActionGoal, TimedTaskActionResult
-from move_base_abstract.outcome import NODE_KILLED, GoalState
+from move_base_abstract.outcome import GoalState
 from move_base_abstract.robot_trace import TraceEntry
 from move_base_abstract.timed_task import TimedTaskRunner
 from move_base_abstract.units import NS_PER_S
@@ -36,10 +36,10 @@ class TaskServer:
         self._clock.follow_restarts(self._tasks.restart)
         host.add_robot()
 
-    def shut_down(self):
-        """End the task that is under way as a killed server does, and let the answer leave."""
+    def shut_down(self, outcome):
+        """End the task that is under way with an Outcome, and let the answer leave."""
         with self._clock.lock:
-            self._tasks.shut_down(NODE_KILLED, self._clock.now_ns())
+            self._tasks.shut_down(outcome, self._clock.now_ns())
         self._shell.flush()
 
     def _on_goal(self, message):

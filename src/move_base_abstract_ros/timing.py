@@ -7,6 +7,7 @@ from contextlib import nullcontext
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.event_queue import NOBODY, PARTICIPANTS
 from move_base_abstract.settings import EVENTS_ONLY
 
 from . import lockstep, outlets, tf_hub, tf_watch
@@ -69,6 +70,11 @@ class ScaledTiming:
     def answer_delay(seconds):
         """Return the shortest time between a goal and its answer [s, wall], of which ``seconds`` is asked for."""
         return seconds
+
+    @staticmethod
+    def is_audience(heard):
+        """Return whether who hears, as of Outlet.is_heard, is somebody for whom things may begin."""
+        return heard != NOBODY
 
     @staticmethod
     def throttle(rate, shortest_period):
@@ -139,6 +145,11 @@ class LockstepTiming:
     def answer_delay(_seconds):
         """Return 0: an answer comes in a later round than its goal."""
         return 0.0
+
+    @staticmethod
+    def is_audience(heard):
+        """As of ScaledTiming: who takes no part may come at any time."""
+        return heard == PARTICIPANTS
 
     @staticmethod
     def throttle(_rate, _shortest_period):

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Unchanged launch files in lockstep, by lockstep_launch: who takes part, who looks on, and how a run ends."""
 import json
+import math
 import os
 import re
 import shutil
@@ -15,10 +16,11 @@ from unittest import mock
 
 import rostest
 
-from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.event_log import EventLog
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.scenario import read_scenario
 from move_base_abstract.shown import MAX_LENGTH
-from move_base_abstract_ros.launching import plan, roles
+from move_base_abstract_ros.launching import roles
 from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -92,6 +94,39 @@ PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</ver
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 
 
+def nearest_idle(seed):
+    """Return what a fleet in plain Python does with the tasks of a seed: each by the nearest robot that is idle."""
+    at, idle, waiting, doing = {'robot_0': (0.0, 0.0), 'robot_1': (0.0, 4.0)}, ['robot_0', 'robot_1'], [], {}
+
+    def assign():
+        while waiting and idle:
+            pose = waiting[0].pose
+            robot = min(idle, key=lambda one: math.hypot(at[one][0] - pose.x, at[one][1] - pose.y))
+            idle.remove(robot)
+            doing[robot], at[robot] = waiting.pop(0), (pose.x, pose.y)
+            fleet.send(robot, pose.x, pose.y, pose.yaw)
+
+    def arrives(task):
+        waiting.append(task)
+        assign()
+
+    def worked(robot, *_):
+        idle.append(robot)
+        assign()
+
+    scenario = read_scenario(os.path.join(HERE, os.pardir, os.pardir, 'config', 'tasks_scenario.yaml'))
+    fleet = Fleet(scenario, on_end=lambda robot, *_: fleet.work(robot, doing[robot]), on_worked=worked)
+    for task in scenario.tasks(seed):
+        fleet.at(fleet.now_ns + task.arrival_ns, lambda _, task=task: arrives(task))
+    fleet.run()
+    return fleet.trace
+
+
+def without_goal(kind, values):
+    """Return an event's values without the goal's id, which a client makes up."""
+    return list(values[1:] if kind == 'ended' or kind.startswith(('task', 'waiting')) else values)
+
+
 class LaunchTest(unittest.TestCase):
 
     def setUp(self):
@@ -146,6 +181,25 @@ class LaunchTest(unittest.TestCase):
         self.assertGreater(len(logs[0]), 100)
         self.assertEqual(*logs)
 
+    def test_the_coordinator_that_ships_does_all_tasks_as_in_plain_python_and_twice_the_same(self):
+        logs = []
+        for name in ('a.jsonl', 'b.jsonl'):
+            done = self.run_it('--event-log', self.path(name), '--end-when-idle', 'move_base_abstract',
+                               'coordinator.launch', 'seed:=5')
+            self.assertEqual(done.returncode, 0, done.stdout)
+            self.assertIn('3 of 3 nodes take part', done.stdout)
+            self.assertEqual(done.stdout.count(': SUCCEEDED'), 20, done.stdout)
+            log, events = self.log(name)
+            logs.append(events)
+        self.assertEqual(log.end['not_repeatable_because'] + log.end['degraded_because'], [])
+        self.assertEqual(*logs)
+        # Of the lines of one instant a log has those of the lower robot first.
+        self.assertEqual(
+            [(time_ns, robot, kind, without_goal(kind, json.loads(values)))
+             for time_ns, robot, kind, values in logs[0]],
+            [(entry.time_ns, entry.robot, entry.kind, without_goal(entry.kind, entry.values))
+             for entry in sorted(nearest_idle(5), key=lambda entry: (entry.time_ns, entry.robot))])
+
     def test_who_takes_part_and_why_others_do_not(self):
         done = self.run_it('--list', self.file(KINDS))
         self.assertEqual(done.returncode, 0, done.stdout)
@@ -167,16 +221,6 @@ class LaunchTest(unittest.TestCase):
                 role = roles.role_of(node)
             self.assertEqual(role.why, 'there is no program {}/{}{}'.format(package, kind, hint))
             self.assertLessEqual(len(role.why), MAX_LENGTH)  # it is told whole
-
-    def test_who_is_named_may_stand_in_a_text(self):
-        for value, named in (('[/a, "b"]', ['/a', '/b']), (['c'], ['/c']), (None, [])):
-            config = SimpleNamespace(params={} if value is None else {
-                plan.TIME_MASTER + '/participants': SimpleNamespace(value=value)})
-            self.assertEqual(plan._named(config), named)
-        for value in ('/a', '[1]', 3, '['):
-            config = SimpleNamespace(params={plan.TIME_MASTER + '/participants': SimpleNamespace(value=value)})
-            with self.assertRaisesRegex(ConfigurationError, '/time_master/participants'):
-                plan._named(config)
 
     def test_options_say_otherwise(self):
         done = self.run_it('--list', '--no-respawn', '--onlooker', 'flags', '--leave-out', '/one/relay',

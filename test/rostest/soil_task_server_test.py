@@ -11,8 +11,10 @@ import unittest
 import rospy
 import rostest
 from actionlib import GoalStatus, SimpleActionClient
+from geometry_msgs.msg import Pose, Quaternion
+from std_msgs.msg import Header
 
-from move_base_abstract.msg import TimedTaskAction, TimedTaskGoal
+from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task, TimedTaskAction, TimedTaskGoal
 from move_base_abstract.timed_task import DrawnDurations
 from move_base_abstract_ros.loopback import find_executable
 
@@ -77,6 +79,32 @@ class TaskServer(unittest.TestCase):
         self.do(self.clients[0], -1.0)
         self.assertEqual(self.clients[0].get_state(), GoalStatus.ABORTED)
         self.assertEqual(self.clients[0].get_goal_status_text(), 'duration must be >= 0 s, got -1 s')
+
+    def test_at_a_place_with_room_for_one_the_second_waits_and_says_so(self):
+        heard = []
+        clients = [SimpleActionClient('/robot_{}/work'.format(robot), PlaceTaskAction) for robot in range(2)]
+        for client in clients:
+            self.assertTrue(client.wait_for_server(GUARD))
+        goal = PlaceTaskGoal(Task(place='dock', duration=rospy.Duration(20.0)))
+        clients[0].send_goal(goal)
+        while clients[0].get_state() != GoalStatus.ACTIVE:
+            rospy.sleep(0.1)
+        clients[1].send_goal(PlaceTaskGoal(Task(place='dock')), feedback_cb=heard.append)
+        for client in clients:
+            self.assertTrue(client.wait_for_result(GUARD))
+        first, second = (client.get_result() for client in clients)
+        self.assertEqual((first.waited.to_sec(), first.worked.to_sec(), second.worked.to_sec()), (0.0, 20.0, 4.0))
+        self.assertTrue(0.0 < second.waited.to_sec() <= 20.0)
+        self.assertEqual([heard[0].is_waiting, heard[-1].is_waiting], [True, False])
+        for wrong, text in ((Task(place='moon'), 'place: got moon; allowed: dock'),
+                            (Task(header=Header(frame_id='odom'), pose=Pose(orientation=Quaternion(w=1.0))),
+                             'frame: got odom; allowed: map'),
+                            (Task(place='dock', duration=rospy.Duration(-1.0)),
+                             'duration must be >= 0 s, got -1 s'), (Task(), 'pose: ')):
+            clients[0].send_goal(PlaceTaskGoal(wrong))
+            self.assertTrue(clients[0].wait_for_result(GUARD))
+            self.assertEqual(clients[0].get_state(), GoalStatus.ABORTED)
+            self.assertIn(text, clients[0].get_goal_status_text())
 
     def test_parameters_that_cannot_be_used_are_fatal(self):
         for parameter, text in (('_spread:=5.0', 'the spread must lie in 0..1 s, the duration; got 5.0'),

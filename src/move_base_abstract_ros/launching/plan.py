@@ -6,9 +6,7 @@ import roslaunch.config
 import roslaunch.core
 from roslaunch import substitution_args
 
-from move_base_abstract.bounded_yaml import load_yaml_text
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.shown import shown
 
 from ..loopback import PACKAGE, find_executable
 from . import roles
@@ -188,16 +186,8 @@ def _add_time_master(config, found, wishes):
 
 
 def _named(config):
-    """Return the full names of those who take part and may be started by somebody else.
-
-    :raises ConfigurationError: if the parameter is no list of names.
-    """
-    key = TIME_MASTER + '/participants'
-    given = _value(config, key, [])
-    names = load_yaml_text(given, key) if isinstance(given, str) else given  # <param value="[/a, /b]"/> is a text
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise ConfigurationError('parameter {}: got {}; allowed: a list of names of nodes'.format(key, shown(given)))
-    return [rosgraph.names.ns_join('/', name) for name in names]
+    """Full names of those who take part and may be started by somebody else."""
+    return [rosgraph.names.ns_join('/', name) for name in _value(config, TIME_MASTER + '/participants', [])]
 
 
 def _value(config, key, default):

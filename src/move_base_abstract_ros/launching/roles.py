@@ -9,7 +9,7 @@ from roslib import packages
 from ..loopback import PACKAGE
 from . import programs
 
-_BY_ITSELF = ('move_base', 'fleet', 'task_server', 'move_base_abstract_actionserver', 'soil_coordinator',
+_BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver', 'soil_coordinator',
               'end_at_message', 'message_recorder')
 _LOOK_ON = {
     'nodelet': 'nodelets are not followed', 'rviz': 'it only shows', 'rosbag': 'it only records or plays',

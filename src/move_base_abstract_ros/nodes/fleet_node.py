@@ -26,7 +26,7 @@ _TABLE = (
 )
 #: parameters of the node that come before the scenario's defaults of the same name
 _OVERRIDES = ('use_map', 'backend', 'seed')
-_INLINE = ('defaults', 'robots', 'zones', 'deadlock', 'lanes', 'travel_matrix')
+_INLINE = ('defaults', 'robots', 'zones', 'deadlock', 'lanes', 'travel_matrix', 'places')
 
 
 def main():

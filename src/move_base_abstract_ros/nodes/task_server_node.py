@@ -1,19 +1,24 @@
-"""The node ``task_server``: the action TimedTask for some robots, in one process."""
+"""The node ``task_server``: the actions TimedTask and, with places, PlaceTask for some robots, in one process."""
 import time
 
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.parameter_table import Parameter, integer, name, number, read_table, unknown_names
+from move_base_abstract.outcome import NODE_KILLED
+from move_base_abstract.parameter_table import Parameter, integer, name, number, read_table, text, unknown_names
+from move_base_abstract.place_tasks import Rooms
 from move_base_abstract.ros_names import NAMESPACE_RULE, is_namespace
-from move_base_abstract.scenario import MAX_ROBOTS
+from move_base_abstract.scenario import MAX_ROBOTS, make_scenario, read_scenario
 from move_base_abstract.timed_task import DrawnDurations
 
+from .. import lockstep
 from ..bulk_registration import bulk_registration
 from ..host import Host
 from ..node_process import parse_no_arguments, run_node
 from ..task_server import TaskServer
 from ..timing import make_timing
+from ..work_server import ACTION as WORK
+from ..work_server import WorkServer
 from .move_base_node import LOCKSTEP_PARAMETERS
 
 _LAST_WORDS_SECONDS = 0.1
@@ -37,6 +42,7 @@ MAX_SECONDS = 2.0 ** 31 - 1.0  # of a duration in ROS
 _SECONDS = 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS)
 _TABLE = (
     Parameter('robots', [''], _names, 'a list of different namespaces: ' + NAMESPACE_RULE),
+    Parameter('scenario', '', text, 'the path of a scenario file'),
     Parameter('task', 'timed_task', _task, 'the name of the action below each namespace: ' + NAMESPACE_RULE),
     Parameter('duration', 1.0, number(0.0, MAX_SECONDS), _SECONDS),
     Parameter('spread', 0.0, number(0.0, MAX_SECONDS), _SECONDS + ', not more than the duration'),
@@ -53,11 +59,11 @@ def main():
 
 
 def _build():
-    """Read the parameters, wait for the clock, and return the TaskServer objects."""
+    """Read the parameters, wait for the clock, and return the servers."""
     where = rospy.get_name()
     raw = rospy.get_param(where, {})
     values = read_table(raw, _TABLE, where)
-    for warning in unknown_names(raw, tuple(row.name for row in _TABLE) + LOCKSTEP_PARAMETERS, where):
+    for warning in unknown_names(raw, tuple(row.name for row in _TABLE) + ('places', *LOCKSTEP_PARAMETERS), where):
         rospy.logwarn(warning)
     timing = make_timing()
     clock = timing.make_clock()
@@ -66,20 +72,46 @@ def _build():
                      for index in range(len(values['robots']))]
     except ValueError as error:
         raise ConfigurationError('parameter {}/spread: {}'.format(where, error)) from None
+    scenario = _read_places(raw, values, where)
     if not clock.start():
         return None
     if values['feedback_freq'] is None:
         values['feedback_freq'] = timing.task_feedback_frequency
     host = Host(clock, timing)
     with bulk_registration():
-        servers = [TaskServer(rospy.resolve_name('/'.join(part for part in (robot, values['task']) if part)), host,
-                              index, durations[index], values['feedback_freq'], values['min_answer_delay'])
-                   for index, robot in enumerate(values['robots'])]
+        servers = [TaskServer(_below(robot, values['task']), host, index, durations[index], values['feedback_freq'],
+                              values['min_answer_delay']) for index, robot in enumerate(values['robots'])]
+        if scenario.places is not None:
+            servers += _work_servers(host, values, scenario)
     clock.serve()
+    return servers
+
+
+def _below(robot, name_):
+    return rospy.resolve_name('/'.join(part for part in (robot, name_) if part))
+
+
+def _read_places(raw, values, where):
+    """Return the scenario that says which places there are."""
+    if values['scenario'] and 'places' in raw:
+        raise ConfigurationError('parameters {0}/scenario and {0}/places: only one of them may be given'.format(where))
+    if values['scenario']:
+        return read_scenario(values['scenario'])
+    return make_scenario({'places': raw['places']} if 'places' in raw else {}, where)
+
+
+def _work_servers(host, values, scenario):
+    """Return the servers of tasks at places, of robots that somebody else moves."""
+    rooms = Rooms(host.clock.simulation, scenario.places)
+    settings = {**values, 'frame': str(scenario.defaults.get('global_frame', 'map'))}
+    servers = []
+    for index, robot in enumerate(values['robots']):
+        with lockstep.sender(index):
+            servers.append(WorkServer(_below(robot, WORK), robot.strip('/'), index, host, rooms, settings))
     return servers
 
 
 def _say_goodbye(servers):
     for server in servers:
-        server.shut_down()
+        server.shut_down(NODE_KILLED)
     time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, whatever is still queued on them

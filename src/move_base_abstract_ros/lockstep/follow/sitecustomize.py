@@ -12,7 +12,7 @@ _FOLLOW, _PATHS = 'MOVE_BASE_ABSTRACT_LOCKSTEP_FOLLOW', 'PYTHONPATH'
 def _follow(process, names, launcher, folder):
     with open('/proc/self/cmdline', 'rb') as stream:
         words = [os.fsdecode(word) for word in stream.read().split(b'\0')[1:-1]]
-    if os.getpid() != process and not any(name in words for name in names) or not words or _has_command(words):
+    if os.getpid() != process and not any(name in words for name in names) or '-c' in words or not words:
         return
     del os.environ[_FOLLOW]
     paths = [path for path in os.environ.get(_PATHS, '').split(os.pathsep) if path and path != folder]
@@ -20,19 +20,6 @@ def _follow(process, names, launcher, folder):
     if paths:
         os.environ[_PATHS] = os.pathsep.join(paths)
     os.execv(launcher[0], launcher + [sys.executable] + words)
-
-
-def _has_command(words):
-    """Return whether Python is given a command (-c) and no file: what comes behind a file's name is the program's."""
-    given = iter(words)
-    for word in given:
-        if not word.startswith('-') or word.startswith('-m'):
-            return False
-        if word in ('-W', '-X'):
-            next(given, None)
-        elif 'c' in word and not word.startswith(('--', '-W', '-X')):
-            return True
-    return False
 
 
 def _go_on(folder):

@@ -1,0 +1,34 @@
+"""One robot's tasks at places in plain Python: what is written down of them, and who is told of their ends."""
+from .goal_ledger import GoalLedger
+from .place_tasks import PlaceTaskListener, PlaceTaskRunner
+from .robot_trace import TaskTrace
+
+
+class Worker(PlaceTaskListener):
+    """The tasks of ``robot`` (Robot), which ``record`` (None: nothing) and ``on_end(record, stamp_ns)`` are told of.
+
+    ``has_failed``: as of PlaceTaskRunner.
+    """
+
+    def __init__(self, rooms, robot, seed, record, on_end, has_failed):
+        self._trace = TaskTrace(robot.name, record)
+        self._on_end = on_end
+        ledger = GoalLedger(lambda: None, self._ended, '{}-task-{{}}'.format(robot.name).format)
+        self.tasks = PlaceTaskRunner(rooms, robot.index, robot.name, seed, ledger, self, robot,
+                                     has_failed=has_failed)
+
+    def waits(self, record, place, now_ns):
+        """Write it down."""
+        self._trace.waits(record, place, now_ns)
+
+    def waited(self, record, place, now_ns):
+        """Write it down."""
+        self._trace.waited(record, place, now_ns)
+
+    def begins(self, record, duration_ns, now_ns):
+        """Write it down."""
+        self._trace.began(record, duration_ns, now_ns)
+
+    def _ended(self, record, stamp_ns):
+        self._trace.ended(record, stamp_ns)
+        self._on_end(record, stamp_ns)

@@ -1,0 +1,115 @@
+"""The node ``task_source``: tasks as they arrive, at random instants or at those of a file, each as a message."""
+import rospy
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.msg import Task
+from move_base_abstract.parameter_table import Parameter, boolean, integer, name, read_table, text, unknown_names
+from move_base_abstract.scenario import make_scenario, read_scenario
+from move_base_abstract.units import LAST_NS
+
+from .. import conversions, packing
+from ..node_process import parse_no_arguments, run_node
+from ..outlets import Outlet
+from ..timing import make_timing
+from .move_base_node import LOCKSTEP_PARAMETERS
+
+_TABLE = (
+    Parameter('scenario', '', text, 'the path of a scenario file'),
+    Parameter('seed', None, integer(0), 'a whole number >= 0'),
+    Parameter('topic', 'tasks', name, 'a topic name'),
+    Parameter('wait_for_listener', True, boolean, 'true or false'),
+)
+#: the scenario itself, instead of a file
+_INLINE = ('places', 'arrivals')
+
+
+def main():
+    """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
+    parse_no_arguments('task_source', __doc__)
+    run_node('task_source', _build)
+
+
+def _build():
+    where = rospy.get_name()
+    raw = rospy.get_param(where, {})
+    values = read_table(raw, _TABLE, where)
+    known = tuple(parameter.name for parameter in _TABLE) + _INLINE + LOCKSTEP_PARAMETERS
+    for warning in unknown_names(raw, known, where):
+        rospy.logwarn(warning)
+    scenario = _read_scenario(raw, values, where)
+    timing = make_timing()
+    clock = timing.make_clock()
+    if not clock.start():
+        return None
+    source = TaskSource(clock, timing, scenario, values)
+    clock.serve()
+    return source
+
+
+def _read_scenario(raw, values, where):
+    inline = {key: raw[key] for key in _INLINE if key in raw}
+    if values['scenario'] and inline:
+        raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
+            where, sorted(inline)[0]))
+    scenario = read_scenario(values['scenario']) if values['scenario'] else make_scenario(inline, where)
+    if not scenario.arrivals:
+        raise ConfigurationError(
+            '{}: got no arrivals; allowed: at least one, in a scenario or as ~arrivals'.format(where))
+    return scenario
+
+
+class TaskSource:
+    """Publishes each task at the instant of its arrival, counted from when somebody begins to listen."""
+
+    def __init__(self, clock, timing, scenario, values):
+        self._clock = clock
+        self._timing = timing
+        self._tasks = scenario.tasks(values['seed'])
+        self._frame = str(scenario.defaults.get('global_frame', 'map'))
+        self._begin_ns = None
+        self._needs_listener = values['wait_for_listener']
+        self._outlet = None
+        self._outlet = _Tasks(values['topic'], self._look)
+        clock.follow_restarts(self._restart)
+        self._look()
+
+    def _look(self):
+        """Begin, if somebody listens."""
+        if self._outlet is None or self._begin_ns is not None:
+            return
+        if not self._needs_listener or self._timing.is_audience(self._outlet.is_heard()):
+            with self._clock.lock:
+                if self._begin_ns is None:
+                    self._begin_ns = self._clock.now_ns()
+                    self._schedule(next(self._tasks, None))
+
+    def _restart(self, before_ns, now_ns):
+        if self._begin_ns is not None:
+            self._begin_ns += now_ns - before_ns
+
+    def _schedule(self, task):
+        due_ns = None if task is None else self._begin_ns + task.arrival_ns
+        if due_ns is None or due_ns > LAST_NS:
+            rospy.loginfo('%s: no more tasks arrive', rospy.get_name())
+            return
+        self._clock.simulation.queue.schedule(due_ns, 0, lambda due_ns, _now_ns: self._arrives(task, due_ns))
+
+    def _arrives(self, task, due_ns):
+        self._outlet.send(packing.of_message(self._message(task, due_ns)))
+        self._schedule(next(self._tasks, None))
+
+    def _message(self, task, due_ns):
+        return Task(conversions.to_header(self._frame, due_ns), task.task_id, task.place,
+                    conversions.to_pose(task.pose), conversions.to_duration(task.duration_ns), task.power, task.energy)
+
+
+class _Tasks(Outlet):
+    """The topic of the tasks; ``came()`` is called when somebody begins to listen."""
+
+    def __init__(self, topic, came):
+        self._came = came
+        super().__init__(topic, Task, queue_size=1000, tcp_nodelay=True)
+
+    def greet(self, _peer_publish):
+        """Tell that somebody has come."""
+        self._came()

@@ -1,0 +1,108 @@
+#!/usr/bin/python3
+"""Write docs/scenario_keys.md: each key of a scenario file, as the tables of the code have it.
+
+usage: tools/write_scenario_keys.py [OUTPUT.md]     (without a name: docs/scenario_keys.md)
+
+A unit test holds the page to the tables: who adds a key runs this, once a page of the docs has a row for it.
+"""
+import os
+import re
+import sys
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir)
+sys.path.insert(0, os.path.join(ROOT, 'src'))
+DOCS, PAGE = os.path.join(ROOT, 'docs'), 'scenario_keys.md'
+
+from output_file import output_file  # noqa: E402
+
+from move_base_abstract import arrivals, places, scenario, settings, zones  # noqa: E402
+from move_base_abstract.parameter_table import Parameter  # noqa: E402
+
+HEAD = """# All keys of a scenario
+
+One table for each part of a [scenario file](fleet.md#scenario-files). Units are SI unless a row says otherwise;
+positions and headings are in the global frame. The last column leads to the page that says what the key does.
+This page is written by `tools/write_scenario_keys.py`; a test holds it to the code.
+"""
+UNIT = re.compile(r' \[([^\[\]_]*)\]')
+#: texts of keys that no table of the code has
+TEXTS = {
+    'defaults': ('', 'a mapping of settings of every robot'), 'robots': ('', 'a list of robots'),
+    'zones': ('', 'a list of zones'), 'places': ('', 'a list of places'), 'arrivals': ('', 'a list of arrivals'),
+    'lanes': ('', 'the path of a file'), 'travel_matrix': ('', 'the path of a file'),
+    'recovery_behaviors': ("upstream's four", 'a list of {name, type}'),
+    'footprint': ('none', 'a list of 3 to 1000 points [x, y] [m, base frame]'),
+    'robot_radius': ('0.46', 'a finite number >= 0 [m]'),
+    'step_x': ('0', scenario._STEP.allowed), 'step_y': ('0', scenario._STEP.allowed),
+    'rectangle': ('', '[x_min, y_min, x_max, y_max] [m, global frame]'),
+    'polygon': ('', '3 to 200 points [x, y] [m, global frame]'),
+}
+
+
+def row(parameter, page):
+    """Return the row of a Parameter, of which ``page`` tells."""
+    units = UNIT.findall(parameter.allowed)
+    return '| `{}` | {} | {} | {} | [{}]({}) |'.format(
+        parameter.name, units[-1] if units else '', shown(parameter.default), UNIT.sub('', parameter.allowed),
+        page[:-3].replace('_', ' '), page)
+
+
+def shown(value):
+    """Return a default as YAML would have it."""
+    if value is None or value == ():
+        return ''
+    if isinstance(value, bool):
+        return str(value).lower()
+    return '{:g}'.format(value) if isinstance(value, float) else str(value)
+
+
+def as_parameters(names, known):
+    """Return the Parameters of ``names``: those of ``known``, or of TEXTS."""
+    found = {parameter.name: parameter for parameter in known}
+    lost = [name for name in names if name not in found and name not in TEXTS]
+    if lost:
+        raise SystemExit('{}: no table of the code is known to have this key: add it to TEXTS'.format(lost[0]))
+    return [found.get(name) or Parameter(name, TEXTS[name][0], None, TEXTS[name][1]) for name in names]
+
+
+def sections():
+    """Return [(heading, Parameters, pages to look into first)]."""
+    of_robot = settings.TABLE + settings._LIMITS
+    return [
+        ('Top level', as_parameters(scenario._TOP_KEYS, [scenario._SEED, scenario._DEADLOCK]),
+         ('tasks.md', 'zones.md', 'lanes.md', 'fleet.md')),
+        ('A robot', as_parameters(scenario._GROUP_KEYS, [places.NAME, scenario._COUNT]), ('fleet.md',)),
+        ('Settings: of `defaults` or of a robot', as_parameters(settings.OWN_NAMES, of_robot),
+         ('durations.md', 'routes.md', 'lanes.md', 'calibrate.md', 'move_base.md')),
+        ('A zone', as_parameters(zones.KEYS, [places.NAME, zones._CAPACITY]), ('zones.md',)),
+        ('A place', list(places.PLACE_TABLE), ('tasks.md',)),
+        ('Arrivals', list(arrivals.ARRIVAL_TABLE), ('tasks.md',)),
+        ('A file of tasks', list(arrivals._ROW), ('tasks.md',)),
+    ]
+
+
+def page_of(key, first):
+    """Return the page of the docs in which a table has a row for the key: of the ``first`` ones, else any."""
+    names = sorted(name for name in os.listdir(DOCS) if name.endswith('.md') and name != PAGE)
+    pattern = re.compile(r'^\|[^|]*`~?{}`[^|]*\|'.format(re.escape(key)), re.MULTILINE)
+    for name in (*first, *names):
+        with open(os.path.join(DOCS, name), encoding='utf-8') as stream:
+            if pattern.search(stream.read()):
+                return name
+    raise SystemExit('{}: no page of docs/ has a row for this key: say there what it does, first'.format(key))
+
+
+def make_page():
+    """Return the page's text."""
+    parts = [HEAD]
+    for heading, parameters, first in sections():
+        parts += ['## {}\n'.format(heading), '| key | unit | default | allowed | page |', '|---|---|---|---|---|']
+        parts += [row(parameter, page_of(parameter.name, first)) for parameter in parameters]
+        parts.append('')
+    return '\n'.join(parts)
+
+
+if __name__ == '__main__':
+    made = make_page()
+    with open(output_file(os.path.join('docs', PAGE), __doc__), 'w', encoding='utf-8') as output:
+        output.write(made)
