@@ -14,7 +14,7 @@ from .passages import instant_at
 from .shown import shown_text
 from .traffic_area import Area, Request
 from .traffic_way import crossings, stays_in_zones, stays_on_lanes
-from .waiting_cycle import waiting_cycle
+from .waiting_circle import waiting_circle
 
 #: who only leaves an area comes before all that robots do at the instant
 _LEAVING_INDEX = -1
@@ -112,10 +112,12 @@ class Traffic:
             while self._dirty:
                 area = self._dirty[0]
                 request = area.queue[0] if area.queue else None
-                if request is None or not request.is_first():
-                    self._dirty.pop(0)
-                else:
+                if request is not None and request.is_first():
                     request.traveller.go_on(now_ns)
+                    continue
+                self._dirty.pop(0)
+                if request is not None:  # it may have been opened, or have held more robots than there is place for
+                    request.traveller.look_for_circle(now_ns)
         finally:
             self._serves = False
         if not self._is_told:
@@ -197,11 +199,10 @@ class Traveller:
         self._traffic.serve(now_ns)
 
     def go_on(self, now_ns):
-        """There is a place in all areas that the robot waits for."""
+        """There is a place in all areas that the robot waits for; what it leaves it gives back when it departs."""
         request, self.request = self.request, None
         request.withdraw()
         self._take(request.areas, now_ns)
-        self._give_back(request.leaves, now_ns)
         for area in request.areas:
             self._traffic.freed(area)  # there may be place for more
         self._navigator.release(request.reason, now_ns)
@@ -242,20 +243,24 @@ class Traveller:
             self._await_crossing()
             return
         self._forget_crossings()
-        self.request = Request(now_ns, self, enters, crossing.leaves)
+        self.request = Request(now_ns, self, enters)
         self._traffic.changed(*enters)
         self._navigator.hold(self.request.reason, now_ns)
-        self._look_for_cycle(now_ns)
+        self.look_for_circle(now_ns)
 
-    def _look_for_cycle(self, now_ns):
-        cycle = waiting_cycle(self.request)
-        if cycle is None:
+    def look_for_circle(self, now_ns):
+        """The robot waits, and may close a circle of waiting: say so, once."""
+        circle = waiting_circle(self.request)
+        if circle is None or all(traveller.request.is_in_circle for traveller, _ in circle):
             return
-        self._note('deadlock', now_ns, *(name for pair in cycle for name in pair))
+        for traveller, _ in circle:
+            traveller.request.is_in_circle = True
+        pairs = [(traveller.name, area.name) for traveller, area in circle]
+        self._note('deadlock', now_ns, *(name for pair in pairs for name in pair))
         aborts = self._traffic.policy is DeadlockPolicy.ABORT
         self._warn('Robots wait for one another in a circle: {}.{}'.format(
-            '; '.join('{} for {}'.format(*pair) for pair in cycle),
-            ' The goal of {}, who came last, is aborted.'.format(self.name) if aborts else ''))
+            '; '.join('{} for {}'.format(*pair) for pair in pairs),
+            ' The goal of {}, who closed it, is aborted.'.format(self.name) if aborts else ''))
         if aborts:
             self._navigator.shut_down(NO_CONTROL, now_ns)
 

@@ -50,15 +50,15 @@ class Area:
 
 
 class Request:
-    """``traveller`` asks for a place in each of ``areas`` since ``since_ns`` [ns], and then gives back ``leaves``."""
+    """``traveller`` asks for a place in each of ``areas`` since ``since_ns`` [ns]."""
 
-    __slots__ = ('key', 'traveller', 'areas', 'leaves')
+    __slots__ = ('key', 'traveller', 'areas', 'is_in_circle')
 
-    def __init__(self, since_ns, traveller, areas, leaves):
+    def __init__(self, since_ns, traveller, areas):
         self.key = since_ns, traveller.index
         self.traveller = traveller
         self.areas = areas
-        self.leaves = leaves
+        self.is_in_circle = False  # as far as has been told
         for area in areas:
             insort(area.queue, self)
 

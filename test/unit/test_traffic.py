@@ -6,6 +6,7 @@ import pytest
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.geometry import Pose2D
+from move_base_abstract.planning import StraightLinePlanner
 from move_base_abstract.scenario import check_one_process, make_scenario
 
 S = 1_000_000_000
@@ -99,6 +100,32 @@ def test_more_than_there_is_place_for_may_stand_inside_and_none_comes_before_the
     assert state(fleet) == (('b', 'c'), ())
 
 
+def test_a_robot_that_is_taken_away_gives_its_place_back():
+    fleet = fleet_of({'a': (5, 0), 'b': (0, 1)})
+    fleet.send('b', 10, 1)
+    fleet.run(3 * S)
+    fleet.remove('a')
+    assert state(fleet) == (('b',), ())
+
+
+def test_who_is_let_in_and_has_no_way_any_more_gives_the_place_back():
+    class Planner(StraightLinePlanner):
+        goes_straight = False
+
+        def corners(self, start, goal):
+            return () if self.leads else None
+    planner = Planner()
+    planner.leads = True
+    fleet = Fleet(make_scenario({'zones': [GATE], 'robots': [
+        {'name': name, 'start_x': x} for name, x in (('a', 5.0), ('b', 0.0))]}), start_ns=0, planner=planner)
+    fleet.send('b', 10, 0)
+    fleet.run(20 * S)
+    fleet.send('a', 10, 0)
+    planner.leads = False
+    fleet.run()
+    assert ends(fleet)['b'][1] == 'ABORTED' and state(fleet) == ((), ())
+
+
 @pytest.mark.parametrize('how', ['cancel', 'newer goal', 'place', 'remove', 'reset'])
 def test_who_gives_up_waiting_leaves_the_queue(how):
     fleet = fleet_of({'a': (5, 0), 'b': (0, 1)})
@@ -181,6 +208,34 @@ def test_zones_that_begin_at_the_same_place_are_entered_together_or_not_at_all()
     assert state(fleet, 0) == ((), ('b',)) and state(fleet, 1) == (('a',), ('b',))
 
 
+def test_nobody_overtakes_also_where_the_first_one_waits_for_another_zone_as_well():
+    zones = [GATE, dict(GATE, name='low', rectangle=[4, -50, 8, 3]), dict(GATE, name='high', rectangle=[4, 5, 8, 50])]
+    fleet = fleet_of({'g': (5, 4), 'l': (7, 0), 'h': (7, 10), 'c': (0, 10), 'b': (-2, 0), 'd': (-4, 4)}, zones)
+    for name, y in (('c', 10), ('b', 0)):
+        fleet.send(name, 20, y)
+    fleet.run(5 * S)
+    fleet.send('g', 20, 4)  # the gate is free, but c, who is first there, waits for h
+    fleet.send('d', 20, 4)
+    fleet.run(10 * S)
+    fleet.send('l', 30, 0)
+    fleet.run(20 * S)
+    assert state(fleet) == ((), ('c', 'b', 'd')) and [row[1] for row in rows(fleet, 'held')] == ['c', 'b', 'd']
+    fleet.send('h', 20, 10)
+    fleet.run()
+    assert [row[1] for row in rows(fleet, 'entered') if row[3] == 'zone gate'] == ['g', 'c', 'b', 'd']
+
+
+def test_who_waits_behind_one_that_waits_for_it_is_in_a_circle():
+    zones = [CROSSING[0], dict(GATE, name='north', rectangle=[5, 0, 10, 10]),
+             dict(GATE, name='south', rectangle=[5, -5, 10, 2.5])]
+    fleet = fleet_of({'a': (6, -2), 'b': (1, 2)}, zones)
+    fleet.send('b', 9, 2)
+    fleet.run(5 * S)
+    fleet.send('a', 6, 5)
+    fleet.run(10 * S)
+    assert rows(fleet, 'deadlock') == [(6.0, 'a', 'deadlock', 'a', 'zone north', 'b', 'zone south')]
+
+
 CROSSING = [dict(GATE, name='west', rectangle=[0, 0, 5, 5]), dict(GATE, name='east', rectangle=[5, 0, 10, 5])]
 
 
@@ -211,6 +266,29 @@ def test_no_circle_is_seen_where_one_may_go_on():
     fleet.send('d', 20, 4)
     fleet.run()
     assert {state for _, state in ends(fleet).values()} == {'SUCCEEDED'}
+
+
+def test_a_circle_that_closes_when_a_zone_is_opened_is_named_then():
+    fleet = fleet_of({'a': (1, 1), 'b': (9, 2)}, CROSSING)
+    fleet.close_zone('east')
+    fleet.send('a', 9, 1)
+    fleet.send('b', 1, 2)
+    fleet.run(10 * S)
+    assert not rows(fleet, 'deadlock')
+    for closed in (False, True, False):
+        fleet.close_zone('east', closed)
+    assert rows(fleet, 'deadlock') == [(10.0, 'a', 'deadlock', 'a', 'zone east', 'b', 'zone west')]
+
+
+def test_a_circle_that_closes_when_a_robot_leaves_is_named_then():
+    fleet = fleet_of({'a': (1, 1), 'b': (9, 2), 'c': (8, 4)}, CROSSING)  # one more in the east than there is place for
+    fleet.send('a', 9, 1)
+    fleet.send('b', 1, 2)
+    fleet.run(10 * S)
+    assert not rows(fleet, 'deadlock')
+    fleet.send('c', 20, 4)
+    fleet.run(20 * S)
+    assert rows(fleet, 'deadlock') == [(11.0, 'a', 'deadlock', 'a', 'zone east', 'b', 'zone west')]
 
 
 def test_a_long_row_of_robots_goes_on_at_one_instant():
@@ -260,6 +338,14 @@ def test_who_waits_at_a_node_for_the_next_lane_keeps_the_one_behind(lanes_fleet)
     fleet.place('a', Pose2D(50.0))
     fleet.run()
     assert ends(fleet) == {'a': (2.5, 'SUCCEEDED'), 'b': (30.0, 'SUCCEEDED'), 'c': (25.0, 'SUCCEEDED')}
+
+
+def test_who_turns_where_it_stands_on_a_lane_keeps_its_place(lanes_fleet):
+    fleet = lanes_fleet({'a': (0, 0)})
+    for yaw in (0.0, 1.0):
+        fleet.send('a', 5, 0, yaw)
+        fleet.run()
+    assert state(fleet) == (('a',), ())
 
 
 def test_head_on_in_a_row_of_lanes_is_a_circle(lanes_fleet):

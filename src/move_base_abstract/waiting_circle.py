@@ -1,8 +1,8 @@
 """Robots that wait for one another in a circle: nobody among them will ever go on by itself."""
 
 
-def waiting_cycle(request):
-    """Return a circle of waiting that ``request`` closed, ((robot's name, area's name), ...), or None.
+def waiting_circle(request):
+    """Return a circle of waiting through ``request``, [(Traveller, Area), ...], or None.
 
     Each robot of it waits for the area beside it, in which the next robot holds a place; it begins with the lowest
     index. A robot is stuck if one of the areas that it asks for is full of stuck robots only, or if a stuck one comes
@@ -13,9 +13,9 @@ def waiting_cycle(request):
     stuck = _stuck(_connected(request))
     ring = _way_back(request.traveller, stuck) if request.traveller in stuck else None
     if ring is None:
-        return None  # it waits for a circle that was there before
+        return None  # it waits for a circle of others
     first = min(range(len(ring)), key=lambda place: ring[place][0].index)
-    return tuple((traveller.name, area.name) for traveller, area in ring[first:] + ring[:first])
+    return ring[first:] + ring[:first]
 
 
 def _way_back(traveller, stuck):
