@@ -12,6 +12,8 @@ from .occupancy import OCCUPIED, UNKNOWN
 #: parts of a cell in which places are counted; even, so that a cell's centre is one
 PARTS = 256
 _HALF = PARTS // 2
+_PARTS_OF_8 = 8 * PARTS
+_EIGHTHS = (4, 2, 6, 1, 3, 5, 7)  # of a line
 
 #: the eight steps (columns, rows) in the order in which equal ones are taken: straight before diagonal
 STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1))
@@ -126,6 +128,11 @@ class PlanningGrid:
         lower to its upper end there; where it crosses into the next column is a fraction, compared without dividing.
         """
         (x, y), (end_x, end_y) = sorted((one, other))
+        for share in _EIGHTHS:  # a point of the line lies in a cell that it touches: most that are not clear show here
+            rest = 8 - share
+            cell = (rest * y + share * end_y) // _PARTS_OF_8 * self.stride + (rest * x + share * end_x) // _PARTS_OF_8
+            if not self._is_free[cell + self.stride + 1]:
+                return False
         width, height = end_x - x, end_y - y
         first, last = x // PARTS, end_x // PARTS
         stride = self.rows + 1
