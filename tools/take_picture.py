@@ -21,6 +21,7 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from output_file import output_file
 from PIL import Image
 
+from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task
 from move_base_abstract_ros.loopback import PACKAGE, Loopback
 from move_base_abstract_ros.time_master_client import TimeMasterClient
 
@@ -28,16 +29,19 @@ WAIT = 60.0
 SCREEN = (1400, 860)  # as large as the window in rviz/simulator.rviz
 COLOURED_PIXELS = 2000  # at least so many belong to robots when RViz has drawn them
 COLOURS = 256  # of the picture's palette, which keeps the file small
-UNTIL = 8.0  # s, simulated, after the goals were sent: when the picture is taken
+ARRIVAL, UNTIL = 11.0, 6.0  # s, simulated: from the goals to the first task, and from there to the picture
 SETTINGS = {'max_speed': 2.0, 'marker_size': 2.0, 'use_map': True, 'routes': 'grid', 'robot_radius': 0.6}
 # name: start, then goal; x, y [m] and heading [deg] in the map
 ROBOTS = {
     'robot_0': ((4.0, 4.0, 0.0), (14.0, 20.0, 0.0)),
     'robot_1': ((30.0, 4.0, 90.0), (18.0, 34.5, 180.0)),
     'robot_2': ((4.0, 36.0, -90.0), (24.0, 20.0, 0.0)),
-    'robot_3': ((56.0, 36.0, 180.0), (38.0, 20.0, 180.0)),
+    'robot_3': ((56.0, 36.0, 180.0), (46.0, 11.5, 0.0)),
     'robot_4': ((56.0, 4.0, 90.0), (40.0, 11.5, 180.0)),
 }
+ZONES = [{'name': 'pen', 'rectangle': [34.2, 8.2, 51.8, 18.0], 'capacity': 1}]
+PLACES = [{'name': 'dock', 'x': 14.0, 'y': 20.0, 'reach': 1.5, 'capacity': 1, 'duration': 60.0}]
+WORKER = 'robot_0'  # goes to the dock
 
 
 def main():
@@ -82,7 +86,8 @@ def start(ros):
     ros.run('map_server', 'map_server', arguments=[os.path.join(package, 'maps', 'farm_yard.yaml')])
     robots = [dict(name=name, start_x=x, start_y=y, start_yaw=math.radians(heading))
               for name, ((x, y, heading), _) in ROBOTS.items()]
-    ros.run('fleet', 'fleet', parameters={'defaults': SETTINGS, 'robots': robots})
+    ros.run('fleet', 'fleet', parameters={'defaults': SETTINGS, 'robots': robots, 'zones': ZONES,
+                                            'places': PLACES})
     os.environ.update(HOME=ros.log_dir, XDG_RUNTIME_DIR=ros.log_dir)
     rviz = os.path.join(rospkg.RosPack().get_path('rviz'), '..', '..', 'lib', 'rviz', 'rviz')
     config = os.path.join(package, 'rviz', 'simulator.rviz')
@@ -90,9 +95,10 @@ def start(ros):
 
 
 def send_goals(clock):
-    """Give every robot its goal at one instant, and let time stop when they are on their way."""
+    """Give every robot its goal at one instant and one of them a task, and let time stop when they are on their way."""
+    worker = SimpleActionClient(f'/{WORKER}/work', PlaceTaskAction)
     clients = {name: SimpleActionClient(f'/{name}/move_base', MoveBaseAction) for name in ROBOTS}
-    for name, client in clients.items():
+    for name, client in [*clients.items(), (WORKER, worker)]:
         if not client.wait_for_server(rospy.Duration(100.0 * WAIT)):
             raise RuntimeError(f'{name} takes no goals')
     clock.pause()
@@ -104,6 +110,11 @@ def send_goals(clock):
         target.pose.orientation.z = math.sin(math.radians(heading) / 2.0)
         target.pose.orientation.w = math.cos(math.radians(heading) / 2.0)
         client.send_goal(MoveBaseGoal(target))
+    time.sleep(0.5)
+    clock.step(ARRIVAL)
+    clients[WORKER].wait_for_result(rospy.Duration(100.0 * WAIT))
+    time.sleep(0.5)
+    worker.send_goal(PlaceTaskGoal(Task(place=PLACES[0]['name'])))
     time.sleep(0.5)
     clock.step(UNTIL)
 

@@ -21,28 +21,43 @@ class Room:
 
     def __init__(self, queue, capacity):
         self._queue = queue
-        self._capacity = capacity
         self._numbers = itertools.count()
-        self._waiting = []  # (since [ns], robot index, number, begin, wait)
-        self._working = []  # numbers
+        self.capacity = capacity
+        self._waiting = []  # (since [ns], robot index, number, begin, wait, robot's name)
+        self._working = {}  # {number: robot's name}
         self._event = None
+        self._followers = []
 
-    def ask(self, robot_index, now_ns, begin, wait):
+    @property
+    def workers(self):
+        """The names of the robots that work, in the order in which they began."""
+        return tuple(self._working.values())
+
+    @property
+    def waiters(self):
+        """The names of the robots that wait, first come first."""
+        return tuple(entry[5] for entry in self._waiting)
+
+    def follow(self, changed):
+        """Call ``changed()`` when somebody else works or waits."""
+        self._followers.append(changed)
+
+    def ask(self, robot_index, robot_name, now_ns, begin, wait):
         """Have ``begin(due_ns)`` called as soon as there is room, not before the end of this instant; return a ticket.
 
         ``wait(due_ns)`` is called at the end of this instant if there is none.
         """
         ticket = next(self._numbers)
-        bisect.insort(self._waiting, (now_ns, robot_index, ticket, begin, wait))
+        bisect.insort(self._waiting, (now_ns, robot_index, ticket, begin, wait, robot_name))
         self._look(now_ns)
         return ticket
 
     def give_back(self, ticket, now_ns):
         """Who got the ``ticket`` waits or works no more."""
-        if ticket in self._working:
-            self._working.remove(ticket)
+        self._working.pop(ticket, None)
         self._waiting = [entry for entry in self._waiting if entry[2] != ticket]
         self._look(now_ns)
+        self._changed()
 
     def _look(self, now_ns):
         if self._waiting and self._event is None:
@@ -50,13 +65,18 @@ class Room:
 
     def _admit(self, due_ns, _now_ns):
         self._event = None
-        while self._waiting and len(self._working) < self._capacity:
-            _, _, ticket, begin, _ = self._waiting.pop(0)
-            self._working.append(ticket)
+        while self._waiting and len(self._working) < self.capacity:
+            _, _, ticket, begin, _, name = self._waiting.pop(0)
+            self._working[ticket] = name
             begin(due_ns)
-        for since_ns, _, _, _, wait in self._waiting:
+        for since_ns, _, _, _, wait, _ in self._waiting:
             if since_ns == due_ns:
                 wait(due_ns)
+        self._changed()
+
+    def _changed(self):
+        for changed in self._followers:
+            changed()
 
 
 class Rooms:
@@ -167,7 +187,7 @@ class PlaceTaskRunner(TimedTaskRunner):
             self._begin(record, self._length_ns(task), now_ns)
             return
         self._is_admitted = False
-        self._ticket = self._room.ask(self._robot_index, now_ns, self._admitted, self._told_to_wait)
+        self._ticket = self._room.ask(self._robot_index, self._robot_name, now_ns, self._admitted, self._told_to_wait)
 
     def moved(self, now_ns):
         """The robot has set out or stands elsewhere: its task ends where that is too far away."""

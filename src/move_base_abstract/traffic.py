@@ -36,7 +36,7 @@ class Traffic:
     def __init__(self, simulation, zones=(), policy=DeadlockPolicy.WAIT):
         self.simulation = simulation
         self.policy = policy
-        self._tell = lambda: None
+        self._followers = []
         self._zones = {zone.name: Area('zone', zone.name, zone.capacity, zone.outline) for zone in zones}
         self._lanes = {}  # {(file, index of the edge): Area}
         self._dirty = []  # areas in which there may be place now, in the order in which that came
@@ -101,7 +101,7 @@ class Traffic:
 
     def follow(self, changed):
         """Call ``changed()`` when anything in :meth:`states` is another."""
-        self._tell = changed
+        self._followers.append(changed)
 
     def serve(self, now_ns):
         """Let those in, one after the other, for whom there is a place; say what has changed."""
@@ -122,7 +122,8 @@ class Traffic:
             self._serves = False
         if not self._is_told:
             self._is_told = True
-            self._tell()
+            for changed in self._followers:
+                changed()
 
 
 class Traveller:

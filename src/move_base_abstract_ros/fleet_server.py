@@ -12,6 +12,7 @@ from move_base_abstract.scenario import check_frame, make_robot
 from move_base_abstract.shown import shown, shown_text
 from move_base_abstract.srv import AddRobot, AddRobotResponse, RemoveRobot, RemoveRobotResponse
 
+from . import world_markers
 from .bulk_registration import bulk_registration
 from .move_base_server import MoveBaseServer
 from .names import RobotNames
@@ -46,6 +47,7 @@ class FleetServer:
                 self._add(spec, index)
         if self._traffic.states():
             self._traffic_interface = TrafficInterface(self._traffic, host.clock)
+        world_markers.add(host.clock, scenario, self._traffic, self._rooms)
         # Services come last: who finds them finds the robots.
         self._services = [rospy.Service('~add_robot', AddRobot, self._on_add),
                           rospy.Service('~remove_robot', RemoveRobot, self._on_remove),

@@ -32,11 +32,15 @@ class Look:
 
 @dataclass(frozen=True)
 class View:
-    """Where the robot is, where it wants to be, and start, corners and end of its leg; None for what it has not."""
+    """Where the robot is, where it wants to be, and start, corners and end of its leg; None for what it has not.
+
+    ``state``: what it does, a line of text.
+    """
 
     pose: Pose2D
     goal: Optional[Pose2D] = None
     leg: Optional[Tuple[Pose2D, ...]] = None
+    state: str = ''
 
     @property
     def route(self):
@@ -57,13 +61,14 @@ def colour(number, alpha=1.0):
 
 
 def body(look, view):
-    """Return the markers that follow the robot: arrow and name."""
+    """Return the markers that follow the robot: arrow, and name with what it does."""
     nose, size = view.pose, look.size
     arrow = _marker(look, ARROW, Marker.ARROW, nose.compose(Pose2D(-size / 2.0)), _ARROW_Z, 1.0)
     arrow.scale.x, arrow.scale.y, arrow.scale.z = size, 0.45 * size, 0.2 * size
-    name = _marker(look, NAME, Marker.TEXT_VIEW_FACING, Pose2D(nose.x + 0.9 * size, nose.y + 0.9 * size), _NAME_Z, 1.0)
+    name = _marker(look, NAME, Marker.TEXT_VIEW_FACING, Pose2D(
+        nose.x + 0.9 * size, nose.y + (1.3 if view.state else 0.9) * size), _NAME_Z, 1.0)
     name.scale.z = 0.7 * size
-    name.text = look.name
+    name.text = look.name + ('\n' + view.state if view.state else '')
     return [arrow, name]
 
 

@@ -1,6 +1,7 @@
 """One robot under move_base's interface: the core's navigator between its topics, services and parameters."""
 import rospy
 
+from move_base_abstract.activity import activity
 from move_base_abstract.navigator import NavigatorListener
 from move_base_abstract.outcome import NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
 from move_base_abstract.recovery import RecoveryPolicy
@@ -73,7 +74,7 @@ class MoveBaseServer(NavigatorListener):
                 'seed': values['seed'], 'frame': values['global_frame'],
                 'feedback_freq': host.timing.task_feedback_frequency,
                 'min_answer_delay': values['min_answer_delay']}, self.navigator.robot,
-                has_failed=lambda: self.condition.has_failed)
+                has_failed=lambda: self.condition.has_failed, on_change=self._markers.changed)
 
     def _build(self, robot_index):
         settings, values = self._settings, self._settings.values
@@ -94,7 +95,7 @@ class MoveBaseServer(NavigatorListener):
         self._frames_told = backend.frames
         self._host.timing.claim_frames(self._names.robot, self._frames_told)
         self._condition_server = ConditionServer(self._names, self._host, robot_index, self.condition)
-        self._markers = robot_markers.add(self._clock, settings, self.navigator)
+        self._markers = robot_markers.add(self._clock, settings, self.navigator, self._state)
         if self._traffic is not None:
             self._traveller = self._traffic.join(self.navigator, settings.network, self._trace.note, self.warn)
 
@@ -214,6 +215,9 @@ class MoveBaseServer(NavigatorListener):
     def _tell_condition(self, now_ns):
         self._condition_server.changed(now_ns)
         self._markers.changed()
+
+    def _state(self):
+        return activity(self.navigator, self.condition, self._work and self._work.tasks)
 
     def _moved(self, now_ns):
         if self._work is not None:

@@ -14,6 +14,7 @@ from move_base_abstract.geometry import Pose2D
 from . import lockstep, marker_builder
 from .marker_builder import Look, View
 
+TOPIC = 'move_base_abstract/markers'  # unless a parameter says otherwise
 _CHANGE_SECONDS = 0.05  # wall; the shortest time between two messages
 _REFRESH_SECONDS = 0.2  # wall; how often robots with a goal are drawn
 
@@ -21,24 +22,32 @@ _lock = threading.Lock()
 _boards = {}
 
 
-def add(clock, settings, navigator):
-    """Draw the robot of ``navigator`` from now on; return its :class:`RobotMarkers`."""
-    topic = '/' + settings.values['marker_topic'].strip('/')
+def add(clock, settings, navigator, state):
+    """Draw the robot of ``navigator`` from now on; return its :class:`RobotMarkers`.
+
+    ``state()``: what it does, a line of text; the caller holds the clock's lock.
+    """
     robot = navigator.robot
     look = Look(robot.name, marker_builder.robot_number(robot.name, robot.index), settings.values['global_frame'],
                 settings.values['marker_size'])
+    return RobotMarkers(board(clock, settings.values['marker_topic']), look, navigator, state)
+
+
+def board(clock, topic):
+    """Return the one board of this process on a topic."""
+    topic = '/' + topic.strip('/')
     with _lock:
         if topic not in _boards:
             _boards[topic] = _Board(clock, topic)
-        board = _boards[topic]
-    return RobotMarkers(board, look, navigator)
+        return _boards[topic]
 
 
 class RobotMarkers:
     """One robot on the board of its process."""
 
-    def __init__(self, board, look, navigator):
+    def __init__(self, board, look, navigator, state):
         self.look = look
+        self._state = state
         self._drawn_route = None
         self._board = board
         self._navigator = navigator
@@ -68,7 +77,7 @@ class RobotMarkers:
         """Return the :class:`View` of the robot at ``now_ns`` [ns]; the caller holds the clock's lock."""
         robot, leg = self._navigator.robot, self._navigator.robot.leg
         way = (leg.start, *(Pose2D(x, y) for x, y in leg.corners), leg.end) if leg else None
-        return View(robot.pose_at(now_ns), self._navigator.target, way)
+        return View(robot.pose_at(now_ns), self._navigator.target, way, self._state())
 
 
 class _Board(rospy.SubscribeListener):

@@ -28,8 +28,12 @@ class WorkServer(PlaceTaskListener):
     """
 
     def __init__(self, ns, robot_name, robot_index, host, rooms, settings, robot=None, on_load=None,
-                 has_failed=lambda: False):
-        """``settings``: seed, frame (the poses'), feedback_freq [Hz, simulated], min_answer_delay [s, wall]."""
+                 has_failed=lambda: False, on_change=lambda: None):
+        """``settings``: seed, frame (the poses'), feedback_freq [Hz, simulated], min_answer_delay [s, wall].
+
+        ``on_change()`` is called when the robot begins or ends to wait or to work.
+        """
+        self._on_change = on_change
         self._clock = host.clock
         self._frame = settings['frame']
         self._trace = TaskTrace(robot_name, self._clock.record(robot_index))
@@ -62,6 +66,7 @@ class WorkServer(PlaceTaskListener):
     def waits(self, record, place, now_ns):
         """Tell that the task waits for room."""
         self._trace.waits(record, place, now_ns)
+        self._on_change()
         if self._shell.has_feedback_listeners():
             self._shell.publish_feedback(record, pack_feedback(True, 0, 0.0), now_ns)
 
@@ -72,6 +77,7 @@ class WorkServer(PlaceTaskListener):
     def begins(self, record, duration_ns, now_ns):
         """Note that work begins."""
         self._trace.began(record, duration_ns, now_ns)
+        self._on_change()
 
     def progress(self, record, elapsed_ns, duration_ns, now_ns):
         """Tell how much is done, as often as the cap in wall time allows, and at the end."""
@@ -113,6 +119,7 @@ class WorkServer(PlaceTaskListener):
 
     def _publish_result(self, record, stamp_ns):
         self._trace.ended(record, stamp_ns)
+        self._on_change()
         is_new = record.state is GoalState.RECALLED
         waited_ns, worked_ns = (0, 0) if is_new else (self.tasks.waited_ns(stamp_ns), self.tasks.elapsed_ns(stamp_ns))
         self._shell.publish_result(record, pack_result(waited_ns, worked_ns), stamp_ns)

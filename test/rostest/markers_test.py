@@ -5,19 +5,23 @@ import unittest
 import rosgraph
 import rospy
 import rostest
+from actionlib import SimpleActionClient
 from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import Pose
 from robot_harness import RawClient, Record, pose_stamped
 from visualization_msgs.msg import Marker, MarkerArray
 
 from move_base_abstract.geometry import Pose2D
+from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task
 from move_base_abstract.srv import AddRobot, RemoveRobot
-from move_base_abstract_ros import marker_builder
+from move_base_abstract_ros import marker_builder, world_markers
 from move_base_abstract_ros.marker_builder import ARROW, GOAL, LEG, NAME, Look, View
+from move_base_abstract_ros.world_markers import OUTLINE, SIGN
 
 TOPIC = '/move_base_abstract/markers'
 LOOK = Look('robot_7', 7, 'map', 2.0)
 ROBOTS = {'robot_0', 'robot_1', 'robot_2'}
+AREAS = {'place dock', 'zone gate'}
 
 
 def shown(messages):
@@ -50,6 +54,18 @@ class Looks:
         self.assertEqual(len({(m.color.r, m.color.g, m.color.b) for m in markers}), 1)
         self.assertEqual([(p.x, p.y) for p in markers[3].points], [(0.0, 0.0), (5.0, 0.0)])
 
+    def test_an_area_is_red_where_nobody_more_is_let_in_and_names_few_of_those_who_wait(self):
+        look = world_markers.AreaLook('zone gate', 'map', ((0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (0.0, 2.0)), 1.0)
+        use = world_markers.Use('gate', ('a',), 1, tuple('bcdef'))
+        outline, sign = world_markers.draw(look, use)
+        self.assertEqual([(p.x, p.y) for p in outline.points], [*look.corners, look.corners[0]])
+        self.assertEqual(sign.text, 'gate 1/1\nwaits: b, c, d, e, ...')
+        self.assertGreater(sign.color.r, 2.0 * sign.color.g)
+        uses = (world_markers.Use('gate'), world_markers.Use('gate', (), 1), world_markers.Use('gate', closed=True))
+        free = [world_markers.draw(look, one)[1] for one in uses]
+        self.assertEqual([(one.text, one.color.r > one.color.g) for one in free],
+                         [('gate', False), ('gate 0/1', False), ('gate closed', True)])
+
     def test_no_goal_and_no_leg_are_taken_away(self):
         actions = [(marker.id, marker.action) for marker in marker_builder.route(LOOK, View(Pose2D()))]
         self.assertEqual(actions, [(GOAL, Marker.DELETE), (LEG, Marker.DELETE)])
@@ -81,7 +97,11 @@ class Markers(Looks, unittest.TestCase):
     def test_1_who_comes_late_is_shown_all_robots_in_one_message(self):
         first = self.record.wait_for()
         self.assertEqual({(m.ns, m.id) for m in first.markers if m.action == Marker.ADD},
-                         {(name, part) for name in ROBOTS for part in (ARROW, NAME)})
+                         {(name, part) for name in ROBOTS for part in (ARROW, NAME)}
+                         | {(name, part) for name in AREAS for part in (OUTLINE, SIGN)})
+        self.assertEqual([shown([first])[key].text for key in (('robot_0', NAME), ('zone gate', SIGN),
+                                                               ('place dock', SIGN))],
+                         ['robot_0\nidle', 'gate 0/1', 'dock 0/1'])
         arrow = shown([first])['robot_0', ARROW]
         self.assertEqual((arrow.pose.position.x, arrow.pose.position.y), (0.0, 2.0))
 
@@ -92,7 +112,7 @@ class Markers(Looks, unittest.TestCase):
         placed.publish(pose_stamped(3.0, 5.0).pose)
         self.wait_for(lambda markers: markers['robot_1', ARROW].pose.position.x == 2.0)
         self.assertEqual([sorted({marker.ns for marker in message.markers}) for message in self.record.messages],
-                         [sorted(ROBOTS), ['robot_1']], 'the newcomer is told all, then only what has happened')
+                         [sorted(ROBOTS | AREAS), ['robot_1']], 'the newcomer is told all, then only what has happened')
         placed.publish(pose_stamped(0.0, 5.0).pose)
         self.wait_for(lambda markers: markers['robot_1', ARROW].pose.position.x == -1.0)
         placed.unregister()
@@ -114,6 +134,24 @@ class Markers(Looks, unittest.TestCase):
         self.assertEqual(self.client.ending(goal_id).status.status, GoalStatus.PREEMPTED)
         self.record.wait_for(lambda message: {(m.id, m.action) for m in message.markers} >= {
             (GOAL, Marker.DELETE), (LEG, Marker.DELETE)})
+
+    def test_31_who_works_at_a_place_and_who_waits_is_shown_there_and_above_the_robots(self):
+        clients = [SimpleActionClient('/robot_{}/work'.format(number), PlaceTaskAction) for number in (1, 2)]
+        placed = rospy.Publisher('/robot_2/set_pose', Pose, queue_size=1, latch=True)
+        placed.publish(pose_stamped(0.0, 5.5).pose)
+        self.wait_for(lambda markers: markers['robot_2', ARROW].pose.position.y == 5.5)
+        for client, state in zip(clients, ('working', 'waiting')):
+            self.assertTrue(client.wait_for_server(rospy.Duration(600.0)))
+            client.send_goal(PlaceTaskGoal(Task(place='dock')))
+            self.wait_for(lambda markers, state=state: any(m.text.endswith('\n' + state) for m in markers.values()))
+        self.wait_for(lambda markers: markers['place dock', SIGN].text == 'dock 1/1\nwaits: robot_2')
+        clients[0].cancel_goal()
+        self.wait_for(lambda markers: markers['place dock', SIGN].text == 'dock 1/1' and markers[
+            'robot_1', NAME].text == 'robot_1\nidle' and markers['robot_2', NAME].text == 'robot_2\nworking')
+        clients[1].cancel_goal()
+        placed.publish(pose_stamped(0.0, 10.0).pose)
+        self.wait_for(lambda markers: markers['robot_2', ARROW].pose.position.y == 10.0)
+        placed.unregister()
 
     def test_4_robots_that_come_and_go_do_so_here_too(self):
         added = rospy.ServiceProxy('/fleet/add_robot', AddRobot)('late_9', 7.0, 8.0, 0.0, '')

@@ -1,0 +1,38 @@
+"""What robots are said to do above them in RViz."""
+from move_base_abstract.activity import activity
+from move_base_abstract.arrivals import Task
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.geometry import Pose2D
+from move_base_abstract.scenario import make_scenario
+
+S = 1_000_000_000
+
+
+def doing(fleet):
+    return [activity(member.navigator, member.condition, member.worker and member.worker.tasks)
+            for member in fleet._members.values()]
+
+
+def test_idle_travelling_waiting_working_held_and_failed():
+    robots = [{'name': 'a'}, {'name': 'b'}, {'name': 'c', 'start_x': 3.0, 'failure_kind': 'stall'}]
+    fleet = Fleet(make_scenario({'places': [{'name': 'dock', 'capacity': 1, 'duration': 5.0}], 'robots': robots}),
+                  start_ns=0)
+    assert doing(fleet) == ['idle'] * 3
+    for name in 'ab':
+        fleet.work(name, Task(name, 0, 'dock', Pose2D()))
+    fleet.send('c', 9.0, 0.0)
+    fleet.run(S)
+    assert doing(fleet) == ['working', 'waiting', 'travelling']
+    navigator = fleet._members['c'].navigator
+    navigator.hold('gate', S)
+    assert doing(fleet)[2] == 'held: gate'
+    navigator.hold('yard ' + 'x' * 40, S)
+    assert doing(fleet)[2] == 'held: gate, yard xxxxxxxxxxxxxxxxxxxx...'
+    navigator.release('yard ' + 'x' * 40, S)
+    fleet.fail('c', 'stall', 5.0)
+    assert doing(fleet)[2] == 'failed: stall, held: gate'
+
+
+def test_a_robot_without_places_that_has_no_goal_is_idle():
+    fleet = Fleet(make_scenario({'robots': [{'name': 'a'}]}))
+    assert doing(fleet) == ['idle']
