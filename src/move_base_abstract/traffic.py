@@ -13,7 +13,7 @@ from .outline import BORDER
 from .passages import instant_at
 from .shown import shown_text
 from .traffic_area import Area, Request
-from .traffic_way import crossings, stays_in_zones, stays_on_lanes
+from .traffic_way import ZoneIndex, crossings, stays_in_zones, stays_on_lanes
 from .waiting_circle import waiting_circle
 
 #: who only leaves an area comes before all that robots do at the instant
@@ -38,6 +38,8 @@ class Traffic:
         self.policy = policy
         self._followers = []
         self._zones = {zone.name: Area('zone', zone.name, zone.capacity, zone.outline) for zone in zones}
+        #: the areas of all zones (ZoneIndex), in the order of the scenario
+        self.zones = ZoneIndex(self._zones.values())
         self._lanes = {}  # {(file, index of the edge): Area}
         self._dirty = []  # areas in which there may be place now, in the order in which that came
         self._serves = False
@@ -78,11 +80,6 @@ class Traffic:
         self.changed(area)
         self.freed(area)
         self.serve(self.simulation.now_ns)
-
-    @property
-    def zones(self):
-        """The areas of all zones, in the order of the scenario."""
-        return self._zones.values()
 
     def lane(self, source, edge):
         """Return the area of an edge, or None if its place is not limited."""
@@ -213,8 +210,8 @@ class Traveller:
 
     def _take_what_holds_it(self, now_ns, pose):
         """Hold a place in each zone that the robot stands in, whether there is one or not."""
-        for area in self._traffic.zones:
-            if area not in self.held and area.outline.contains(pose.x, pose.y):
+        for area in self._traffic.zones.at(pose.x, pose.y):
+            if area not in self.held:
                 if not area.has_room():
                     self._warn('{} stands in {}, in which there is no place: {} robots of {} are there{}'.format(
                         self.name, area.name, len(area.holders) + 1, area.capacity,

@@ -22,16 +22,34 @@ class Crossing(NamedTuple):
     leaves: Tuple
 
 
-def stays_in_zones(leg, areas):
-    """Return the :class:`Stay` objects of ``leg`` in those of ``areas`` that have an outline, by area."""
+class ZoneIndex:
+    """Finds zones by where they are: ``areas`` (Area, ...) with an outline, in the order in which they are given."""
+
+    def __init__(self, areas):
+        self._boxes = sorted(((*area.outline.box, number, area) for number, area in enumerate(areas)),
+                             key=lambda box: box[0])
+
+    def near(self, x_min, y_min, x_max, y_max):
+        """Return the areas whose boxes have more than their borders in common with this one [m]."""
+        found = []
+        for left, low, right, high, number, area in self._boxes:
+            if left >= x_max:
+                break
+            if right > x_min and low < y_max and high > y_min:
+                found.append((number, area))
+        return [area for _, area in sorted(found, key=lambda one: one[0])]
+
+    def at(self, x, y):
+        """Return the areas that contain (x, y) [m]."""
+        return [area for area in self.near(x, y, x, y) if area.outline.contains(x, y)]
+
+
+def stays_in_zones(leg, zones):
+    """Return the :class:`Stay` objects of ``leg`` in those of ``zones`` (ZoneIndex) that it comes to, by area."""
     way = leg.way
     xs, ys = [x for x, _ in way], [y for _, y in way]
-    x_min, x_max, y_min, y_max = min(xs), max(xs), min(ys), max(ys)
     stays = []
-    for area in areas:
-        box = area.outline.box
-        if x_max <= box[0] or x_min >= box[2] or y_max <= box[1] or y_min >= box[3]:
-            continue
+    for area in zones.near(min(xs), min(ys), max(xs), max(ys)):
         pieces = area.outline.pieces_inside(way)
         length = sum(hypot(x - a, y - b) for (a, b), (x, y) in zip(way, way[1:])) if pieces else 0.0
         for begin, end in pieces:

@@ -11,6 +11,7 @@ from statistics import mean, stdev
 import pytest
 
 from move_base_abstract.fleet import Fleet
+from move_base_abstract.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract.traffic_area import Request
 from move_base_abstract.units import NS_PER_S
@@ -111,6 +112,43 @@ def test_the_mean_wait_is_that_of_theory(queue):
 @pytest.mark.parametrize('queue', QUEUES)
 def test_each_wait_is_that_of_first_come_first_served(queue):
     check_each(*QUEUES[queue][1:])
+
+
+def driven_through(rate, seed, customers_count=400):
+    """Return [(arrival [s], wait [s]), ...] of robots that drive through a zone for one in 100 s, at an even speed."""
+    idle, arrivals, waits = deque(), [], {}
+    generator, now = random.Random(seed), 0.0
+
+    def come(fleet):
+        robot = idle.popleft()
+        fleet.place(robot, Pose2D(-1.0))
+        arrivals.append((fleet.now_ns + NS_PER_S, robot))  # at the border
+        fleet.send(robot, 102.0, 0.0)
+    fleet = Fleet(make_scenario({
+        'defaults': {'max_speed': 1.0, 'start_x': -9.0}, 'robots': [{'name': 'r', 'count': 60}],
+        'zones': [{'name': 'bridge', 'rectangle': [0, -5, 100, 5], 'capacity': 1}]}), start_ns=0,
+        on_end=lambda robot, *_: idle.append(robot))
+    idle.extend(fleet.names)
+    for _ in range(customers_count):
+        now += generator.expovariate(rate)
+        fleet.at(round(now * NS_PER_S), come)
+    fleet.run()
+    for entry in fleet.trace:
+        if entry.kind == 'entered':
+            waits.setdefault(entry.robot, deque()).append(entry.time_ns)
+    return [(arrival_ns / NS_PER_S, (waits[robot].popleft() - arrival_ns) / NS_PER_S) for arrival_ns, robot in arrivals]
+
+
+def test_robots_that_drive_through_wait_as_in_a_queue_with_even_service():
+    means, free = [], 0.0
+    for seed in range(REPLICATIONS):
+        waits = driven_through(0.005, seed)
+        means.append(mean(wait for _, wait in waits[WARM_UP:]))
+        free = 0.0
+        for arrival, wait in waits:
+            assert wait == pytest.approx(max(0.0, free - arrival), abs=1e-5)
+            free = arrival + wait + 100.0
+    assert abs(mean(means) - 50.0) <= T_99 * stdev(means) / math.sqrt(len(means))  # 100 s load / (2 (1 - load))
 
 
 def test_a_place_that_is_given_back_late_shows():
