@@ -123,6 +123,15 @@ def test_a_length_is_how_long_it_takes(fleet_on):
     assert (ended(fleet)[0], fleet.distance('bot')) == (12.5, 10.0)
 
 
+def test_the_scenario_that_ships_drives_on_lanes_and_waits_at_the_crossing():
+    fleet = Fleet(read_scenario(LANES.parents[1] / 'lanes_scenario.yaml'))
+    for name, place in zip(fleet.names, ((43, 11), (43, 11), (56, 4), (4, 4), (4, 36))):
+        fleet.send(name, *place)
+    fleet.run()
+    assert {entry.values[1] for entry in fleet.trace if entry.kind == 'ended'} == {'SUCCEEDED'}
+    assert [entry.values for entry in fleet.trace if entry.kind == 'held']
+
+
 def test_a_goal_without_lanes_ends_with_upstreams_text(fleet_on):
     fleet = fleet_on('ab')
     fleet.send('bot', 10, 10)
