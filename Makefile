@@ -65,7 +65,8 @@ bench: deps-bench deps-test deps-study build  ## the measurements, as JSON lines
 	@$(ENTER) $(PYTHON) bench/lockstep $(BENCH_ARGS) && $(PYTHON) bench/launcher $(BENCH_ARGS) && \
 	  $(PYTHON) bench/dense $(BENCH_ARGS) && $(PYTHON) bench/experiments $(BENCH_ARGS) && \
 	  $(PYTHON) bench/dense --one-core --kinds roscpp --agents 4 8 $(BENCH_ARGS) && \
-	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS)
+	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS) && \
+	  $(PYTHON) bench/world $(BENCH_ARGS)
 
 experiment: deps-experiment build  ## a small experiment and its report in .ws/experiment, resumable; EXPERIMENT=FILE another one
 	@$(ENTER) rosrun move_base_abstract experiment run '$(or $(EXPERIMENT),config/experiments/patrol.yaml)' \

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """A coordinator in lockstep that sends each robot its next goal when one has ended, and counts.
 
-    lockstep_client.py stock|lean ROBOTS EVENTS
+    lockstep_client.py stock|lean ROBOTS EVENTS [STATIONS.json SHARE]
 
 One event is a goal that has ended and the robot's next goal that was sent. Prints a JSON line: events and simulated
-seconds per second of wall time, from the first goal's end to the last. stock: actionlib.ActionClient.
+seconds per second of wall time, from the first goal's end to the last. stock: actionlib.ActionClient. Goals lie along
+x, or are drawn of a list of [x, y]; SHARE of the events (0.1) is not measured.
 """
 
 import json
@@ -21,13 +22,14 @@ from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.goal_client import GoalClient
 from move_base_abstract_ros.nodes.demo_mission import make_goal
 
-WARM_UP = 0.1  # the share of the events that is not measured
+WARM_UP = 0.1  # the share of the events that is not measured, unless another one is given
 
 
 class Robot:
-    """Goes to and fro along x, 20 to 100 m each time."""
+    """Goes to and fro along x, 20 to 100 m each time, or from station to station."""
 
-    def __init__(self, name, index, run):
+    def __init__(self, name, index, run, stations=()):
+        self._stations = stations
         self.name = name
         self._random = random.Random(index)
         self._run = run
@@ -35,6 +37,8 @@ class Robot:
 
     def next_place(self):
         """Return the next place."""
+        if self._stations:
+            return Pose2D(*self._random.choice(self._stations), 0.0)
         length = self._random.uniform(20.0, 100.0)
         self._x += length if self._x <= 0.0 else -length
         return Pose2D(self._x, self._y, 0.0)
@@ -81,9 +85,9 @@ class LeanRobot(Robot):
 class Run:
     """Counts events, and takes the time of those that are measured."""
 
-    def __init__(self, events):
+    def __init__(self, events, warm_up=WARM_UP):
         self._events = events
-        self._warm_up = int(WARM_UP * events)
+        self._warm_up = int(warm_up * events)
         self.count = 0
         self.began = self.over = None
 
@@ -109,9 +113,13 @@ def main():
     kind, count, events = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
     rospy.init_node('coordinator', disable_signals=True)
     participant = lockstep.join()
-    run = Run(events)
+    run, stations = Run(events), ()
+    if len(sys.argv) > 4:
+        with open(sys.argv[4], encoding='utf-8') as stream:
+            stations = json.load(stream)
+        run = Run(events, float(sys.argv[5]))
     make = StockRobot if kind == 'stock' else LeanRobot
-    robots = [make(f'robot_{i}', i, run) for i in range(count)]
+    robots = [make(f'robot_{i}', i, run, stations) for i in range(count)]
     participant.wait_until(lambda: all(robot.is_ready() for robot in robots), what='the robots')
     for robot in robots:
         robot.send()
