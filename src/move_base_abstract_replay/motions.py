@@ -1,7 +1,7 @@
 """Where robots are at any instant, found in the events of a log: legs by their closed form, and places.
 
 A log that says by which limits its robots travel (``motion``, see robot_trace) gives their legs exactly; each is
-compared with where the log says that it ended. Of other legs only the ends are known: they are drawn straight and even.
+compared with where the log says that it ended. Of other legs only the way is known: they are drawn at an even speed.
 A leg with corners (``route``) becomes even pieces: exact where it turns and at corners, and at their ends while the
 speed changes.
 """
@@ -13,6 +13,8 @@ from typing import List, NamedTuple, Optional
 from move_base_abstract.geometry import Pose2D
 from move_base_abstract.motion import Leg, MotionLimits, Tolerances
 from move_base_abstract.route import CornerLaw, Route
+
+from .even_ways import even_pieces
 
 #: how a robot gets from one pose to the other: it is there; evenly; by the limits with this number less LIMITED
 PLACED, EVEN, LIMITED = 0, 1, 2
@@ -124,12 +126,21 @@ class Motions:
                 self.astray += 1
         else:
             self.even += 1
+            if track._corners and pose is not None:
+                return self._draw_evenly(track, time_ns, pose, (begin_ns, start, goal))
         if pose is None:
             return False  # under way at the end of the log, nobody knows how far
         track.motions.append(Motion(begin_ns, time_ns, law, start, goal if law >= LIMITED else pose))
         track._pose = pose
         return True
 
+    @staticmethod
+    def _draw_evenly(track, time_ns, pose, trip):
+        begin_ns, start, goal = trip
+        for one_ns, other_ns, one, other in even_pieces(begin_ns, time_ns, [start, *track._corners, goal], pose):
+            track.motions.append(Motion(one_ns, other_ns, EVEN, one, other, other_ns == time_ns))
+        track._pose = pose
+        return True
 
     def _close_route(self, track, time_ns, pose, trip):
         """As _close, of a leg with corners; which law it kept to there shows in where it ended."""
@@ -140,9 +151,7 @@ class Motions:
                 break
         else:
             self.astray += 1
-            track.motions.append(Motion(begin_ns, time_ns, EVEN, start, pose))
-            track._pose = pose
-            return True
+            return self._draw_evenly(track, time_ns, pose, (begin_ns, start, goal))
         track._law = law
         instants = [instant for instant in route.even_instants_ns(_RAMP_PIECES) if instant < time_ns] + [time_ns]
         for one_ns, other_ns in zip(instants, instants[1:]):

@@ -1,5 +1,6 @@
 """What a replay finds in an event log: events, legs and places, states."""
 import json
+import math
 
 import numpy as np
 import pytest
@@ -95,6 +96,19 @@ def test_a_way_with_corners_that_ends_elsewhere_is_straight_and_even(read):
                             (3 * S, 'a', 'stands', (7.0, 7.0, 0.0))]))
     assert motions.astray == 1
     assert motions.tracks['a'].motions[-1][:5] == (2 * S, 3 * S, EVEN, (0.0, 0.0, 0.0), (7.0, 7.0, 0.0))
+
+
+@pytest.mark.parametrize('limits', [[], [(S, 'a', 'motion', (0.0, 0.0, 0.0, 9.0, 0.0, 0.0, 0.0, 0.0))]])
+def test_a_way_whose_law_is_not_known_is_followed_evenly_up_to_where_it_ended(read, limits):
+    def drawn(*end):
+        motions = Motions(read([(S, 'a', 'stands', (0.0, 0.0, 0.0)), *limits, (2 * S, 'a', 'departed', (3.0, 4.0, 1.0)),
+                                (2 * S, 'a', 'route', (0.0, 4.0)), (9 * S, 'a', 'stands', end)]))
+        assert motions.even + motions.astray == 1
+        return [motion[:5] for motion in motions.tracks['a'].motions if motion.law == EVEN]
+    up, east = math.pi / 2.0, 0.0
+    assert drawn(3.0, 4.0, 1.0) == [(2 * S, 6 * S, EVEN, (0.0, 0.0, up), (0.0, 4.0, up)),
+                                    (6 * S, 9 * S, EVEN, (0.0, 4.0, east), (3.0, 4.0, 1.0))]
+    assert drawn(0.0, 2.0, up) == [(2 * S, 9 * S, EVEN, (0.0, 0.0, 0.0), (0.0, 2.0, up))]
 
 
 def test_nothing_is_said_of_motion_unless_it_is_asked_for():

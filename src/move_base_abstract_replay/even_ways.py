@@ -1,0 +1,41 @@
+"""Legs with corners of which no law says how fast they were driven: along the corners, at an even speed."""
+import math
+
+from move_base_abstract.geometry import share_along
+
+_ON_WAY = 0.01  # m; who ended as near as that to the way ended on it
+
+
+def even_pieces(begin_ns, end_ns, way, end):
+    """Return the pieces [(from [ns], to [ns], pose, pose), ...] of a leg that ended at ``end``; poses are (x, y, yaw).
+
+    ``way``: the pose at the start, the corners (x, y), and the goal's pose. Where the leg ended on its way it is drawn
+    along it up to there, else on a straight line.
+    """
+    points = [*_up_to(end, [place[:2] for place in way]), end[:2]]
+    lengths = [math.hypot(x - a, y - b) for (a, b), (x, y) in zip(points, points[1:])]
+    whole = math.fsum(lengths)
+    if len(points) == 2 or not whole > 0.0:
+        return [(begin_ns, end_ns, way[0], end)]
+    pieces, covered, one_ns = [], 0.0, begin_ns
+    for (a, b), (x, y), length in zip(points, points[1:], lengths):
+        covered += length
+        other_ns = begin_ns + int((end_ns - begin_ns) * min(1.0, covered / whole))
+        course = math.atan2(y - b, x - a)
+        if length > 0.0:
+            pieces.append((one_ns, other_ns, (a, b, course), (x, y, course)))
+            one_ns = other_ns
+    *others, (one_ns, _, pose, _) = pieces
+    return [*others, (one_ns, end_ns, pose, end)]
+
+
+def _up_to(end, points):
+    """Return those of ``points`` that the way has passed where it is last nearest to ``end``; at least one."""
+    best = None
+    for number, (one, other) in enumerate(zip(points, points[1:])):
+        share = share_along(one, other, *end[:2])
+        far = round(math.hypot(one[0] + share * (other[0] - one[0]) - end[0],
+                               one[1] + share * (other[1] - one[1]) - end[1]), 6)
+        if far <= _ON_WAY and (best is None or far <= best[0]):
+            best = far, number
+    return points[:1] if best is None else points[:best[1] + 1]
