@@ -54,7 +54,7 @@ def _read_scenario(raw, values, where):
     scenario = read_scenario(values['scenario']) if values['scenario'] else make_scenario(inline, where)
     if not scenario.arrivals:
         raise ConfigurationError(
-            '{}: got no arrivals; allowed: at least one, in a scenario or as ~arrivals'.format(where))
+            'parameter {}/arrivals: got none; allowed: at least one, here or in the scenario'.format(where))
     return scenario
 
 
