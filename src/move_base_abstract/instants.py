@@ -1,11 +1,14 @@
 """The instant at which something that never takes itself back comes to be, to the nanosecond."""
 
 
-def first_ns(begin_ns, end_ns, is_so):
+def first_ns(begin_ns, end_ns, is_so, guess_ns=None):
     """Return the first instant [ns] in ``begin_ns`` .. ``end_ns`` [ns] at which ``is_so(instant)`` is true.
 
-    It must stay true from there on, and be true at ``end_ns``, which is not asked. By bisection: at most 62 calls.
+    It must stay true from there on, and be true at ``end_ns``, which is not asked. By bisection: at most 62 calls. Of a
+    ``guess_ns`` [ns] that is off by n ns it takes some 2 log2(n) of them; it changes the answer in nothing.
     """
+    if guess_ns is not None:
+        begin_ns, end_ns = _around(min(max(guess_ns, begin_ns), end_ns), begin_ns, end_ns, is_so)
     while begin_ns < end_ns:
         middle_ns = (begin_ns + end_ns) // 2
         if is_so(middle_ns):
@@ -13,3 +16,25 @@ def first_ns(begin_ns, end_ns, is_so):
         else:
             begin_ns = middle_ns + 1
     return end_ns
+
+
+def _around(guess_ns, begin_ns, end_ns, is_so):
+    """Return as little as may be of ``begin_ns`` .. ``end_ns`` [ns], by steps from ``guess_ns`` that grow."""
+    step = 1
+    if guess_ns == end_ns or is_so(guess_ns):
+        end_ns = guess_ns
+        while begin_ns < end_ns:
+            before_ns = max(begin_ns, end_ns - step)
+            if not is_so(before_ns):
+                return before_ns + 1, end_ns
+            end_ns = before_ns
+            step *= 2
+        return begin_ns, end_ns
+    begin_ns = guess_ns + 1
+    while begin_ns < end_ns:
+        later_ns = min(begin_ns + step - 1, end_ns)
+        if later_ns == end_ns or is_so(later_ns):
+            return begin_ns, later_ns
+        begin_ns = later_ns + 1
+        step *= 2
+    return begin_ns, end_ns

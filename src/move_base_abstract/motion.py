@@ -190,6 +190,10 @@ class Leg:
             return self.distance
         return self._profile.covered((now_ns - self._drive_ns) / NS_PER_S) if now_ns > self._drive_ns else 0.0
 
+    def guess_ns(self, distance):
+        """Return about when ``distance`` [m] are driven [ns]: rounding may make it a few ns too early or too late."""
+        return self._drive_ns + int(self._profile.elapsed(distance) * NS_PER_S)
+
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: the start before the departure, the end from the arrival on."""
         if now_ns < self.depart_ns:

@@ -67,17 +67,21 @@ class Outline:
         return [piece for piece in pieces if piece[1] - piece[0] > BORDER]
 
     def _pieces_of(self, begin, end, length):
-        if not self._meets_box(begin, end):
-            return []
         ux, uy = (end[0] - begin[0]) / length, (end[1] - begin[1]) / length
+        if not self._meets_box(begin, end, ux, uy):
+            return []
         meetings = (at for edge in self._edges for at in _meetings(edge, begin, ux, uy))
         cuts = [0.0, *sorted(at for at in meetings if 0.0 < at < length), length]
         middles = ((one, other, 0.5 * (one + other)) for one, other in zip(cuts, cuts[1:]) if other > one)
         return [(one, other) for one, other, middle in middles
                 if self.contains(begin[0] + middle * ux, begin[1] + middle * uy)]
 
-    def _meets_box(self, begin, end):
+    def _meets_box(self, begin, end, ux, uy):
         x_min, y_min, x_max, y_max = self.box
+        width, height = x_max - x_min, y_max - y_min
+        aside = ux * (y_min + 0.5 * height - begin[1]) - uy * (x_min + 0.5 * width - begin[0])  # of the box's middle
+        if abs(aside) > 0.5 * (abs(ux) * height + abs(uy) * width) + BORDER:
+            return False
         return (min(begin[0], end[0]) < x_max and max(begin[0], end[0]) > x_min
                 and min(begin[1], end[1]) < y_max and max(begin[1], end[1]) > y_min)
 

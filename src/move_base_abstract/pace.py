@@ -36,6 +36,12 @@ class PacedLeg:
         """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
         return self._leg.distance_at(self._leg_ns(now_ns))
 
+    def guess_ns(self, distance):
+        """Return about when ``distance`` [m] are driven [ns]: rounding may make it a few ns too early or too late."""
+        whole_ns = self._leg.duration_ns
+        elapsed_ns = self._leg.guess_ns(distance) - self._leg.depart_ns
+        return self._begin_ns + (elapsed_ns * self._ns // whole_ns if whole_ns else self._ns)
+
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: the start until the delay is over, the end from the arrival on."""
         if now_ns < self._begin_ns:

@@ -38,6 +38,7 @@ def passages(leg, outline):
 def instant_at(leg, distance):
     """Return the first instant [ns] of ``leg`` at which ``distance`` [m] are covered, or the arrival.
 
-    By bisection, to the nanosecond: the distance never falls.
+    To the nanosecond: the distance never falls. What the law's reverse says is where the search begins.
     """
-    return first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= distance)
+    return first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= distance,
+                    leg.guess_ns(distance))

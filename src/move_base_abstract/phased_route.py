@@ -43,6 +43,10 @@ class _EasedTurn:
     def __init__(self, begin, turn, profile, driven):
         self._begin, self._turn, self._profile, self._driven = begin, turn, profile, driven
 
+    @staticmethod
+    def guess(_distance):
+        """Return when [s after its begin] a distance is driven: None, it drives nowhere."""
+
     def even_instants(self, ramp_pieces):
         return self._profile.changes(ramp_pieces)
 

@@ -111,6 +111,14 @@ class Route:
         part, elapsed_ns = self._part(now_ns)
         return part.distance_at(elapsed_ns)
 
+    def guess_ns(self, distance):
+        """Return about when ``distance`` [m] are driven [ns]: rounding may make it a few ns too early or too late."""
+        for begin_ns, part in zip(self._begins_ns, self._parts):
+            elapsed = part.guess(distance)
+            if elapsed is not None:
+                return begin_ns + int(elapsed * NS_PER_S)
+        return self.arrive_ns
+
     def pose_at(self, now_ns):
         """Return the pose at ``now_ns`` [ns]: the start before the departure, the end from the arrival on."""
         if now_ns < self.depart_ns:
@@ -165,6 +173,10 @@ class Turn:
         """Return the instants [s after its begin] between which it is even enough: none."""
         return ()
 
+    @staticmethod
+    def guess(_distance):
+        """Return when [s after its begin] a distance is driven: None, it drives nowhere."""
+
     def pose_at(self, elapsed_ns):
         """Return the pose ``elapsed_ns`` [ns] after its begin."""
         turned = math.copysign(self._rate * elapsed_ns / NS_PER_S, self._turn)
@@ -194,6 +206,11 @@ class _Drive:
     def even_instants(self, ramp_pieces):
         """Return when [s] corners are passed, and the ends of the pieces in which the speed changes."""
         return [*(self.profile.elapsed(begin) for begin in self._begins), *self.profile.changes(ramp_pieces)]
+
+    def guess(self, distance):
+        """Return when [s after its begin] ``distance`` [m] are driven since the departure, None: later than it ends."""
+        covered = distance - self._driven
+        return self.profile.elapsed(covered) if covered <= self.profile.distance else None
 
     def pose_at(self, elapsed_ns):
         covered = self.profile.covered(elapsed_ns / NS_PER_S)

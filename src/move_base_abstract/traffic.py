@@ -13,7 +13,7 @@ from .outline import BORDER
 from .passages import instant_at
 from .shown import shown_text
 from .traffic_area import Area, Request
-from .traffic_way import ZoneIndex, crossings, stays_in_zones, stays_on_lanes
+from .traffic_way import ZoneIndex, crossings, stays_on_lanes
 from .waiting_circle import waiting_circle
 
 #: who only leaves an area comes before all that robots do at the instant
@@ -144,9 +144,9 @@ class Traveller:
     def departed(self, leg, now_ns):
         """The robot starts on ``leg``."""
         self._leg = leg
-        stays = stays_in_zones(leg, self._traffic.zones)
+        stays = self._traffic.zones.stays(leg.way)
         if self._source is not None:
-            stays += stays_on_lanes(leg, lambda edge: self._traffic.lane(self._source, edge))
+            stays += tuple(stays_on_lanes(leg, lambda edge: self._traffic.lane(self._source, edge)))
         self._crossings = crossings(stays, self.held) if leg.distance > BORDER else []
         if self._crossings and self._crossings[0].distance == 0.0:
             self._cross(now_ns)

@@ -5,6 +5,8 @@ from typing import NamedTuple, Optional, Tuple
 
 from .outline import BORDER
 
+_KEPT_WAYS = 10_000
+
 
 class Stay(NamedTuple):
     """A piece of a way in ``area``: from ``begin`` [m] to ``end`` [m] along it, None: it ends inside."""
@@ -26,6 +28,7 @@ class ZoneIndex:
     """Finds zones by where they are: ``areas`` (Area, ...) with an outline, in the order in which they are given."""
 
     def __init__(self, areas):
+        self._stays = {}  # {way: (Stay, ...)}
         self._boxes = sorted(((*area.outline.box, number, area) for number, area in enumerate(areas)),
                              key=lambda box: box[0])
 
@@ -39,23 +42,26 @@ class ZoneIndex:
                 found.append((number, area))
         return [area for _, area in sorted(found, key=lambda one: one[0])]
 
+    def stays(self, way):
+        """Return the :class:`Stay` objects of ``way`` ((x, y), ...) [m] by area. They are kept, since ways repeat."""
+        if way not in self._stays:
+            self._stays[way] = tuple(self._find_stays(way))
+            if len(self._stays) > _KEPT_WAYS:
+                del self._stays[next(iter(self._stays))]
+        return self._stays[way]
+
+    def _find_stays(self, way):
+        xs, ys = [x for x, _ in way], [y for _, y in way]
+        for area in self.near(min(xs), min(ys), max(xs), max(ys)):
+            pieces = area.outline.pieces_inside(way)
+            length = sum(hypot(x - a, y - b) for (a, b), (x, y) in zip(way, way[1:])) if pieces else 0.0
+            for begin, end in pieces:
+                ends_inside = end >= length - BORDER and area.outline.contains(*way[-1])
+                yield Stay(area, begin, None if ends_inside else end)
+
     def at(self, x, y):
         """Return the areas that contain (x, y) [m]."""
         return [area for area in self.near(x, y, x, y) if area.outline.contains(x, y)]
-
-
-def stays_in_zones(leg, zones):
-    """Return the :class:`Stay` objects of ``leg`` in those of ``zones`` (ZoneIndex) that it comes to, by area."""
-    way = leg.way
-    xs, ys = [x for x, _ in way], [y for _, y in way]
-    stays = []
-    for area in zones.near(min(xs), min(ys), max(xs), max(ys)):
-        pieces = area.outline.pieces_inside(way)
-        length = sum(hypot(x - a, y - b) for (a, b), (x, y) in zip(way, way[1:])) if pieces else 0.0
-        for begin, end in pieces:
-            ends_inside = end >= length - BORDER and area.outline.contains(*way[-1])
-            stays.append(Stay(area, begin, None if ends_inside else end))
-    return stays
 
 
 def stays_on_lanes(leg, area_of):

@@ -5,6 +5,7 @@ import pytest
 
 from move_base_abstract.approach import MotionPhases
 from move_base_abstract.geometry import Pose2D
+from move_base_abstract.instants import first_ns
 from move_base_abstract.motion import Leg, MotionLimits, Tolerances
 from move_base_abstract.outline import rectangle
 from move_base_abstract.pace import Pace, PacedLeg
@@ -40,6 +41,17 @@ def test_before_the_instant_the_border_is_not_reached_and_at_it_it_is(leg):
     assert min(abs(place.x - 6.0), abs(place.y - 2.0)) < 3e-9
     middle = leg.pose_at((enter_ns + leave_ns) // 2)
     assert AREA.contains(middle.x, middle.y)
+
+
+@pytest.mark.parametrize('leg', LEGS)
+def test_the_reverse_of_the_law_is_off_by_little(leg):
+    for share in (0.0, 0.01, 0.2, 0.5, 0.77, 0.99, 1.0):
+        distance = share * leg.distance
+        instant_ns = instant_at(leg, distance)
+        assert instant_ns == first_ns(
+            leg.depart_ns, leg.arrive_ns, lambda at_ns, far=distance: leg.distance_at(at_ns) >= far)
+        if share not in (0.0, 1.0):  # there it may turn, or wait
+            assert abs(leg.guess_ns(distance) - instant_ns) < 100
 
 
 @pytest.mark.parametrize('leg', LEGS)
