@@ -120,10 +120,8 @@ def drawn_ns(seconds, uniform):
 
 
 def merged(arrivals, seed):
-    """Yield all tasks of ``arrivals`` in the order of their instants; at one instant, of the entry that comes first."""
-    streams = [((task.arrival_ns, index, task) for task in entry.tasks(seed)) for index, entry in enumerate(arrivals)]
-    for _, _, task in heapq.merge(*streams, key=lambda item: item[:2]):
-        yield task
+    """Return an iterator of all tasks in the order of their instants; at one instant, of the entry that comes first."""
+    return heapq.merge(*(entry.tasks(seed) for entry in arrivals), key=lambda task: task.arrival_ns)
 
 
 def read_arrivals(raw, places, where):
