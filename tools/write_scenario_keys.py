@@ -51,6 +51,8 @@ def shown(value):
     """Return a default as YAML would have it."""
     if value is None or value == ():
         return ''
+    if isinstance(value, tuple):
+        return '[{}]'.format(', '.join(map(shown, value)))
     if isinstance(value, bool):
         return str(value).lower()
     return '{:g}'.format(value) if isinstance(value, float) else str(value)
@@ -73,8 +75,8 @@ def sections():
          ('tasks.md', 'zones.md', 'lanes.md', 'fleet.md')),
         ('A robot', as_parameters(scenario._GROUP_KEYS, [places.NAME, scenario._COUNT]), ('fleet.md',)),
         ('Settings: of `defaults` or of a robot', as_parameters(settings.OWN_NAMES, of_robot),
-         ('durations.md', 'routes.md', 'lanes.md', 'calibrate.md', 'move_base.md')),
-        ('A zone', as_parameters(zones.KEYS, [places.NAME, zones._CAPACITY]), ('zones.md',)),
+         ('durations.md', 'failures.md', 'battery.md', 'routes.md', 'lanes.md', 'calibrate.md', 'move_base.md')),
+        ('A zone', as_parameters(zones.KEYS, [places.NAME, zones._CAPACITY, zones._CHARGER]), ('zones.md',)),
         ('A place', list(places.PLACE_TABLE), ('tasks.md',)),
         ('Arrivals', list(arrivals.ARRIVAL_TABLE), ('tasks.md',)),
         ('A file of tasks', list(arrivals._ROW), ('tasks.md',)),

@@ -1,31 +1,43 @@
-"""The condition of a robot besides where it is: whether something holds it, or it has failed."""
+"""The condition of a robot besides where it is: whether something holds it, it has failed, its battery."""
 
 
 class Condition:
-    """Read-only for who shows it. ``failing`` (:class:`.failing.Failing`) is None for a robot that never fails."""
+    """Read-only for who shows it.
 
-    def __init__(self, navigator, failing=None):
+    ``failing`` (:class:`.failing.Failing`) is None for a robot that never fails, ``battery``
+    (:class:`.battery.Battery`) for one without a battery.
+    """
+
+    def __init__(self, navigator, failing=None, battery=None):
         self._navigator = navigator
         self.failing = failing
-        self._parts = [part for part in (failing,) if part is not None]
+        self.battery = battery
+        self._parts = [part for part in (failing, battery) if part is not None]
 
     @property
     def is_ordinary(self):
-        """Whether the robot is one of which there is nothing to tell: it never fails."""
+        """Whether the robot is one of which there is nothing to tell: it never fails, and has no battery."""
         return not self._parts
 
     @property
-    def has_failed(self):
-        """Whether the robot has failed and is not repaired yet."""
-        return self.failing is not None and self.failing.failure is not None
+    def is_out_of_order(self):
+        """Whether the robot cannot work: it has failed and is not repaired yet, or its battery is empty."""
+        return (self.failing is not None and self.failing.failure is not None
+                or self.battery is not None and self.battery.is_empty)
 
     @property
     def state_text(self):
         """What is out of the ordinary, in a few words for people; '' if nothing is."""
         failing = self.failing
-        failed = ['failed: ' + failing.failure.kind] if self.has_failed else []
+        failed = ['failed: ' + failing.failure.kind] if failing is not None and failing.failure is not None else []
+        empty = ['battery empty'] if self.battery is not None and self.battery.is_empty else []
         held = [reason for reason in self._navigator.held_for if not failed or reason != failing.REASON]
-        return ', '.join(failed + (['held: ' + ', '.join(held)] if held else []))
+        return ', '.join(failed + empty + (['held: ' + ', '.join(held)] if held else []))
+
+    def begin(self, now_ns):
+        """The robot is whole, and who listens too."""
+        if self.battery is not None:
+            self.battery.begin(now_ns)
 
     def reset(self, now_ns):
         """The robot is about to be put to its start at ``now_ns`` [ns]; its navigator has been reset."""

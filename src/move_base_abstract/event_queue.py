@@ -6,14 +6,16 @@ class Event:
     """Something that is due: ``action(due_ns, now_ns)``.
 
     ``due_ns`` [ns] is when it was to happen; ``now_ns`` is the time that the clock really shows, the same or later.
+    ``keeps_going()``: whether time goes on for it alone, None: it does.
     ``telling`` is the :class:`Series` that it belongs to where that only tells what is so, else None.
     """
 
-    __slots__ = ('action', 'telling')
+    __slots__ = ('action', 'telling', 'keeps_going')
 
-    def __init__(self, action, telling=None):
+    def __init__(self, action, telling=None, keeps_going=None):
         self.action = action
         self.telling = telling
+        self.keeps_going = keeps_going
 
     def __lt__(self, _other):
         """Return False: what has the same place is one series, stopped and started anew; the stopped one is nothing."""
@@ -29,6 +31,7 @@ NOBODY, ONLOOKERS, PARTICIPANTS = 0, 1, 2
 
 #: in the order of one instant and robot, what only tells comes after what happens, in the order of its making
 _TELLING = 1 << 62
+_FEWEST_SWEPT = 4096  # entries, below which cancelled ones are not looked for
 
 
 class EventQueue:
@@ -40,7 +43,10 @@ class EventQueue:
 
     def __init__(self):
         self._heap = []  # of (due_ns, robot index, number, Event): tuples, since these are compared most of all
+        self._sweep_at = _FEWEST_SWEPT
         self._sequence = 0
+        #: whether anything was ever scheduled for which alone time may not go on
+        self.ever_waits = False
         self._telling = 0
         self._tellers = 0
         self._asleep = []  # Series, in the order in which they fell asleep
@@ -66,15 +72,27 @@ class EventQueue:
         """Return the series that are asleep and would be heard now."""
         return [series for series in self._asleep if series.is_heard()]
 
-    def schedule(self, due_ns, robot_index, action, telling=None):
-        """Add ``action(due_ns, now_ns)`` at ``due_ns`` [ns] and return its :class:`Event`, which can be cancelled."""
-        event = Event(action, telling)
+    def schedule(self, due_ns, robot_index, action, telling=None, keeps_going=None):
+        """Add ``action(due_ns, now_ns)`` at ``due_ns`` [ns] and return its :class:`Event`, which can be cancelled.
+
+        ``keeps_going()``, of what comes of itself while nobody does anything: whether time goes on for it alone.
+        """
+        self.ever_waits = self.ever_waits or keeps_going is not None
+        event = Event(action, telling, keeps_going)
+        if len(self._heap) >= self._sweep_at:
+            self._sweep()
         if telling is None:
             heapq.heappush(self._heap, (due_ns, robot_index, self._sequence, event))
             self._sequence += 1
         else:
             heapq.heappush(self._heap, (due_ns, robot_index, telling.place, event))
         return event
+
+    def _sweep(self):
+        """Drop what has been cancelled: of far instants it would stay for long. The order stays, no two are equal."""
+        self._heap = [entry for entry in self._heap if entry[3].action is not None]
+        heapq.heapify(self._heap)
+        self._sweep_at = max(_FEWEST_SWEPT, 2 * len(self._heap))
 
     def next_due_ns(self):
         """Return when the next event is due [ns], or None if there is none."""
@@ -83,12 +101,20 @@ class EventQueue:
             heapq.heappop(heap)
         return heap[0][0] if heap else None
 
+    def is_busy(self):
+        """Return whether anything is due for which alone time goes on."""
+        return any(event.action is not None and (event.keeps_going is None or event.keeps_going())
+                   for *_, event in self._heap)
+
     def is_for_onlookers(self):
-        """Return whether there are events, and all only tell what is heard by none but onlookers."""
+        """Return whether there are events, and time goes on for none alone, or but for what onlookers are told."""
         is_any = False
         for *_, event in self._heap:
             if event.action is not None:
-                if event.telling is None or event.telling.is_heard() != ONLOOKERS:
+                if event.keeps_going is not None:
+                    if event.keeps_going():
+                        return False
+                elif event.telling is None or event.telling.is_heard() != ONLOOKERS:
                     return False
                 is_any = True
         return is_any

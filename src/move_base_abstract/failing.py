@@ -7,6 +7,7 @@ Poisson process of its exposure, in which a robot that has failed does not get o
 import math
 from typing import NamedTuple, Optional
 
+from .alarm import Alarm
 from .chance import Purpose
 from .failures import ABORT, GOAL, HOUR, KM, SCRIPT, SILENT, Failures
 from .instants import first_ns
@@ -50,12 +51,13 @@ class Failing:
         #: exposures at which the next failures come: of distance by the robot's odometer [m], of goals by _driven
         self._next = {cause: self._draw(cause) for cause in (KM, GOAL) if cause in self._rates}
         self._hours_left = int(self._draw(HOUR)) if HOUR in self._rates else None  # ns
-        self._hours = _Alarm(self._queue, robot.index)
-        self._on_leg = _Alarm(self._queue, robot.index)
-        self._repair = _Alarm(self._queue, robot.index)
+        self._hours = Alarm(self._queue, robot.index)
+        self._on_leg = Alarm(self._queue, robot.index)
+        self._repair = Alarm(self._queue, robot.index)
         self._driven = _DrivenGoals(navigator)
-        self._script = [self._queue.schedule(one.at_ns, robot.index, lambda due_ns, _now_ns, one=one: self.fail(
-            SCRIPT, due_ns, one.kind, one.repair)) for one in failures.script if one.at_ns >= simulation.now_ns]
+        self._script = [self._queue.schedule(
+            one.at_ns, robot.index, lambda due_ns, _, one=one: self.fail(SCRIPT, due_ns, one.kind, one.repair),
+            keeps_going=_no) for one in failures.script if one.at_ns >= simulation.now_ns]
         robot.follow(self._motion_changed)
         navigator.follow(self._goal_changed)
 
@@ -180,35 +182,9 @@ class Failing:
         self.fail(cause, due_ns)
 
 
-class _Alarm:
-    """At most one event of a robot, and when it is due [ns], or None."""
-
-    def __init__(self, queue, robot_index):
-        self._queue = queue
-        self._robot_index = robot_index
-        self._event = None
-        self.due_ns = None
-
-    def set(self, due_ns, action):
-        """Call ``action(due_ns)`` then, and nothing else."""
-        self.cancel()
-        self.due_ns = due_ns
-        self._event = self._queue.schedule(due_ns, self._robot_index,
-                                           lambda at_ns, _now_ns: self._go_off(action, at_ns))
-
-    def cancel(self):
-        if self._event is not None:
-            self._event.cancel()
-            self._event = self.due_ns = None
-
-    def shift(self, by_ns):
-        """The queue has been shifted."""
-        if self.due_ns is not None:
-            self.due_ns += by_ns
-
-    def _go_off(self, action, at_ns):
-        self._event = self.due_ns = None
-        action(at_ns)
+def _no():
+    """Return False: nothing goes on for a failure that is to come."""
+    return False
 
 
 class _DrivenGoals:

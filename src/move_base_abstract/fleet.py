@@ -9,12 +9,14 @@ The robots are those of the nodes, with the same settings, and time is kept in t
 """
 import itertools
 
+from .battery import EMPTY, STATE_OF_CHARGE
 from .errors import ConfigurationError, FrameError, TimeError
 from .failures import KINDS, REQUEST, check_request
 from .geometry import quaternion_of_yaw
 from .map_check import MapCheck
 from .navigator import GoalPose, NavigatorListener
-from .outcome import ROBOT_REMOVED, ROBOT_RESET
+from .outcome import BATTERY_EMPTY, ROBOT_REMOVED, ROBOT_RESET
+from .parameter_table import checked
 from .place_tasks import Rooms
 from .robot_parts import make_planner, make_robot_parts
 from .robot_trace import RobotTrace, TraceEntry
@@ -134,6 +136,15 @@ class Fleet:
         """Repair a robot now; return whether it had failed."""
         return self._failing(name).repair(self.now_ns)
 
+    def set_charge(self, name, state_of_charge):
+        """Have a robot's battery charged by ``state_of_charge`` (0..1) from now on."""
+        battery, where = self._battery(name), "robot '{}'".format(name)
+        battery.set(checked(state_of_charge, 'state_of_charge', STATE_OF_CHARGE, where), self.now_ns)
+
+    def set_tool(self, name, works):
+        """Have a robot's tool work from now on, or rest: it takes ``tool_power``."""
+        self._battery(name).set_tool(works, self.now_ns)
+
     def condition(self, name):
         """Return a robot's :class:`.condition.Condition`."""
         return self._member(name).condition
@@ -176,10 +187,13 @@ class Fleet:
         self.simulation.queue.schedule(time_ns, _USER_INDEX, lambda due_ns, _now_ns: action(self))
 
     def run(self, until_ns=None):
-        """Let everything happen up to ``until_ns`` [ns], or to the end of all events; return the time [ns]."""
+        """Let everything happen up to ``until_ns`` [ns], or to the end of all events; return the time [ns].
+
+        Without ``until_ns`` it waits neither for batteries nor for failures that are to come.
+        """
         while True:
             due_ns = self.simulation.next_due_ns()
-            if due_ns is None or (until_ns is not None and due_ns > until_ns):
+            if due_ns is None or (due_ns > until_ns if until_ns is not None else not self.simulation.queue.is_busy()):
                 break
             self.simulation.advance(due_ns)
         if until_ns is not None:
@@ -214,6 +228,13 @@ class Fleet:
                                      "{}".format(name, ', '.join(KINDS)))
         return failing
 
+    def _battery(self, name):
+        battery = self._member(name).condition.battery
+        if battery is None:
+            raise ConfigurationError("robot '{}': battery_capacity: got 0; allowed, for a battery: > 0 [Ah]".format(
+                name))
+        return battery
+
     def _ended(self, robot, record, stamp_ns):
         self._tell(self._on_end, robot, record, stamp_ns)
 
@@ -242,7 +263,7 @@ class _Member(NavigatorListener):
         if occupancy is not None and values['use_map']:
             self._map_check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
         parts = make_robot_parts(settings, spec.name, index, fleet.simulation, self, self, _no_lookup,
-                                 planner or make_planner(settings, self._map_check))
+                                 planner or make_planner(settings, self._map_check), fleet.scenario.zones)
         self.robot, self._ledger, self.navigator, self.condition = (
             parts.robot, parts.ledger, parts.navigator, parts.condition)
         self.worker = None
@@ -252,7 +273,9 @@ class _Member(NavigatorListener):
             self.worker = Worker(fleet._rooms, self.robot, values['seed'],
                                  None if fleet.trace is None else fleet.trace.append,
                                  lambda record, stamp_ns: fleet._worked(spec.name, record, stamp_ns),
-                                 lambda: self.condition.has_failed)
+                                 lambda: self.condition.is_out_of_order,
+                                 None if self.condition.battery is None else self.condition.battery.load)
+        self.condition.begin(fleet.now_ns)
 
     def reset(self, now_ns):
         if self.worker is not None:
@@ -303,6 +326,14 @@ class _Member(NavigatorListener):
         self._trace.failed(kind, cause, now_ns)
         if self.worker is not None:
             self.worker.tasks.failed(now_ns)
+
+    def battery(self, level, what, now_ns):
+        self._trace.battery(level, what, now_ns)
+        if what == EMPTY and self.worker is not None:
+            self.worker.tasks.shut_down(BATTERY_EMPTY, now_ns)
+
+    def charging(self, charger, is_charging, now_ns):
+        self._trace.charging(charger, is_charging, now_ns)
 
     def repaired(self, now_ns):
         self._trace.repaired(now_ns)

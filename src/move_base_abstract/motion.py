@@ -184,6 +184,11 @@ class Leg:
         """Return the corners that are still to come: none."""
         return ()
 
+    def even_instants_ns(self, ramp_pieces):
+        """As of :meth:`.route.Route.even_instants_ns`."""
+        changes = (self._drive_ns + seconds_to_ns(elapsed) for elapsed in self._profile.changes(ramp_pieces))
+        return sorted({self.depart_ns, self._drive_ns, *changes, self._last_turn_ns, self.arrive_ns})
+
     def distance_at(self, now_ns):
         """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
         if now_ns >= self._last_turn_ns:

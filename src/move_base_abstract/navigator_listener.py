@@ -24,6 +24,8 @@ class NavigatorListener:
 
     #: a function: whether feedback would be heard; None: it is told anyhow, see :class:`Series`
     is_feedback_heard = None
+    #: a function: who hears of the battery, NOBODY to PARTICIPANTS; None: nobody
+    is_battery_heard = None
 
     def departed(self, robot, goal, now_ns):
         """The robot starts for ``goal``."""
@@ -39,6 +41,12 @@ class NavigatorListener:
 
     def repaired(self, now_ns):
         """The robot that had failed is as before."""
+
+    def battery(self, level, what, now_ns):
+        """The state of charge has passed the ``level`` in 0..1: a text, see :mod:`.battery`."""
+
+    def charging(self, charger, is_charging, now_ns):
+        """The robot is charged from now on, or no more, at the charger of this name."""
 
     def held(self, reasons, now_ns):
         """The robot is held for ``reasons``, a tuple of texts in the order in which they came; none: it is released."""

@@ -49,6 +49,7 @@ NO_CONTROL = Outcome(GoalState.ABORTED, 'Failed to find a valid control. Even af
 NODE_KILLED = Outcome(GoalState.ABORTED, 'Aborting on the goal because the node has been killed')
 ROBOT_REMOVED = Outcome(GoalState.ABORTED, 'Aborting on the goal because the robot has been removed')
 ROBOT_RESET = Outcome(GoalState.ABORTED, 'Aborting on the goal because the robots have been reset')
+BATTERY_EMPTY = Outcome(GoalState.ABORTED, 'Aborting on the goal because the battery is empty')
 FAILED = Outcome(GoalState.ABORTED, 'Aborting on the goal because the robot has failed')
 
 CLOCK_RESTARTED = Outcome(GoalState.ABORTED, 'Aborting on the goal because simulated time has started anew')

@@ -32,6 +32,13 @@ class PacedLeg:
         """The places ((x, y), ...) [m] between which it goes straight, up to where it ends."""
         return self._leg.way
 
+    def even_instants_ns(self, ramp_pieces):
+        """As of :meth:`.route.Route.even_instants_ns`; it stands at first."""
+        of_law = self._leg.duration_ns
+        inner = [instant - self.depart_ns for instant in self._leg.even_instants_ns(ramp_pieces)] if of_law else []
+        paced = (self._begin_ns + -(-elapsed * self._ns // of_law) for elapsed in inner)  # rounded up, as _leg_ns down
+        return sorted({self.depart_ns, self._begin_ns, *paced, self.arrive_ns})
+
     def distance_at(self, now_ns):
         """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
         return self._leg.distance_at(self._leg_ns(now_ns))

@@ -1,6 +1,7 @@
 """One robot and what works on its goals, put together in one place: for the nodes and for the plain Python fleet."""
 from typing import NamedTuple
 
+from .battery import Battery
 from .chance import Chance
 from .condition import Condition
 from .durations import GoalDurations
@@ -26,7 +27,7 @@ class RobotParts(NamedTuple):
     condition: Condition
 
 
-def make_robot_parts(settings, name, index, simulation, answers, listener, lookup, planner=None):
+def make_robot_parts(settings, name, index, simulation, answers, listener, lookup, planner=None, zones=()):
     """Return the RobotParts of the robot ``name``, which stands at the start of its ``settings`` (RobotSettings).
 
     ``answers`` has ``publish_status()``, ``publish_result(record, stamp_ns)`` and ``new_id(now_ns)``, as of GoalLedger;
@@ -47,7 +48,10 @@ def make_robot_parts(settings, name, index, simulation, answers, listener, looku
     failing = None
     if settings.failures is not None:
         failing = Failing(settings.failures, robot, navigator, simulation, Chance(values['seed'], name), listener)
-    return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing))
+    battery = None
+    if settings.battery is not None:
+        battery = Battery(settings.battery, robot, navigator, simulation, zones, listener)
+    return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery))
 
 
 def make_planner(settings, map_check=None):

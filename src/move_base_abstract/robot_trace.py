@@ -12,6 +12,7 @@ class TraceEntry(NamedTuple):
     area, ...): it closed a circle of waiting;
     ``held`` (reason, ...): for which reasons the robot is held, whenever these change, and ``released`` ();
     ``failed`` (kind, cause, see :mod:`.failures`) and ``repaired`` ();
+    ``battery`` (state of charge, what, see :mod:`.battery`), ``charging_began`` and ``charging_ended`` (zone);
     and, where it is asked for, ``motion`` (x, y, yaw of the robot, then by what it travels from the next leg on:
     max_speed, acceleration, turn_rate, xy_goal_tolerance, yaw_goal_tolerance, as the parameters of these names, in
     which 0 is an acceleration or a turn rate without limit). Positions in m, yaw in rad, global frame.
@@ -67,6 +68,14 @@ class RobotTrace:
     def note(self, kind, now_ns, *values):
         """Something of ``kind`` happened to the robot."""
         self._add(now_ns, kind, *values)
+
+    def battery(self, level, what, now_ns):
+        """The state of charge has passed a level."""
+        self._add(now_ns, 'battery', level, what)
+
+    def charging(self, charger, is_charging, now_ns):
+        """It is charged, or no more."""
+        self._add(now_ns, 'charging_began' if is_charging else 'charging_ended', charger)
 
     def ended(self, record, stamp_ns):
         """A goal ended; ``record`` is the ledger's."""

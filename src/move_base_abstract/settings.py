@@ -6,6 +6,8 @@ from typing import Dict, List, Optional, Tuple, Union
 
 from . import upstream
 from .approach import MotionPhases
+from .battery import TABLE as BATTERY
+from .battery import BatterySettings, read_battery
 from .calibration import CalibratedDurations, read_calibration
 from .costmaps import Costmaps, read_costmaps
 from .durations import TABLE as DURATIONS
@@ -111,6 +113,7 @@ TABLE = (
     Parameter('seed', 0, integer(0), 'a whole number >= 0'),
     *DURATIONS,
     *FAILURES,
+    *BATTERY,
     Parameter('calibration', None, text, 'the path of a calibration, or the name of one that ships'),
 )
 _ODOM = 'odom'
@@ -148,6 +151,8 @@ class RobotSettings:
     durations: Union[Durations, CalibratedDurations, None] = None
     #: what goes wrong; None: nothing
     failures: Optional[Failures] = None
+    #: its battery; None: it has none, and needs none
+    battery: Optional[BatterySettings] = None
     #: how legs begin and end; None: as of a Leg
     phases: Optional[MotionPhases] = None
     #: the LaneMap or TravelMatrix by which it goes; None: neither
@@ -208,7 +213,7 @@ def read_settings(raw, where):
         recovery=_recovery(values, behaviors), behaviors=behaviors,
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
         costmaps=costmaps, network=network, durations=read_durations(values, where),
-        failures=read_failures(values, where),
+        failures=read_failures(values, where), battery=read_battery(values),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
         **_other_names(raw, values, used, where, planner.warnings))
     return settings if values['calibration'] is None else _calibrated(settings, raw, where)

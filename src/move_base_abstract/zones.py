@@ -4,9 +4,9 @@
       - {name: gate, rectangle: [4.0, -1.0, 6.0, 1.0], capacity: 1}
       - {name: yard, polygon: [[0, 0], [20, 0], [20, 10], [0, 15]]}      # of any number
 
-A zone may hold any number of robots unless it has a capacity.
+A zone may hold any number of robots unless it has a capacity. One with ``charger`` charges who stands in it.
 """
-from typing import NamedTuple, Optional
+from typing import NamedTuple, Optional, Union
 
 from .errors import ConfigurationError
 from .outline import MAX_POINTS, Outline, rectangle
@@ -16,10 +16,18 @@ from .ros_names import ROBOT_NAME_RULE, is_robot_name
 from .shown import shown
 from .unknown_keys import check_keys
 
-KEYS = ('name', 'rectangle', 'polygon', 'capacity')
+KEYS = ('name', 'rectangle', 'polygon', 'capacity', 'charger')
 MAX_ZONES = 10_000
 _NUMBER = number(-1e9, 1e9)
+_CURRENT = number(above=0.0, high=1e9)
+
+
+def _charger(value):
+    return value if value is None or value is True else None if value is False else _CURRENT(value)
+
+
 _CAPACITY = Parameter('capacity', None, integer(1), 'a whole number >= 1, or none: any number of robots')
+_CHARGER = Parameter('charger', None, _charger, 'true, or a number > 0, <= 1e9 [A], or none: nobody is charged')
 _RECTANGLE = ('[x_min, y_min, x_max, y_max] [m, global frame, within +-1e9] with x_min < x_max and '
               'y_min < y_max')
 _POLYGON = ('a list of 3 to {} points [x, y] [m, global frame, within +-1e9], the corners of a polygon that does not '
@@ -27,11 +35,15 @@ _POLYGON = ('a list of 3 to {} points [x, y] [m, global frame, within +-1e9], th
 
 
 class Zone(NamedTuple):
-    """An area ``outline`` (Outline, global frame) with place for ``capacity`` robots, None: for any number."""
+    """An area ``outline`` (Outline, global frame) with place for ``capacity`` robots, None: for any number.
+
+    ``charger``: who stands in it is charged with this current [A], True: with its own ``charging_current``, None: not.
+    """
 
     name: str
     outline: Outline
     capacity: Optional[int] = None
+    charger: Union[bool, float, None] = None
 
     def contains(self, x, y):
         """Return whether (x, y) [m, global frame] is in the zone, more than a micrometre from its border."""
@@ -75,7 +87,8 @@ def _read_zone(raw, where):
             where, 'both' if 'rectangle' in raw else 'neither'))
     outline = _outline(raw, 'rectangle' if 'rectangle' in raw else 'polygon', where)
     capacity = raw.get('capacity')
-    return Zone(name, outline, None if capacity is None else checked(capacity, 'capacity', _CAPACITY, where))
+    return Zone(name, outline, None if capacity is None else checked(capacity, 'capacity', _CAPACITY, where),
+                checked(raw.get('charger'), 'charger', _CHARGER, where))
 
 
 def _outline(raw, key, where):

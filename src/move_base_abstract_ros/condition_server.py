@@ -7,40 +7,56 @@ from move_base_abstract.failures import REQUEST, check_request
 from move_base_abstract.srv import Fail, FailResponse
 
 from . import diagnostics
+from .battery_server import BatteryServer
 
 
 class ConditionServer:
-    """Of a robot that can fail; of another it has nothing at all. ``condition`` is its Condition.
+    """Of a robot that can fail or has a battery; of another it has nothing at all. ``condition`` is its Condition.
 
     Made with the clock's lock.
     """
 
-    def __init__(self, names, host, robot_index, condition):
+    def __init__(self, names, settings, host, robot_index, condition):
         self._names = names
         self._clock = host.clock
         self._condition = condition
         self._services = ()
-        self._diagnostics = None
+        self._diagnostics = self._battery = None
         if not condition.is_ordinary:
             self._diagnostics = host.diagnostics().add(robot_index, names.robot,
                                                        lambda: diagnostics.of_condition(condition))
+        if condition.battery is not None:
+            self._battery = BatteryServer(names, settings, host, robot_index, condition.battery)
 
     def serve(self):
         """Take requests from now on; no lock is held."""
         names = self._names
+        if self._battery is not None:
+            self._battery.serve()
         if self._condition.failing is not None:
             self._services += (rospy.Service(names.own('fail'), Fail, self._fail),
                                rospy.Service(names.own('repair'), Trigger, self._repair))
+
+    def is_battery_heard(self):
+        """Return who listens to ``battery_state``: 0 is nobody."""
+        return self._battery.is_heard()
 
     def changed(self, now_ns):
         """Tell the condition at ``now_ns`` [ns]."""
         if self._diagnostics is not None:
             self._diagnostics.changed(now_ns)
 
+    def battery_changed(self, now_ns):
+        """Tell the state of the battery, too, at ``now_ns`` [ns]."""
+        self._battery.changed(now_ns)
+        self.changed(now_ns)
+
     def close(self):
         """Leave the graph; the caller holds no lock."""
         for service in self._services:
             service.shutdown('the robot is removed')
+        if self._battery is not None:
+            self._battery.close()
         if self._diagnostics is not None:
             self._diagnostics.close()
 

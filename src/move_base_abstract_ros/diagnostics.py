@@ -39,7 +39,8 @@ class RobotDiagnostics:
 
     def changed(self, now_ns):
         """Tell the condition at ``now_ns`` [ns] if it is another than was told last."""
-        if self._tell() != self._latest:
+        told = self._tell()
+        if self._latest is None or told[:2] != self._latest[:2] or told[2].keys() != self._latest[2].keys():
             self.send(now_ns)
 
     def send(self, now_ns):
@@ -62,13 +63,21 @@ class RobotDiagnostics:
 
 
 def of_condition(condition):
-    """Return (level, text, values) of a Condition: an error while it has failed, a warning while it is held."""
-    failing, values = condition.failing, {}
-    level = DiagnosticStatus.WARN if condition.state_text else DiagnosticStatus.OK
+    """Return (level, text, values) of a Condition.
+
+    An error while the robot has failed or its battery is empty, a warning while it is held or its battery low.
+    """
+    failing, battery, values = condition.failing, condition.battery, {}
+    text = condition.state_text or ('battery low' if battery is not None and battery.is_low else '')
+    level = DiagnosticStatus.WARN if text else DiagnosticStatus.OK
     if failing is not None:
         values['failures'] = failing.count
         if failing.failure is not None:
             level = DiagnosticStatus.ERROR
             values.update(kind=failing.failure.kind, cause=failing.failure.cause,
                           since='{:.9f} s'.format(failing.failure.since_ns / NS_PER_S))
-    return level, condition.state_text or 'OK', values
+    if battery is not None:
+        values['state of charge'] = '{:.3f}'.format(battery.soc)
+        if battery.is_empty:
+            level = DiagnosticStatus.ERROR
+    return level, text or 'OK', values

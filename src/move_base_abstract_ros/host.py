@@ -55,10 +55,12 @@ def read_action_options(status_frequency):
 class Host:
     """Made once per process; ``clock`` has started, ``timing`` made it. ``is_crowded``: there may be very many robots.
 
+    ``zones``: the Zones of their world.
+
     :raises ConfigurationError: if one of actionlib's parameters is not allowed.
     """
 
-    def __init__(self, clock, timing, is_crowded=False):
+    def __init__(self, clock, timing, is_crowded=False, zones=()):
         if clock.simulation is None:
             raise ConfigurationError('the clock of a host must have started')
         connect_one_at_a_time()
@@ -66,6 +68,7 @@ class Host:
         self.timing = timing
         self.options = read_action_options(timing.status_frequency)
         self.is_crowded = is_crowded
+        self.zones = zones
         self._robot_count = 0
         self.rates = Rates(clock.rates_changed)
         clock.show_rates(self.rates.text)

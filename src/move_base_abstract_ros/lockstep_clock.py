@@ -133,8 +133,9 @@ class LockstepClock:
         return self.simulation.next_due_ns()
 
     def is_background(self):
-        """Return whether all that is due is for onlookers: time does not go on for it alone."""
-        return self._ever_had_onlookers and self.simulation.queue.is_for_onlookers()
+        """Return whether all that is due is for onlookers, or comes of itself: time does not go on for it alone."""
+        queue = self.simulation.queue
+        return (self._ever_had_onlookers or queue.ever_waits) and queue.is_for_onlookers()
 
     def foresee(self, before_ns, most):
         """As :meth:`EventQueue.foresee`."""

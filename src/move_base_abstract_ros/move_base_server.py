@@ -2,8 +2,9 @@
 import rospy
 
 from move_base_abstract.activity import activity
+from move_base_abstract.battery import EMPTY
 from move_base_abstract.navigator import NavigatorListener
-from move_base_abstract.outcome import NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
+from move_base_abstract.outcome import BATTERY_EMPTY, NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
 from move_base_abstract.recovery import RecoveryPolicy
 from move_base_abstract.robot_parts import make_planner, make_robot_parts
 from move_base_abstract.robot_trace import RobotTrace
@@ -36,6 +37,7 @@ class MoveBaseServer(NavigatorListener):
         clock = host.clock
         self._traffic = traffic
         self._traveller = None
+        self._condition_server = None  # until the robot is whole
         self._rooms = rooms
         self._work = None
         self._names = names
@@ -74,7 +76,8 @@ class MoveBaseServer(NavigatorListener):
                 'seed': values['seed'], 'frame': values['global_frame'],
                 'feedback_freq': host.timing.task_feedback_frequency,
                 'min_answer_delay': values['min_answer_delay']}, self.navigator.robot,
-                has_failed=lambda: self.condition.has_failed, on_change=self._markers.changed)
+                None if self.condition.battery is None else self.condition.battery.load,
+                lambda: self.condition.is_out_of_order, self._markers.changed)
 
     def _build(self, robot_index):
         settings, values = self._settings, self._settings.values
@@ -85,7 +88,8 @@ class MoveBaseServer(NavigatorListener):
                                        self._trace, values['min_answer_delay'])
         self.is_feedback_heard = self._host.timing.when_heard(self._goal_server.has_feedback_listeners)
         parts = make_robot_parts(settings, self._names.robot, robot_index, self._clock.simulation, self._goal_server,
-                                 self, self._lookup.lookup, make_planner(settings, self._map.check))
+                                 self, self._lookup.lookup, make_planner(settings, self._map.check),
+                                 self._host.zones)
         robot, self._frames, self._ledger, self.navigator, self.condition = parts
         self._trace.motion(robot, self._clock.look_ns())
         self.navigator.set_feedback_frequency(values['feedback_freq'])
@@ -94,10 +98,13 @@ class MoveBaseServer(NavigatorListener):
         self._publisher = RobotPublisher(self._names, settings, self._host, robot, backend, costmaps)
         self._frames_told = backend.frames
         self._host.timing.claim_frames(self._names.robot, self._frames_told)
-        self._condition_server = ConditionServer(self._names, self._host, robot_index, self.condition)
+        condition_server = ConditionServer(self._names, settings, self._host, robot_index, self.condition)
+        self.is_battery_heard = condition_server.is_battery_heard
         self._markers = robot_markers.add(self._clock, settings, self.navigator, self._state)
+        self._condition_server = condition_server
         if self._traffic is not None:
             self._traveller = self._traffic.join(self.navigator, settings.network, self._trace.note, self.warn)
+        self.condition.begin(self._clock.simulation.now_ns)
 
     def shut_down(self):
         """End the active goal as a killed move_base does, and let the answer leave."""
@@ -212,9 +219,27 @@ class MoveBaseServer(NavigatorListener):
         self._trace.repaired(now_ns)
         self._tell_condition(now_ns)
 
+    def battery(self, level, what, now_ns):
+        """Note that the state of charge has passed a level."""
+        self._trace.battery(level, what, now_ns)
+        if what == EMPTY and self._work is not None:
+            self._work.tasks.shut_down(BATTERY_EMPTY, now_ns)
+        self._tell_battery(now_ns)
+
+    def charging(self, charger, is_charging, now_ns):
+        """Note that the robot is charged, or no more."""
+        self._trace.charging(charger, is_charging, now_ns)
+        self._tell_battery(now_ns)
+
+    def _tell_battery(self, now_ns):
+        if self._condition_server is not None:
+            self._condition_server.battery_changed(now_ns)
+            self._markers.changed()
+
     def _tell_condition(self, now_ns):
-        self._condition_server.changed(now_ns)
-        self._markers.changed()
+        if self._condition_server is not None:
+            self._condition_server.changed(now_ns)
+            self._markers.changed()
 
     def _state(self):
         return activity(self.navigator, self.condition, self._work and self._work.tasks)

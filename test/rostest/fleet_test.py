@@ -16,11 +16,12 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from dynamic_reconfigure.client import Client
 from nav_msgs.msg import Odometry
 from robot_harness import ANOTHER_GOAL, GUARD, RawClient, Record, active_since_ns, pose_stamped
+from sensor_msgs.msg import BatteryState
 from std_srvs.srv import Trigger
 
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import read_scenario
-from move_base_abstract.srv import AddRobot, Fail, RemoveRobot
+from move_base_abstract.srv import AddRobot, Fail, RemoveRobot, SetCharge
 
 #: 9 ** 6 values in some 200 bytes
 EXPLODING = 'a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n' + ''.join('{0}: &{0} [{1}]\n'.format(name, ', '.join(
@@ -136,7 +137,8 @@ class FleetTrial(unittest.TestCase):
         self.assertTrue(service(SECOND + '/remove_robot', RemoveRobot)('newcomer').success)
 
     def test_a_robot_fails_on_request_is_silent_and_is_repaired_and_diagnostics_say_so(self):
-        parameters = 'max_speed: 1.0\nfailure_kind: silent\nrepair_distribution: never'
+        parameters = ('max_speed: 1.0\nfailure_kind: silent\nrepair_distribution: never\n'
+                      'battery_capacity: 1.0\nambient_power: 0.0\nfriction_coefficient: 0.0')
         self.assertTrue(service(SECOND + '/add_robot', AddRobot)('patient', 0.0, 0.0, 0.0, parameters).success)
         self.addCleanup(service(SECOND + '/remove_robot', RemoveRobot), 'patient')
         fail, repair = service('/patient/move_base/fail', Fail), service('/patient/move_base/repair', Trigger)
@@ -160,6 +162,18 @@ class FleetTrial(unittest.TestCase):
         self.assertTrue(repair().success)
         self.assertEqual(client.ending(goal_id).status.status, GoalStatus.PREEMPTED)
         self.assertFalse(repair().success)
+        set_battery = service('/patient/move_base/set_battery', SetCharge)
+        self.assertIn('allowed: a number in 0..1', set_battery(2.0).message)
+        battery = Record('/patient/battery_state', BatteryState)
+        self.assertGreater(battery.wait_for().percentage, 0.99)
+        self.assertTrue(set_battery(0.0).success)
+        state = battery.wait_for(lambda state: state.percentage == 0.0)
+        self.assertEqual((state.voltage, state.capacity, state.serial_number), (12.0, 1.0, 'patient'))
+        refused = client.ending(client.send(pose_stamped(0.0, 1.0)))
+        self.assertEqual((refused.status.status, refused.status.text),
+                         (GoalStatus.ABORTED, 'Aborting on the goal because the battery is empty'))
+        told.wait_for(lambda array: (array.status[0].level, array.status[0].message) == (
+            DiagnosticStatus.ERROR, 'battery empty'))
 
     def test_parameters_that_were_there_before_a_robot_stay_when_it_is_removed(self):
         of_the_user = {'max_planning_retries': 3, 'of_the_user': 1, 'TrajectoryPlannerROS': {'max_vel_x': 0.75}}

@@ -89,10 +89,12 @@ class Run:
         """Return the events of one robot, or of the client, as (kind, values)."""
         return [event[2:] for event in self.events if event[1] == robot]
 
+BATTERY = {'battery_capacity': 0.2, 'charging_current': 9.0, 'battery_start': 0.8,
+           'battery_thresholds': [0.75, 0.7, 0.65, 0.6, 0.5, 0.4]}
 #: what goes wrong with a robot, in every way that leaves it with its goals
 WEAR = {'failure_kind': 'stall', 'failures_per_km': 60.0, 'failures_per_hour': 200.0, 'repair_time': 3.0,
         'repair_distribution': 'lognormal', 'repair_cv': 0.5,
-        'failure_times': [{'at': 5.0, 'kind': 'silent', 'repair': 4.0}]}
+        'failure_times': [{'at': 5.0, 'kind': 'silent', 'repair': 4.0}], **BATTERY}
 #: nothing is told at rates
 SILENT = {'feedback_freq': 0.0, 'pose_update_freq': 0.0, 'tf_heartbeat_freq': 0.0}
 
@@ -182,6 +184,7 @@ class LockstepFleet(unittest.TestCase):
         self.assertEqual({(event[2], *event[3]) for event in drawn if event[2] in ('failed', 'repaired')}, {
             ('failed', 'stall', 'km'), ('failed', 'stall', 'hour'), ('failed', 'silent', 'script'), ('repaired',)})
         chance.pop('log_motion')
+        self.assertGreater(sum(event[2] == 'battery' for event in drawn), 5)
         asked = Run('goals', TWO, fleet(TWO, parts=2, own=chance), of_all={'log_motion': True})
         self.assertEqual(asked.events, drawn)
         alone = Run('goals', TWO, nodes(TWO), of_all={'log_motion': True})
@@ -285,12 +288,14 @@ class LockstepFleet(unittest.TestCase):
         self.assertEqual(run.events, expected)
         self.assert_repeatable(run)
 
-    def test_robots_wait_for_zones_as_in_plain_python(self):
+    def test_robots_wait_for_zones_and_are_charged_as_in_plain_python(self):
         zones = [{'name': 'east', 'rectangle': [1, -1, 3, 30], 'capacity': 1},
-                 {'name': 'west', 'rectangle': [-3, -1, -1, 30], 'capacity': 2}]
-        hosts = fleet(TWELVE, zones=zones)
+                 {'name': 'west', 'rectangle': [-3, -1, -1, 30], 'capacity': 2},
+                 {'name': 'dock', 'rectangle': [-0.5, -1, 0.5, 30], 'charger': True}]
+        hosts = fleet(TWELVE, own=BATTERY, zones=zones)
         expected = oracle(TWELVE, scenario={key: hosts['/fleet'][2][key] for key in ('defaults', 'robots', 'zones')})
-        self.assertGreater(sum(event[2] == 'held' for event in expected), 5)
+        for kind in ('held', 'charging_began', 'charging_ended', 'battery'):
+            self.assertGreater(sum(event[2] == kind for event in expected), 5)
         run = Run('goals', TWELVE, hosts)
         by_robot = [sorted(events, key=lambda event: (event[0], TWELVE.index(event[1])))
                     for events in (run.events, expected)]

@@ -267,3 +267,27 @@ def test_foreseeing_goes_on_up_to_the_first_event_of_another_kind():
         assert ([due_ns for due_ns, _ in instants], after_ns) == foreseen
     assert [len(series) for _, series in trace.queue.foresee(1000, 100)[0]] == [1, 2, 1]
     assert trace.lines == []
+
+
+@pytest.mark.parametrize('goes_on', [False, True])
+def test_time_goes_on_alone_only_for_what_says_so(goes_on):
+    queue = EventQueue()
+    assert (queue.ever_waits, queue.is_busy(), queue.is_for_onlookers()) == (False, False, False)
+    queue.schedule(5, 0, lambda due_ns, _now_ns: None, keeps_going=lambda: goes_on)
+    assert (queue.ever_waits, queue.is_busy(), queue.is_for_onlookers()) == (True, goes_on, not goes_on)
+    other = queue.schedule(9, 0, lambda due_ns, _now_ns: None)
+    assert (queue.is_busy(), queue.is_for_onlookers()) == (True, False)
+    other.cancel()
+    assert queue.is_for_onlookers() is not goes_on
+
+
+def test_what_is_cancelled_long_before_it_is_due_does_not_stay():
+    queue = EventQueue()
+    happened = []
+    for number in range(20_000):
+        queue.schedule(10 ** 15 + number, 0, lambda due_ns, _now_ns: happened.append(due_ns)).cancel()
+        if number % 1000 == 0:
+            queue.schedule(10 ** 12 - number, 0, lambda due_ns, _now_ns: happened.append(due_ns))
+    assert len(queue._heap) < 10_000
+    queue.run_until(10 ** 16)
+    assert happened == [10 ** 12 - number for number in reversed(range(0, 20_000, 1000))]

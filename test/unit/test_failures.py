@@ -126,7 +126,7 @@ def test_a_failure_asked_for_has_the_kind_and_time_asked_for():
 def test_scripted_failures_may_be_each_of_its_own_and_one_during_another_is_left_out():
     fleet = fleet_of(failure_kind='stall', repair_time=2.0,
                      failure_times=[6.0, {'at': 1.0, 'kind': 'abort', 'repair': 3.0}, 2.0])
-    fleet.run()
+    fleet.run(20 * S)
     assert [row[:2] + row[2][:1] for row in rows(fleet, 'failed', 'repaired')] == [
         (1.0, 'failed', 'abort'), (4.0, 'repaired'), (6.0, 'failed', 'stall'), (8.0, 'repaired')]
 

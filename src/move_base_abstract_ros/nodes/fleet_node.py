@@ -61,7 +61,7 @@ def _build():
     if not start(clock, timing, [(robot_names(namespace, spec.name), spec.settings) for _, spec in specs]):
         return None
     # Robots that are added later get indices that no other process gives.
-    fleet = FleetServer(namespace, Host(clock, timing, is_crowded=True), specs, scenario,
+    fleet = FleetServer(namespace, Host(clock, timing, is_crowded=True, zones=scenario.zones), specs, scenario,
                         itertools.count(len(scenario.robots) + part, parts))
     clock.serve()
     return fleet
