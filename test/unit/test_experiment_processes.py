@@ -44,6 +44,7 @@ print(os.read(read, 1) == b'')
 
 def test_an_interrupt_at_a_fork_is_not_lost():
     assert run("""
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
 os.register_at_fork(before=lambda: os.kill(os.getpid(), signal.SIGINT))
 try:
     processes.fork(lambda: None)
