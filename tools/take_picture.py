@@ -30,7 +30,8 @@ SCREEN = (1400, 860)  # as large as the window in rviz/simulator.rviz
 COLOURED_PIXELS = 2000  # at least so many belong to robots when RViz has drawn them
 COLOURS = 256  # of the picture's palette, which keeps the file small
 ARRIVAL, UNTIL = 11.0, 6.0  # s, simulated: from the goals to the first task, and from there to the picture
-SETTINGS = {'max_speed': 2.0, 'marker_size': 2.0, 'use_map': True, 'routes': 'grid', 'robot_radius': 0.6}
+SETTINGS = {'max_speed': 2.0, 'marker_size': 2.0, 'use_map': True, 'routes': 'grid', 'robot_radius': 0.6,
+            'battery_capacity': 1.0, 'battery_start': 0.9}
 # name: start, then goal; x, y [m] and heading [deg] in the map
 ROBOTS = {
     'robot_0': ((4.0, 4.0, 0.0), (14.0, 20.0, 0.0)),
@@ -40,7 +41,7 @@ ROBOTS = {
     'robot_4': ((56.0, 4.0, 90.0), (40.0, 11.5, 180.0)),
 }
 ZONES = [{'name': 'pen', 'rectangle': [34.2, 8.2, 51.8, 18.0], 'capacity': 1}]
-PLACES = [{'name': 'dock', 'x': 14.0, 'y': 20.0, 'reach': 1.5, 'capacity': 1, 'duration': 60.0}]
+PLACES = [{'name': 'dock', 'x': 14.0, 'y': 20.0, 'reach': 1.5, 'capacity': 1, 'duration': 60.0, 'power': 500.0}]
 WORKER = 'robot_0'  # goes to the dock
 
 

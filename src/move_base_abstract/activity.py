@@ -1,14 +1,24 @@
 """What a robot is doing, in a word or two, for those who look at it."""
 
+import math
+
 _LONGEST = 40  # characters
 
 
 def activity(navigator, condition, tasks=None):
-    """Return what the robot of ``navigator`` (Navigator) does: failed, held, travelling, working, waiting, idle.
+    """Return what the robot of ``navigator`` (Navigator) does, in a word or two.
 
+    One of failed, held, travelling, working, waiting, charging, idle, and how it has failed, or for what it is held.
     ``condition``: its Condition; ``tasks``: its PlaceTaskRunner, if it has one. Where several hold the first of them is
-    told; with failed and held how, and for what.
+    told. Of one with a battery its charge follows, in whole percent.
     """
+    doing = _doing(navigator, condition, tasks)
+    if condition.battery is None:
+        return doing
+    return '{}, {} %'.format(doing, math.ceil(100.0 * condition.battery.soc))
+
+
+def _doing(navigator, condition, tasks):
     if condition.state_text:
         return shortened(condition.state_text)
     if navigator.robot.leg is not None:
@@ -17,7 +27,8 @@ def activity(navigator, condition, tasks=None):
         return 'working'
     if navigator.is_active or (tasks is not None and tasks.is_waiting):
         return 'waiting'
-    return 'idle'
+    battery = condition.battery
+    return 'charging' if battery is not None and battery.charger is not None and battery.soc < 1.0 else 'idle'
 
 
 def shortened(text):

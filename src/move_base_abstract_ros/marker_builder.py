@@ -34,13 +34,14 @@ class Look:
 class View:
     """Where the robot is, where it wants to be, and start, corners and end of its leg; None for what it has not.
 
-    ``state``: what it does, a line of text.
+    ``state``: what it does, a line of text; ``is_changing``: it may say something else soon.
     """
 
     pose: Pose2D
     goal: Optional[Pose2D] = None
     leg: Optional[Tuple[Pose2D, ...]] = None
     state: str = ''
+    is_changing: bool = False
 
     @property
     def route(self):

@@ -100,7 +100,8 @@ class MoveBaseServer(NavigatorListener):
         self._host.timing.claim_frames(self._names.robot, self._frames_told)
         condition_server = ConditionServer(self._names, settings, self._host, robot_index, self.condition)
         self.is_battery_heard = condition_server.is_battery_heard
-        self._markers = robot_markers.add(self._clock, settings, self.navigator, self._state)
+        self._markers = robot_markers.add(self._clock, settings, self.navigator, self._state,
+                                          self.condition.battery is not None)
         self._condition_server = condition_server
         if self._traffic is not None:
             self._traveller = self._traffic.join(self.navigator, settings.network, self._trace.note, self.warn)

@@ -22,15 +22,16 @@ _lock = threading.Lock()
 _boards = {}
 
 
-def add(clock, settings, navigator, state):
+def add(clock, settings, navigator, state, is_changing=False):
     """Draw the robot of ``navigator`` from now on; return its :class:`RobotMarkers`.
 
-    ``state()``: what it does, a line of text; the caller holds the clock's lock.
+    ``state()``: what it does, a line of text; the caller holds the clock's lock. ``is_changing``: also while it stands.
     """
     robot = navigator.robot
     look = Look(robot.name, marker_builder.robot_number(robot.name, robot.index), settings.values['global_frame'],
                 settings.values['marker_size'])
-    return RobotMarkers(board(clock, settings.values['marker_topic']), look, navigator, state)
+    return RobotMarkers(board(clock, settings.values['marker_topic']), look, navigator, state,
+                        is_changing)
 
 
 def board(clock, topic):
@@ -45,9 +46,10 @@ def board(clock, topic):
 class RobotMarkers:
     """One robot on the board of its process."""
 
-    def __init__(self, board, look, navigator, state):
+    def __init__(self, board, look, navigator, state, is_changing):
         self.look = look
         self._state = state
+        self._is_changing = is_changing
         self._drawn_route = None
         self._board = board
         self._navigator = navigator
@@ -77,7 +79,7 @@ class RobotMarkers:
         """Return the :class:`View` of the robot at ``now_ns`` [ns]; the caller holds the clock's lock."""
         robot, leg = self._navigator.robot, self._navigator.robot.leg
         way = (leg.start, *(Pose2D(x, y) for x, y in leg.corners), leg.end) if leg else None
-        return View(robot.pose_at(now_ns), self._navigator.target, way, self._state())
+        return View(robot.pose_at(now_ns), self._navigator.target, way, self._state(), self._is_changing)
 
 
 class _Board(rospy.SubscribeListener):
@@ -159,6 +161,6 @@ class _Board(rospy.SubscribeListener):
     def _draw(self, robot, view):
         markers = robot.draw(view)
         with self._condition:
-            if view.goal and self._robots.get(robot.look.name) is robot:
+            if (view.goal or view.is_changing) and self._robots.get(robot.look.name) is robot:
                 self._under_way.add(robot)
         return markers

@@ -37,6 +37,7 @@ class Use:
     closed: bool = False
     #: as of a robot's View: an area is never under way
     goal = None
+    is_changing = False
 
 
 class AreaMarkers:

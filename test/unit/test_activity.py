@@ -36,3 +36,19 @@ def test_idle_travelling_waiting_working_held_and_failed():
 def test_a_robot_without_places_that_has_no_goal_is_idle():
     fleet = Fleet(make_scenario({'robots': [{'name': 'a'}]}))
     assert doing(fleet) == ['idle']
+
+
+def test_the_charge_of_a_battery_is_told_and_that_it_is_empty():
+    fleet = Fleet(make_scenario({'robots': [{'name': 'a', 'battery_capacity': 1.0, 'battery_start': 0.5}]}), start_ns=0)
+    assert doing(fleet) == ['idle, 50 %']
+    fleet.set_charge('a', 0.0)
+    assert doing(fleet) == ['battery empty, 0 %']
+
+
+def test_a_robot_that_stands_at_a_charger_charges_until_it_is_full():
+    fleet = Fleet(make_scenario({'zones': [{'name': 'dock', 'rectangle': [-1, -1, 1, 1], 'charger': True}],
+                                 'robots': [{'name': 'a', 'battery_capacity': 1.0, 'battery_start': 0.5}]}), start_ns=0)
+    fleet.run(S)
+    assert doing(fleet) == ['charging, 51 %']
+    fleet.run(3600 * S)
+    assert doing(fleet) == ['idle, 100 %']
