@@ -4,7 +4,12 @@ import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.occupancy import OccupancyMap
+from move_base_abstract.scenario import read_scenario
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').glob('*.md')),
@@ -110,3 +115,13 @@ def test_launch_files_that_are_named_take_the_args_that_are_given():
         [path] = (ROOT / 'launch').rglob(Path(file).name)
         args = {arg.get('name') for arg in ElementTree.parse(path).getroot().findall('arg')}
         assert set(given) <= args, (page, file)
+
+
+def test_the_scenario_of_the_readme_is_one(tmp_path):
+    file = tmp_path / 'world.yaml'
+    file.write_text(re.search('```yaml\n(.*?)```', text_of(ROOT / 'README.md'), re.DOTALL).group(1), encoding='utf-8')
+    fleet = Fleet(read_scenario(file), occupancy=OccupancyMap(np.zeros((400, 600), np.int8), 0.1))
+    for robot in fleet.names:
+        fleet.send(robot, 30.0, 20.0)
+    fleet.run_for(3600.0)
+    assert {'departed', 'entered', 'held', 'charging_began'} <= {entry.kind for entry in fleet.trace}
