@@ -140,10 +140,12 @@ class Traveller:
         self._pose = None  # of one that stands
         self._crossings = []
         self._event = None
+        self._granted = ()  # the areas that it has been let into and has not set out for yet
 
     def departed(self, leg, now_ns):
         """The robot starts on ``leg``."""
         self._leg = leg
+        self._granted = ()
         stays = self._traffic.zones.stays(leg.way)
         if self._source is not None:
             stays += tuple(stays_on_lanes(leg, lambda edge: self._traffic.lane(self._source, edge)))
@@ -188,6 +190,9 @@ class Traveller:
                 self._traffic.freed(area)
             self._navigator.release(request.reason, now_ns)
             self._traffic.serve(now_ns)
+        elif self._granted:  # something else holds it outside
+            self._give_back_what_was_granted(now_ns)
+            self._traffic.serve(now_ns)
 
     def leave(self, now_ns):
         """The robot is taken out of the world."""
@@ -201,12 +206,17 @@ class Traveller:
         request, self.request = self.request, None
         request.withdraw()
         self._take(request.areas, now_ns)
+        self._granted = request.areas
         for area in request.areas:
             self._traffic.freed(area)  # there may be place for more
         self._navigator.release(request.reason, now_ns)
         if self._leg is None and self.request is None and not self._navigator.held_for:  # there is no way any more
-            self._give_back([area for area in request.areas if area.outline is None
-                             or not area.outline.contains(self._pose.x, self._pose.y)], now_ns)
+            self._give_back_what_was_granted(now_ns)
+
+    def _give_back_what_was_granted(self, now_ns):
+        granted, self._granted = self._granted, ()
+        self._give_back([area for area in granted if area.outline is None
+                         or not area.outline.contains(self._pose.x, self._pose.y)], now_ns)
 
     def _take_what_holds_it(self, now_ns, pose):
         """Hold a place in each zone that the robot stands in, whether there is one or not."""

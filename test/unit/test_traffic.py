@@ -142,6 +142,22 @@ def test_who_gives_up_waiting_leaves_the_queue(how):
         assert ends(fleet)['b'] == ({'newer goal': 5.0, 'place': 4.0}[how], 'SUCCEEDED')
 
 
+@pytest.mark.parametrize('give_up', [lambda fleet: fleet.cancel('b'), lambda fleet: fleet.send('b', -5, 0)])
+def test_who_is_let_in_while_something_else_holds_it_and_gives_up_gives_the_place_back(give_up):
+    fleet = fleet_of({'a': (5, 0), 'b': (0, 0), 'c': (-20, 0)})
+    fleet.send('b', 5, 0)
+    fleet.run(3 * S)
+    fleet.hold('b', 'pause')
+    fleet.send('a', 10, 0)
+    fleet.run(8 * S)
+    assert state(fleet) == (('b',), ()) and fleet.pose('b').x == 4.0
+    give_up(fleet)
+    assert state(fleet) == ((), ())
+    fleet.send('c', 5, 0)
+    fleet.run()
+    assert ends(fleet)['c'][1] == 'SUCCEEDED'
+
+
 def test_who_is_stopped_inside_keeps_the_place_and_who_turns_round_at_the_border_leaves():
     fleet = fleet_of({'a': (0, 0), 'b': (0, 1)})
     fleet.send('a', 10, 0)
