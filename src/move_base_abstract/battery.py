@@ -3,6 +3,7 @@
 The instants at which the charge passes a threshold follow from it, to the nanosecond; nothing is polled.
 """
 import math
+import sys
 from dataclasses import dataclass
 from typing import Tuple
 
@@ -63,7 +64,7 @@ class BatterySettings:
     @property
     def energy(self):
         """What it holds when it is full [J]."""
-        return self.capacity * self.nominal_voltage * 3600.0
+        return self.capacity * self.nominal_voltage * 3600.0 or sys.float_info.min
 
 
 def read_battery(values):
@@ -278,6 +279,8 @@ class _Even:
         near_ns, spread_ns = self._since_ns + max(0, math.ceil(seconds * NS_PER_S)), 4
         if is_passed(near_ns) and not (near_ns > self._since_ns and is_passed(near_ns - 1)):
             return near_ns
+        if not is_passed(LAST_NS):
+            return None  # so little that no number shows it
         while not is_passed(near_ns + spread_ns) or (near_ns - spread_ns > self._since_ns
                                                      and is_passed(near_ns - spread_ns)):
             spread_ns *= 8  # rounding has moved it further

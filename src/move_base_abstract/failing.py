@@ -50,7 +50,7 @@ class Failing:
         self._rates = dict(failures.rates)
         #: exposures at which the next failures come: of distance by the robot's odometer [m], of goals by _driven
         self._next = {cause: self._draw(cause) for cause in (KM, GOAL) if cause in self._rates}
-        self._hours_left = int(self._draw(HOUR)) if HOUR in self._rates else None  # ns
+        self._hours_left = self._draw_hours() if HOUR in self._rates else None  # ns
         self._hours = Alarm(self._queue, robot.index)
         self._on_leg = Alarm(self._queue, robot.index)
         self._repair = Alarm(self._queue, robot.index)
@@ -138,6 +138,9 @@ class Failing:
         number = self._chance.uniform(self._draws[cause], _PURPOSES[cause])
         return -math.log(number) / self._rates[cause] * _UNITS[cause]
 
+    def _draw_hours(self):
+        return int(min(self._draw(HOUR), LAST_NS))  # [ns]; of a tiny rate it is infinite
+
     def _goal_changed(self, now_ns):
         """Time is counted while there is a goal and no failure."""
         if self._hours_left is None:
@@ -154,7 +157,7 @@ class Failing:
             self._hours.cancel()
 
     def _fail_by_hour(self, due_ns):
-        self._hours_left = int(self._draw(HOUR))
+        self._hours_left = self._draw_hours()
         self.fail(HOUR, due_ns)
 
     def _motion_changed(self, now_ns):

@@ -10,6 +10,8 @@ from . import conversions
 from .outlets import LatchedOutlet
 from .packing import of_message
 
+_MOST_PLACES = 2 ** 32 - 1  # that a message can name
+
 
 def make_traffic(simulation, scenario):
     """Return the :class:`Traffic` of a scenario's zones and lanes."""
@@ -32,8 +34,8 @@ class TrafficInterface:
         self._outlet.show(self._traffic.states(), self._traffic.simulation.now_ns)
 
     def _pack(self, states, now_ns):
-        zones = [ZoneState(state.kind, state.name, state.capacity or 0, state.closed, list(state.robots),
-                           list(state.waiting)) for state in states]
+        zones = [ZoneState(state.kind, state.name, min(state.capacity or 0, _MOST_PLACES), state.closed,
+                           list(state.robots), list(state.waiting)) for state in states]
         return of_message(ZoneStates(conversions.to_time(now_ns), zones))
 
     def _on_close(self, request):

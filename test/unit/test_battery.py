@@ -327,3 +327,14 @@ def test_without_a_capacity_nothing_is_made_and_the_log_is_the_same():
     assert plain.condition('bot').battery is None
     assert plain.trace == drive().trace != []
     assert [entry for entry in full.trace if not entry.kind.startswith('charging')] == plain.trace
+
+
+@pytest.mark.parametrize('extreme', [
+    {'charging_current': 5e-324}, {'battery_capacity': 5e-324, 'nominal_voltage': 1e-9}, {'ambient_power': 5e-324}])
+@pytest.mark.parametrize('start', [0.0, 0.2, 1.0])
+def test_numbers_that_are_almost_nothing_are_taken(extreme, start):
+    fleet = fleet_of([DOCK], battery_start=start, **extreme)
+    fleet.run_for(10.0)
+    fleet.send('bot', 5.0, 0.0)
+    fleet.run_for(10.0)
+    assert 0.0 <= soc(fleet) <= 1.0

@@ -283,6 +283,12 @@ def test_what_does_not_fit_is_an_error_that_names_it(wrong, text):
         read_settings(wrong, 'x')
 
 
+@pytest.mark.parametrize('rate', ['failures_per_hour', 'failures_per_km', 'failures_per_goal'])
+def test_the_smallest_rate_lets_nothing_fail(rate):
+    fleet = shuttle(driving(failure_kind='stall', **{rate: 5e-324}), 20.0)
+    assert fleet.condition('bot').failing.count == 0
+
+
 def test_without_a_kind_nothing_is_made_and_the_log_is_the_same():
     settings = {'duration_distribution': 'lognormal', 'duration_cv': 0.3}
     plain, with_kind = (shuttle(driving(**settings, **more), 2000.0) for more in ({}, {'failure_kind': 'stall'}))
