@@ -103,6 +103,9 @@ def execute(words, environment, output, cwd):
 
 def finish(code):
     """End this process as Python itself does it at its end; a process forked from others' frames cannot return."""
+    core = sys.modules.get('rospy.core')
+    if core is not None and not core.is_initialized():
+        atexit.unregister(core._ros_atexit)  # of what is no node there is nothing to tell; it would take 0.1 s
     try:
         threading._shutdown()
         atexit._run_exitfuncs()

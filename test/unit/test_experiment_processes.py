@@ -77,3 +77,16 @@ processes.keep_memory()
 faults()
 print(faults() < 5000)
 """) == ['True']
+
+
+def test_rospy_has_a_last_word_where_there_is_a_node_only():
+    assert run("""
+import atexit, types
+core = sys.modules['rospy.core'] = types.ModuleType('rospy.core')
+core._ros_atexit = lambda: print('node:', core.is_initialized(), flush=True)
+atexit.register(core._ros_atexit)
+for is_node in (False, True):
+    core.is_initialized = lambda: is_node
+    os.waitpid(processes.fork(lambda: None), 0)
+atexit.unregister(core._ros_atexit)
+""") == ['node:', 'True']
