@@ -20,6 +20,7 @@ std::atomic<int> connection{-1};
 std::atomic<int> senders{0};
 std::atomic<bool> came{false};
 std::atomic<bool> due{false};
+std::atomic<int> ending{0};  // the signal that ends the process once STOPPING is sent; 0: none
 std::string* frame = nullptr;
 std::array<struct sigaction, 2> before;
 
@@ -27,6 +28,15 @@ void tell() {
   if (const int socket = connection.exchange(-1); socket >= 0) {
     [[maybe_unused]] const auto sent =
         ::send(socket, frame->data(), frame->size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  }
+}
+
+/** Go on as if nobody handled the signal: the process ends by it. */
+void endBy(int number) {
+  ending = number;
+  // Who is sending right now, perhaps this very thread, has STOPPING follow and ends the process.
+  if (!due && ending.exchange(0) != 0) {
+    ::raise(number);  // when this handler has returned
   }
 }
 
@@ -46,7 +56,7 @@ void onSignal(int number, siginfo_t* info, void* context) {
     other.sa_sigaction(number, info, context);
   } else if (other.sa_handler == SIG_DFL) {
     ::sigaction(number, &other, nullptr);
-    ::raise(number);  // when this handler has returned
+    endBy(number);
   } else {
     other.sa_handler(number);
   }
@@ -60,6 +70,13 @@ Sending::Sending() { ++senders; }
 Sending::~Sending() {
   if (--senders == 0 && due.exchange(false)) {
     tell();
+    if (const int number = ending.exchange(0); number != 0) {
+      sigset_t only;
+      ::sigemptyset(&only);
+      ::sigaddset(&only, number);
+      ::pthread_sigmask(SIG_UNBLOCK, &only, nullptr);  // this thread may have left it to others
+      ::raise(number);
+    }
   }
 }
 
