@@ -1,10 +1,13 @@
 """All trials of an experiment: those that are complete stay, the others run; then the table is written."""
+import contextlib
+import importlib
 import io
 import json
 import os
 import subprocess
 import sys
 import tarfile
+import threading  # noqa: TID251 - of the client, whose threads are Dask's
 
 from move_base_abstract.errors import ConfigurationError
 
@@ -40,31 +43,58 @@ def check(experiment, chosen):
 
     :raises ConfigurationError: naming it.
     """
-    seen = set()
-    for one in chosen if experiment.launch else ():
-        if one.replication == 0:  # the others have other seeds only
-            job = jobs.make_job(experiment, one)
-            key = (job['launch'], *job['arguments'])
-            if key not in seen:
-                seen.add(key)
-                _check_launch(job)
-    for name in experiment.inputs:
-        if not os.path.isfile(os.path.join(experiment.folder, name)):
-            raise ConfigurationError(f'inputs: there is no file {os.path.join(experiment.folder, name)}')
-    for key, name in (('metrics', experiment.function), ('function', experiment.trial_function),
-                      ('prepare', experiment.prepare)):
-        if name:
-            _check_function(key, name, experiment.folder)
+    with _asked_functions(experiment) as complain:
+        seen = set()
+        for one in chosen if experiment.launch else ():
+            if one.replication == 0:  # the others have other seeds only
+                job = jobs.make_job(experiment, one)
+                key = (job['launch'], *job['arguments'])
+                if key not in seen:
+                    seen.add(key)
+                    _check_launch(job)
+        for name in experiment.inputs:
+            if not os.path.isfile(os.path.join(experiment.folder, name)):
+                raise ConfigurationError(f'inputs: there is no file {os.path.join(experiment.folder, name)}')
+        complain()
 
 
-def _check_function(key, name, folder):
-    words = [sys.executable, '-c', 'import sys; from move_base_abstract_experiments.functions import load; '
-             'load(sys.argv[1], sys.argv[2])', name, folder]
-    done = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                          check=False)
-    if done.returncode:
-        last = done.stderr.decode('utf-8', 'replace').strip().splitlines()
-        raise ConfigurationError(f'{key}: {name} cannot be used: {last[-1] if last else "no text"}')
+_LOAD = """
+import sys
+from move_base_abstract_experiments.functions import load
+for key, name in zip(sys.argv[2::2], sys.argv[3::2]):
+    try:
+        load(name, sys.argv[1])
+    except BaseException:
+        print(f'{key}: {name}', flush=True)
+        raise
+"""
+
+
+@contextlib.contextmanager
+def _asked_functions(experiment):
+    """Have a process load the experiment's functions meanwhile; gives a function that complains of what it found."""
+    names = [(key, name) for key, name in (
+        ('metrics', experiment.function), ('function', experiment.trial_function),
+        ('prepare', experiment.prepare)) if name]
+    if not names:
+        yield lambda: None
+        return
+    words = [sys.executable, '-c', _LOAD, experiment.folder, *[word for pair in names for word in pair]]
+    with subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+
+        def complain():
+            with contextlib.suppress(ImportError):
+                importlib.import_module('distributed')  # which takes as long, and is needed next
+            said, problem = process.communicate()
+            if process.returncode:
+                which = said.decode('utf-8', 'replace').strip().splitlines()
+                last = problem.decode('utf-8', 'replace').strip().splitlines()
+                raise ConfigurationError(f'{which[-1] if which else names[0][0]} cannot be used: '
+                                         f'{last[-1] if last else "no text"}')
+        try:
+            yield complain
+        finally:
+            process.kill()
 
 
 def _check_launch(job):
@@ -100,8 +130,15 @@ def _run_missing(experiment, chosen, folder, workers, scheduler, stream):
         progress.count(about)
     with cluster.connected(min(workers, len(missing)), scheduler) as client:
         progress.begin(client)
+        threading.Thread(target=_import_report, name='report', daemon=True).start()
         cluster.Runner(client, done, is_failure, progress.look).run(
             jobs.make_job(experiment, one) for one in missing)
+
+
+def _import_report():
+    """Import what the report needs, which takes a second, while the workers work."""
+    with contextlib.suppress(Exception):  # whoever writes the report says what is missing
+        importlib.import_module('.report.command', __package__)
 
 
 def _is_complete(folder, name, made_of):

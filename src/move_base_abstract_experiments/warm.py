@@ -42,6 +42,7 @@ def main(words):
     launch_files.core()
     launch_files.remember_programs()
     replaced.look_up()
+    warm_nodes.log_settings()
     _share()
     processes.assert_one_thread()
     processes.adopt_orphans()

@@ -27,6 +27,11 @@ def _launcher():
 class WarmLoopback(Loopback):
     """A Loopback whose master and Python nodes of this package are forks of this process."""
 
+    @property
+    def environment(self):
+        """As Loopback.environment."""
+        return warm_nodes.with_log_settings(super().environment)
+
     def run(self, executable, name, namespace='/', parameters=None, arguments=()):
         """As Loopback.run."""
         full_name = ns_join(namespace, name)

@@ -4,6 +4,8 @@ It is the same for our launcher of Python programs and for this package's own no
 for what this process was started with. Everything else is started as a program.
 """
 import builtins
+import contextlib
+import functools
 import os
 import sys
 import types
@@ -12,6 +14,7 @@ from . import processes
 
 _FIXED = ('PYTHON', 'LD_', 'MALLOC_', 'GLIBC_', 'OMP_', 'OPENBLAS_', 'MKL_', 'BLIS_', 'NUMEXPR_')
 _HASH_SEED = 'PYTHONHASHSEED'
+_LOG_SETTINGS = 'ROS_PYTHON_LOG_CONFIG_FILE'
 #: set for all nodes of a trial, warm or not: trials run side by side, and sums do not depend on the number of cores
 ONE_THREAD = {'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}
 #: what is imported before the fork: messages and libraries of others, and our own nodes
@@ -30,6 +33,7 @@ def start(words, environment, output, cwd, launcher, own_folder, is_warm=True):
 
     words: program and arguments. launcher: path of our launcher; own_folder: of this package's programs.
     """
+    environment = with_log_settings(environment)
     if is_warm and is_fit(words, environment, launcher, own_folder):
         return processes.fork(lambda: become(words, environment), output, cwd), True
     return processes.execute(words, environment, output, cwd), False
@@ -61,6 +65,32 @@ def interpreter_of(path):
         return ''
     words = first[2:].split() if first.startswith(b'#!') else []
     return os.fsdecode(words[-1]) if words and b'python' in words[-1] and b'/' in words[-1] else ''
+
+
+@functools.lru_cache(maxsize=None)
+def log_settings():
+    """Return the path of rospy's log settings for all users, which each node else seeks in all packages, or ''."""
+    import rospkg
+    folder = rospkg.get_etc_ros_dir()
+    if not _has_settings(folder):
+        try:
+            folder = os.path.join(rospkg.RosPack().get_path('rosgraph'), 'conf')
+        except rospkg.ResourceNotFound:
+            return ''
+    path = os.path.join(folder, 'python_logging.conf')
+    return path if os.path.isfile(path) else ''
+
+
+def with_log_settings(environment):
+    """Return an environment that names log_settings(), unless it names others or its ROS_HOME has some."""
+    home = environment.get('ROS_HOME', os.path.expanduser('~/.ros'))
+    if environment.get(_LOG_SETTINGS) or _has_settings(os.path.join(home, 'config')) or not log_settings():
+        return environment
+    return {**environment, _LOG_SETTINGS: log_settings()}
+
+
+def _has_settings(folder):
+    return any(os.path.exists(os.path.join(folder, 'python_logging' + end)) for end in ('.conf', '.yaml'))
 
 
 def become(words, environment):
