@@ -6,7 +6,6 @@ What Debian has of the compiled libraries is kept: a newer numpy in the environm
 that this program did not make is never changed. Imports nothing but the standard library, so that any Python runs it.
 """
 
-import importlib.metadata
 import os
 import shutil
 import subprocess
@@ -64,6 +63,7 @@ def make(folder, lists=STUDY_LISTS):
 
 def _pins_of_the_system():
     """Return a line NAME==VERSION for each library to be kept that this Python has."""
+    import importlib.metadata  # takes as long as half of Python's start, and who only asks for paths needs none
     pins = []
     for name in KEPT:
         try:

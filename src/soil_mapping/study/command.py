@@ -16,7 +16,7 @@ from move_base_abstract_experiments import processes
 from soil_mapping import environment
 from soil_mapping.config import Crs, TrialConfig
 
-from . import experiment, groups
+from . import groups
 from .spec import CLOCKS, ENGINES, TrialSpec
 
 DEFAULT_OUTPUT = 'study'
@@ -63,7 +63,7 @@ def _trial(arguments):
     TrialFolder(path).check()
     began = time.monotonic()
     processes.keep_memory()
-    trials.check(spec, ahead=True)
+    trials.check(spec, ahead=True, with_imports=False)  # that is done while nodes come up
 
     def run(_):
         try:
@@ -119,13 +119,13 @@ def _run(arguments):
 
     from move_base_abstract_experiments import outputs, sweep, temporary
 
-    from . import trials
+    from . import experiment, trials
     config = _config(arguments)
     names = groups.chosen(arguments.groups, os.environ.get('STUDY_1X') == '1')
     output = _folder(arguments)
     outputs.OUT.check(output)
     for spec in groups.specs_of(names, config):
-        trials.check(spec)
+        trials.check(spec, with_imports=False)
     document = experiment.document(config, names, arguments.seeds, arguments.scaled_seeds, arguments.verify,
                                    arguments.pictures)
     with temporary.folder('move_base_abstract_study_') as folder:

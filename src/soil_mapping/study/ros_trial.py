@@ -3,18 +3,11 @@
 import signal
 import time
 
-import rospy
-
 from move_base_abstract_experiments.warm_loopback import WarmLoopback
-from move_base_abstract_ros import lockstep
-from soil_mapping.coordinator import Coordinator
 from soil_mapping.result import collect
-from soil_mapping.ros.coordinator_node import run_mission
-from soil_mapping.ros.mission_run import MissionFailed
 from soil_mapping.sampling import start_places
 from soil_mapping.stopwatch import Stopwatch
 
-from .bag import BagRecorder
 from .truth import truth_of
 
 NODE = 'soil_coordinator'
@@ -36,17 +29,12 @@ def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
         ros.adopt()
         names = [f'robot_{index}' for index in range(spec.config.robots)]
         nodes = _start_nodes(ros, spec, names, folder, event_log)
-        recorder = BagRecorder(ros, folder / 'trial.bag', names, ('move_base', TASK), POSE_TOPIC, NODE) if bag else None
-        truth_of(spec.config).values  # noqa: B018 - made, if it is not, while the nodes come up
-        coordinator = Coordinator(spec.config, spec.seed, truth_of(spec.config), stopwatch)
-        rospy.init_node(NODE, disable_signals=True)
-        try:
-            run = run_mission(coordinator, names, TASK, POSE_TOPIC, stopwatch, ros.check,
-                              recorder.wait_until_connected if bag else lambda: None)
-        except (rospy.ROSInterruptException, MissionFailed):
-            ros.check()
-            raise
+        from . import ros_mission  # while they come up
+        recorder = _recorder(ros, folder, names) if bag else None
+        coordinator, run = ros_mission.carry_out(spec, NODE, names, (TASK, POSE_TOPIC), ros, stopwatch,
+                                                 recorder.wait_until_connected if bag else lambda: None)
         over()
+        ros_mission.leave()
         _end(nodes, recorder, event_log if spec.clock != 'scaled' else None)
     seconds = dict(stopwatch.seconds, start_up=run.began - began, mission=run.wall_s,
                    end=time.perf_counter() - run.ended)
@@ -57,6 +45,7 @@ def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
 def _start_nodes(ros, spec, names, folder, event_log):
     """Start the nodes of a trial, which come up while this process goes on; return their Childs, time master first."""
     nodes = [ros.run('time_master', 'time_master', parameters=_clock(spec, event_log))]
+    from . import ros_nodes  # noqa: F401 - while the time master comes up, before the forks
     config = spec.config
     places = start_places(config.robots, spec.seed, truth_of(config).grid)
     quiet = {'events_only': True} if spec.clock != 'scaled' else {}  # the coordinator goes by what happens
@@ -74,6 +63,11 @@ def _start_nodes(ros, spec, names, folder, event_log):
     return nodes
 
 
+def _recorder(ros, folder, names):
+    from .bag import BagRecorder
+    return BagRecorder(ros, folder / 'trial.bag', names, ('move_base', TASK), POSE_TOPIC, NODE)
+
+
 def _clock(spec, event_log):
     """Return the time master's parameters."""
     if spec.clock == 'scaled':
@@ -84,8 +78,6 @@ def _clock(spec, event_log):
 
 def _end(nodes, recorder, event_log):
     """Let bag and event log be written to their ends; the rest has nothing to say, and a second can be saved."""
-    if lockstep.participant() is not None:
-        lockstep.participant().leave('the mission is over')
     if recorder is not None:
         recorder.close()
     if event_log is not None:

@@ -5,6 +5,7 @@ What computes is imported, and the field made, before a process is forked for a 
 
 import contextlib
 import importlib
+import importlib.util
 import os
 import signal
 import sys
@@ -21,8 +22,9 @@ from soil_mapping.trial_folder import TrialFolder, write_files
 from .groups import specs_of
 from .truth import draw_ahead, truth_of
 
-HEAVY = {'ros': ('soil_mapping.study.ros_trial', 'rosmaster.master', 'move_base_abstract_ros.nodes.fleet_node',
-                 'move_base_abstract_ros.nodes.task_server_node'), 'mesa': ('soil_mapping.mesa_model',)}
+HEAVY = {'ros': ('soil_mapping.study.ros_trial', 'soil_mapping.study.ros_nodes', 'soil_mapping.study.ros_mission',
+                 'rosmaster.master'), 'mesa': ('soil_mapping.mesa_model',)}
+PACKAGES = {'ros': ('rospy', 'rosmaster', 'actionlib'), 'mesa': ('mesa',)}
 END = signal.SIGTERM  # ends a trial that is run by itself, unless its mission is over and its record is not complete
 RECORD_S = 30.0  # wall; so long an interrupted trial may write what it has, once its mission is over
 LOG = 'lockstep_events.jsonl'  # of a trial that is run by itself
@@ -38,10 +40,10 @@ def prepare(args, factors):
     machine()
 
 
-def check(spec, ahead=False):
+def check(spec, ahead=False, with_imports=True):
     """Import what the trial of a TrialSpec needs and read its field, if that is read; complain of what cannot be.
 
-    ahead: another process draws the field meanwhile, if it is drawn.
+    ahead: another process draws the field meanwhile, if it is drawn. with_imports: else packages are only looked for.
     :raises ConfigurationError: if a file that it reads, or a class of the user's, cannot be used.
     """
     from soil_mapping.coordinator import Coordinator
@@ -49,8 +51,8 @@ def check(spec, ahead=False):
     truth = truth_of(spec.config)
     if ahead:
         draw_ahead(spec.config)
-    for module in HEAVY[spec.engine]:
-        _import(spec.engine, module)
+    for name in HEAVY[spec.engine] if with_imports else PACKAGES[spec.engine]:
+        (_import if with_imports else _look_for)(spec.engine, name)
     Coordinator(spec.config, spec.seed, truth)
 
 
@@ -58,9 +60,17 @@ def _import(engine, module):
     try:
         importlib.import_module(module)
     except ModuleNotFoundError as error:
-        why = 'it needs Python 3.11; trials on ROS need none' if error.name == 'mesa' else 'see docs/soil_study_ros.md'
-        raise ConfigurationError(f"engine '{engine}': {error.name} is not installed for {sys.executable} "
-                                 f'({why})') from None
+        raise _missing(engine, error.name) from None
+
+
+def _look_for(engine, package):
+    if importlib.util.find_spec(package) is None:
+        raise _missing(engine, package)
+
+
+def _missing(engine, package):
+    why = 'it needs Python 3.11; trials on ROS need none' if package == 'mesa' else 'see docs/soil_study_ros.md'
+    return ConfigurationError(f"engine '{engine}': {package} is not installed for {sys.executable} ({why})")
 
 
 def _config(args):

@@ -1,0 +1,32 @@
+"""The mission of a trial on ROS: this process becomes the coordinator's node."""
+
+import rospy
+
+from move_base_abstract_ros import lockstep
+from soil_mapping.coordinator import Coordinator
+from soil_mapping.ros.coordinator_node import run_mission
+from soil_mapping.ros.mission_run import MissionFailed
+
+from .truth import truth_of
+
+
+def carry_out(spec, node, names, topics, ros, stopwatch, before=lambda: None):
+    """Run the mission of a TrialSpec to its end; return its Coordinator and its MissionRun.
+
+    node: the name to be. names: of the robots. topics: of the sampling's action and the poses, below each. ros: the
+    Loopback of the others. before: called when all are there, before the mission.
+    :raises LoopbackError, MissionFailed: if a node ends, or the mission cannot be carried out.
+    """
+    coordinator = Coordinator(spec.config, spec.seed, truth_of(spec.config), stopwatch)
+    rospy.init_node(node, disable_signals=True)
+    try:
+        return coordinator, run_mission(coordinator, names, *topics, stopwatch, ros.check, before)
+    except (rospy.ROSInterruptException, MissionFailed):
+        ros.check()
+        raise
+
+
+def leave():
+    """Take part no more, if this process does."""
+    if lockstep.participant() is not None:
+        lockstep.participant().leave('the mission is over')
