@@ -4,7 +4,6 @@ It is the same for our launcher of Python programs and for this package's own no
 for what this process was started with. Everything else is started as a program.
 """
 import builtins
-import contextlib
 import functools
 import os
 import sys
