@@ -21,6 +21,7 @@ PYTHON = (3, 8), (3, 13)
 SOURCES = 'rospy and rosgraph 1.14.13 to 1.16.0 (Noetic; Debian 11 and 12), actionlib 1.12.0 to 1.14.0'
 
 ALWAYS, START = 'each node of this package', 'a node of this package, while its topics are made'
+NODES = 'each node of this package, and each program by the launcher, when it starts'
 ROBOTS = 'move_base and fleet'
 LOCKSTEP, THREADS = 'lockstep.join', 'lockstep.join, unless own_threads=False'
 LAUNCHER = 'the launcher of unmodified programs'
@@ -183,6 +184,8 @@ _ROWS = (
     Row('threading.Thread.isAlive', ALWAYS,
         'is there again where Python has it no more (3.9 and later): rospy of Debian 11 calls it'),
     Row('logging.Handler.handleError', ALWAYS, 'says once, in a line, that a log cannot be written'),
+    Row('rospy.impl.init.time', NODES,
+        'sleeps a thousandth of a second between two looks whether the node is registered'),
     Row('rospy.impl.masterslave.ROSHandler._connect_topic', ROBOTS,
         'makes one connection to a publisher; rospy may make two and lose what came on the first', ('6b2504f73639',)),
     Row('rospy.impl.statistics.SubscriberStatisticsLogger.is_enabled', START,

@@ -6,6 +6,7 @@ Everything waits for events; GUARD [s, wall] only ends a test that would never e
 import os
 import signal
 import subprocess
+import sys
 import time
 import unittest
 
@@ -23,6 +24,30 @@ NODES = (('single', 'move_base', {}, (), '/move_base_simple/goal'),
          ('many', 'fleet', {'robots': [{'name': 'robot', 'count': 3}]}, (), '/reset'),
          ('tasks', 'task_server', {'robots': ['a', 'b']}, (), '/b/timed_task/goal'),
          ('maps', 'map_server', {}, (MAP,), '/static_map'))
+#: a node that prints whether it slept for long in init_node, and whether its thread of registrations was woken at the end
+WAITS = """
+import time
+slept = []
+sleep = time.sleep
+time.sleep = lambda seconds: (slept.append(seconds), sleep(seconds))
+from move_base_abstract_ros import rospy_waits
+import rospy
+from rospy.impl import masterslave
+from rospy.impl.registration import get_registration_listeners
+looks = []
+registered = masterslave.ROSHandler._is_registered
+masterslave.ROSHandler._is_registered = lambda handler: looks.append(1) or len(looks) > 2 and registered(handler)
+rospy_waits.shorten()
+rospy.init_node('waits', disable_signals=True)
+print('no long look' if max(slept) < 0.01 else slept)
+manager = next(one for one in get_registration_listeners().listeners if hasattr(one, 'cond'))
+woken, wait = [], manager.cond.wait
+manager.cond.wait = lambda seconds: woken.append(wait(seconds))
+while not woken:
+    sleep(0.001)
+rospy.signal_shutdown('it is over')
+print(woken[-1])
+"""
 WITHOUT_ARGUMENTS = ('fleet', 'task_server', 'soil_coordinator')
 
 
@@ -131,6 +156,13 @@ class EndTest(unittest.TestCase):
             ros._children[0].process.send_signal(signal.SIGSTOP)
             self.assert_signals_end(children)
             ros._children[0].process.send_signal(signal.SIGCONT)
+
+    def test_rospy_waits_no_longer_than_it_must(self):
+        with Loopback(use_sim_time=False) as ros:
+            environment = dict(ros.environment, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
+            done = subprocess.run([sys.executable, '-c', WAITS], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                  timeout=GUARD, env=environment, universal_newlines=True, check=False)
+        self.assertEqual(done.stdout.split(), ['no', 'long', 'look', 'True'])
 
     def test_a_time_master_that_is_killed_is_named_once(self):
         with Loopback() as ros:

@@ -8,6 +8,7 @@ from importlib.machinery import SourceFileLoader
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
+from .. import rospy_waits
 from ..replaced import replace
 from . import (
     address_layout,
@@ -91,6 +92,7 @@ class _Joining:
 
     def install(self):
         """Stand before rospy.init_node."""
+        rospy_waits.shorten()
         for name in ('rospy.init_node', 'rospy.client.init_node'):
             replace(name, lambda init_node: lambda *args, **kwds: self._init_node(init_node, args, kwds))
         self.early.install()

@@ -22,6 +22,7 @@ import rosgraph
 import rospy
 
 from move_base_abstract.msg import TimeState
+from move_base_abstract_ros import rospy_waits
 
 HELP = ('what usually helps: a loop that waits for something waits in ROS time (rospy.sleep, rospy.Rate, '
         'ros::Duration::sleep); a wait for a file, a socket or another process holds everybody up until it is over; '
@@ -76,6 +77,7 @@ def _ask(topic, timeout):
     if not rosgraph.is_master_online():
         raise rospy.ROSException(f'no ROS master at {rosgraph.get_master_uri()}')
     # Without ROS time: the question must not make this node one of those that use the clock.
+    rospy_waits.shorten()
     rospy.init_node('why', anonymous=True, disable_rostime=True, disable_signals=True)
     try:
         return rospy.wait_for_message(topic, TimeState, timeout)
