@@ -80,7 +80,7 @@ def _run(job, logs, stream):
         warm.close()
     if logs is not None:
         os.mkdir(logs)
-        with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
+        with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
             for member in outputs.checked_members(archive):
                 path = os.path.join(logs, member.name.replace('/', '_'))
                 with open(path, 'xb') as target:
@@ -90,7 +90,7 @@ def _run(job, logs, stream):
 
 def _compare_function(content, before, was, stream):
     """Compare what a function gave with what it gave before (``was``), and the event logs where it leaves any."""
-    with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
+    with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
         about, has_log = json.load(archive.extractfile('trial.json')), run.LOG in archive.getnames()
     had_log = os.path.isfile(os.path.join(before, run.LOG))
     if about['status'] != 'complete':
@@ -109,7 +109,7 @@ def _compare_function(content, before, was, stream):
 
 
 def _compare(content, before, is_part, stream):
-    with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive, \
+    with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive, \
             temporary.folder('move_base_abstract_rerun_') as folder:
         about = json.load(archive.extractfile('trial.json'))
         if about['status'] != 'complete':

@@ -55,7 +55,7 @@ class OutputFolder:
 
     def put(self, content, worker, attempts):
         """Unpack a trial's outputs (bytes of an archive) into its place; return trial.json's content."""
-        with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
+        with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
             members = checked_members(archive)
             about = json.load(archive.extractfile('trial.json'))
             about.update(worker=worker, attempts=attempts)

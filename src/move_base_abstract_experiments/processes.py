@@ -6,6 +6,7 @@ program that has all imported already.
 import atexit
 import contextlib
 import ctypes
+import gc
 import os
 import signal
 import sys
@@ -43,6 +44,17 @@ def keep_memory():
     mallopt = getattr(_LIBC, 'mallopt', lambda _parameter, _value: 0)
     mallopt(_M_TRIM_THRESHOLD, _MOST_TRIMMED)
     mallopt(_M_MMAP_THRESHOLD, _MOST_MAPPED)
+
+
+@contextlib.contextmanager
+def importing():
+    """Search for no garbage meanwhile, nor later in what there is then: what is imported stays."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def die_with(parent):
@@ -102,7 +114,10 @@ def execute(words, environment, output, cwd):
 
 
 def finish(code):
-    """End this process as Python itself does it at its end; a process forked from others' frames cannot return."""
+    """End this process as Python itself does it at its end, but for taking all apart, which may take half a second.
+
+    A process that was forked from the frames of others cannot return.
+    """
     core = sys.modules.get('rospy.core')
     if core is not None and not core.is_initialized():
         atexit.unregister(core._ros_atexit)  # of what is no node there is nothing to tell; it would take 0.1 s

@@ -138,7 +138,8 @@ def _run_missing(experiment, chosen, folder, workers, scheduler, stream):
 def _import_report():
     """Import what the report needs, which takes a second, while the workers work."""
     with contextlib.suppress(Exception):  # whoever writes the report says what is missing
-        importlib.import_module('.report.command', __package__)
+        for name in ('.report.command', 'matplotlib.backends.backend_agg', 'matplotlib.backends.backend_svg'):
+            importlib.import_module(name, __package__)
 
 
 def _is_complete(folder, name, made_of):
@@ -148,7 +149,7 @@ def _is_complete(folder, name, made_of):
 
 def is_failure(content):
     """Return whether the outputs of a trial say that it failed."""
-    with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
+    with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
         return json.load(archive.extractfile(archive.next()))['status'] != trial.COMPLETE
 
 

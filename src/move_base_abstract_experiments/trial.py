@@ -15,11 +15,12 @@ from move_base_abstract.errors import ConfigurationError, SimulatorError
 
 from . import functions, launch_files, metrics, plan, run, spec, user_metrics
 
-OUTPUTS = 'outputs.tar.gz'
+OUTPUTS = 'outputs.tar'
 FORMAT = 1
 COMPLETE, FAILED = 'complete', 'failed'
 IDENTICAL, DIFFERENT = 'identical', 'different'
 MOST_BYTES = 512 * 1024 * 1024  # of a trial's outputs, before they are packed
+_COMPRESSED_FROM = 8 * 1024 * 1024  # bytes: less than that travels faster as it is
 _MOST_LOG_BYTES = 1 << 20  # the end of what a node has printed
 _ERROR_LINE = re.compile(r'^(?!Traceback)\S*(Error|Exception)\b.*|.*\[ *(ERROR|FATAL)\].*|.*\bterminate called\b.*')
 _STAMP = re.compile(r'\x1b\[[0-9;]*m|\[[0-9]+\.[0-9]+(, *[0-9.]+)?\]:? ?')
@@ -200,7 +201,9 @@ def _pack(job, path, folders, about):
     with open(os.path.join(path, 'trial.json'), 'w', encoding='utf-8') as stream:
         json.dump(about, stream, allow_nan=False)
     part = os.path.join(path, OUTPUTS + '.part')
-    with tarfile.open(part, 'w:gz', compresslevel=1) as archive:
+    size = sum(os.path.getsize(source) for source, _ in members if os.path.isfile(source))
+    how = {'mode': 'w:gz', 'compresslevel': 1} if size > _COMPRESSED_FROM else {'mode': 'w'}
+    with tarfile.open(part, **how) as archive:
         for source, name in [(os.path.join(path, 'trial.json'), 'trial.json'), *members]:
             if os.path.isfile(source) and not os.path.islink(source):
                 archive.add(source, name, recursive=False)

@@ -213,7 +213,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.assertEqual(logs[0], logs[2])
 
     def log_of(self, content):
-        with tarfile.open(fileobj=io.BytesIO(content), mode='r:gz') as archive:
+        with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
             about = json.load(archive.extractfile('trial.json'))
             self.assertEqual((about['status'], about['error']), ('complete', None))
             return archive.extractfile('events.jsonl').read()

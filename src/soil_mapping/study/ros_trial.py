@@ -3,6 +3,7 @@
 import signal
 import time
 
+from move_base_abstract_experiments import processes
 from move_base_abstract_experiments.warm_loopback import WarmLoopback
 from soil_mapping.result import collect
 from soil_mapping.sampling import start_places
@@ -45,7 +46,8 @@ def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
 def _start_nodes(ros, spec, names, folder, event_log):
     """Start the nodes of a trial, which come up while this process goes on; return their Childs, time master first."""
     nodes = [ros.run('time_master', 'time_master', parameters=_clock(spec, event_log))]
-    from . import ros_nodes  # noqa: F401 - while the time master comes up, before the forks
+    with processes.importing():
+        from . import ros_nodes  # noqa: F401 - while the time master comes up, before the forks
     config = spec.config
     places = start_places(config.robots, spec.seed, truth_of(config).grid)
     quiet = {'events_only': True} if spec.clock != 'scaled' else {}  # the coordinator goes by what happens
