@@ -24,7 +24,7 @@ NODES = (('single', 'move_base', {}, (), '/move_base_simple/goal'),
          ('many', 'fleet', {'robots': [{'name': 'robot', 'count': 3}]}, (), '/reset'),
          ('tasks', 'task_server', {'robots': ['a', 'b']}, (), '/b/timed_task/goal'),
          ('maps', 'map_server', {}, (MAP,), '/static_map'))
-#: a node that prints whether it slept for long in init_node, and whether its thread of registrations was woken at the end
+#: a node that prints whether it slept for long in init_node, and whether its registrations were woken at the end
 WAITS = """
 import time
 slept = []
