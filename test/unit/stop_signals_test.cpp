@@ -28,6 +28,9 @@ Ended endOf(const std::function<void(int socket)>& act) {
   const pid_t child = ::fork();
   if (child == 0) {
     ::close(sockets[0]);
+    for (const int number : {SIGINT, SIGTERM}) {
+      ::signal(number, SIG_DFL);  // a shell has its background jobs ignore one
+    }
     announceStopSignals(sockets[1]);
     act(sockets[1]);
     ::_exit(99);  // it was not ended
