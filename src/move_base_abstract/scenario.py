@@ -103,13 +103,13 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     """
     _check_type(raw, dict, 'a mapping with {}'.format(', '.join(_TOP_KEYS)), where)
     check_keys(raw, _TOP_KEYS, where, '')
-    defaults = raw.get('defaults') or {}
+    defaults = {} if raw.get('defaults') is None else raw['defaults']  # 0 and false are no defaults, and an error
     _check_type(defaults, dict, 'a mapping of settings', where + ': defaults')
     check_keys(defaults, OWN_NAMES, where, 'defaults.')
     seed = checked(raw.get('seed', 0), 'seed', _SEED, where)
     of_all = {**({'seed': seed} if seed else {}), **{key: raw[key] for key in _NETWORKS if key in raw}}
     defaults = {**of_all, **(base or {}), **defaults, **(overrides or {})}
-    groups = raw.get('robots') or []
+    groups = [] if raw.get('robots') is None else raw['robots']
     _check_type(groups, list, 'a list of robots', where + ': robots')
     if sum(_size(group) for group in groups) > MAX_ROBOTS:
         raise ConfigurationError('{}: robots: got more than {} robots; allowed: at most that'.format(where, MAX_ROBOTS))
