@@ -9,7 +9,7 @@ from move_base_abstract import event_log, run_difference
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.event_log import EventLog
 
-from . import checks, jobs, outputs, plan, run, spec, temporary, trial
+from . import checks, jobs, outputs, plan, records, run, spec, temporary, trial
 
 SAME, DIFFERENT, FAILED = 0, 1, 1
 
@@ -19,7 +19,7 @@ def rerun(output, name, until=0.0, speed=0.0, rviz=False, logs=None, stream=sys.
 
     until: simulated s from its start, 0: to its own end. speed: at most so many times real time, 0: no limit.
     """
-    known = outputs.read_plan(output)
+    known = records.read_plan(output)
     experiment = spec.read(os.path.join(output, 'experiment.yaml'))._replace(folder=_folder_of(known, output))
     one = _find(plan.trials(experiment), name)
     if logs is not None and os.path.lexists(logs):
@@ -28,7 +28,7 @@ def rerun(output, name, until=0.0, speed=0.0, rviz=False, logs=None, stream=sys.
         if until or speed or rviz:
             raise ConfigurationError('--until, --speed and --rviz are of launch files and commands; a function runs as '
                                      'it is')
-        was = outputs.read_trial(output, one.id)
+        was = records.read_trial(output, one.id)
         if was is None:
             raise _not_run(os.path.join(output, 'trials', one.id, 'trial.json'))
         job = jobs.make_job(experiment, one._replace(verified_by=''))

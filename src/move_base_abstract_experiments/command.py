@@ -13,7 +13,7 @@ def main(words):
     options = _parse(words)
     try:
         return options.act(options)
-    except SimulatorError as error:
+    except (SimulatorError, OSError) as error:
         print(f'experiment: {error}', file=sys.stderr)
         return CANNOT
     except KeyboardInterrupt:

@@ -19,7 +19,10 @@ import tarfile
 from pathlib import Path
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.json_files import cleaned
 from move_base_abstract.own_files import MARKER, FolderKind, whole_file
+
+from . import records
 
 EXPERIMENT_MARKER = '.move_base_abstract_experiment'
 UNFINISHED = '.unfinished'
@@ -40,8 +43,14 @@ class OutputFolder:
 
     def __enter__(self):
         self._marker = OUT.make(self.path)
-        self.write(EXPERIMENT_MARKER, b'This folder was made by move_base_abstract, as an experiment.\n')
-        os.makedirs(self.path / 'trials', exist_ok=True)
+        try:
+            self.write(EXPERIMENT_MARKER, b'This folder was made by move_base_abstract, as an experiment.\n')
+            os.makedirs(self.path / 'trials', exist_ok=True)
+        except BaseException as problem:
+            os.close(self._marker)
+            if isinstance(problem, FileExistsError):
+                raise ConfigurationError(f'{self.path / "trials"}: is there already, and is no folder') from None
+            raise
         return self
 
     def __exit__(self, *problem):
@@ -57,7 +66,7 @@ class OutputFolder:
         """Unpack a trial's outputs (bytes of an archive) into its place; return trial.json's content."""
         with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
             members = checked_members(archive)
-            about = json.load(archive.extractfile('trial.json'))
+            about = cleaned(json.load(archive.extractfile('trial.json')))
             about.update(worker=worker, attempts=attempts)
             with self._whole_trial(about) as part:
                 for member in members:
@@ -89,28 +98,12 @@ class OutputFolder:
         return self.path / 'trials' / name
 
 
-def read_plan(path):
-    """Return plan.json of an experiment's folder. :raises ConfigurationError: if it is none."""
-    file = Path(path) / 'plan.json'
-    try:
-        with open(file, encoding='utf-8') as stream:
-            plan = json.load(stream)
-    except (OSError, ValueError) as error:
-        raise ConfigurationError(f'{file}: cannot be read ({getattr(error, "strerror", None) or error}); '
-                                 '`experiment run FILE -o OUT` makes it') from None
-    if not isinstance(plan, dict) or plan.get('format') != 1:
-        raise ConfigurationError(f'{file}: is no plan of format 1')
-    return plan
-
-
 def read_trial(path, name):
-    """Return trial.json of a trial of an experiment's folder, or None if it is not there."""
+    """Return trial.json of a trial of an experiment's folder, or None if it is not there, or cannot be understood."""
     try:
-        with open(Path(path) / 'trials' / name / 'trial.json', encoding='utf-8') as stream:
-            about = json.load(stream)
-    except (OSError, ValueError):
+        return records.read_trial(path, name)
+    except ConfigurationError:
         return None
-    return about if isinstance(about, dict) and about.get('format') == 1 else None
 
 
 def remove_trial(path):

@@ -16,7 +16,7 @@ import psutil
 import rostest
 from own_folder import OwnFolder
 
-from move_base_abstract_experiments import jobs, outputs, plan, spec, tables
+from move_base_abstract_experiments import jobs, outputs, plan, records, spec, tables
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 200.0  # s, wall; only ends what would never end
@@ -183,7 +183,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.assertEqual((code, "did you mean 'what'" in text, os.path.exists(self.path('mistaken'))), (2, True, False))
         code, text = Client(self.folder, file, 'out').end()
         self.assertEqual(code, 1, text)
-        good, bad = (outputs.read_trial(self.path('out'), one['id']) for one in outputs.read_plan(
+        good, bad = (outputs.read_trial(self.path('out'), one['id']) for one in records.read_plan(
             self.path('out'))['trials'])
         self.assertEqual((good['status'], good['error'], good['metrics'].get('said')), ('complete', None, 1))
         self.assertEqual(good['simulated_seconds'], 1.0)
@@ -196,7 +196,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         file = self.write('command.yaml', COMMAND.format(program))
         code, text = Client(self.folder, file, 'command').end()
         self.assertEqual(code, 0, text)
-        only = outputs.read_trial(self.path('command'), outputs.read_plan(self.path('command'))['trials'][0]['id'])
+        only = outputs.read_trial(self.path('command'), records.read_plan(self.path('command'))['trials'][0]['id'])
         self.assertEqual((only['status'], only['simulated_seconds'], only['repeatable']), ('complete', 1.0, True))
 
     def test_a_warm_start_changes_nothing(self):

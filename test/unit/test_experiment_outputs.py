@@ -7,7 +7,7 @@ import tarfile
 import pytest
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract_experiments import outputs, state, sweep, tables
+from move_base_abstract_experiments import outputs, records, state, sweep, tables
 
 ID = '0001-abcdef'
 ABOUT = {'format': 1, 'id': ID, 'configuration': {'robots': 1}, 'replication': 0, 'seed': 3, 'status': 'complete',
@@ -81,7 +81,7 @@ def test_the_table_has_a_row_per_trial(tmp_path):
         'id,robots,replication,seed,status,goals,extra,simulated_seconds,wall_seconds,times_real_time,repeatable,labels,'
         'events,log_sha256,verified,error\n'
         '0001-abcdef,1,0,3,complete,2,0.5,1.5,0.25,6.0,true,x; y,4,ab,,\n')
-    assert outputs.read_plan(tmp_path / 'out')['metrics']['extra'] == {'unit': '', 'title': 'extra', 'better': None}
+    assert records.read_plan(tmp_path / 'out')['metrics']['extra'] == {'unit': '', 'title': 'extra', 'better': None}
 
 
 def test_a_failure_is_told(tmp_path):

@@ -3,7 +3,6 @@
 import csv
 import json
 import math
-import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,16 +11,17 @@ import numpy as np
 
 from move_base_abstract.csv_files import open_csv
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.json_files import load_json_mapping
 from move_base_abstract.shown import shown, shown_text
 
 from . import design
 
 FORMAT = 1
-MAX_BYTES = 64 * 1024 * 1024  # of plan.json and of a trial.json
 COMPLETE, FAILED, MISSING = 'complete', 'failed', 'not run'
 SAFE_ID = re.compile(r'[A-Za-z0-9_][A-Za-z0-9._-]{0,199}')
+LARGEST_INT = 10**18  # below what a table's column of whole numbers holds
 LARGEST = 1e100  # of a value; what is larger was not measured
-_STATES = {'identical', 'different'}
+_STATES = ('identical', 'different')
 
 
 @dataclass(frozen=True)
@@ -100,16 +100,9 @@ def read(folder):
 def _json(path):
     """Return the mapping that a JSON file holds. :raises ConfigurationError: naming the file and what is wrong."""
     try:
-        if os.stat(path).st_size > MAX_BYTES:
-            raise ConfigurationError(f'{path}: must be of at most {MAX_BYTES} bytes, got {os.stat(path).st_size}')
-        content = json.loads(path.read_text(encoding='utf-8'))
+        return load_json_mapping(path)
     except FileNotFoundError:
         raise ConfigurationError(f'{path}: is not there; it must be a folder that `experiment run` made') from None
-    except (OSError, ValueError, RecursionError) as error:
-        raise ConfigurationError(f'{path}: cannot be read as JSON: {error}') from None
-    if not isinstance(content, dict):
-        raise ConfigurationError(f'{path}: must be a mapping, got {shown(content)}')
-    return content
 
 
 def _check_plan(plan, path):
@@ -130,9 +123,11 @@ def _check_plan(plan, path):
         if not isinstance(trial.get('id'), str) or not SAFE_ID.fullmatch(trial['id']):
             raise ConfigurationError(f"{where}: 'id' must be letters, digits, '.', '_' and '-', got "
                                      f"{shown(trial.get('id'))}")
-        if isinstance(trial.get('replication'), bool) or not isinstance(trial.get('replication'), int):
-            raise ConfigurationError(f"{where}: 'replication' must be a whole number, got "
-                                     f"{shown(trial.get('replication'))}")
+        for key in ('replication', 'seed') if 'seed' in trial else ('replication',):
+            number = trial.get(key)
+            if isinstance(number, bool) or not isinstance(number, int) or abs(number) >= LARGEST_INT:
+                raise ConfigurationError(f"{where}: '{key}' must be a whole number within +-{LARGEST_INT}, got "
+                                         f"{shown(number)}")
         same = json.dumps(trial.get('configuration', {}), sort_keys=True), trial['replication']
         if trial['id'] in seen or same in seen:
             raise ConfigurationError(f"{where}: is planned twice: {shown(trial['id'])}")

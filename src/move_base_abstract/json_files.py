@@ -1,0 +1,53 @@
+"""JSON files that anybody may have written: opened only if they are files, and of a bounded size."""
+import json
+import math
+import os
+import stat
+
+from .errors import ConfigurationError
+from .shown import shown
+
+MAX_BYTES = 64 * 1024 * 1024
+_HALF = b'\\ud'  # begins what JSON may hold and no text file can: half of a pair
+
+
+def load_json_mapping(path, most=MAX_BYTES):
+    """Return the mapping in a JSON file of at most so many bytes. :raises FileNotFoundError: if there is none.
+
+    :raises ConfigurationError: if it is a folder, a pipe or a device, too large, or holds no mapping; names the path.
+    """
+    try:
+        with open(path, 'rb', opener=_open) as stream:
+            about = os.fstat(stream.fileno())
+            if not stat.S_ISREG(about.st_mode) or about.st_size > most:
+                what = f'{about.st_size} bytes' if stat.S_ISREG(about.st_mode) else 'a pipe or a device'
+                raise ConfigurationError(f'{path}: must be a file of at most {most} bytes, got {what}')
+            data = stream.read(most)
+        content = json.loads(data.decode('utf-8'))
+        if _HALF in data or b'\\uD' in data:
+            content = cleaned(content)
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError, RecursionError) as error:
+        raise ConfigurationError(f'{path}: cannot be read as JSON: {getattr(error, "strerror", None) or error}'
+                                 ) from None
+    if not isinstance(content, dict):
+        raise ConfigurationError(f'{path}: must be a mapping, got {shown(content)}')
+    return content
+
+
+def _open(path, flags):
+    return os.open(path, flags | os.O_NONBLOCK)  # a pipe that nobody writes to would else be waited for
+
+
+def cleaned(value):
+    """Return a value of JSON as any text file can carry it: no half characters, no infinite numbers."""
+    if isinstance(value, str):
+        return value.encode('utf-8', 'backslashreplace').decode()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, list):
+        return [cleaned(one) for one in value]
+    if isinstance(value, dict):
+        return {cleaned(key): cleaned(one) for key, one in value.items()}
+    return value

@@ -1,0 +1,136 @@
+"""Folders of experiments that hold what no program of ours has written: every sub-command says so in a line."""
+import contextlib
+import io
+import json
+import os
+import tarfile
+
+import pytest
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_experiments import command, outputs, tables
+from test_experiment_outputs import ID, PLAN, packed, trial
+
+DEEP = '[' * 100_000 + ']' * 100_000
+WHOLE = {**PLAN, 'provenance': {}, 'trials': [{'id': ID, 'configuration': {'robots': 1}, 'replication': 0, 'seed': 3}]}
+TEXTS = [b'', b'{', b'null', b'[1]', b'7', b'"x"', b'\xff\xfe\x00', b'\x7fELF\x02\x01', DEEP.encode(), b'{"format": 2}',
+         b'{"format": true}', b'{"format": [1]}', b'{"format": 1e999}', b'9' * 5000]
+ODD = [None, 0, -1, True, 1.5, float('inf'), 10 ** 400, '', '\udcff\n', [], [None], {}, {'': None}, {'x': []}]
+
+
+@pytest.fixture
+def out(tmp_path):
+    """An experiment's folder with one trial."""
+    with outputs.OutputFolder(tmp_path / 'out') as folder:
+        folder.put(packed(trial()), 'w', 1)
+        tables.write(folder, json.loads(json.dumps(WHOLE)))
+        folder.write('experiment.yaml', b'{experiment: x, function: "model:run"}')
+    return tmp_path / 'out'
+
+
+def files(out):
+    return {'plan': out / 'plan.json', 'trial': out / 'trials' / ID / 'trial.json', 'yaml': out / 'experiment.yaml'}
+
+
+def said(out, capsys, verbs=(['status'], ['report'], ['rerun', '1'])):
+    """Run sub-commands: none raises, and whoever fails says why in a line."""
+    for verb, *rest in verbs:
+        code = command.main([verb, str(out), *rest])
+        text = capsys.readouterr()
+        assert 'Traceback' not in text.err, text.err
+        assert code in (command.GOOD, command.BAD, command.CANNOT), code
+        if code == command.CANNOT:
+            assert text.err.startswith('experiment: '), text.err
+            assert len(text.err.splitlines()) == 1 and len(text.err) < 1000, text.err
+        yield code
+
+
+@pytest.mark.parametrize('name', ['plan', 'trial', 'yaml'])
+@pytest.mark.parametrize('text', TEXTS, ids=range(len(TEXTS)))
+def test_a_file_that_is_none_of_ours_is_told(out, capsys, name, text):
+    files(out)[name].write_bytes(text)
+    codes = list(said(out, capsys))
+    assert codes[0] == (command.CANNOT if name == 'plan' else command.GOOD)
+    assert codes[2] == command.CANNOT
+
+
+@pytest.mark.parametrize('name', ['plan', 'trial', 'yaml'])
+@pytest.mark.parametrize('kind', ['pipe', 'folder', 'link', 'nothing', 'device'])
+def test_what_is_no_file_is_not_read(out, capsys, name, kind):
+    path = files(out)[name]
+    path.unlink()
+    if kind == 'pipe':
+        os.mkfifo(path)
+    elif kind == 'folder':
+        path.mkdir()
+    elif kind != 'nothing':
+        path.symlink_to('/dev/zero' if kind == 'device' else path)
+    codes = list(said(out, capsys, (['status'], ['report']) if name == 'yaml' and kind in ('pipe', 'device') else (
+        ['status'], ['report'], ['rerun', '1'])))
+    assert codes[0] == (command.CANNOT if name == 'plan' else command.GOOD)
+
+
+@pytest.mark.parametrize('key', ['experiment', 'factors', 'metrics', 'provenance', 'trials', 'report', 'kept'])
+def test_a_plan_of_odd_values_is_told(out, capsys, key):
+    for value in ODD:
+        files(out)['plan'].write_text(json.dumps({**WHOLE, key: value}))
+        list(said(out, capsys))
+
+
+@pytest.mark.parametrize('key', ['id', 'configuration', 'replication', 'seed'])
+def test_a_planned_trial_of_odd_values_is_told(out, capsys, key):
+    for value in ODD:
+        files(out)['plan'].write_text(json.dumps({**WHOLE, 'trials': [{**WHOLE['trials'][0], key: value}]}))
+        list(said(out, capsys))
+
+
+@pytest.mark.parametrize('key', [
+    'id', 'configuration', 'replication', 'seed', 'status', 'error', 'metrics', 'simulated_seconds', 'repeatable',
+    'labels', 'events', 'log_sha256', 'verified', 'difference', 'robots', 'made_of', 'worker', 'attempts'])
+def test_a_trial_of_odd_values_is_told(out, capsys, key):
+    about = json.loads(files(out)['trial'].read_text())
+    for value in ODD:
+        for status in ('complete', 'failed'):
+            files(out)['trial'].write_text(json.dumps({**about, 'status': status, key: value}))
+            list(said(out, capsys))
+
+
+@pytest.mark.parametrize('place', ['', 'trials', 'nothing'])
+def test_a_folder_that_is_none_of_an_experiment_is_told(tmp_path, out, capsys, place):
+    path = tmp_path / 'other'
+    path.write_bytes(b'text') if place == '' else path.mkdir()
+    for one in (path, path / 'plan.json', '/dev/null', '\0', 'x' * 300):
+        assert set(said(one, capsys)) == {command.CANNOT}
+
+
+def test_a_trials_folder_that_is_a_file_is_as_if_nothing_had_run(out, capsys):
+    os.rename(out / 'trials', out / 'others')
+    (out / 'trials').write_text('')
+    assert list(said(out, capsys, (['status'],))) == [command.GOOD]
+
+
+def test_half_characters_of_a_trial_stop_no_table(tmp_path):
+    stream = io.BytesIO(packed(trial(error='\udcff', labels=['\ud800'], metrics={'a': float('nan')})))
+    with outputs.OutputFolder(tmp_path / 'out') as folder, tarfile.open(fileobj=stream):
+        about = folder.put(stream.getvalue(), 'w', 1)
+        tables.write(folder, json.loads(json.dumps(WHOLE)))
+    assert (about['error'], about['labels'], about['metrics']) == ('\\udcff', ['\\ud800'], {'a': None})
+    assert '\\udcff' in (tmp_path / 'out' / 'trials.csv').read_text()
+
+
+@pytest.mark.parametrize('name', ['trials', 'plan.json', 'experiment.yaml', 'trials.csv'])
+@pytest.mark.parametrize('kind', ['pipe', 'folder', 'file'])
+def test_what_is_in_the_way_of_a_run_is_told_and_stays(tmp_path, capsys, name, kind):
+    file = tmp_path / 'model.yaml'
+    file.write_text('{experiment: x, function: "no_such_model:run"}')
+    with outputs.OutputFolder(tmp_path / 'out'):
+        pass
+    path = tmp_path / 'out' / name
+    if name == 'trials':
+        path.rmdir()
+    os.mkfifo(path) if kind == 'pipe' else path.mkdir() if kind == 'folder' else path.write_text('mine')
+    assert command.main(['run', str(file), '-o', str(tmp_path / 'out')]) == command.CANNOT
+    assert capsys.readouterr().err.startswith('experiment: ')
+    with contextlib.suppress(ConfigurationError), outputs.OutputFolder(tmp_path / 'out'):
+        pass
+    assert path.is_fifo() if kind == 'pipe' else path.is_dir() if kind == 'folder' else path.read_text() == 'mine'
