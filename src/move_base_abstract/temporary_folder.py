@@ -2,7 +2,8 @@
 
 Names of temporary files are functions of the seed, so that the files of an earlier run have the names that the next
 one would take. The folder has the same path in each run, since programs may show it; runs beside each other have one
-each. It is empty at first. What a run has left in it is never deleted: it is moved aside, and told.
+each, whose paths are equally long: the environment lies on a program's stack, so that a longer one moves all addresses
+there. It is empty at first. What a run has left in it is never deleted: it is moved aside, and told.
 """
 import contextlib
 import fcntl
@@ -10,7 +11,7 @@ import os
 import stat
 import tempfile
 
-_MOST = 64  # runs beside each other
+_MOST = 64  # runs beside each other; two digits
 
 
 @contextlib.contextmanager
@@ -18,7 +19,7 @@ def temporary_folder(say):
     """Have a folder of the run's own; its path is yielded, or None where none can be had. ``say`` takes a line."""
     base = os.path.join(tempfile.gettempdir(), 'move_base_abstract_run_{}'.format(os.getuid()))
     for number in range(1, _MOST + 1):
-        path = base if number == 1 else '{}_{}'.format(base, number)
+        path = '{}_{:02d}'.format(base, number)
         held = _hold(path)
         if held is None:  # the run that had it may have removed it just now
             held = _hold(path)

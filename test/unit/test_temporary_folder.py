@@ -1,3 +1,4 @@
+import contextlib
 import os
 import tempfile
 
@@ -43,9 +44,15 @@ def test_what_a_run_left_that_was_killed_is_moved_aside():
 
 def test_runs_beside_each_other_have_one_each():
     with temporary_folder(print) as one, temporary_folder(print) as two, temporary_folder(print) as three:
-        assert (two, three) == (one + '_2', one + '_3')
+        assert (one[-3:], two, three) == ('_01', one[:-3] + '_02', one[:-3] + '_03')
     with temporary_folder(print) as again:
         assert again == one
+
+
+def test_the_paths_of_runs_beside_each_other_are_equally_long():
+    with contextlib.ExitStack() as stack:
+        paths = [stack.enter_context(temporary_folder(print)) for _ in range(12)]
+        assert (len(set(paths)), len({len(path) for path in paths})) == (12, 1)
 
 
 def test_what_is_not_its_own_is_not_used(base):
@@ -55,7 +62,7 @@ def test_what_is_not_its_own_is_not_used(base):
                  lambda: os.symlink(str(base), path), lambda: os.symlink(str(base / 'nowhere'), path)):
         make()
         with temporary_folder(print) as other:
-            assert other == path + '_2'
+            assert other == path[:-3] + '_02'
         if os.path.isdir(path) and not os.path.islink(path):
             os.rmdir(path)
         else:
