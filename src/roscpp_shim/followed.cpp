@@ -17,6 +17,7 @@
 #include <map>
 #include <mutex>
 
+#include "allocations.h"
 #include "node.h"
 #include "turn.h"
 
@@ -53,6 +54,9 @@ Noticed& noticed() {
 }
 
 bool isFollowing() {
+  if (environ == nullptr) {
+    return false;  // libc has not begun
+  }
   Following now = following.load(std::memory_order_relaxed);
   if (now == Following::kUnknown) {
     now = std::getenv(kChanceVariable) == nullptr ? Following::kNo : Following::kYes;
@@ -131,6 +135,17 @@ Sees sees() {
 
 bool ordered() { return turn().holds(); }
 
+bool hasOrderedAddresses() {
+  if (!isFollowing()) {
+    return false;
+  }
+  static const bool is_fixed = [] {
+    const char* const layout = std::getenv(kLayoutVariable);
+    return layout == nullptr || std::strcmp(layout, "random") != 0;
+  }();
+  return is_fixed;
+}
+
 const std::string& seedText() {
   static const auto* const text = [] {
     const char* const value = std::getenv(kChanceVariable);
@@ -146,12 +161,14 @@ void beginToFollow() {
     following = Following::kYes;
     noticed().texts[kUnknownBefore] = kUnknownBefore;
   }
-  const char* const layout = std::getenv(kLayoutVariable);
   constexpr unsigned long kAsk = 0xffffffff;
   const bool is_fixed = (::personality(kAsk) & ADDR_NO_RANDOMIZE) != 0 ||
                         std::ifstream("/proc/sys/kernel/randomize_va_space").get() == '0';
-  if (!is_fixed && (layout == nullptr || std::strcmp(layout, "random") != 0)) {
+  if (!is_fixed && hasOrderedAddresses()) {
     noticed().texts[kRandomLayout] = kRandomLayout;
+  }
+  if (const std::string why = whyAddressesDiffer(); !why.empty()) {
+    noticed().texts[why] = why;
   }
 }
 

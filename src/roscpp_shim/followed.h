@@ -21,6 +21,10 @@ Sees sees();
 /** @return whether the program takes part now, and the calling thread has the turn. */
 bool ordered();
 
+/** @return whether addresses are to be the same in each run: the environment does not ask for
+ * random ones, and the program is followed. For any thread, before any constructor has run. */
+bool hasOrderedAddresses();
+
 /** @return the launcher's --seed. */
 std::int64_t seed();
 /** @return what the program's random numbers start from: the seed and the node's name. */

@@ -22,7 +22,8 @@
 namespace move_base_abstract::shim {
 namespace {
 
-/** @brief What the program's threads hold, as far as they took it by turns. */
+/** @brief What the program's threads hold, as far as they took it by turns. Others change it too.
+ */
 struct Holds {
   PlainMutex mutex;
   std::map<const void*, int> counts;
@@ -35,7 +36,15 @@ Holds& holds() {
   return *instance;
 }
 
-using Guard = std::lock_guard<PlainMutex>;
+/** @brief For who looks at it, or changes it. */
+class Guard {
+ public:
+  explicit Guard(PlainMutex& mutex) : lock_(mutex) {}
+
+ private:
+  Beside beside_;
+  std::lock_guard<PlainMutex> lock_;
+};
 
 bool isShared(const void* semaphore) {
   const Guard guard(holds().mutex);

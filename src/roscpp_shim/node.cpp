@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 
+#include "allocations.h"
 #include "exchange.h"
 #include "hearing.h"
 #include "move_base_abstract/lockstep_participant.h"
@@ -27,6 +28,10 @@ constexpr std::int64_t kPatience = 1'000'000'000;  // steady ns
 const char* const kRankVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_RANK";
 const char* const kStrictVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_STRICT";
 const char* const kSleepVariable = "MOVE_BASE_ABSTRACT_LOCKSTEP_SLEEP";
+
+const char* const kMixed =
+    "memory that was given back by threads without an order was used again: the addresses of what "
+    "the program allocates may differ from run to run";
 
 std::int64_t steadyNow() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -114,6 +119,9 @@ void Node::exchange() {
   }
   wish.open = static_cast<std::uint32_t>(open_.size());
   wish.waits = wish.next == kNever ? waits() : "";
+  if (areAddressesMixed()) {
+    label(kMixed);
+  }
   const bool is_resting = turn().isResting() && membership_.hasTurn();
   if (is_resting) {
     append(wire::Rest{});

@@ -76,6 +76,7 @@ void TopicManager::publish(const std::string& name,
   const bool is_app = shim::turn().enter() && shim::isManaged(name);
   {
     const Publishing publishing(is_app);  // roscpp's thread has nothing to do
+    const shim::Beside beside;            // but to send and give back what onlookers get
     function(this, name, serialize, message);
   }
   if (!is_app) {

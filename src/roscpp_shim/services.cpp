@@ -130,6 +130,7 @@ bool ServiceManager::advertiseService(const AdvertiseServiceOptions& options) {
   static Advertise* const function = shim::real<Advertise>(
       "_ZN3ros14ServiceManager16advertiseServiceERKNS_23AdvertiseServiceOptionsE");
   const bool is_app = shim::turn().enter();
+  const shim::Beside beside;
   const bool is_done = function(this, options);
   if (is_app && is_done) {
     shim::Service service;

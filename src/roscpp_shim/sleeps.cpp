@@ -18,6 +18,9 @@ namespace move_base_abstract::shim {
 namespace {
 
 constexpr Nanoseconds kPatience = 5 * kSecond;  // wall
+constexpr unsigned kNaps = 10000;               // sleeps at one instant, however short
+constexpr unsigned kYields = 100;               // in a row, after which simulated time goes on
+constexpr Nanoseconds kYieldPeriod = 1'000'000;
 
 using NanoSleep = int(const timespec*, timespec*);
 
@@ -28,23 +31,43 @@ NanoSleep* realNanosleep() {
 
 }  // namespace
 
+/** Who gives way again and again waits for something: that may need time to go on. */
+void giveWay() {
+  Task& me = *Turn::self();
+  const unsigned yields = me.yields + 1;
+  Wait wait;
+  if (yields < kYields) {
+    wait.next_round = true;
+  } else {
+    wait.until = node().now() + kYieldPeriod;
+  }
+  turn().wait(std::move(wait));
+  me.yields = yields;  // any other wait begins the count anew
+}
+
 void sleepWall(Nanoseconds duration) {
   Task& me = *Turn::self();
   me.has_acted = true;
+  if (duration <= 0) {
+    giveWay();
+    return;
+  }
   Wait wait;
   if (node().sleepsSimulated() || me.sleeps_simulated) {
     wait.until = node().now() + duration;
     turn().wait(std::move(wait));
     return;
   }
-  me.slept = me.slept_at == node().now() ? me.slept + duration : duration;
+  const bool is_same = me.slept_at == node().now();
+  me.slept = is_same ? me.slept + duration : duration;
+  me.naps = is_same ? me.naps + 1 : 1;
   me.slept_at = node().now();
   {
     const Blocking blocking;
     const timespec request = toTimespec(duration);
     realNanosleep()(&request, nullptr);
   }
-  if (me.slept < kPatience) {
+  if (me.slept < kPatience && me.naps < kNaps) {
     addSleep(duration);
     wait.next_round = true;  // what has happened at this instant is seen after the sleep
   } else {
@@ -109,9 +132,7 @@ int sched_yield() {
   if (!shim::ordered()) {
     return function();
   }
-  shim::Wait wait;
-  wait.next_round = true;
-  shim::turn().wait(wait);
+  shim::giveWay();
   return 0;
 }
 

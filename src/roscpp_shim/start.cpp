@@ -85,6 +85,34 @@ namespace shim = move_base_abstract::shim;
 
 namespace ros {
 
+// What ROS keeps of names, ports and process numbers has another length in another run.
+
+void init(int& count, char** arguments, const std::string& name, uint32_t options) {
+  using Init = void(int&, char**, const std::string&, uint32_t);
+  static Init* const function =
+      shim::real<Init>("_ZN3ros4initERiPPcRKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEj");
+  const shim::Beside beside;
+  function(count, arguments, name, options);
+}
+
+void init(const M_string& remappings, const std::string& name, uint32_t options) {
+  using Init = void(const M_string&, const std::string&, uint32_t);
+  static Init* const function = shim::real<Init>(
+      "_ZN3ros4initERKSt3mapINSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEES6_St4lessIS6_"
+      "ESaISt4pairIKS6_S6_EEERSA_j");
+  const shim::Beside beside;
+  function(remappings, name, options);
+}
+
+void init(const VP_string& remappings, const std::string& name, uint32_t options) {
+  using Init = void(const VP_string&, const std::string&, uint32_t);
+  static Init* const function = shim::real<Init>(
+      "_ZN3ros4initERKSt6vectorISt4pairINSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEES7_E"
+      "SaIS8_EERKS7_j");
+  const shim::Beside beside;
+  function(remappings, name, options);
+}
+
 void start() {
   using Start = void();
   static Start* const function = shim::real<Start>("_ZN3ros5startEv");

@@ -112,8 +112,8 @@ Nanoseconds lasting(clockid_t clock, const timespec* deadline) {
 
 /** @return false if a thread of the program has not ended after @p lasts simulated ns. */
 bool awaitEndOf(pthread_t thread, Nanoseconds lasts) {
-  const Task* const task = turn().holds() ? turn().find(thread) : nullptr;
-  const auto has_ended = [task] { return task->is_done.load(); };
+  const auto task = turn().holds() ? turn().find(thread) : nullptr;
+  const auto has_ended = [one = task.get()] { return one->is_done.load(); };
   return task == nullptr || has_ended() ||
          awaitCondition(nullptr, has_ended, lasts) != Woken::kTime;
 }
@@ -145,10 +145,13 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
     return function(thread, attributes, main, argument);
   }
   shim::Turn::self()->has_acted = true;
-  shim::Task* const task = shim::turn().create([main, argument] { return main(argument); });
-  const int result = function(thread, attributes, &shim::runTask, task);
+  const auto task = shim::turn().create([main, argument] { return main(argument); });
+  const shim::Beside beside;  // libc keeps what it needs of threads, for others too
+  const int result = function(thread, attributes, &shim::runTask, task.get());
   if (result == 0) {
     task->thread = *thread;
+  } else {
+    shim::turn().discard(task);
   }
   return result;
 }

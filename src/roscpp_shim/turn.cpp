@@ -1,169 +1,22 @@
 #include "turn.h"
 
-#include <sys/syscall.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <mutex>
-#include <thread>
 
 #include "followed.h"
-#include "hearing.h"
-#include "kernel.h"
 #include "node.h"
-#include "real.h"
-
-// A thread's variables lie where no allocation is needed to find them: locks are taken early.
-#define MOVE_BASE_ABSTRACT_FAST_TLS __attribute__((tls_model("initial-exec")))
+#include "semaphores.h"
+#include "turn_local.h"
 
 namespace move_base_abstract::shim {
 namespace {
 
 using Lock = std::lock_guard<PlainMutex>;
-using MutexFunction = int(pthread_mutex_t*);
-
-constexpr auto kWatchPeriod = std::chrono::milliseconds(100);  // wall
-constexpr int kStuckPeriods = 3;
-
-thread_local Task* t_task MOVE_BASE_ABSTRACT_FAST_TLS = nullptr;
-thread_local int t_inside MOVE_BASE_ABSTRACT_FAST_TLS = 0;
-thread_local bool t_internal MOVE_BASE_ABSTRACT_FAST_TLS = false;
-
-/** The semaphores of this library are libc's own: not those that hand the turn over. */
-void awake(Task* task) {
-  static auto* const post = real<int(sem_t*)>("sem_post");
-  post(&task->go);
-}
-
-int awaitGo(Task* task) {
-  static auto* const wait = real<int(sem_t*)>("sem_wait");
-  return wait(&task->go);
-}
 
 }  // namespace
 
-void PlainMutex::lock() {
-  static MutexFunction* const lock_mutex = real<MutexFunction>("pthread_mutex_lock");
-  lock_mutex(&mutex_);
-}
-
-void PlainMutex::unlock() { pthread_mutex_unlock(&mutex_); }
-
-Inside::Inside() { ++t_inside; }
-Inside::~Inside() { --t_inside; }
-
-Blocking::Blocking() {
-  if (t_task != nullptr) {
-    t_task->is_blocking = true;
-  }
-}
-
-Blocking::~Blocking() {
-  if (t_task != nullptr) {
-    t_task->is_blocking = false;
-  }
-}
-
-Turn& turn() {
-  static Turn* const instance = new Turn;  // threads use it until the process has gone
-  return *instance;
-}
-
-Task* Turn::self() { return t_task; }
-bool Turn::isInside() { return t_inside > 0; }
-bool Turn::isInternal() { return t_internal; }
-void Turn::becomeInternal() { t_internal = true; }
-
-// ---- threads ---------------------------------------------------------------------------------
-
-Task* Turn::create(std::function<void*()> main) {
-  auto* const task = new Task;
-  static auto* const init = real<int(sem_t*, int, unsigned)>("sem_init");
-  init(&task->go, 0, 0);
-  task->main = std::move(main);
-  if (task->main) {
-    const Lock lock(mutex_);
-    task->is_waiting = true;
-    task->wait.until = 0;  // as soon as the others wait
-    tasks_.push_back(task);
-    waiting_.push_back(task);
-  }
-  return task;
-}
-
-void Turn::begin() {
-  Task* const task = create(nullptr);
-  task->thread = pthread_self();
-  task->tid = static_cast<int>(::syscall(SYS_gettid));
-  t_task = task;
-  tasks_.push_back(task);
-  holder_ = task;
-  is_active_ = true;
-  const Inside inside;
-  std::thread([this] {
-    becomeInternal();
-    watch();
-  }).detach();
-}
-
-void* Turn::run(Task* task) {
-  struct Finisher {
-    ~Finisher() {  // pthread_exit comes here too
-      turn->finish(task);
-      t_task = nullptr;
-    }
-    Turn* turn;
-    Task* task;
-  };
-  task->tid = static_cast<int>(::syscall(SYS_gettid));
-  t_task = task;
-  const Finisher finisher{this, task};
-  park(task);
-  const auto main = std::move(task->main);
-  return main();
-}
-
-void Turn::finish(Task* task) {
-  task->is_done = true;
-  forgetListener(task->listened);
-  if (!isActive() || task->is_loose) {
-    return;
-  }
-  const Inside inside;
-  if (Task* const next = firstReady()) {
-    handOver(next);
-    return;
-  }
-  const Lock lock(mutex_);
-  ++activity_;
-  // Somebody else must report, since this thread goes; or who comes back next (see regain).
-  holder_ = waiting_.empty() ? nullptr : waiting_.front();
-  if (holder_ != nullptr) {
-    awake(holder_);
-  }
-}
-
-Task* Turn::adopt() {
-  node().label("a thread was started before ROS was");
-  Task* const task = create(nullptr);
-  task->thread = pthread_self();
-  task->tid = static_cast<int>(::syscall(SYS_gettid));
-  task->is_loose = true;
-  t_task = task;
-  const Lock lock(mutex_);
-  tasks_.push_back(task);
-  return task;
-}
-
-Task* Turn::find(pthread_t thread) {
-  const Lock lock(mutex_);
-  const auto found = std::find_if(tasks_.rbegin(), tasks_.rend(), [thread](const Task* task) {
-    return pthread_equal(task->thread, thread) != 0;
-  });
-  return found == tasks_.rend() ? nullptr : *found;
-}
+// ---- who has the turn ------------------------------------------------------------------------
 
 int Turn::holder() {
   const Lock lock(mutex_);
@@ -177,20 +30,20 @@ bool Turn::isParked(int tid) {
 }
 
 bool Turn::holds() {
-  if (!isActive() || t_task == nullptr || t_inside > 0) {
+  if (!isActive() || t_local.task == nullptr || t_local.inside > 0) {
     return false;
   }
-  if (t_task->is_loose) {
-    regain(t_task);
+  if (t_local.task->is_loose) {
+    regain(t_local.task);
   }
   return isActive();
 }
 
 bool Turn::enter() {
-  if (!isActive() || t_internal || t_inside > 0) {
+  if (!isActive() || t_local.is_internal || t_local.inside > 0) {
     return false;
   }
-  if (t_task == nullptr) {
+  if (t_local.task == nullptr) {
     adopt();
   }
   return holds();
@@ -218,7 +71,7 @@ void Turn::regain(Task* task) {
 
 Woken Turn::wait(Wait wait) {
   const Inside inside;
-  Task* const me = t_task;
+  Task* const me = t_local.task;
   if (wait.next_round) {
     const auto round = node().round();
     wait.is_over = [round] { return node().round() != round; };
@@ -243,6 +96,7 @@ Woken Turn::wait(Wait wait) {
     return Woken::kEnd;
   }
   me->clock_reads = 0;
+  me->yields = 0;
   const bool is_over = me->is_signalled || (me->wait.is_over && me->wait.is_over());
   return is_over ? Woken::kReady : Woken::kTime;
 }
@@ -300,9 +154,10 @@ Task* Turn::firstReady() {
       const Lock lock(mutex_);
       activity_ += by_activity ? 0 : 1;
       // Of a pool the one that is here: no other thread need be woken.
-      const bool is_ours = task->wait.pool != nullptr && t_task != nullptr && t_task->is_waiting &&
-                           t_task->wait.pool == task->wait.pool && isReady(*t_task, &by_activity);
-      return is_ours ? t_task : task;
+      const bool is_ours = task->wait.pool != nullptr && t_local.task != nullptr &&
+                           t_local.task->is_waiting && t_local.task->wait.pool == task->wait.pool &&
+                           isReady(*t_local.task, &by_activity);
+      return is_ours ? t_local.task : task;
     }
   }
   return nullptr;
@@ -318,7 +173,7 @@ void Turn::handOver(Task* next) {
     holder_ = next;
     ++switches_;
   }
-  if (next != t_task) {
+  if (next != t_local.task) {
     awake(next);
   }
 }
@@ -338,8 +193,8 @@ void Turn::signal(const void* object, bool all) {
       }
     }
   }
-  if (is_woken && t_task == nullptr) {
-    if (!t_internal && !isWorkerPool(nullptr)) {
+  if (is_woken && t_local.task == nullptr) {
+    if (!t_local.is_internal && !isWorkerPool(nullptr)) {
       node().label("a thread that lockstep does not order has woken another one");
     }
     node().ring();
@@ -367,34 +222,6 @@ bool Turn::hasGuest() {
   const Lock lock(mutex_);
   return std::any_of(waiting_.begin(), waiting_.end(),
                      [](const Task* task) { return task->is_signalled; });
-}
-
-void Turn::end() {
-  is_active_ = false;
-  const Lock lock(mutex_);
-  for (Task* const task : tasks_) {
-    awake(task);
-  }
-}
-
-/** Lets others run beside a thread that blocks where this library does not see it. */
-void Turn::watch() {
-  std::uint64_t switches = 0;
-  int stuck = 0;
-  while (isActive()) {
-    std::this_thread::sleep_for(kWatchPeriod);
-    const Lock lock(mutex_);
-    const bool may_be_stuck = switches == switches_ && holder_ != nullptr && !holder_->is_waiting &&
-                              !holder_->is_blocking && !holder_->is_loose && !waiting_.empty();
-    switches = switches_;
-    stuck = may_be_stuck && isAsleep(holder_->tid) ? stuck + 1 : 0;
-    if (stuck >= kStuckPeriods && !waitsForReader()) {
-      holder_->is_loose = true;
-      holder_ = waiting_.front();
-      awake(holder_);
-      node().label("a thread waits for another one in a way that lockstep does not follow");
-    }
-  }
 }
 
 }  // namespace move_base_abstract::shim

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,7 @@ struct Task {
   bool is_signalled = false;
   bool is_loose = false;     // it runs beside the others: it blocks where nobody can see it
   bool is_blocking = false;  // it blocks in a known way, with time standing still
+  bool has_spun = false;     // it has computed for so long that the others went on
   std::atomic<bool> is_done{false};
   std::uint64_t seen_activity = 0;
   bool in_spinner = false;        // its waits for callbacks are without end
@@ -63,7 +65,9 @@ struct Task {
   unsigned empty_polls = 0;       // looks without waiting in a row that were in vain
   unsigned clock_reads = 0;       // at one instant
   Nanoseconds slept_at = -1;      // instant at which it has slept by the wall clock,
-  Nanoseconds slept = 0;          // and for how long altogether
+  Nanoseconds slept = 0;          // for how long altogether,
+  unsigned naps = 0;              // and how often
+  unsigned yields = 0;            // in a row
   bool sleeps_simulated = false;  // from when on that has been too long
   std::function<void*()> main;    // of a thread that has not begun
 };
@@ -75,6 +79,18 @@ class Inside {
   ~Inside();
   Inside(const Inside&) = delete;
   Inside& operator=(const Inside&) = delete;
+};
+
+/**
+ * @brief Marks that a thread of the program works on what roscpp's own threads share: what is
+ * allocated meanwhile depends on how far those are, and comes from libc's heap.
+ */
+class Beside {
+ public:
+  Beside();
+  ~Beside();
+  Beside(const Beside&) = delete;
+  Beside& operator=(const Beside&) = delete;
 };
 
 /** @brief Marks that a thread blocks in a known way, with time standing still. */
@@ -111,17 +127,24 @@ class Turn {
   static void becomeInternal();
   static bool isInternal();
 
+  /** @return whether what the calling thread allocates is a part of the order of turns. */
+  static bool allocatesInOrder();
+  /** @return whether what it gives back is. */
+  static bool freesInOrder();
+
   /** @brief Give the turn away until what @p wait says. For a thread that has entered. */
   Woken wait(Wait wait);
   /** @brief Wake who waits for @p object: one, or all. From any thread. */
   void signal(const void* object, bool all);
 
   /** @return a thread about to be created, whose function is @p main. */
-  Task* create(std::function<void*()> main);
+  std::shared_ptr<Task> create(std::function<void*()> main);
+  /** @brief It could not be created. */
+  void discard(const std::shared_ptr<Task>& task);
   /** @brief What the new thread runs. */
   void* run(Task* task);
-  /** @return the task of @p thread, if it is one of the program's. */
-  Task* find(pthread_t thread);
+  /** @return the task of @p thread, if it is one of the program's that has not ended. */
+  std::shared_ptr<Task> find(pthread_t thread);
   /** @return whether the thread with @p tid waits, so that it cannot unlock anything. */
   bool isParked(int tid);
 
@@ -136,6 +159,17 @@ class Turn {
   bool hasGuest();
 
  private:
+  /** @brief Tells of the end of a thread: the last thing that it does. */
+  class Ends {
+   public:
+    void prepare();
+    void await();
+
+   private:
+    static void onEnd(void* pass);
+    pthread_key_t key_ = 0;
+  };
+
   Task* adopt();
   void regain(Task* task);
   bool enlist(Task* task, Wait& wait);
@@ -144,11 +178,14 @@ class Turn {
   void handOver(Task* next);
   void park(Task* task);
   void finish(Task* task);
+  void forget(const Task* task);
   void watch();
+  void letOthersOn(const std::string& why);
 
   std::atomic<bool> is_active_{false};
   PlainMutex mutex_;  // for what follows; only who has the turn looks at Task::wait
-  std::vector<Task*> tasks_;
+  Ends ends_;
+  std::vector<std::shared_ptr<Task>> tasks_;
   std::vector<Task*> waiting_;
   Task* holder_ = nullptr;
   std::uint64_t switches_ = 0;

@@ -13,6 +13,9 @@ namespace move_base_abstract::shim {
  * looks. */
 void countLook(unsigned* count, unsigned limit);
 
+/** @brief Let the others go first, of a thread that has the turn; in a loop time goes on. */
+void giveWay();
+
 /** @brief A sleep by the wall clock [ns], of a thread that has the turn. */
 void sleepWall(Nanoseconds duration);
 

@@ -132,6 +132,44 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, folder)
         self.stands('names', aliases=os.path.join(folder, 'aliases'))
 
+    def test_what_threads_allocate_lies_where_it_does_in_each_run(self):
+        """Sets by address, of objects and of messages, filled by an AsyncSpinner; each way of allocating."""
+        programs = [Program('heap', own('shim_heap'), what='spinners'), recorder('/told'), rate(frequency=20.0),
+                    rate('rate2', 13.0, 60, 'others')]
+        told = []
+        for run in RUNS.three(programs):
+            self.assertEqual((run.code, run.labels), (0, []), run.outputs)
+            told.append(run.printed(1))
+        self.assertEqual(told[1], told[0])
+        self.assertEqual(told[2], told[0])
+        self.assertGreater(len(told[0]), 100)
+        addresses = [int(one, 16) for line in told[0] for one in re.findall('0x[0-9a-f]+', line)]
+        self.assertEqual([at for at in addresses if not 0 < at - (1 << 44) < 1 << 37], [])
+        *_calls, failed, non_zero, again, large = told[0][-1].split(' ')
+        self.assertEqual((failed, non_zero), ('0', str(2 ** 64 - 1)))
+        self.assertIn(' {} 1 '.format(again), told[0][-1])  # what another thread gave back
+        self.assertIn(' {} 1 '.format(large), told[0][-1])
+
+    def test_threads_that_have_ended_leave_nothing(self):
+        run = RUNS.run([Program('heap', own('shim_heap'), what='threads'), recorder('/told')])
+        self.assertEqual([line.split(' ', 2)[2] for line in run.printed(1)], ['threads leave nothing'])
+        self.assertEqual(run.labels, [])
+
+    def test_a_loop_that_gives_way_until_another_thread_changes_a_variable_lets_time_go_on(self):
+        for how in ('yields', 'naps'):
+            run = RUNS.run([Program('heap', own('shim_heap'), what=how), recorder('/told')])
+            self.assertEqual((run.code, run.labels), (0, []), run.outputs)
+            self.assertEqual([line.split(' ', 2)[2] for line in run.printed(1)], ['sets it', 'sees it 200'])
+
+    def test_a_loop_that_computes_until_another_thread_changes_a_variable_is_labelled_and_no_hang(self):
+        os.environ['MOVE_BASE_ABSTRACT_COMPUTE_LIMIT'] = '0.5'
+        self.addCleanup(os.environ.pop, 'MOVE_BASE_ABSTRACT_COMPUTE_LIMIT')
+        run = RUNS.run([Program('heap', own('shim_heap'), what='spins'), recorder('/told')])
+        self.assertEqual(run.code, 0, run.outputs)
+        self.assertEqual([line.split(' ', 3)[2] for line in run.printed(1)], ['sets', 'sees'])
+        self.assertEqual(len(run.labels), 1, run.labels)
+        self.assertIn("'/heap': a thread computes at one instant while others wait", run.labels[0])
+
     def test_a_wait_that_cannot_be_followed_is_labelled_and_no_hang(self):
         run = RUNS.run([Program('threads', own('shim_threads'), what='hidden'), recorder('/told')])
         self.assertEqual(run.code, 0, run.outputs)

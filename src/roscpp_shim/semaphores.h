@@ -1,0 +1,24 @@
+// A thread sleeps and is woken by libc's own semaphore, not by one that hands the turn over.
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_SEMAPHORES_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_SEMAPHORES_H
+
+#include <semaphore.h>
+
+#include "real.h"
+#include "turn.h"
+
+namespace move_base_abstract::shim {
+
+inline void awake(Task* task) {
+  static auto* const post = real<int(sem_t*)>("sem_post");
+  post(&task->go);
+}
+
+inline int awaitGo(Task* task) {
+  static auto* const wait = real<int(sem_t*)>("sem_wait");
+  return wait(&task->go);
+}
+
+}  // namespace move_base_abstract::shim
+
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_SEMAPHORES_H

@@ -1,0 +1,226 @@
+// The program's threads: how they begin and end, and what each knows of itself.
+#include <pthread.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "followed.h"
+#include "hearing.h"
+#include "node.h"
+#include "real.h"
+#include "semaphores.h"
+#include "turn.h"
+#include "turn_local.h"
+
+namespace move_base_abstract::shim {
+
+__thread TurnLocal t_local = {nullptr, 0, 0, false, 0};
+
+namespace {
+
+using Lock = std::lock_guard<PlainMutex>;
+using MutexFunction = int(pthread_mutex_t*);
+
+/** For who asks for memory: turn() itself needs some. */
+enum class Phase { kBefore, kActive, kOver };
+std::atomic<Phase> phase{Phase::kBefore};
+
+int ownTid() { return static_cast<int>(::syscall(SYS_gettid)); }
+
+bool isFirstThread() {
+  if (t_local.first == 0) {
+    t_local.first = ownTid() == static_cast<int>(::syscall(SYS_getpid)) ? 1 : -1;
+  }
+  return t_local.first > 0;
+}
+
+}  // namespace
+
+void PlainMutex::lock() {
+  static MutexFunction* const lock_mutex = real<MutexFunction>("pthread_mutex_lock");
+  lock_mutex(&mutex_);
+}
+
+void PlainMutex::unlock() { pthread_mutex_unlock(&mutex_); }
+
+Turn& turn() {
+  static Turn* const instance = [] {
+    const Beside beside;
+    return new Turn;  // threads use it until the process has gone
+  }();
+  return *instance;
+}
+
+// ---- what a thread knows of itself -----------------------------------------------------------
+
+Inside::Inside() { ++t_local.inside; }
+Inside::~Inside() { --t_local.inside; }
+
+Beside::Beside() { ++t_local.beside; }
+Beside::~Beside() { --t_local.beside; }
+
+Blocking::Blocking() {
+  if (t_local.task != nullptr) {
+    t_local.task->is_blocking = true;
+  }
+}
+
+Blocking::~Blocking() {
+  if (t_local.task != nullptr) {
+    t_local.task->is_blocking = false;
+  }
+}
+
+Task* Turn::self() { return t_local.task; }
+bool Turn::isInside() { return t_local.inside > 0; }
+bool Turn::isInternal() { return t_local.is_internal; }
+void Turn::becomeInternal() { t_local.is_internal = true; }
+
+bool Turn::freesInOrder() {
+  switch (phase.load(std::memory_order_relaxed)) {
+    case Phase::kBefore:
+      return isFirstThread();
+    case Phase::kActive:
+      return t_local.task != nullptr && !t_local.task->is_loose;
+    default:
+      return true;  // nobody allocates in order any more
+  }
+}
+
+bool Turn::allocatesInOrder() {
+  return t_local.inside == 0 && t_local.beside == 0 &&
+         phase.load(std::memory_order_relaxed) != Phase::kOver && hasOrderedAddresses() &&
+         freesInOrder();
+}
+
+// ---- beginning and end -----------------------------------------------------------------------
+
+void Turn::begin() {
+  const Inside inside;
+  ends_.prepare();
+  const auto task = create(nullptr);
+  task->thread = pthread_self();
+  task->tid = ownTid();
+  t_local.task = task.get();
+  tasks_.push_back(task);
+  holder_ = task.get();
+  is_active_ = true;
+  phase = Phase::kActive;
+  std::thread([this] {
+    becomeInternal();
+    watch();
+  }).detach();
+}
+
+void Turn::end() {
+  is_active_ = false;
+  phase = Phase::kOver;
+  const Lock lock(mutex_);
+  for (const auto& task : tasks_) {
+    awake(task.get());
+  }
+}
+
+std::shared_ptr<Task> Turn::create(std::function<void*()> main) {
+  const Inside inside;
+  const auto task = std::make_shared<Task>();
+  static auto* const init = real<int(sem_t*, int, unsigned)>("sem_init");
+  init(&task->go, 0, 0);
+  task->main = std::move(main);
+  if (task->main) {
+    const Lock lock(mutex_);
+    task->is_waiting = true;
+    task->wait.until = 0;  // as soon as the others wait
+    tasks_.push_back(task);
+    waiting_.push_back(task.get());
+  }
+  return task;
+}
+
+void Turn::discard(const std::shared_ptr<Task>& task) {
+  const Lock lock(mutex_);
+  waiting_.erase(std::remove(waiting_.begin(), waiting_.end(), task.get()), waiting_.end());
+  forget(task.get());
+}
+
+void Turn::forget(const Task* task) {
+  tasks_.erase(std::remove_if(tasks_.begin(), tasks_.end(),
+                              [task](const auto& one) { return one.get() == task; }),
+               tasks_.end());
+}
+
+void* Turn::run(Task* task) {
+  task->tid = ownTid();
+  t_local.task = task;
+  ends_.await();
+  park(task);
+  const auto main = std::move(task->main);
+  return main();
+}
+
+void Turn::Ends::prepare() { pthread_key_create(&key_, &Ends::onEnd); }
+
+void Turn::Ends::await() { pthread_setspecific(key_, reinterpret_cast<void*>(1)); }
+
+/** @param pass what was done at the ends of thread_local objects and of other keys has the turn. */
+void Turn::Ends::onEnd(void* pass) {
+  constexpr std::uintptr_t kPasses = 3;  // of PTHREAD_DESTRUCTOR_ITERATIONS, 4
+  const auto next = reinterpret_cast<std::uintptr_t>(pass) + 1;
+  if (next <= kPasses) {
+    pthread_setspecific(turn().ends_.key_, reinterpret_cast<void*>(next));
+  } else {
+    turn().finish(t_local.task);
+  }
+}
+
+void Turn::finish(Task* task) {
+  const Inside inside;
+  task->is_done = true;
+  task->wait = Wait();
+  forgetListener(task->listened);
+  const bool hands_over = isActive() && !task->is_loose;
+  Task* const next = hands_over ? firstReady() : nullptr;
+  if (next != nullptr) {
+    handOver(next);
+  }
+  t_local.task = nullptr;  // what it gives back from here on is in no order
+  const Lock lock(mutex_);
+  if (hands_over && next == nullptr) {
+    ++activity_;
+    // Somebody else must report, since this thread goes; or who comes back next (see regain).
+    holder_ = waiting_.empty() ? nullptr : waiting_.front();
+    if (holder_ != nullptr) {
+      awake(holder_);
+    }
+  }
+  forget(task);
+}
+
+Task* Turn::adopt() {
+  const Inside inside;
+  node().label("a thread was started before ROS was");
+  const auto task = create(nullptr);
+  task->thread = pthread_self();
+  task->tid = ownTid();
+  task->is_loose = true;
+  t_local.task = task.get();
+  ends_.await();
+  const Lock lock(mutex_);
+  tasks_.push_back(task);
+  return task.get();
+}
+
+std::shared_ptr<Task> Turn::find(pthread_t thread) {
+  const Inside inside;
+  const Lock lock(mutex_);
+  const auto found = std::find_if(tasks_.rbegin(), tasks_.rend(), [thread](const auto& task) {
+    return pthread_equal(task->thread, thread) != 0;
+  });
+  return found == tasks_.rend() ? nullptr : *found;
+}
+
+}  // namespace move_base_abstract::shim

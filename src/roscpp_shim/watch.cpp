@@ -1,0 +1,84 @@
+// Looks by the wall clock whether the thread that has the turn is stuck: it waits where this
+// library does not see it, or computes without end.
+#include <time.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <mutex>
+#include <thread>
+
+#include "clocks.h"
+#include "kernel.h"
+#include "node.h"
+#include "real.h"
+#include "semaphores.h"
+#include "turn.h"
+#include "turn_local.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+using Lock = std::lock_guard<PlainMutex>;
+
+constexpr auto kWatchPeriod = std::chrono::milliseconds(100);  // wall
+constexpr int kStuckPeriods = 3;
+constexpr double kComputes = 20;                     // s of the processor, at one instant
+constexpr Nanoseconds kComputesAgain = kSecond / 2;  // of a thread that has done so before
+const char* const kLimitVariable = "MOVE_BASE_ABSTRACT_COMPUTE_LIMIT";
+
+const char* const kWaits = "a thread waits for another one in a way that lockstep does not follow";
+const char* const kSpins =
+    "a thread computes at one instant while others wait, longer than "
+    "MOVE_BASE_ABSTRACT_COMPUTE_LIMIT says (20 s of the processor's time), as one does that looks "
+    "at a variable until another thread changes it; the others go on beside it";
+
+/** @return how long a thread may compute at one instant [ns of the processor]. */
+Nanoseconds computeLimit() {
+  const char* const text = std::getenv(kLimitVariable);
+  const double limit = text == nullptr ? 0 : std::atof(text);
+  return static_cast<Nanoseconds>((limit > 0 && limit < 1e9 ? limit : kComputes) * kSecond);
+}
+
+/** @return how long a thread has computed in all [ns]; 0: it has gone. */
+Nanoseconds computedBy(int tid) {
+  constexpr int kOfThread = 6;  // how the kernel names the clock of a thread's processor time
+  return machineTime(static_cast<clockid_t>(~static_cast<unsigned>(tid) << 3 | kOfThread));
+}
+
+}  // namespace
+
+/** @brief The thread that has the turn runs beside the others from here on. Under the lock. */
+void Turn::letOthersOn(const std::string& why) {
+  holder_->is_loose = true;
+  holder_ = waiting_.front();
+  awake(holder_);
+  node().label(why);
+}
+
+void Turn::watch() {
+  std::uint64_t switches = 0;
+  int asleep = 0;
+  const Nanoseconds limit = computeLimit();
+  Nanoseconds computed = 0;  // by the holder, when it got the turn
+  while (isActive()) {
+    std::this_thread::sleep_for(kWatchPeriod);
+    const Lock lock(mutex_);
+    const bool is_working = switches == switches_ && holder_ != nullptr && !holder_->is_waiting &&
+                            !holder_->is_blocking && !holder_->is_loose && !waiting_.empty();
+    switches = switches_;
+    if (!is_working) {
+      asleep = 0;
+      computed = holder_ == nullptr ? 0 : computedBy(holder_->tid);
+      continue;
+    }
+    asleep = isAsleep(holder_->tid) ? asleep + 1 : 0;
+    if (asleep >= kStuckPeriods && !waitsForReader()) {
+      letOthersOn(kWaits);
+    } else if (computedBy(holder_->tid) - computed > (holder_->has_spun ? kComputesAgain : limit)) {
+      holder_->has_spun = true;
+      letOthersOn(kSpins);
+    }
+  }
+}
+
+}  // namespace move_base_abstract::shim
