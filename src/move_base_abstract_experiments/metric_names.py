@@ -3,20 +3,25 @@ from typing import NamedTuple, Optional
 
 
 class Metric(NamedTuple):
-    """What is told of a metric. ``better``: 'lower', 'higher', or None where neither is."""
+    """What is told of a metric.
+
+    ``better``: 'lower', 'higher', or None where neither is. ``at_limit``: what it is of a trial that the limit of time
+    ended: 'lower_bound', 'value', 'to_last_goal' (a lower bound if a goal was under way), or None: nobody has said it.
+    """
 
     title: str
     unit: str = ''
     better: Optional[str] = None
+    at_limit: Optional[str] = None
 
 
 BUILT_IN = {
-    'goals': Metric('Goals reached', '', 'higher'),
-    'goals_failed': Metric('Goals not reached', '', 'lower'),
-    'makespan': Metric('Makespan', 's', 'lower'),
-    'distance': Metric('Distance travelled', 'm', 'lower'),
-    'moving': Metric('Time moving, mean of the robots', 's'),
-    'idle': Metric('Time idle, mean of the robots', 's'),
-    'waiting': Metric('Time waiting, mean of the robots', 's', 'lower'),
-    'throughput': Metric('Goals reached per hour', '1/h', 'higher'),
+    'goals': Metric('Goals reached', 'goals', 'higher', 'lower_bound'),
+    'goals_failed': Metric('Goals not reached', 'goals', 'lower', 'lower_bound'),
+    'makespan': Metric('Makespan', 's', 'lower', 'to_last_goal'),
+    'distance': Metric('Distance travelled', 'm', 'lower', 'lower_bound'),
+    'moving': Metric('Time moving, mean of the robots', 's', None, 'lower_bound'),
+    'idle': Metric('Time idle, mean of the robots', 's', None, 'lower_bound'),
+    'waiting': Metric('Time waiting, mean of the robots', 's', 'lower', 'lower_bound'),
+    'throughput': Metric('Goals reached per hour', 'goals/h', 'higher', 'value'),
 }

@@ -37,6 +37,7 @@ class Summary(NamedTuple):
     labels: list
     reason: str
     by_fault: bool
+    open_goals: int = 0  # of robots that were under way or stood with a goal when the run ended
 
 
 class _Robot:
@@ -102,9 +103,10 @@ def summarise(path, starts=None):
     if log.end is None:
         raise EventLogError(f'{path}: has no end record: the run did not end properly')
     end_ns = max(last_ns, _end_ns(log.end.get('reason', '')))
+    open_goals = sum(robot.state != 'idle' for robot in robots.values())
     for robot in robots.values():
         robot.be('idle', end_ns)
-    return _summary(robots, endings, log, start_ns, end_ns)
+    return _summary(robots, endings, log, start_ns, end_ns)._replace(open_goals=open_goals)
 
 
 def _take(robots, endings, event, starts, start_ns):

@@ -14,20 +14,21 @@ from . import checks
 from .metric_names import BUILT_IN, Metric
 
 KEYS = ('experiment', 'launch', 'command', 'function', 'prepare', 'inputs', 'participants', 'leave_out', 'replace',
-        'args', 'factors', 'replications', 'seed', 'until', 'record', 'metrics', 'report', 'verify', 'time_limit',
-        'sleep')
+        'args', 'factors', 'replications', 'seed', 'until', 'record', 'metrics', 'primary', 'baseline',
+        'smallest_difference', 'at_limit', 'report', 'verify', 'time_limit', 'sleep')
 SYSTEMS = ('launch', 'command', 'function')  # one of them is run
 UNTIL = ('seconds', 'topic', 'idle')
 RECORD = ('messages', 'files', 'hashes', 'motion')
 METRICS = ('function', 'columns')
 COLUMN = ('title', 'unit', 'better')
+AT_LIMIT = ('lower_bound', 'value')
 ALL = 'all'
 MOST_TRIALS = 1_000_000
 LONGEST_S = 1e9  # simulated, of a trial
 TIME_LIMIT_S = 600.0  # wall, of a trial
 LARGEST_SEED = 10**17
 OWN_COLUMNS = ('id', 'replication', 'seed', 'status', 'simulated_seconds', 'wall_seconds', 'times_real_time',
-               'repeatable', 'labels', 'events', 'log_sha256', 'verified', 'error')
+               'repeatable', 'labels', 'events', 'log_sha256', 'verified', 'ended_by', 'error')
 _TOPIC = re.compile(r'/?[A-Za-z][\w/]{0,255}\Z', re.ASCII)
 _FUNCTION = re.compile(r'[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*\Z', re.ASCII)
 _PATTERN = re.compile(r'[\w.*?\[\]-]{1,100}\Z', re.ASCII)
@@ -73,6 +74,10 @@ class Experiment(NamedTuple):
     record: Record
     function: str
     columns: dict  # name: Metric, of the user's function
+    primary: str  # the metric that the experiment is about, or ''
+    baseline: dict  # {factor: the value with which all others are compared}
+    smallest_difference: dict  # {metric: the smallest difference that counts}
+    at_limit: dict  # {metric: one of AT_LIMIT, of trials that until.seconds has ended}
     report: tuple  # functions that add sections to the report, as module:function
     verify: float
     time_limit: float  # s, wall
@@ -122,7 +127,7 @@ def checked(document, folder):
         **_replications(given.get('replications', 1)),
         seed=checks.number('seed', given.get('seed', 0), 0, LARGEST_SEED, whole=True),
         until=_until(given.get('until', {})), record=_record(given.get('record', {})),
-        **_metrics(given.get('metrics', {})), report=_sections(given.get('report', [])),
+        **_metrics(given.get('metrics', {})), **_compared(given), report=_sections(given.get('report', [])),
         verify=float(checks.number('verify', given.get('verify', 0), 0, 1)),
         time_limit=float(checks.number('time_limit', given.get('time_limit', TIME_LIMIT_S), 1, 1e7)),
         sleep=checks.one_of('sleep', given.get('sleep', 'wall'), ('wall', 'simulated')))
@@ -243,6 +248,34 @@ def _metrics(value):
     return {'function': function, 'columns': columns}
 
 
+def _compared(given):
+    """Return what the report is to compare by: keys that say nothing of how trials run."""
+    primary = given.get('primary', '')
+    smallest = {checks.identifier('smallest_difference', name): float(checks.number(
+        f'smallest_difference.{name}', value, 1e-100, 1e100))
+        for name, value in checks.mapping('smallest_difference', given.get('smallest_difference', {})).items()}
+    at_limit = {checks.identifier('at_limit', name): checks.one_of(f'at_limit.{name}', value, AT_LIMIT)
+                for name, value in checks.mapping('at_limit', given.get('at_limit', {})).items()}
+    return {'primary': checks.identifier('primary', primary) if primary != '' else '', 'at_limit': at_limit,
+            'smallest_difference': smallest,
+            'baseline': dict(checks.mapping('baseline', given.get('baseline', {})))}
+
+
+def _check_compared(experiment):
+    """Check names of metrics, as far as they are known before a trial has run, and of factors' values."""
+    is_known = not (experiment.function or experiment.trial_function)
+    for key, names in (('primary', [experiment.primary] if experiment.primary else []),
+                       ('smallest_difference', experiment.smallest_difference), ('at_limit', experiment.at_limit)):
+        for name in names:
+            if is_known and name not in experiment.metrics:
+                raise checks.unknown(f'{key}: the metric', name, experiment.metrics)
+    for name, value in experiment.baseline.items():
+        if name not in experiment.factors:
+            raise checks.unknown('baseline: the factor', name, experiment.factors)
+        if not any(type(value) is type(one) and value == one for one in experiment.factors[name]):
+            raise checks.unknown(f'baseline.{name}: the value', str(value), map(str, experiment.factors[name]))
+
+
 def _sections(value):
     names = checks.texts('report', [value] if isinstance(value, str) else value)
     for name in names:
@@ -263,6 +296,7 @@ def _check_together(experiment):
     if experiment.columns and not (experiment.function or experiment.trial_function):
         raise ConfigurationError('metrics.columns: there is no metrics.function that gives them')
     _check_replications(experiment)
+    _check_compared(experiment)
     if not experiment.launch:
         for key in ('leave_out', 'replace', *(('args',) if experiment.command else ())):
             if getattr(experiment, key):

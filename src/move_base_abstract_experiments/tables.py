@@ -13,7 +13,7 @@ from . import outputs
 
 BEFORE = ('replication', 'seed', 'status')
 AFTER = ('simulated_seconds', 'wall_seconds', 'times_real_time', 'repeatable', 'labels', 'events', 'log_sha256',
-         'verified', 'error')
+         'verified', 'ended_by', 'error')
 WALL = ('wall_seconds', 'times_real_time')
 
 

@@ -13,7 +13,7 @@ import traceback
 from move_base_abstract import run_difference
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 
-from . import functions, launch_files, metrics, plan, run, spec, user_metrics
+from . import ended_by, functions, launch_files, metrics, plan, run, spec, user_metrics
 
 OUTPUTS = 'outputs.tar'
 FORMAT = 1
@@ -34,7 +34,7 @@ def carry_out(job, path, problem=None):
              'replication': job['replication'], 'seed': job['seed'], 'status': FAILED, 'error': None, 'metrics': {},
              'simulated_seconds': None, 'wall_seconds': None, 'times_real_time': None, 'repeatable': False,
              'labels': [], 'events': 0, 'log_sha256': None, 'verified': None, 'difference': None, 'robots': {},
-             'made_of': job['made_of']}
+             'ended_by': ended_by.ERROR, 'open_goals': None, 'made_of': job['made_of']}
     folders = None
     try:
         _check_version(job)
@@ -50,6 +50,7 @@ def carry_out(job, path, problem=None):
             _verify(job, path, folders, about, first)
     except (SimulatorError, OSError) as error:
         about['error'] = _first_line(str(error), folders)
+        about['ended_by'] = ended_by.of_error(str(error), about['ended_by'])
     except Exception as error:
         traceback.print_exc()
         about['error'] = _first_line(f'{type(error).__name__}: {error}', folders)
@@ -81,7 +82,8 @@ def _run_first(job, folders, about):
     ended = run.run(wanted_of(job), folders)
     about['wall_seconds'] = round(time.monotonic() - begin, 6)
     summary = _take_log(folders, about, ended.starts)
-    about.update(metrics=dict(summary.metrics), simulated_seconds=summary.simulated_seconds)
+    about.update(metrics=dict(summary.metrics), simulated_seconds=summary.simulated_seconds,
+                 ended_by=ended_by.of_run(summary.reason, summary.by_fault), open_goals=summary.open_goals)
     _tell_speed(about)
     if summary.by_fault:
         raise run.RunError(f'the run was ended by a fault: {summary.reason}')
@@ -116,7 +118,8 @@ def _call(job, folders, about):
     if answer['simulated_seconds'] is not None:
         about['simulated_seconds'] = answer['simulated_seconds']
     about['labels'] = about['labels'] + answer['labels']
-    about.update(metrics=answer['metrics'], status=COMPLETE, repeatable=about['repeatable'] and not answer['labels'])
+    about.update(metrics=answer['metrics'], status=COMPLETE, ended_by=ended_by.RETURNED,
+                 repeatable=about['repeatable'] and not answer['labels'])
     _tell_speed(about)
 
 

@@ -197,7 +197,8 @@ class Experiments(OwnFolder, unittest.TestCase):
         code, text = Client(self.folder, file, 'command').end()
         self.assertEqual(code, 0, text)
         only = outputs.read_trial(self.path('command'), records.read_plan(self.path('command'))['trials'][0]['id'])
-        self.assertEqual((only['status'], only['simulated_seconds'], only['repeatable']), ('complete', 1.0, True))
+        self.assertEqual((only['status'], only['simulated_seconds'], only['repeatable'], only['ended_by']),
+                         ('complete', 1.0, True, 'topic'))
 
     def test_a_warm_start_changes_nothing(self):
         experiment = spec.read(self.write('sweep.yaml', SWEEP.replace('until:', 'record: {hashes: true}\nuntil:')))

@@ -12,17 +12,18 @@ METRICS = {
 def write(folder, factors, replications, measure, metrics=None, **plan):
     """Write an experiment's folder; measure(configuration, replication) gives a trial.json, or only its metrics.
 
+    :param replications: how many, or a function of the configuration that says it.
     :param measure: None of it: the trial has not run. A mapping with 'status' is taken as the rest of trial.json.
     """
     trials = []
     for levels in itertools.product(*factors.values()):
         configuration = dict(zip(factors, levels))
-        for replication in range(replications):
+        for replication in range(replications(configuration) if callable(replications) else replications):
             told = {'id': f'{len(trials) + 1:04d}-abc', 'configuration': configuration, 'replication': replication,
                     'seed': 1000 + replication}
             trials.append(told)
             _write_trial(folder, told, measure(configuration, replication))
-    content = {'format': 1, 'experiment': 'allocation', 'factors': factors, 'replications': replications,
+    content = {'format': 1, 'experiment': 'allocation', 'factors': factors,
                'metrics': METRICS if metrics is None else metrics, 'until': {'seconds': 3600}, 'verify': 0.05,
                'provenance': {'versions': {'move_base_abstract': '0.1.0', 'python': '3.11.2'}, 'cpus': 2},
                'trials': trials, **plan}

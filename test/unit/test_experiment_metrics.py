@@ -4,7 +4,7 @@ import json
 import pytest
 
 from move_base_abstract.event_log import EventLogError
-from move_base_abstract_experiments import functions, metrics
+from move_base_abstract_experiments import ended_by, functions, metrics
 
 SECOND = 10**9
 
@@ -28,6 +28,7 @@ def test_a_robot_moves_waits_and_is_idle(tmp_path):
     assert found.metrics == {'goals': 1, 'goals_failed': 1, 'makespan': 10.0, 'distance': 6.0, 'moving': 6.0,
                              'idle': 11.5, 'waiting': 2.0, 'throughput': 3600.0 / 19.5}
     assert (found.simulated_seconds, found.events, found.repeatable) == (19.5, 6, True)
+    assert found.open_goals == 0
 
 
 def test_the_first_leg_needs_a_start_and_a_leg_that_is_cut_off_adds_nothing(tmp_path):
@@ -37,6 +38,7 @@ def test_the_first_leg_needs_a_start_and_a_leg_that_is_cut_off_adds_nothing(tmp_
     assert found.metrics['distance'] == 0.0
     assert found.robots['r']['moving_s'] == 5.0 + 13.5
     assert found.metrics['makespan'] is None
+    assert found.open_goals == 1
 
 
 def test_where_a_robot_is_first_and_its_corners_are_in_the_log(tmp_path):
@@ -78,3 +80,17 @@ def test_what_a_function_may_return():
     for bad in ([], {'a': 'x'}, {'a b': 1}, {'goals': 1}, {'robots': 1}):
         with pytest.raises((TypeError, ValueError)):
             functions.checked(bad, ['robots'], ['goals'])
+
+
+@pytest.mark.parametrize(('reason', 'by_fault', 'word'), [
+    ('idle at 12.500000000 s: nobody wants to wake up', False, 'idle'),
+    ("'/a/b' left at 20.5 s", False, 'required /a/b'),
+    ('the run was to end at 3601.000000000 s', False, 'seconds'), ("'/experiment_end' left at 2.0 s", False, 'topic'),
+    ('deadlock at 3 s', True, 'fault'), ('SIGTERM', False, 'other')])
+def test_how_a_run_ended_is_said_in_a_word(reason, by_fault, word):
+    assert ended_by.of_run(reason, by_fault) == word
+
+
+def test_the_limit_of_wall_time_is_one_of_the_ways_to_end():
+    assert ended_by.of_error('it was not over after 600 s of wall time (time_limit)', 'error') == 'time_limit'
+    assert ended_by.of_error('the run was ended by a fault: x', 'fault') == 'fault'

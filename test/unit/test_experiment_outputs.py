@@ -13,7 +13,7 @@ ID = '0001-abcdef'
 ABOUT = {'format': 1, 'id': ID, 'configuration': {'robots': 1}, 'replication': 0, 'seed': 3, 'status': 'complete',
          'error': None, 'metrics': {'goals': 2, 'extra': 0.5}, 'simulated_seconds': 1.5, 'wall_seconds': 0.25,
          'times_real_time': 6.0, 'repeatable': True, 'labels': ['x', 'y'], 'events': 4, 'log_sha256': 'ab',
-         'verified': None, 'difference': None, 'robots': {'r': {}}, 'made_of': 'm'}
+         'verified': None, 'difference': None, 'robots': {'r': {}}, 'ended_by': 'idle', 'made_of': 'm'}
 PLAN = {'format': 1, 'experiment': 'e', 'factors': {'robots': [1]}, 'metrics': {'goals': {}}, 'trials': [{'id': ID}]}
 
 
@@ -79,8 +79,8 @@ def test_the_table_has_a_row_per_trial(tmp_path):
         tables.write(folder, json.loads(json.dumps(PLAN)))
     assert (tmp_path / 'out' / 'trials.csv').read_text() == (
         'id,robots,replication,seed,status,goals,extra,simulated_seconds,wall_seconds,times_real_time,repeatable,labels,'
-        'events,log_sha256,verified,error\n'
-        '0001-abcdef,1,0,3,complete,2,0.5,1.5,0.25,6.0,true,x; y,4,ab,,\n')
+        'events,log_sha256,verified,ended_by,error\n'
+        '0001-abcdef,1,0,3,complete,2,0.5,1.5,0.25,6.0,true,x; y,4,ab,,idle,\n')
     assert records.read_plan(tmp_path / 'out')['metrics']['extra'] == {'unit': '', 'title': 'extra', 'better': None}
 
 

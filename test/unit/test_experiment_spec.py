@@ -34,6 +34,15 @@ def read(**others):
     ({'replications': {'all': 2, 'robots': {1: 3}}, 'factors': {'robots': [1]}}, "at most 'all', which is 2"),
     ({'replications': {'robots': {1: 3}}, 'factors': {'robots': [1]}}, "at most 'all', which is 1"),
     ({'replications': {'robots': 3}, 'factors': {'robots': [1]}}, 'a mapping'),
+    ({'primary': 'makespam'}, "did you mean 'makespan'"),
+    ({'primary': 3}, 'a letter'),
+    ({'smallest_difference': {'goal': 1}}, "did you mean 'goals'"),
+    ({'smallest_difference': {'goals': 0}}, 'a number in'),
+    ({'smallest_difference': {'goals': True}}, 'a number in'),
+    ({'at_limit': {'goals': 'bound'}}, 'lower_bound, value'),
+    ({'baseline': {'robot': 1}, 'factors': {'robots': [1]}}, "did you mean 'robots'"),
+    ({'baseline': {'robots': 2}, 'factors': {'robots': [1]}}, "the value '2' is unknown"),
+    ({'baseline': {'robots': True}, 'factors': {'robots': [1]}}, "the value 'True' is unknown"),
     ({'metrics': 'import os; os.system(1)'}, 'module:function'),
     ({'metrics': {'columns': {'a': {}}}}, 'no metrics.function'),
     ({'report': ['maps']}, 'module:function'),
@@ -47,6 +56,18 @@ def read(**others):
 def test_what_cannot_be_used_is_told_with_what_is_allowed(others, text):
     with pytest.raises(ConfigurationError, match=text.replace('(', r'\(')):
         read(**others)
+
+
+def test_what_the_report_compares_by_is_in_the_plan_and_makes_no_trial_another_one():
+    about = {'factors': {'robots': [1, 2]}, 'metrics': {'function': 'm:f', 'columns': {'wait': {'unit': 's'}}}}
+    told = {'primary': 'wait', 'baseline': {'robots': 2}, 'smallest_difference': {'wait': 2, 'goals': 1.5},
+            'at_limit': {'wait': 'lower_bound'}}
+    one, other = read(**about), read(**about, **told)
+    described = plan.describe(other, plan.trials(other), b'')
+    assert {key: described[key] for key in told} == told
+    assert described['metrics']['makespan']['at_limit'] == 'to_last_goal'
+    assert [plan.made_of(one, each) for each in plan.trials(one)] == [
+        plan.made_of(other, each) for each in plan.trials(other)]
 
 
 def test_a_command_names_who_takes_part():

@@ -40,7 +40,7 @@ def test_main_effects_are_what_was_put_in_without_the_noise_of_replications(tmp_
     found = effects.main_effects(experiment(tmp_path, FACTORS, two_by_two))
     method = of(found, 'makespan_s', 0)
     assert method.estimate.value == pytest.approx(-15.0 + 2.5 * sum(OWN) / 6.0)  # half of the interaction is in it
-    assert method.estimate.n == 6 and method.used == method.possible == 2 and method.is_shown
+    assert method.estimate.n == 6 and method.used == method.groups and len(method.used) == 2 and method.is_shown
     assert method.estimate.high - method.estimate.low < 0.4
     assert of(found, 'makespan_s', 1).estimate.value == pytest.approx(-203.0 + sum(OWN) / 12.0)
 
@@ -57,24 +57,16 @@ def test_single_differences_are_of_configurations_that_differ_in_one_factor(tmp_
     assert own == [(0, ((1, 0),)), (0, ((1, 1),)), (1, ((0, 0),)), (1, ((0, 1),))]
 
 
-def test_a_replication_counts_only_where_all_that_is_compared_is_complete(tmp_path):
+def test_a_failed_trial_costs_its_own_pair_and_no_other(tmp_path):
     def measure(configuration, replication):
         if replication == 2 and configuration == {'method': 'auction', 'robots': 8}:
             return {'status': 'failed', 'error': 'x'}
         return two_by_two(configuration, replication)
-    found = experiment(tmp_path, FACTORS, measure)
-    assert of(effects.main_effects(found), 'makespan_s', 0).estimate.n == 5
-    assert of(effects.single_differences(found), 'makespan_s', 0).estimate.n == 6
-
-
-def test_a_configuration_that_nearly_always_fails_does_not_take_the_others_with_it(tmp_path):
-    def measure(configuration, replication):
-        if replication != 2 and configuration == {'method': 'auction', 'robots': 8}:
-            return {'status': 'failed', 'error': 'x'}
-        return two_by_two(configuration, replication)
     method = of(effects.main_effects(experiment(tmp_path, FACTORS, measure)), 'makespan_s', 0)
-    assert (method.used, method.possible, method.estimate.n) == (1, 2, 6)
-    assert method.estimate.value == pytest.approx(-12.0 + 2.0 * sum(OWN) / 6.0)
+    assert (method.counts, method.fewest, len(method.used)) == ((6, 5), 5, 2)
+    means = [-12.0 + 2.0 * sum(OWN) / 6.0,
+             -18.0 + sum(2.0 * OWN[k] + OWN[k - 1] for k in range(6) if k != 2) / 5.0]
+    assert method.estimate.value == pytest.approx(sum(means) / 2.0)
 
 
 def test_findings_are_sentences_with_intervals(tmp_path):
@@ -86,8 +78,8 @@ def test_findings_are_sentences_with_intervals(tmp_path):
     assert texts == [
         ('Makespan', 'better', '12.0 s (7.9 %) lower with auction than with greedy (95 % interval 11.2 to 12.7 s; '
          '6 pairs).'),
-        ('Goals reached', 'none', 'No difference that 6 pairs can show between auction and greedy: 0.07 goals, 95 % '
-         'interval −0.19 to 0.32 goals.')]
+        ('Goals reached', 'none', 'Auction and greedy are not told apart: the difference lies between −0.19 and 0.32 '
+         'goals (95 % interval; 6 pairs).')]
 
 
 def test_nothing_is_better_without_an_interval(tmp_path):
@@ -105,8 +97,9 @@ def test_what_is_the_same_everywhere_is_told_once(tmp_path):
 def test_what_is_the_same_in_each_pair_is_told_as_it_was_seen(tmp_path):
     found = told(experiment(tmp_path, FACTORS, lambda c, k: {'makespan_s': NOISE[k], 'goals': 8.0 * c['robots']}, 3))
     goals = [(each.verdict, each.text.replace('\N{NO-BREAK SPACE}', ' ')) for each in found if 'Goals' in each.metric]
-    assert goals == [('always', '48 goals (300 %) higher with robots 8 than with robots 2 (in every pair; 3 pairs).'),
-                     ('same', 'The same with auction and greedy in all 3 pairs.')]
+    assert goals == [('always', '48 more goals (300 %) with 8 robots than with 2, on average over greedy and auction '
+                      '(in every pair; 3 pairs with each).'),
+                     ('same', 'The same with auction and greedy in all 3 pairs with each.')]
 
 
 def test_among_many_comparisons_a_weak_one_is_called_weak(tmp_path):
@@ -146,14 +139,15 @@ def test_means_of_shares_have_no_bounds_beyond_all(tmp_path):
     assert [each.estimate.high for each in levels] == [1.0, 1.0]
 
 
-def test_numbers_are_told_by_their_ends_and_many_words_by_their_extremes(tmp_path):
-    found = told(experiment(tmp_path, {'robots': [1, 2, 3, 4], 'method': ['a', 'b', 'c', 'd', 'e']},
-                            lambda c, k: {'makespan_s': 100.0 * c['robots'] + ord(c['method']) + OWN[k] * c['robots']
-                                          + OWN[(k * ord(c['method'])) % 6]}))
-    makespan = [each.text for each in found if each.metric == 'Makespan']
-    assert len(makespan) == 2
-    assert 'robots 4 than with robots 1' in makespan[0] and 'All 6 pairs of levels differ.' in makespan[0]
-    assert 'e than with a' in makespan[1]
+def test_of_several_levels_the_best_is_named_with_its_lead_over_each_other(tmp_path):
+    found = told(experiment(tmp_path, {'robots': [1, 2, 3, 4, 5]}, lambda c, k: {
+        'makespan_s': 100.0 + 20.0 * (c['robots'] - 3) ** 2 + NOISE[k] + OWN[(k + c['robots']) % 6]}))
+    only = [(each.verdict, each.text.replace('\N{NO-BREAK SPACE}', ' ')) for each in found if each.metric == 'Makespan']
+    assert len(only) == 1 and only[0][0] == 'best'
+    text = only[0][1]
+    assert text.startswith('Best with 3 robots: 20.0')  # a U shape: the ends do not differ
+    assert ' lower with 3 robots than with 2, the second best' in text or 'than with 4, the second best' in text
+    assert 'It is better than' in text and '1 (80.0' in text and '5 (80.0' in text
 
 
 def test_designs_with_gaps_compare_what_can_be_compared(tmp_path):
@@ -163,7 +157,8 @@ def test_designs_with_gaps_compare_what_can_be_compared(tmp_path):
     (tmp_path / 'plan.json').write_text(json.dumps({**whole.plan, 'trials': gone}))
     rest = outcome.read(tmp_path)
     assert len(rest.configurations) == 3
-    assert of(effects.main_effects(rest), 'makespan_s', 0).possible == 1
+    assert len(of(effects.main_effects(rest), 'makespan_s', 0).groups) == 1
+    assert 'With 2 robots only: ' in told(rest)[0].text
     levels, is_like_for_like = effects.levels_of(rest, rest.metrics[0], 0)
     assert not is_like_for_like and levels[0].estimate.value == pytest.approx(600.0 + sum(NOISE) / 6 - sum(OWN) / 6)
     assert effects.interactions(rest) == []

@@ -115,3 +115,56 @@ def test_students_interval_holds_its_level():
     hits = sum(each.low <= 5.0 <= each.high for each in map(mean_estimate, draws))
     low, high = stats.binom.ppf([0.0005, 0.9995], 1000, intervals.LEVEL)
     assert low <= hits <= high
+
+
+def test_combinations_count_alike_however_many_values_they_have():
+    rows = [[1.0, 2.0, 3.0, 2.0, 1.0, 3.0], [11.0, 13.0, NAN, NAN, NAN, NAN]]
+    found = intervals.clustered(rows)
+    assert found.estimate.value == 7.0 and found.estimate.n == 6
+    balanced = intervals.clustered([[1.0, 5.0, 3.0], [2.0, 9.0, 4.0]])
+    assert balanced.estimate.low == pytest.approx(stats.t.interval(0.95, 2, 4.0, stats.sem([1.5, 7.0, 3.5]))[0])
+    assert balanced.p == pytest.approx(stats.ttest_1samp([1.5, 7.0, 3.5], 0.0).pvalue)
+
+
+@pytest.mark.parametrize('counts', [(30, 30, 5), (8, 8, 3), (10, 2), (12, 12, 12)])
+def test_no_difference_is_found_in_at_most_the_share_that_the_level_allows(counts):
+    generator, hits = np.random.default_rng(2), 0
+    for _ in range(400):
+        rows = generator.normal(size=(len(counts), max(counts))) + generator.normal(size=max(counts))
+        for row, count in zip(rows, counts):
+            row[count:] = NAN
+        hits += intervals.clustered(rows).p < intervals.ALPHA
+    assert hits <= stats.binom.ppf(0.9995, 400, intervals.ALPHA)
+
+
+def test_cells_that_are_each_the_same_are_not_all_the_same():
+    assert intervals.clustered([[8.0, 8.0], [-8.0, -8.0]]).estimate[:5] == (0.0, 0.0, 0.0, 2, 'fixed')
+    assert intervals.clustered([[8.0, 8.0], [8.0, 8.0]]).estimate.method == 'constant'
+    assert intervals.clustered([[8.0, 8.0], [8.0, NAN]]).estimate.method == 'none'
+
+
+def test_chance_signs_are_counted_exactly():
+    assert intervals.flip_test([1] * 14 + [0] * 6) == pytest.approx(2.0 / 2 ** 14)
+    assert intervals.flip_test([1] * 12 + [-1] * 2) == pytest.approx(paired_shares([0] * 12 + [1] * 2,
+                                                                                   [1] * 12 + [0] * 2).p)
+    sums = [3, -1, 2, 2]
+    totals = [abs(sum(each * sign for each, sign in zip(sums, signs)))
+              for signs in np.array(np.meshgrid(*[(-1, 1)] * 4)).reshape(4, -1).T]
+    assert intervals.flip_test(sums) == pytest.approx(np.mean([total >= 6 for total in totals]))
+    assert intervals.flip_test([0, 0]) == 1.0
+    assert intervals.flip_test([1] * 600 + [-1] * 400) == pytest.approx(2.0 * stats.norm.sf(200.0 / 1000 ** 0.5))
+
+
+def test_shares_over_combinations_are_no_surer_than_each_is():
+    first, second = np.zeros((3, 30)), np.zeros((3, 30))
+    second[0, :4] = 1.0
+    found = intervals.share_differences(first, second)
+    assert found.p == pytest.approx(0.125) and found.estimate.low < 0.0 < found.estimate.value
+    second[0, :15] = 1.0
+    assert intervals.share_differences(first, second).estimate.low > 0.0
+
+
+def test_differences_within_rounding_are_none_and_those_of_whole_numbers_are_kept():
+    found, left = intervals.contrast((-1, 1), [[0.3, 1e15, 5.0, NAN], [0.1 + 0.2, 1e15 + 2.0, 5.1, 1.0]])
+    assert list(found[:2]) == [0.0, 2.0] and found[2] == pytest.approx(0.1) and math.isnan(found[3])
+    assert left[1] == 0.0 and 0.0 < left[0] < 1e-10

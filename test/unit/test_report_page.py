@@ -148,6 +148,37 @@ def test_failures_are_told_before_the_findings(tmp_path):
     assert '9 pairs' in said and 'no map' in said
 
 
+def test_how_trials_ended_is_told_by_configuration_and_before_all_metrics(tmp_path):
+    said = report(tmp_path, {'method': ['greedy', 'auction']}, 10, lambda c, k: {
+        'status': 'failed', 'error': '/coordinator ended with SIGSEGV', 'ended_by': 'crash'}
+        if c['method'] == 'greedy' and k < 9 else
+        {'status': 'complete', 'metrics': usual(c, k), 'ended_by': 'idle'}).said
+    said = said.split('Provenance', 1)[1]
+    order = [said.index(text) for text in (
+        '9 of 10 trials failed with greedy, 0 of 10 with auction: 90 percentage points more',
+        'greedy 10 9 90 % (60 to 98 %) crash 9, idle 1', '/coordinator ended with SIGSEGV failed 9', 'Findings')]
+    assert order == sorted(order)
+    lines = (tmp_path / 'tables' / 'endings.csv').read_text().splitlines()
+    assert lines[1].startswith('failed,yes/no,method,greedy,auction,') and len(lines) == 3
+
+
+def test_the_primary_metric_stands_alone_and_the_rest_is_folded(tmp_path):
+    report(tmp_path, {'method': ['greedy', 'auction']}, 6, usual, primary='goals')
+    text = (tmp_path / 'report.html').read_text()
+    shown, _, folded = text[text.index('id="findings"'):].partition('<summary>Other metrics</summary>')
+    assert 'Goals reached' in shown and 'Makespan' not in shown and 'Makespan' in folded.partition('</details>')[0]
+
+
+def test_what_the_limit_of_time_cut_off_has_no_mean_on_the_page(tmp_path):
+    reader = report(tmp_path, {'method': ['greedy', 'auction']}, 6, lambda c, k: {
+        'status': 'complete', 'metrics': {'makespan_s': 3000.0 + k}, 'ended_by': 'seconds' if k else 'idle'},
+        metrics={'makespan_s': {'unit': 's', 'title': 'Makespan', 'better': 'lower', 'at_limit': 'lower_bound'}},
+        until={'seconds': 3600, 'idle': True})
+    assert '10 trials of 12 complete ones were ended by the limit of time' in reader.said
+    assert 'no mean: cut off by the limit of time' in reader.said and '(95 %' not in reader.said.partition('How')[0]
+    assert (tmp_path / 'tables' / 'means.csv').read_text().splitlines()[1].startswith('makespan_s,s,greedy,6,,,,cut,')
+
+
 def test_errors_of_complete_trials_are_told(tmp_path):
     said = report(tmp_path, {}, 3, lambda c, k: {'status': 'complete', 'metrics': {'goals': 40}, 'error':
                                                  'metrics: KeyError: x\nmore' if k == 1 else None}).said
@@ -196,10 +227,10 @@ def test_tables_have_all_digits_in_the_units_of_the_metrics(tmp_path):
     report(tmp_path, {'method': ['greedy', 'auction']}, 4, usual)
     lines = (tmp_path / 'tables' / 'means.csv').read_text().splitlines()
     assert lines[0] == ('metric,unit,factor.method,n,value,low_95,high_95,interval,sd,least,median,median_low,'
-                        'median_high,most,skewed')
+                        'median_high,most,skewed,cut')
     assert lines[1].startswith('makespan_s,s,greedy,4,61') and len(lines) == 5
     assert {path.name for path in (tmp_path / 'tables').glob('*.csv')} == {
-        'means.csv', 'main_effects.csv', 'differences.csv', 'interactions.csv', 'robots.csv'}
+        'means.csv', 'main_effects.csv', 'differences.csv', 'interactions.csv', 'robots.csv', 'endings.csv'}
 
 
 def test_a_folder_without_trials_is_read_from_its_table(tmp_path):

@@ -15,7 +15,7 @@ from move_base_abstract.own_files import PART, FolderKind, check_file, whole_fil
 from . import extension, frames, outcome, page, picked
 
 REPLAY = 'move_base_abstract_replay.page'
-NAMES = ('trials', 'means', 'main_effects', 'differences', 'interactions', 'robots')
+NAMES = ('trials', 'means', 'main_effects', 'differences', 'interactions', 'robots', 'endings')
 KIND = FolderKind("folder of an experiment's tables", tuple(f'{name}.csv' for name in NAMES))
 
 
@@ -44,7 +44,7 @@ def write(out, with_own=True):
     tables = _tables(analysis)
     _write_tables(out / 'tables', tables)
     problems = _replays(experiment)
-    given = extension.Tables(experiment, **{name: tables[name] for name in NAMES if name != 'robots'})
+    given = extension.Tables(experiment, **{name: tables[name] for name in NAMES if name not in ('robots', 'endings')})
     added = [section for name in names for section in extension.sections(name, given)]
     text = page.render(analysis, added, problems)
     with whole_file(target, encoding='utf-8') as stream:
@@ -57,7 +57,8 @@ def _tables(analysis):
     return {'trials': frames.trials(experiment), 'means': frames.means(experiment),
             **{name: frames.differences(experiment, found) for name, found in (
                 ('main_effects', analysis.mains), ('differences', analysis.singles),
-                ('interactions', analysis.changes))}, 'robots': frames.robots(experiment)}
+                ('interactions', analysis.changes),
+                ('endings', [*analysis.endings[0], *analysis.endings[1]]))}, 'robots': frames.robots(experiment)}
 
 
 def _write_tables(folder, tables):

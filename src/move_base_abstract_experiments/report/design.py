@@ -5,6 +5,8 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from move_base_abstract.shown import shown_text
+
 NO_LEVEL = 'none'
 YES_NO = 'yes/no'  # the unit of what is 1 or 0 in each trial
 
@@ -36,6 +38,15 @@ class Metric:
     unit: str
     better: object  # 'lower', 'higher' or None
     is_share: bool = False  # yes or no in each trial: means are shares
+    smallest: float = 0.0  # the smallest difference that counts, in its unit; 0: none is said
+    at_limit: object = None  # what it is of a trial that the limit of time ended, see endings; None: not said
+    is_primary: bool = False  # what the experiment is about, as its file says
+    outcome: str = ''  # how trials ended, 'failed' or 'limit', instead of what they measured
+
+
+#: how trials end, as if it was measured
+FAILED_TRIALS = Metric('failed', 'Failed trials', YES_NO, 'lower', is_share=True, outcome='failed')
+LIMITED_TRIALS = Metric('limit', 'Trials ended by the limit of time', YES_NO, None, is_share=True, outcome='limit')
 
 
 def factors_of(plan):
@@ -105,16 +116,38 @@ def _label(factors, levels):
 
 
 def metrics_of(plan, trials):
-    """Return the Metrics: those of the plan in its order, then what else complete Trials have."""
+    """Return the Metrics: the primary one, those of the plan in its order, then what else complete Trials have."""
     told = {str(name): about if isinstance(about, dict) else {} for name, about in plan.get('metrics', {}).items()}
     for trial in trials:
         for name in trial.metrics:
             told.setdefault(name, {})
+    smallest, at_limit = (plan.get(key) or {} for key in ('smallest_difference', 'at_limit'))
     found = []
     for name, about in told.items():
         title = str(about.get('title') or words(name).capitalize())
         unit = str(about.get('unit') or '')
         better = about.get('better') if about.get('better') in ('lower', 'higher') else None
         values = {trial.metrics[name] for trial in trials if not math.isnan(trial.metrics.get(name, math.nan))}
-        found.append(Metric(name, title, unit, better, unit == YES_NO and values <= {0.0, 1.0}))
-    return tuple(found)
+        found.append(Metric(name, title, unit, better, unit == YES_NO and values <= {0.0, 1.0},
+                            smallest.get(name, 0.0), at_limit.get(name, about.get('at_limit')),
+                            name == plan.get('primary')))
+    return tuple(sorted(found, key=lambda metric: not metric.is_primary))
+
+
+def unknown_names(plan, factors, metrics):
+    """Return a line per name that a plan gives for a metric or a baseline and nothing goes by."""
+    names = [metric.name for metric in metrics]
+    asked = [('primary', plan['primary'])] if plan.get('primary') else []
+    asked += [(key, name) for key in ('smallest_difference', 'at_limit') for name in plan.get(key) or {}]
+    lines = [f'{key}: no trial has a metric {shown_text(name)!r}.' for key, name in asked if name not in names]
+    by_name = {factor.name: factor for factor in factors}
+    for name, level in (plan.get('baseline') or {}).items():
+        if name not in by_name or key_of(level) not in by_name[name].keys:
+            lines.append(f'baseline: no trial has {shown_text(name)} {shown_text(level_text(level))}.')
+    return lines
+
+
+def baseline_of(plan, factor):
+    """Return the place of a Factor's level with which all others are compared, or None."""
+    key = key_of((plan.get('baseline') or {}).get(factor.name))
+    return factor.keys.index(key) if factor.name in (plan.get('baseline') or {}) and key in factor.keys else None

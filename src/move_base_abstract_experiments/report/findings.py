@@ -1,22 +1,19 @@
-"""The findings in words, each with its interval: what differs, and what no difference can be shown for."""
+"""The findings in words, each with its interval: what differs, and what is not told apart."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from . import effects, intervals
-from .design import level_label
-from .intervals import Estimate
-from .wording import EXACT_DIGITS, NBSP, counted, digits, estimate_texts, probability, with_interval
+from . import design, effects, endings, intervals
+from .phrases import amount, some, than_with_level, with_level
+from .ranking import ranking, turned
+from .sentences import difference_scale, sentence, sentence_case, spoken
+from .verdicts import ORDER, VERDICTS, is_result, verdict_of
+from .wording import EXACT_DIGITS, counted, digits, estimate_texts, whole
 
-MAX_LEVELS = 3  # of a factor of words, whose levels are all compared; of more, and of numbers, two are
-#: verdict: what stands before the sentence
-VERDICTS = {'better': 'better', 'worse': 'worse', 'differs': 'differs', 'depends': 'depends', 'weak': 'too weak',
-            'always': 'in all pairs', 'none': 'not shown', 'same': 'the same', 'untold': 'too few trials',
-            'mean': 'mean'}
-_ORDER = {'better': 0, 'worse': 0, 'differs': 0, 'mean': 0, 'depends': 1, 'always': 1, 'weak': 2, 'none': 3, 'same': 3,
-          'untold': 4}
+FEW_LEVELS = 2  # which are compared; of more the best is named
+MOST_WITH_BASELINE = 12  # levels that are compared with it in sentences
 
 
 class Finding(NamedTuple):
@@ -26,6 +23,7 @@ class Finding(NamedTuple):
     verdict: str  # a key of VERDICTS
     text: str
     mini: object  # (zero, low, mid, high) in per cent of the little picture, or None
+    is_primary: bool = False
 
     @property
     def verdict_text(self):
@@ -35,7 +33,7 @@ class Finding(NamedTuple):
     @property
     def is_result(self):
         """Whether it says that something differs."""
-        return _ORDER[self.verdict] < 2
+        return is_result(self.verdict)
 
 
 def findings(experiment, scales, mains, singles, changes):
@@ -48,44 +46,112 @@ def findings(experiment, scales, mains, singles, changes):
     for metric in experiment.metrics:
         scale = scales[metric.name]
         if is_constant(experiment, metric):
-            found.append(Finding(metric.title, 'same', _sentence_case(constant_text(experiment, metric, scale)), None))
-            continue
-        own = [each for each in mains if each.metric is metric] or [each for each in singles if each.metric is metric]
-        told = [_comparison(experiment, each, scale, own) for each in _selected(experiment, own)]
-        told += [_change(experiment, each, scale) for each in _strongest(changes, metric)]
-        if not told:
-            told = _means(experiment, metric, scale)
-        found += sorted(told, key=lambda finding: _ORDER[finding.verdict])
+            told = [Finding(metric.title, 'same', sentence_case(constant_text(experiment, metric, scale)), None)]
+        else:
+            own = [[each for each in kind if each.metric is metric] for kind in (mains, singles)]
+            own = own[0] or own[1]
+            told = [one for factor in dict.fromkeys(each.factor for each in own)
+                    for one in _of_factor(experiment, factor, [each for each in own if each.factor == factor], scale)]
+            told += [_change(experiment, each, scale) for each in _strongest(changes, metric)]
+            told = told or _means(experiment, metric, scale)
+        found += [each._replace(is_primary=metric.is_primary)
+                  for each in sorted(told, key=lambda finding: ORDER[finding.verdict])]
     return found
 
 
 def is_constant(experiment, metric):
     """Return whether a metric is the same in all trials of all configurations, of which there are several."""
-    values = experiment.values(metric.name)
-    has_all = len(values) > 1 and not np.isnan(values).all(axis=1).any()
+    values = experiment.values(metric)
+    has_all = len(values) > 1 and not np.isnan(values).all(axis=1).any() and not experiment.cut(metric).any()
     return has_all and intervals.mean_and_sd(intervals.known(values))[1] == 0.0
 
 
 def constant_text(experiment, metric, scale):
     """Return what is to be said about such a metric."""
-    values = intervals.known(experiment.values(metric.name))
+    values = intervals.known(experiment.values(metric))
+    count = 'trials' if len(values) == len(experiment.trials) else 'trials that have a value,'
     return f'{digits(float(values[0]) * scale.factor, EXACT_DIGITS)}{scale.suffix} in all ' \
-           f'{counted(len(values), "trials")} of all configurations.'
+           f'{whole(len(values))} {count} of all configurations.'
 
 
-def _selected(experiment, differences):
-    """Return the Differences that are told: of numbers the ends, of many words the extremes, of few all."""
+def _of_factor(experiment, factor, own, scale):
+    """Return the Findings of one factor's comparisons: with the baseline, and of more than two levels the best."""
+    if factor is None:
+        return [_comparison(experiment, each, scale, own) for each in own[:effects.ALL_PAIRS]]
+    baseline = design.baseline_of(experiment.plan, experiment.factors[factor])
     told = []
-    for factor in dict.fromkeys(each.factor for each in differences):
-        own = [each for each in differences if each.factor == factor]
-        if factor is not None and experiment.factors[factor].is_numeric:
-            told.append(max(own, key=lambda each: each.second - each.first))
-        elif factor is None or len(experiment.factors[factor].levels) <= MAX_LEVELS:
-            told += own[:MAX_LEVELS * MAX_LEVELS]
-        else:
-            told.append(max(own, key=lambda each: (abs(each.estimate.value), -each.first, -each.second)
-                            if each.estimate.n else (-1.0, 0, 0)))
-    return told
+    if baseline is not None:
+        against = [turned(each) if each.second == baseline else each for each in own
+                   if baseline in (each.first, each.second)]
+        told = [_comparison(experiment, each, scale, own, 'the baseline') for each in against[:MOST_WITH_BASELINE]]
+    if len({level for each in own for level in (each.first, each.second)}) <= FEW_LEVELS:
+        return told or [_comparison(experiment, each, scale, own) for each in own]
+    return [_best(experiment, own, scale), *told]
+
+
+def _comparison(experiment, difference, scale, family, aside=''):
+    """Return the Finding of a Difference."""
+    return Finding(difference.metric.title, verdict_of(difference),
+                   sentence_case(sentence(experiment, difference, scale, aside)), _mini(difference, family))
+
+
+def _best(experiment, own, scale):
+    """Return the Finding of which of several levels is the best, and by how much."""
+    metric = own[0].metric
+    found = ranking(own, metric.better)
+    if found is None:
+        return _comparison(experiment, next((each for each in own if each.is_cut), own[0]), scale, own)
+    lead = found.leads[0]
+    by_verdict = {}
+    for each in found.leads:
+        by_verdict.setdefault(verdict_of(each), []).append(each)
+    alone = _not_compared(experiment, own, found)
+    is_best = set(by_verdict) <= {'better', 'differs'} and not alone
+    superlative = 'best' if metric.better and is_best else 'highest' if metric.better == 'higher' else 'lowest'
+    name = with_level(experiment.factors, lead.factor, found.level)
+    text = sentence(experiment, lead, scale, f'the second {superlative}')
+    if verdict_of(lead) == 'same':
+        verdict = 'same'
+    elif is_best:
+        verdict, text = 'best' if metric.better else 'differs', f'{superlative} with {name}: {text}'
+    else:
+        verdict, text = verdict_of(lead), f'{superlative} in these trials with {name}. {sentence_case(text)}'
+        if set(by_verdict) & {'better', 'differs'}:
+            verdict = 'part' if alone else 'among' if metric.better else 'differs'
+    for key, leads in by_verdict.items():
+        text += _others(experiment, key, [each for each in leads if each is not lead], scale)
+    return Finding(metric.title, verdict, sentence_case(text + alone), _mini(lead, own))
+
+
+def _not_compared(experiment, own, found):
+    """Return what is said of levels that the best one could not be compared with, '' without such."""
+    levels = {level: each for each in own for level in (each.first, each.second)}
+    rest = sorted({*levels} - {found.level} - {each.first for each in found.leads})
+    if not rest:
+        return ''
+    names = some(with_level(experiment.factors, own[0].factor, level) for level in rest)
+    why = 'the limit of time ended trials' if all(levels[level].is_cut for level in rest) else \
+        'no two trials of one seed have a value on both sides'
+    return f' It could not be compared with {names}: {why}.'
+
+
+_OTHERS = {'better': 'It is better than', 'differs': 'It is lower than', 'none': 'It is not told apart from',
+           'weak': 'Too weak to count: against', 'same': 'It is the same as', 'negligible': 'Negligible: against',
+           'part': 'In part it is ahead of', 'survivors': 'Of complete trials it is ahead of', 'worse': 'It is behind',
+           'average': 'On average it is ahead of', 'always': 'In all pairs it is ahead of',
+           'small': 'It may be negligible: against'}
+
+
+def _others(experiment, verdict, leads, scale):
+    """Return what is said of the best level and those with one verdict, in a sentence."""
+    if not leads or verdict == 'untold':
+        return ''
+    texts = []
+    for each in leads:
+        size, interval = amount(each.estimate, difference_scale(each.metric, scale))
+        name = than_with_level(experiment.factors, each.factor, each.first)
+        texts.append(name if verdict == 'same' or not each.estimate.has_interval else f'{name} ({size}, {interval})')
+    return f' {_OTHERS[verdict]} {some(texts)}.'
 
 
 def _strongest(changes, metric):
@@ -98,114 +164,33 @@ def _strongest(changes, metric):
     return list(best.values())
 
 
-def names_of(experiment, difference):
-    """Return the texts of what is compared, first and second."""
-    if difference.factor is None:
-        return tuple(experiment.configurations[place].label for place in (difference.first, difference.second))
-    return tuple(level_label(experiment.factors, difference.factor, level)
-                 for level in (difference.first, difference.second))
-
-
-def at_text(experiment, difference):
-    """Return what is held fixed, in words."""
-    return ', '.join(level_label(experiment.factors, place, level) for place, level in difference.at)
-
-
-def difference_scale(metric, scale):
-    """Return the Scale of differences of a metric: shares differ by percentage points."""
-    return scale._replace(unit='percentage points') if metric.is_share else scale
-
-
-def verdict_of(difference):
-    """Return what a Difference says, a key of VERDICTS."""
-    estimate = difference.estimate
-    if estimate.n < 2:
-        return 'untold'
-    if estimate.value == 0.0 and estimate.method == 'constant':
-        return 'same'
-    if difference.is_shown:
-        if difference.metric.better is None:
-            return 'differs'
-        return 'better' if (estimate.value < 0.0) == (difference.metric.better == 'lower') else 'worse'
-    if estimate.method == 'constant':  # what was seen is told as it is; the test of signs has no more to say
-        return 'always'
-    return 'weak' if difference.is_hint else 'none'
-
-
-def _comparison(experiment, difference, scale, family):
-    """Return the Finding of a Difference."""
-    scale = difference_scale(difference.metric, scale)
-    first, second = names_of(experiment, difference)
-    verdict = verdict_of(difference)
-    text = _sentence(difference, scale, first, second, verdict)
-    if difference.median is not None and verdict != 'same':
-        text += f' The differences are skewed; their median is {with_interval(difference.median, scale)}.'
-    own = [each for each in family if each.factor == difference.factor]
-    if verdict not in ('same', 'untold') and len(own) > len(_selected(experiment, own)):
-        shown = sum(each.is_shown for each in own)
-        which = {0: f'None of the {len(own)} pairs of levels differs',
-                 1: f'Of the {len(own)} pairs of levels one differs',
-                 len(own): f'All {len(own)} pairs of levels differ'}
-        text += f' {which.get(shown, f"Of the {len(own)} pairs of levels {shown} differ")}.'
-    return Finding(difference.metric.title, verdict, _sentence_case(text), _mini(difference, own))
-
-
-def _sentence(difference, scale, first, second, verdict):
-    estimate = difference.estimate
-    pairs = counted(estimate.n, 'pairs')
-    value, low, high = estimate_texts(estimate, scale)
-    if estimate.n == 0:
-        return f'no pair of complete trials of {second} and {first} has a value on both sides.'
-    if verdict == 'untold':
-        only = f'{_amount(difference, scale)[0]} with {second} than with {first}' if estimate.value else \
-            f'the same with {second} and {first}'
-        return f'{only} in the only pair; no interval, so that nothing is said about other seeds.'
-    if verdict == 'same':
-        return f'the same with {second} and {first} in all {pairs}.'
-    if verdict in ('better', 'worse', 'differs', 'always'):
-        amount, interval = _amount(difference, scale)
-        return f'{amount} with {second} than with {first} ({interval}; {pairs}).'
-    numbers = f'{value}{scale.suffix}, 95 % interval {low} to {high}{scale.suffix}'
-    if verdict == 'weak':
-        return f'too weak to count among so many comparisons (Holm p{NBSP}{probability(difference.p_holm)}): ' \
-               f'{second} − {first} is {numbers} ({pairs}).'
-    return f'no difference that {pairs} can show between {second} and {first}: {numbers}.'
-
-
-def _amount(difference, scale):
-    """Return '12 s (8 %) lower' and the words of its interval, in amounts of the same direction."""
-    estimate = difference.estimate
-    is_lower = estimate.value < 0.0
-    size = Estimate(-estimate.value, -estimate.high, -estimate.low, *estimate[3:]) if is_lower else estimate
-    value, low, high = estimate_texts(size, scale)
-    share = ''
-    if difference.reference > 0.0 and difference.reference + estimate.value > 0.0 and not difference.metric.is_share \
-            and size.value <= 10.0 * difference.reference:
-        share = f' ({digits(100.0 * size.value / difference.reference, 2)} %)'
-    amount = f'{value}{scale.suffix}{share} {"lower" if is_lower else "higher"}'
-    return amount, 'in every pair' if low == high else f'95 % interval {low} to {high}{scale.suffix}'
-
-
 def _change(experiment, difference, scale):
     """Return the Finding of an interaction."""
     scale = difference_scale(difference.metric, scale)
-    first, second = names_of(experiment, difference)
-    places = [level_label(experiment.factors, *each) for each in difference.at]
-    amount, interval = _amount(difference._replace(reference=math.nan), scale)
-    text = f'What {second} changes against {first} depends on ' \
-           f'{experiment.factors[difference.at[0][0]].title}: the difference is {amount} with {places[1]} than with ' \
-           f'{places[0]} ({interval}; {counted(difference.estimate.n, "replications")}).'
+    first, second, than = spoken(experiment, difference)
+    other = difference.at[0][0]
+    size, interval = amount(difference.estimate, scale, is_change=True)
+    here = with_level(experiment.factors, *difference.at[1]), than_with_level(experiment.factors, *difference.at[0])
+    text = f'The difference {second} − {than} depends on {experiment.factors[other].title}: it is {size} with ' \
+           f'{here[0]} than with {here[1]} ({interval}; {counted(difference.estimate.n, "replications")}).'
+    if any(side.lacking for side in difference.sides):
+        text += ' Only complete trials count.'
     return Finding(difference.metric.title, 'depends', text, None)
 
 
 def _means(experiment, metric, scale):
     """Return the Findings of a metric of which nothing can be compared: its means."""
     told = []
-    for configuration, estimate in zip(experiment.configurations, effects.summary(experiment, metric)):
+    for place, (configuration, estimate) in enumerate(zip(experiment.configurations,
+                                                          effects.summary(experiment, metric))):
         where = f' with {configuration.label}' if len(experiment.configurations) > 1 else ''
         value, low, high = estimate_texts(estimate, scale)
+        verdict = 'mean' if estimate.n > 1 else 'untold'
         if not estimate.n:
             text = f'no complete trial{where} has a value.'
+        elif estimate.method == 'cut':
+            verdict = 'cut'
+            text = cut_text(experiment, metric, place, where)
         elif not estimate.has_interval:
             text = f'{value}{scale.suffix}{where}, one trial; no interval, so that nothing is said about other seeds.'
         elif estimate.method == 'constant':
@@ -213,12 +198,16 @@ def _means(experiment, metric, scale):
         else:
             text = f'{value}{scale.suffix}{where} (95 % interval {low} to {high}{scale.suffix}; ' \
                    f'{counted(estimate.n, "trials")}).'
-        told.append(Finding(metric.title, 'mean' if estimate.n > 1 else 'untold', _sentence_case(text), None))
+        told.append(Finding(metric.title, verdict, sentence_case(text), None))
     return told
 
 
-def _sentence_case(text):
-    return text[:1].upper() + text[1:]
+def cut_text(experiment, metric, place, where=''):
+    """Return why a configuration (its place) has no mean of a metric."""
+    cut, seen = int(experiment.cut(metric)[place].sum()), len(intervals.known(experiment.values(metric)[place]))
+    bounds = 'their values are lower bounds' if metric.at_limit in endings.BOUNDS else \
+        'what their values would have become is not known'
+    return f'no mean{where}: the limit of time ended {whole(cut)} of {counted(seen, "trials")}; {bounds}.'
 
 
 def _mini(difference, family):

@@ -4,12 +4,12 @@ import math
 
 import pandas as pd
 
-from . import effects, findings, intervals
+from . import effects, intervals, sentences, verdicts
 from .outcome import COMPLETE
 
 DIGITS = '%.10g'  # more would be left of rounding
 _ESTIMATE = ('n', 'value', 'low_95', 'high_95', 'interval')
-_TRIAL_COLUMNS = ('simulated_seconds', 'wall_seconds', 'times_real_time', 'repeatable', 'verified', 'error')
+_TRIAL_COLUMNS = ('simulated_seconds', 'wall_seconds', 'times_real_time', 'repeatable', 'verified', 'ended_by', 'error')
 
 
 def trials(experiment):
@@ -41,16 +41,17 @@ def means(experiment):
     """Return a row per metric and configuration: n, mean, its interval, and what the values are like."""
     rows = []
     for metric in experiment.metrics:
-        values = experiment.values(metric.name)
+        values = experiment.values(metric)
+        cut = experiment.cut(metric).sum(axis=1)
         for configuration, own, estimate in zip(experiment.configurations, values, effects.summary(experiment, metric)):
-            seen = intervals.known(own)
+            seen = intervals.known(own if estimate.method != 'cut' else [])
             median = intervals.median_estimate(seen)
             rows.append({
                 'metric': metric.name, 'unit': metric.unit, **_levels(experiment, configuration.levels),
                 **_estimate(estimate), 'sd': intervals.mean_and_sd(seen)[1] if len(seen) > 1 else math.nan,
                 'least': min(seen, default=math.nan), 'median': median.value, 'median_low': median.low,
                 'median_high': median.high, 'most': max(seen, default=math.nan),
-                'skewed': intervals.is_skewed(seen)})
+                'skewed': intervals.is_skewed(seen), 'cut': int(cut[configuration.place])})
     return _framed(rows, ('metric', 'unit', *_ESTIMATE))
 
 
@@ -67,14 +68,16 @@ def differences(experiment, found):
     """Return a row per effects.Difference."""
     rows = []
     for each in found:
-        first, second = findings.names_of(experiment, each)
+        first, second = sentences.names_of(experiment, each)
         rows.append({
             'metric': each.metric.name, 'unit': each.metric.unit,
             'factor': '' if each.factor is None else experiment.factors[each.factor].name,
-            'first': first, 'second': second, 'at': findings.at_text(experiment, each), **_estimate(each.estimate),
-            'p': each.p, 'p_holm': each.p_holm, 'verdict': findings.verdict_of(each),
-            'mean_of_first': each.reference, 'configurations_used': each.used,
-            'configurations_possible': each.possible,
+            'first': first, 'second': second, 'at': sentences.at_text(experiment, each), **_estimate(each.estimate),
+            'p': each.p, 'p_holm': each.p_holm, 'verdict': verdicts.verdict_of(each),
+            'mean_of_first': each.reference, 'configurations_used': len(each.used),
+            'configurations_possible': len(each.groups), 'fewest_pairs': each.fewest,
+            **{f'{what}_{name}': getattr(side, what) for name, side in zip(('first', 'second'), each.sides)
+               for what in ('run', 'failed', 'without', 'cut')},
             'median': each.median.value if each.median else math.nan,
             'median_low': each.median.low if each.median else math.nan,
             'median_high': each.median.high if each.median else math.nan})

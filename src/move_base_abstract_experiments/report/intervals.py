@@ -7,11 +7,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
+from scipy import special, stats
 
 LEVEL = 0.95
 ALPHA = 0.05
-_ROUNDING = 1e-9  # of the largest value: what is smaller is left of rounding
+ROUNDING = 1e-11  # of the values: sums of the same numbers in another order differ by less
+MOST_EXACT_FLIPS = 500  # replications; with more the distribution of their sum is normal enough
 _FEWEST_FOR_SKEWNESS = 8  # of scipy's test
 _SKEWNESS_ALPHA = 0.01
 
@@ -23,7 +24,7 @@ class Estimate(NamedTuple):
     low: float
     high: float
     n: int
-    method: str  # 't', 'wilson', 'newcombe', 'order', 'constant' (all values are the same), 'none'
+    method: str  # 't', 'wilson', 'newcombe', 'order', 'constant' (all are the same), 'fixed' (so is each row), 'none'
 
     @property
     def has_interval(self):
@@ -47,12 +48,32 @@ def known(values):
     return values[~np.isnan(values)]
 
 
+def rounding_of(values):
+    """Return up to which size a difference of such values may be left of rounding; whole numbers leave none."""
+    values = np.asarray(values, dtype=float)
+    return 0.0 if (values == np.rint(values)).all() else ROUNDING * float(np.abs(values).max(initial=0.0))
+
+
+def contrast(signs, tables):
+    """Return the sum of +-tables, 0 where only rounding is left, and per entry what rounding may have left of it.
+
+    :param signs: of +1 and -1, one per table. :param tables: of one shape, NaN where there is no value.
+    """
+    tables = np.asarray(tables, dtype=float)
+    found = np.tensordot(np.asarray(signs, dtype=float), tables, axes=1)
+    largest = np.abs(tables).max(axis=0)
+    left = np.where((tables == np.rint(tables)).all(axis=0), 0.0, ROUNDING * largest)
+    return np.where(np.abs(found) <= left, 0.0, found), left
+
+
 def mean_and_sd(values):
     """Return mean and standard deviation (n - 1), summed exactly; the latter is 0 if only rounding is left of it."""
     mean = math.fsum(values) / len(values)
-    squares = math.fsum((value - mean) ** 2 for value in values)
-    sd = math.sqrt(squares / (len(values) - 1)) if len(values) > 1 else math.nan
-    return mean, 0.0 if sd <= _ROUNDING * max(map(abs, values)) else sd
+    if len(values) < 2:
+        return mean, math.nan
+    size = max(map(abs, values)) or 1.0  # squares of very small numbers would be 0
+    sd = size * math.sqrt(math.fsum(((value - mean) / size) ** 2 for value in values) / (len(values) - 1))
+    return mean, 0.0 if sd <= rounding_of(values) else sd
 
 
 def mean_estimate(values):
@@ -65,7 +86,7 @@ def mean_estimate(values):
         return Estimate(mean, math.nan, math.nan, 1, 'none')
     if sd == 0.0:
         return Estimate(mean, mean, mean, len(values), 'constant')
-    reach = float(stats.t.ppf(0.5 + LEVEL / 2.0, len(values) - 1)) * sd / math.sqrt(len(values))
+    reach = float(special.stdtrit(len(values) - 1, 0.5 + LEVEL / 2.0)) * sd / math.sqrt(len(values))
     return Estimate(mean, mean - reach, mean + reach, len(values), 't')
 
 
@@ -100,9 +121,13 @@ def median_estimate(values):
 def is_skewed(values):
     """Return whether Student's interval is in doubt: fewer values than Cochran's 25 g1^2, and g1 is not chance."""
     values = known(values)
-    if len(values) < _FEWEST_FOR_SKEWNESS or mean_and_sd(values)[1] == 0.0:
+    if len(values) < _FEWEST_FOR_SKEWNESS:
         return False
-    g1 = float(stats.skew(values))
+    mean, sd = mean_and_sd(values)
+    if sd == 0.0:
+        return False
+    parts = (values - mean) / sd
+    g1 = float((parts ** 3).mean() / (parts ** 2).mean() ** 1.5)
     return len(values) < 25.0 * g1 * g1 and float(stats.skewtest(values)[1]) < _SKEWNESS_ALPHA
 
 
@@ -112,14 +137,56 @@ def paired(differences):
     Where all differences are the same the test is that of signs: p = 2^(1 - n).
     """
     differences = known(differences)
-    estimate = mean_estimate(differences)
-    if estimate.n < 2:
-        return Comparison(estimate, math.nan)
-    mean, sd = mean_and_sd(differences)
-    if sd == 0.0:
-        return Comparison(estimate, 1.0 if mean == 0.0 else 2.0 ** (1 - estimate.n))
-    t = abs(mean) / (sd / math.sqrt(estimate.n))
-    return Comparison(estimate, float(2.0 * stats.t.sf(t, estimate.n - 1)))
+    return clustered(differences[None, :]) if len(differences) else Comparison(NOTHING, math.nan)
+
+
+def clustered(rows, left=0.0):
+    """Return the Comparison of a mean over rows of each row's mean; what stands in one column had the same seed.
+
+    Rows count alike, however many values they have, so that none weighs more because others failed. The error is that
+    of independent columns; Student's t has as many degrees of freedom as the row with the fewest values.
+
+    :param rows: shape (combinations, replications), NaN where there is no value, one in each row at least.
+    :param left: what rounding may have left of each.
+    """
+    rows = np.asarray(rows, dtype=float)
+    there = ~np.isnan(rows)
+    counts, n = there.sum(axis=1), int(there.any(axis=0).sum())
+    left = np.where(there, np.broadcast_to(left, rows.shape), 0.0).max(axis=1)
+    means = np.array([math.fsum(known(row)) / count for row, count in zip(rows, counts)])
+    value = math.fsum(means) / len(means)
+    value = 0.0 if abs(value) <= left.mean() else value
+    if counts.min() < 2:
+        return Comparison(Estimate(value, math.nan, math.nan, n, 'none'), math.nan)
+    rest = np.where(there, rows - means[:, None], 0.0)
+    limits = np.maximum(left, [rounding_of(known(row)) for row in rows])
+    rest[np.abs(rest).max(axis=1) <= limits] = 0.0
+    size = np.abs(rest).max() or 1.0  # squares of very small numbers would be 0
+    shares = ((rest / size) * (np.sqrt(counts / (counts - 1.0)) / (counts * len(rows)))[:, None]).sum(axis=0)
+    error = size * math.sqrt(math.fsum(shares ** 2))
+    fewest = int(counts.min())
+    if error == 0.0:
+        is_one = np.ptp(means) <= limits.max()
+        return Comparison(Estimate(value, value, value, n, 'constant' if is_one else 'fixed'),
+                          1.0 if value == 0.0 else 2.0 ** (1 - fewest))
+    reach = float(special.stdtrit(fewest - 1, 0.5 + LEVEL / 2.0)) * error  # Student's t, as of scipy.stats but sooner
+    return Comparison(Estimate(value, value - reach, value + reach, n, 't'),
+                      float(2.0 * special.stdtr(fewest - 1, -abs(value) / error)))
+
+
+def flip_test(sums):
+    """Return how likely a total at least as far from 0 is if the sign of each whole number were chance."""
+    sums = np.abs(np.asarray(sums, dtype=int)), int(np.sum(sums))
+    sizes, total = sums[0][sums[0] > 0], abs(sums[1])
+    if len(sizes) > MOST_EXACT_FLIPS:
+        return float(2.0 * stats.norm.sf(total / math.sqrt(float((sizes ** 2).sum()))))
+    chances = np.ones(1)
+    for size in sizes:
+        wider = np.zeros(len(chances) + 2 * size)
+        wider[:len(chances)] += chances / 2.0
+        wider[2 * size:] += chances / 2.0
+        chances = wider
+    return min(1.0, float(chances[np.abs(np.arange(len(chances)) - sizes.sum()) >= total].sum()))
 
 
 def paired_shares(first, second):
@@ -137,6 +204,31 @@ def paired_shares(first, second):
     a, b = int((first & second).sum()), int((~first & second).sum())
     c, d = int((first & ~second).sum()), int((~first & ~second).sum())
     return Comparison(_newcombe(a, b, c, d), min(1.0, 2.0 * float(stats.binom.cdf(min(b, c), b + c, 0.5))))
+
+
+def share_differences(first, second):
+    """Return the Comparison of a mean over rows of differences of paired shares, second - first.
+
+    The interval is the wider one, on each side, of Student's and of Newcombe's of the rows put together (their squares
+    added): the former knows what seeds have in common, the latter that shares of few trials are uncertain. The test is
+    whether signs of what each seed adds might be chance, exactly.
+
+    :param first, second: zeros and ones, shape (combinations, replications), NaN where there is no value.
+    """
+    if len(first) == 1:
+        return paired_shares(first[0], second[0])
+    rows = second - first
+    found = clustered(rows).estimate
+    if found.method == 'none':
+        return Comparison(found, math.nan)
+    parts = [paired_shares(*each).estimate for each in zip(first, second)]
+    below, above = (math.sqrt(math.fsum(((part.value - part[side]) / len(parts)) ** 2 for part in parts))
+                    for side in (1, 2))
+    sums = np.nansum(rows, axis=0)
+    is_alike = (sums.sum() < 0.0) == (found.value < 0.0)  # else rows with many values speak against the mean of all
+    return Comparison(found._replace(low=max(-1.0, min(found.low, found.value - below)), method='newcombe',
+                                     high=min(1.0, max(found.high, found.value + above))),
+                      flip_test(sums) if is_alike else 1.0)
 
 
 def _newcombe(a, b, c, d):

@@ -3,16 +3,16 @@
 import json
 import math
 
-from . import findings, intervals, picked
+from . import endings, intervals, picked, sentences, verdicts
+from .design import level_label
 from .outcome import COMPLETE, FAILED, MISSING
 from .parts import Cell, Table
-from .wording import NBSP, UNKNOWN, counted, digits, estimate_texts, probability, whole, with_interval
+from .wording import NBSP, UNKNOWN, Scale, counted, digits, estimate_texts, probability, whole, with_interval
 
 MOST_ROWS = 200  # of a table of the page
-_VERDICT = {'better': 'better', 'worse': 'worse', 'differs': 'differs', 'weak': 'too weak among so many',
-            'always': 'in all pairs', 'none': 'not shown', 'same': 'the same', 'untold': 'too few'}
 _INTERVALS = {'t': 'Student', 'wilson': 'Wilson', 'newcombe': 'Newcombe', 'order': 'order statistics',
-              'constant': 'all the same', 'none': 'none'}
+              'constant': 'all the same', 'fixed': 'the same per seed',
+              'none': 'none', 'cut': 'cut off'}
 
 
 def cut(rows, note, where):
@@ -24,30 +24,36 @@ def cut(rows, note, where):
 
 def means(experiment, metric, scale, estimates):
     """Return the table of a metric's means."""
-    values = experiment.values(metric.name) * scale.factor
+    values = experiment.values(metric) * scale.factor
     rows, skewed = [], False
     picks = picked.picks(experiment, metric) if metric.better else []
     chosen = {(pick.configuration, pick.role): pick for pick in picks}
     for configuration, own, estimate in zip(experiment.configurations, values, estimates):
         seen = intervals.known(own)
-        is_skewed = not metric.is_share and intervals.is_skewed(seen)
+        is_skewed = not metric.is_share and estimate.method != 'cut' and intervals.is_skewed(seen)
         skewed = skewed or is_skewed
-        sd = intervals.mean_and_sd(seen)[1] if len(seen) > 1 else math.nan
-        median = intervals.median_estimate(seen)
-        unit = scale._replace(factor=1.0, unit='')
+        cells = _of_values(seen) if estimate.method != 'cut' else (UNKNOWN,) * 4
         rows.append((configuration.label + (' *' if is_skewed else ''), whole(estimate.n),
-                     with_interval(estimate, scale._replace(unit='')), _INTERVALS[estimate.method], digits(sd, 3),
-                     digits(min(seen, default=math.nan)), with_interval(median, unit),
-                     digits(max(seen, default=math.nan)),
+                     with_interval(estimate, scale._replace(unit='')), _INTERVALS[estimate.method], *cells,
                      *(_link(experiment, chosen.get((configuration.place, role))) for role in ('median', 'worst')
                        if chosen)))
     header = ('configuration', 'trials', 'mean (95 % interval)', 'interval', 'sd', 'least', 'median (95 % interval)',
               'most', *(('median trial', 'worst trial') if chosen else ()))
     note = 'sd: standard deviation of the trials.'
+    if any(estimate.method == 'cut' for estimate in estimates):
+        note += ' Cut off: the limit of time ended trials, so that there is no mean of what they would have measured.'
     if skewed:
         note += ' *: the values are skewed, so that the interval of the mean is in doubt; read the median.'
     rows, note = cut(rows, note, 'tables/means.csv')
     return Table(f'Means{_in(scale)}', header, rows, note)
+
+
+def _of_values(seen):
+    """Return standard deviation, least, median and most of values that are scaled already."""
+    sd = intervals.mean_and_sd(seen)[1] if len(seen) > 1 else math.nan
+    median = intervals.median_estimate(seen)
+    return (digits(sd, 3), digits(min(seen, default=math.nan)), with_interval(median, Scale(1.0, '')),
+            digits(max(seen, default=math.nan)))
 
 
 def _in(scale):
@@ -62,21 +68,26 @@ def differences(experiment, title, found, scale, where):
     """Return the table of one metric's effects.Differences, or None if there are none."""
     if not found:
         return None
-    unit = findings.difference_scale(found[0].metric, scale)
+    unit = sentences.difference_scale(found[0].metric, scale)
     rows, cut_down = [], False
     for each in found:
-        first, second = findings.names_of(experiment, each)
+        first, second = sentences.names_of(experiment, each)
         value, low, high = estimate_texts(each.estimate, unit)
-        cut_down = cut_down or each.used < each.possible
-        rows.append((f'{second} − {first}', findings.at_text(experiment, each) or 'all', whole(each.estimate.n), value,
+        cut_down = cut_down or len(each.used) < len(each.groups)
+        rows.append((f'{second} − {first}', sentences.at_text(experiment, each) or 'all', whole(each.estimate.n), value,
                      f'{low} to {high}' if low else UNKNOWN, _probability(each.p), _probability(each.p_holm),
-                     _VERDICT[findings.verdict_of(each)],
-                     *((f'{each.used} of {each.possible}',) if any(one.possible > 1 for one in found) else ())))
+                     verdicts.VERDICTS[verdicts.verdict_of(each)],
+                     *((_used_text(each),) if any(len(one.groups) > 1 for one in found) else ())))
     header = ('difference', 'with', 'pairs', 'mean difference', '95 % interval', 'p', 'Holm p', 'verdict',
-              *(('configurations used',) if any(one.possible > 1 for one in found) else ()))
-    note = 'Left out of a mean are configurations in which most trials failed.' if cut_down else ''
+              *(('combinations used',) if any(len(one.groups) > 1 for one in found) else ()))
+    note = 'Combinations of other factors are left out of a mean where they have too few pairs.' if cut_down else ''
     rows, note = cut(rows, note, where)
     return Table(f'{title}{_in(unit)}', header, rows, note)
+
+
+def _used_text(difference):
+    """Return how many combinations of the other factors count, and how many pairs that with the fewest has."""
+    return f'{len(difference.used)} of {len(difference.groups)}, {difference.fewest} or more pairs each'
 
 
 def _probability(p):
@@ -87,19 +98,23 @@ def changes(experiment, found, scale):
     """Return the table of one metric's interactions, or None."""
     if not found:
         return None
-    unit = findings.difference_scale(found[0].metric, scale)
+    unit = sentences.difference_scale(found[0].metric, scale)
     rows = []
     for each in found:
-        first, second = findings.names_of(experiment, each)
-        places = [findings.level_label(experiment.factors, *place) for place in each.at]
+        first, second = sentences.names_of(experiment, each)
+        places = [level_label(experiment.factors, *place) for place in each.at]
         value, low, high = estimate_texts(each.estimate, unit)
         rows.append((f'{second} − {first}', f'{places[1]} − {places[0]}', whole(each.estimate.n), value,
                      f'{low} to {high}' if low else UNKNOWN, _probability(each.p), _probability(each.p_holm),
-                     _VERDICT[findings.verdict_of(each)].replace('better', 'differs').replace('worse', 'differs')))
+                     verdicts.VERDICTS[_of_change(verdicts.verdict_of(each))]))
     rows, note = cut(rows, '', 'tables/interactions.csv')
     return Table(f'How differences depend on other factors{_in(unit)}',
                  ('difference of', 'from', 'replications', 'change', '95 % interval', 'p', 'Holm p', 'verdict'), rows,
                  note)
+
+
+def _of_change(verdict):
+    return 'differs' if verdict in ('better', 'worse') else verdict
 
 
 def configurations(experiment):
@@ -130,11 +145,19 @@ def worth_a_look(experiment, metric, scale, found):
     rows = []
     for pick in found:
         rows.append((experiment.configurations[pick.configuration].label, pick.role,
-                     digits(pick.value * scale.factor) + scale.suffix, str(pick.trial.replication),
+                     digits(pick.value * scale.factor) + scale.suffix + _bound(experiment, metric, pick.trial),
+                     str(pick.trial.replication),
                      str(pick.trial.seed), Cell(pick.trial.id, picked.link(experiment, pick.trial))))
     rows, note = cut(rows, '', 'trials.csv')
     return Table('Worst and median trials', ('configuration', 'which', metric.title, 'replication', 'seed', 'trial'),
                  rows, note, is_open=len(rows) <= 24)
+
+
+def _bound(experiment, metric, trial):
+    """Return what stands behind a value that the limit of time has cut off."""
+    if not endings.is_cut(experiment, metric, trial):
+        return ''
+    return ' or more' if metric.at_limit in endings.BOUNDS else ' (cut off)'
 
 
 def failures(experiment):
@@ -194,7 +217,8 @@ def robots(frame):
         rows.setdefault(key, {})[record['quantity']] = digits(record['value'])
     cells = [(', '.join(filter(None, levels)) or UNKNOWN, robot, *(values.get(name, '') for name in columns))
              for (levels, robot), values in rows.items()]
-    cells, note = cut(cells, 'Means of the complete trials.', 'tables/robots.csv')
+    cells, note = cut(cells, 'Means of the complete trials, until the limit of time where that ended them.',
+                      'tables/robots.csv')
     return Table('Each robot', ('configuration', 'robot', *(names.get(name, name) for name in columns)), cells, note)
 
 

@@ -14,7 +14,7 @@ from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.json_files import load_json_mapping
 from move_base_abstract.shown import shown, shown_text
 
-from . import design
+from . import design, endings
 
 FORMAT = 1
 COMPLETE, FAILED, MISSING = 'complete', 'failed', 'not run'
@@ -44,6 +44,8 @@ class Trial:
     difference: str = ''
     robots: dict = field(default_factory=dict)  # name: {quantity: float}
     attempts: int = 1
+    ended_by: str = ''  # see endings; '': not told
+    open_goals: object = None  # how many goals had not ended at its end; None: not told
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,7 @@ class Experiment:
     metrics: tuple  # of design.Metric
     trials: tuple  # of Trial, in the order of the plan
     replays: set = field(default_factory=set)  # IDs of those whose replay this report has written
+    known: dict = field(default_factory=dict, compare=False)  # tables that were asked for before
 
     @property
     def name(self):
@@ -68,16 +71,39 @@ class Experiment:
         """The complete Trials."""
         return [trial for trial in self.trials if trial.status == COMPLETE]
 
-    def values(self, name):
-        """Return the values of a metric, shape (configurations, replications); NaN: failed, not run, no value.
+    @property
+    def outcomes(self):
+        """What there is to say of how trials ended, as Metrics that are 1 or 0 in each trial."""
+        has_failed = any(trial.status == FAILED for trial in self.trials)
+        return (design.FAILED_TRIALS,) * has_failed + (design.LIMITED_TRIALS,) * endings.has_limited(self)
+
+    def values(self, metric):
+        """Return the values of a Metric, shape (configurations, replications); NaN: failed, not run, no value.
 
         Columns are replications in ascending order: what stands in one column had the same seed.
         """
-        columns = {number: place for place, number in enumerate(sorted({each.replication for each in self.trials}))}
-        table = np.full((len(self.configurations), len(columns)), math.nan)
-        for trial in self.complete:
-            table[trial.configuration, columns[trial.replication]] = trial.metrics.get(name, math.nan)
-        return table
+        of = {'failed': lambda trial: float(trial.status == FAILED), 'limit': lambda trial: (
+            float(trial.ended_by == endings.LIMIT) if trial.status == COMPLETE else math.nan)}
+        return self._table(('values', metric.name, metric.outcome), of.get(metric.outcome, lambda trial: (
+            trial.metrics.get(metric.name, math.nan))), math.nan)
+
+    def cut(self, metric):
+        """Return, in the shape of values(), where one is a bound only, since the limit of time ended the trial."""
+        return self._table(('cut', metric.name, metric.outcome),
+                           lambda trial: endings.is_cut(self, metric, trial), 0.0) > 0.0
+
+    def count(self, status):
+        """Return per configuration how many trials have this status."""
+        return np.nansum(self._table(('count', status), lambda trial: float(trial.status == status), 0.0), axis=1)
+
+    def _table(self, key, value_of, nothing):
+        if key not in self.known:
+            columns = {number: place for place, number in enumerate(sorted({each.replication for each in self.trials}))}
+            self.known[key] = table = np.full((len(self.configurations), len(columns)), nothing)
+            for trial in self.trials:
+                if trial.status != MISSING:
+                    table[trial.configuration, columns[trial.replication]] = value_of(trial)
+        return self.known[key]
 
 
 def read(folder):
@@ -93,7 +119,7 @@ def read(folder):
     factors = design.factors_of(plan)
     configurations, places = design.configurations_of(factors, planned)
     rows = {} if (folder / 'trials').is_dir() else _rows_of_csv(folder / 'trials.csv', plan.get('metrics', {}))
-    trials = tuple(_trial(folder, each, places[place], rows) for place, each in enumerate(planned))
+    trials = tuple(_trial(folder, plan, each, places[place], rows) for place, each in enumerate(planned))
     return Experiment(folder, plan, factors, configurations, design.metrics_of(plan, trials), trials)
 
 
@@ -111,6 +137,13 @@ def _check_plan(plan, path):
     for key, kind, name in (('trials', list, 'list'), ('factors', dict, 'mapping'), ('metrics', dict, 'mapping')):
         if not isinstance(plan.get(key, kind()), kind):
             raise ConfigurationError(f"{path}: '{key}' must be a {name}, got {shown(plan[key])}")
+    for key in ('baseline', 'smallest_difference', 'at_limit'):
+        if not isinstance(plan.get(key) or {}, dict):
+            raise ConfigurationError(f"{path}: '{key}' must be a mapping, got {shown(plan[key])}")
+    for name, least in (plan.get('smallest_difference') or {}).items():
+        if isinstance(least, bool) or not isinstance(least, (int, float)) or not 0.0 < least <= LARGEST:
+            raise ConfigurationError(f'{path}: smallest_difference[{shown(name)}] must be a number above 0, got '
+                                     f'{shown(least)}')
     for name, levels in plan.get('factors', {}).items():
         if not isinstance(levels, list):
             raise ConfigurationError(f'{path}: factors[{shown(name)}] must be a list, got {shown(levels)}')
@@ -152,7 +185,7 @@ def _of_row(row, metrics):
     return told
 
 
-def _trial(folder, planned, configuration, rows):
+def _trial(folder, plan, planned, configuration, rows):
     """Return the Trial of an entry of the plan."""
     base = dict(id=planned['id'], configuration=configuration, replication=planned['replication'],
                 seed=planned.get('seed'))
@@ -165,7 +198,7 @@ def _trial(folder, planned, configuration, rows):
             told = rows[planned['id']]
         else:
             return Trial(**base, status=MISSING)
-        return _told(base, told)
+        return _told(base, told, plan.get('until'))
     except ConfigurationError as error:
         return Trial(**base, status=FAILED, error=str(error))
 
@@ -177,14 +210,15 @@ def _check_same(told, planned, path):
                                      f'{shown(planned.get(key))}')
 
 
-def _told(base, told):
+def _told(base, told, until):
     """Return the Trial that a trial.json (a mapping) tells of; nothing in it needs to be there or to be right."""
     status = told.get('status')
     lines = str(told.get('error') or '').strip().splitlines()
     error = lines[0][:1000] if lines else ''
     if status != COMPLETE:
         error = error or ('no reason was recorded' if status == FAILED else f'its status is {shown(status)}')
-        return Trial(**base, status=FAILED, error=error, attempts=_count(told.get('attempts')))
+        return Trial(**base, status=FAILED, error=error, attempts=_count(told.get('attempts')),
+                     ended_by=endings.ended_by(told.get('ended_by'), None, math.nan))
     robots = told.get('robots') if isinstance(told.get('robots'), dict) else {}
     labels = told.get('labels') if isinstance(told.get('labels'), list) else []
     metrics = told.get('metrics') if isinstance(told.get('metrics'), dict) else {}
@@ -197,7 +231,8 @@ def _told(base, told):
         difference=shown_text(told.get('difference') or ''),
         robots={str(name): {str(key): _number(value) for key, value in each.items()}
                 for name, each in robots.items() if isinstance(each, dict)},
-        attempts=_count(told.get('attempts')))
+        attempts=_count(told.get('attempts')), open_goals=_whole(told.get('open_goals')),
+        ended_by=endings.ended_by(told.get('ended_by'), until, _number(told.get('simulated_seconds'))))
 
 
 def _number(value):
@@ -210,4 +245,9 @@ def _number(value):
 
 
 def _count(value):
-    return value if isinstance(value, int) and not isinstance(value, bool) and value > 0 else 1
+    return _whole(value) or 1
+
+
+def _whole(value):
+    """Return a whole number from 0 on, or None for all else."""
+    return value if isinstance(value, int) and not isinstance(value, bool) and value >= 0 else None

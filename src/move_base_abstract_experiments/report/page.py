@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 import jinja2
 
-from . import effects, findings, frames, intervals, listings, picked, pictures
+from . import design, effects, endings, findings, frames, how_ended, intervals, listings, picked, pictures
 from .colours import Looks
 from .outcome import FAILED, MISSING
 from .parts import Section
@@ -33,6 +33,7 @@ class Analysis(NamedTuple):
     mains: list  # of effects.Difference
     singles: list
     changes: list
+    endings: tuple  # (between levels, between configurations) of how trials ended
 
 
 class Shares(NamedTuple):
@@ -47,10 +48,11 @@ def analyse(experiment):
     """Return the Analysis of an Experiment."""
     scales = {}
     for metric in experiment.metrics:
-        values = intervals.known(experiment.values(metric.name))
+        values = intervals.known(experiment.values(metric))
         scales[metric.name] = scale_of(metric, max(map(abs, values), default=0.0))
     return Analysis(experiment, scales, Looks(experiment), effects.main_effects(experiment),
-                    effects.single_differences(experiment), effects.interactions(experiment))
+                    effects.single_differences(experiment), effects.interactions(experiment),
+                    effects.outcome_differences(experiment))
 
 
 def render(analysis, added, problems=()):
@@ -77,17 +79,22 @@ def _columns(table):
 def _page(analysis, added, problems):
     experiment = analysis.experiment
     told = findings.findings(experiment, analysis.scales, analysis.mains, analysis.singles, analysis.changes)
+    others = [each for each in told if not each.is_primary] if any(each.is_primary for each in told) else []
+    told = [each for each in told if each not in others]
     with_result = {each.metric for each in told if each.is_result}  # of other metrics all is told at once
     return dict(
         title=experiment.name, lede=_lede(experiment), warnings=_warnings(experiment), most_rows=MOST_ROWS,
+        ended=_by_metric(how_ended.findings(experiment, *analysis.endings)),
+        ended_tables=list(filter(None, (how_ended.table(experiment), listings.failures(experiment)))),
         results=_by_metric(each for each in told if each.is_result or each.metric not in with_result),
         no_results=_by_metric(each for each in told if not each.is_result and each.metric in with_result),
+        other_results=_by_metric(others),
         findings_notes=_findings_notes(analysis), facts=_facts(experiment),
         run_tables=list(filter(None, (listings.factors(experiment), listings.configurations(experiment)))),
         metrics_notes=_metrics_notes(experiment),
         metrics=[_metric(analysis, metric) for metric in experiment.metrics],
         sections=list(filter(None, (_robots(analysis), *added, _looks(analysis), _repeatable(experiment),
-                                    _failures(experiment), _method(analysis), _provenance(experiment, problems)))))
+                                    _method(analysis), _provenance(experiment, problems)))))
 
 
 def _by_metric(told):
@@ -116,29 +123,39 @@ def _warnings(experiment):
                                           if trial.status != MISSING])
         value, low, high = (round(100.0 * each, 1) for each in share[:3])
         texts.append(f'{counted(failed, "trials")} failed ({digits(value, 2)} %, 95 % interval {digits(low, 2)} to '
-                     f'{digits(high, 2)} %). All figures are of the others: if what failed is what was hard, they '
-                     'flatter. A replication counts in a comparison only where all that is compared is complete.')
+                     f'{digits(high, 2)} %). All figures of metrics are of the others: if what failed is what was '
+                     'hard, they flatter. A pair counts in a comparison only if both of its trials are complete.')
     incomplete = sum(bool(trial.error) for trial in experiment.complete)
     if incomplete:
         texts.append(f'{counted(incomplete, "trials")} that {"is" if incomplete == 1 else "are"} complete '
-                     f'{"has" if incomplete == 1 else "have"} an error, of the metrics, say: see Failures.')
+                     f'{"has" if incomplete == 1 else "have"} an error, of the metrics, say: see How trials ended.')
+    limited = sum(trial.ended_by == endings.LIMIT for trial in experiment.complete)
+    if endings.has_limited(experiment):
+        texts.append(f'{counted(limited, "trials")} of {whole(len(experiment.complete))} complete ones '
+                     f'{"was" if limited == 1 else "were"} ended by the limit of time. What they measured is cut off: '
+                     'it has no mean and is not compared, but where the experiment says that it is a value.')
     if missing:
         texts.append(f'{counted(missing, "trials")} of the plan {"is" if missing == 1 else "are"} not run yet.')
     different = sum(trial.verified == 'different' for trial in experiment.complete)
     if different:
         texts.append(f'{counted(different, "trials")} that {"was" if different == 1 else "were"} run again gave '
                      'another run: see Repeatability.')
-    return texts
+    return texts + design.unknown_names(experiment.plan, experiment.factors, experiment.metrics)
 
 
 def _findings_notes(analysis):
-    count = len(analysis.mains or analysis.singles)
-    if not count:
+    found = analysis.mains or analysis.singles
+    if not found:
         return []
     averaged = ' averaged over the levels of the other factors,' if len(analysis.experiment.factors) > 1 else ''
+    primary = sum(each.metric.is_primary for each in found)
+    which = f'all {whole(len(found))} comparisons of levels and metrics' if not primary else \
+        f'all {whole(primary)} comparisons of levels by the primary metric counted, and by themselves ' \
+        f'{whole(len(found) - primary)} by the other metrics'
     return [f'Differences are taken within replications (same seed),{averaged} and are said to be there only if they '
-            f'hold at 5 % with all {whole(count)} comparisons of levels and metrics counted (Holm). The intervals hold '
-            'one at a time. The little pictures: difference and interval, dashed at 0; a scale per metric and factor.']
+            f'hold at 5 % with {which}{"" if primary else " counted"} (Holm). The intervals hold one at a time. The '
+            'little pictures: difference and interval, dashed at 0; a scale per metric and factor. Not told apart does '
+            'not mean equal: the interval says which differences are possible yet.']
 
 
 def _metrics_notes(experiment):
@@ -158,11 +175,12 @@ def _facts(experiment):
     simulated = intervals.known([trial.simulated_seconds for trial in complete])
     wall = intervals.known([trial.wall_seconds for trial in complete])
     speeds = intervals.known([trial.times_real_time for trial in complete])
+    ends = how_ended.ends_text(experiment)
     facts = [('Trials complete', f'{whole(len(complete))} of {whole(len(experiment.trials))}', ''),
              ('Configurations', whole(len(experiment.configurations)), '; '.join(varied)),
              ('Replications', whole(len({trial.replication for trial in experiment.trials})),
               'replication k has the same seed in every configuration'),
-             ('A trial lasts', until_text(plan.get('until')), '')]
+             ('A trial lasts', until_text(plan.get('until')), f'ended by: {ends}' if ends else '')]
     if len(simulated):
         facts.append(('Simulated time', duration(math.fsum(simulated)), 'all complete trials together'))
     if len(speeds):
@@ -214,7 +232,12 @@ def _metric(analysis, metric):
     if lacking:
         about['problem'] = f'{counted(lacking, "trials")} of {whole(len(experiment.complete))} that are complete ' \
                            f'{"has" if lacking == 1 else "have"} no value of it and count for nothing here.'
-    about['plots'] = _plots(experiment, metric, scale, looks)
+    cut = int(experiment.cut(metric).sum())
+    if cut:
+        about['problem'] += f' The limit of time ended {counted(cut, "trials")} of those that have a value: it is ' \
+                            'cut off there, and configurations with such trials have no mean.'
+    else:
+        about['plots'] = _plots(experiment, metric, scale, looks)
     own = [[each for each in found if each.metric is metric]
            for found in (analysis.mains, analysis.singles, analysis.changes)]
     is_one = len([factor for factor in experiment.factors if len(factor.levels) > 1]) < 2
@@ -293,23 +316,22 @@ def _repeatable(experiment):
     return Section('Repeatability', tuple(parts)) if complete else None
 
 
-def _failures(experiment):
-    table = listings.failures(experiment)
-    return Section('Failures', (table,)) if table else None
-
-
 def _method(analysis):
     """Return the section that says what the intervals are."""
     parts = [
         "Means of configurations have Student's 95 % interval; shares of yes and no have Wilson's; medians have the "
         'interval between two order statistics, which asks nothing of the distribution.',
         'Comparisons are of pairs: replication k has the same seed in every configuration, so the difference within '
-        'each replication is taken first (over several configurations: their mean). The mean of these differences has '
-        "Student's interval and test. Shares of two configurations are compared by Newcombe's interval and McNemar's "
-        'exact test. Where all differences are the same, the test is that of signs.',
+        "each replication is taken first. The mean of these differences has Student's interval and test. Over several "
+        'combinations of other factors each counts alike, however many pairs it has, and the test has the degrees of '
+        'freedom of the one with the fewest. One without two pairs, or with trials that the limit of time ended, is '
+        "left out, and the sentence says so. Shares are compared by Newcombe's interval and an exact test (McNemar's). "
+        'Where all differences are the same, the test is that of signs.',
         'p is of one comparison. Holm p counts all comparisons of the same kind on this page: if nothing differed, any '
-        'would be below 5 % in at most 5 % of experiments. Three kinds are counted apart: between levels, between '
-        'configurations, and how one depends on the other.',
+        'would be below 5 % in at most 5 % of experiments. Counted apart are: between levels, between configurations, '
+        'how one depends on the other; the primary metric, if one is named; each way in which trials ended.',
+        'Values that differ by less than 1e-11 of their size, and are not whole numbers, are the same: sums in another '
+        'order differ by as much.',
         'Values or differences are called skewed where there are fewer than 25 times their squared skewness (Cochran) '
         'and the skewness is no chance (p < 1 %); then their median is told too.',
         "Figures are rounded to one or two digits of their interval's half width; those without interval to four. The "

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 from move_base_abstract.own_files import FolderKind
 
+from . import endings
+
 MOST_REPLAYS = 40  # pages that one report makes; what comes after leads to the event log
 KIND = FolderKind("folder of an experiment's replays", ('*.html',))
 
@@ -40,7 +42,8 @@ def picks(experiment, metric):
         own = [each for each in own if not math.isnan(each[0])]
         if own:
             own.sort(key=lambda each: each[:2])
-            worst = min(own, key=lambda each: (-each[0] if metric.better == 'lower' else each[0], each[1]))
+            worst = min(own, key=lambda each: (-math.inf if metric.better == 'lower' and endings.is_cut(
+                experiment, metric, each[2]) else -each[0] if metric.better == 'lower' else each[0], each[1]))
             median = own[(len(own) - 1) // 2]
             found += [Pick(configuration.place, role, trial, value)
                       for role, (value, _, trial) in (('worst', worst), ('median', median))]

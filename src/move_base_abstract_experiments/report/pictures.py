@@ -71,7 +71,7 @@ class Plot(NamedTuple):
 def strips(experiment, metric, scale, looks, estimates):
     """Return the Strips of a metric, or None if no trial has a value."""
     values = [[value * scale.factor for value in row if not math.isnan(value)]
-              for row in experiment.values(metric.name)]
+              for row in experiment.values(metric)]
     seen = [value for row in values for value in row]
     if not seen:
         return None
@@ -88,7 +88,8 @@ def _row(label, look, values, estimate, scale, along):
     mid, low, high = (None if math.isnan(value) else _percent(along.share(value * scale.factor))
                       for value in estimate[:3])
     return Row(label, look, ''.join(f'M{place} 0v10' for place in places), mid, low, high,
-               with_interval(estimate, scale), counted(estimate.n, 'trials'))
+               with_interval(estimate, scale) if estimate.method != 'cut' else 'no mean: cut off by the limit of time',
+               counted(estimate.n, 'trials'))
 
 
 def _percent(share):

@@ -104,7 +104,7 @@ def estimate_texts(estimate, scale):
     if math.isnan(low):
         return digits(value), '', ''
     if low == high:
-        return (digits(value, EXACT_DIGITS),) * 3
+        return (digits(value, 3 if scale.unit in ('%', 'percentage points') else EXACT_DIGITS),) * 3
     decimals = _decimals_of_estimate(value, low, high)
     if decimals > _MOST_DECIMALS:
         return digits(value, 2), digits(low, 2), digits(high, 2)

@@ -1,0 +1,48 @@
+"""Of several levels of a factor: the best, by how much it leads, and which are not told apart from it."""
+
+import math
+from typing import NamedTuple
+
+from .intervals import Estimate
+
+
+class Ranking(NamedTuple):
+    """Differences turned so that the best level is their second one: what it leads, the nearest one first."""
+
+    level: int
+    leads: tuple  # of effects.Difference
+
+
+def turned(difference):
+    """Return a Difference the other way round."""
+    estimate, median = _negative(difference.estimate), difference.median
+    return difference._replace(
+        first=difference.second, second=difference.first, estimate=estimate, sides=difference.sides[::-1],
+        reference=difference.reference + difference.estimate.value,
+        groups=tuple(each[::-1] for each in difference.groups), median=None if median is None else _negative(median),
+        against=tuple((group[::-1], _negative(each)) for group, each in difference.against))
+
+
+def _negative(estimate):
+    return Estimate(-estimate.value or 0.0, -estimate.high or 0.0, -estimate.low or 0.0, *estimate[3:])
+
+
+def ranking(differences, better):
+    """Return the Ranking of one factor's Differences between levels, or None if none has a value.
+
+    The best is the level whose smallest lead is the largest; of equals the first. Without a better side the lowest one.
+    """
+    sign = 1.0 if better == 'higher' else -1.0
+    leads = {}
+    for each in differences:
+        if not math.isnan(each.estimate.value):
+            leads.setdefault(each.second, []).append(each)
+            leads.setdefault(each.first, []).append(turned(each))
+    if not leads:
+        return None
+    for own in leads.values():
+        own.sort(key=lambda each: (sign * each.estimate.value, each.first))
+    most = max(map(len, leads.values()))  # who is compared with fewer is not called the best of all
+    level = max((level for level, own in leads.items() if len(own) == most),
+                key=lambda level: (sign * leads[level][0].estimate.value, -level))
+    return Ranking(level, tuple(leads[level]))

@@ -1,0 +1,225 @@
+"""Comparisons in sentences: what differs by how much, over what, from how many trials, and what is left out of it."""
+
+from . import endings
+from .design import level_label
+from .phrases import amount, between, levels_listed, some, than_with_level, with_level
+from .verdicts import verdict_of
+from .wording import NBSP, counted, digits, estimate_texts, listed, probability, whole, with_interval
+
+
+def difference_scale(metric, scale):
+    """Return the Scale of differences of a metric: shares differ by percentage points."""
+    return scale._replace(unit='percentage points') if metric.is_share else scale
+
+
+def names_of(experiment, difference):
+    """Return the labels of what is compared, first and second, as tables have them."""
+    if difference.factor is None:
+        return tuple(experiment.configurations[place].label for place in (difference.first, difference.second))
+    return tuple(level_label(experiment.factors, difference.factor, level)
+                 for level in (difference.first, difference.second))
+
+
+def spoken(experiment, difference):
+    """Return (first, second, first behind 'than with') as sentences have them."""
+    if difference.factor is None:
+        first, second = names_of(experiment, difference)
+        return first, second, first
+    about = experiment.factors, difference.factor
+    return with_level(*about, difference.first), with_level(*about, difference.second), \
+        than_with_level(*about, difference.first)
+
+
+def at_text(experiment, difference):
+    """Return what is held fixed, in words."""
+    return ', '.join(level_label(experiment.factors, place, level) for place, level in difference.at)
+
+
+def sentence_case(text):
+    """Return a text with a capital letter at its beginning."""
+    return text[:1].upper() + text[1:]
+
+
+def sentence(experiment, difference, scale, aside=''):
+    """Return what a Difference says, in a sentence or several. ``aside``: what is said of the first one, if it is."""
+    scale = difference_scale(difference.metric, scale)
+    verdict = verdict_of(difference)
+    first, second, than = spoken(experiment, difference)
+    words = _WORDS.get(verdict, _amount)(experiment, difference, scale, (first, second, than, aside))
+    if verdict == 'untold' and not difference.estimate.n:
+        return words
+    return words + _rest(experiment, difference, scale, verdict)
+
+
+def _amount(experiment, difference, scale, names):
+    first, second, than, aside = names
+    size, interval = amount(difference.estimate, scale,
+                            float('nan') if difference.metric.is_share else difference.reference)
+    if difference.estimate.value == 0.0:
+        size = 'the same'
+    only = _only(experiment, difference)
+    over = over_text(experiment, difference)
+    aside = f', {aside}' if aside else ''
+    return f'{only}{size} with {second} than with {than}{aside}{over} ' \
+           f'({interval}; {pairs_text(difference)}).'
+
+
+def _none(experiment, difference, scale, names):
+    first, second, than, aside = names
+    aside = f' ({aside})' if aside else ''
+    return f'{_only(experiment, difference)}{second} and {than}{aside} are not told apart: the difference lies ' \
+           f'between {between(difference.estimate, scale)}{over_text(experiment, difference)} (95 % interval; ' \
+           f'{pairs_text(difference)}).'
+
+
+def _weak(experiment, difference, scale, names):
+    first, second, than, aside = names
+    aside = f' ({aside})' if aside else ''
+    value = estimate_texts(difference.estimate, scale)[0]
+    return f'{_only(experiment, difference)}too weak to count among so many comparisons (Holm p{NBSP}' \
+           f'{probability(difference.p_holm)}): {second} − {than}{aside} is {value}{scale.suffix}, between ' \
+           f'{between(difference.estimate, scale)}{over_text(experiment, difference)} (95 % interval; ' \
+           f'{pairs_text(difference)}).'
+
+
+def _negligible(experiment, difference, scale, names):
+    first, second, than, aside = names
+    return f'negligible: the difference of {second} and {than} lies between {between(difference.estimate, scale)}, ' \
+           f'less than {_smallest(difference, scale)}{over_text(experiment, difference)} (95 % interval; ' \
+           f'{pairs_text(difference)}).'
+
+
+def _same(experiment, difference, scale, names):
+    first, second, than, aside = names
+    return f'{_only(experiment, difference)}the same with {second} and {than} in all {pairs_text(difference)}.'
+
+
+def _untold(experiment, difference, scale, names):
+    first, second, than, aside = names
+    if not difference.estimate.n:
+        return f'no pair of complete trials of {second} and {than} has a value on both sides.'
+    size = f'{amount(difference.estimate, scale)[0]} with {second} than with {than}' if difference.estimate.value else \
+        f'the same with {second} and {than}'
+    what = 'in the only pair' if difference.estimate.n == 1 else f'in {pairs_text(difference)}'
+    return f'{_only(experiment, difference)}{size} {what}{over_text(experiment, difference)}; no interval, so that ' \
+           'nothing is said about other seeds.'
+
+
+def _cut(experiment, difference, scale, names):
+    first, second, than, aside = names
+    ends = ' and '.join(f'{whole(side.cut)} of {whole(side.run)} trials with {name}'
+                        for side, name in zip(reversed(difference.sides), (second, than)))
+    bounds = 'their values are lower bounds' if difference.metric.at_limit in endings.BOUNDS else \
+        "what their values would have become is not known (at_limit in the experiment's file may say it)"
+    return f'{second} and {than} are not compared: the limit of time ended {ends}; {bounds}.'
+
+
+_WORDS = {'none': _none, 'weak': _weak, 'negligible': _negligible, 'same': _same, 'untold': _untold, 'cut': _cut}
+
+
+def _smallest(difference, scale):
+    return f'the smallest difference that counts, {digits(difference.metric.smallest * scale.factor)}{scale.suffix}'
+
+
+def pairs_text(difference):
+    """Return '30 pairs', or of several combinations '5 to 30 pairs with each'."""
+    if len(difference.used) < 2:
+        return counted(difference.estimate.n, 'pairs')
+    counts = [count for count in difference.counts if count >= difference.needed]
+    least, most = min(counts), max(counts)
+    each = counted(most, 'pairs') if least == most else f'{whole(least)} to {whole(most)} pairs'
+    return f'{each} with each'
+
+
+def over_text(experiment, difference):
+    """Return what a difference is averaged over, in words, if it is."""
+    if len(difference.used) < 2:
+        return ''
+    return f', on average over {groups_text(experiment, difference, difference.used)}'
+
+
+def _only(experiment, difference):
+    """Return what a difference holds for, where that is not all that was run."""
+    is_one = len(difference.used) == 1 and _other_factors(experiment, difference) and difference.factor is not None
+    if len(difference.used) < len(difference.groups) or is_one:
+        return f'with {groups_text(experiment, difference, difference.used)} only: ' if difference.used else ''
+    return 'among trials that are complete, ' if verdict_of(difference) == 'survivors' else ''
+
+
+def groups_text(experiment, difference, groups):
+    """Return groups of configurations in words, by the factors that are not compared."""
+    levels = [experiment.configurations[group[0]].levels for group in groups]
+    varied = _other_factors(experiment, difference)
+    if len(varied) == 1 and all(each[varied[0]] is not None for each in levels):
+        own = [each[varied[0]] for each in levels]
+        return levels_listed(experiment.factors, varied[0], own) if len(own) <= 8 else \
+            f'{counted(len(own), "levels")} of {experiment.factors[varied[0]].title}'
+    labels = [', '.join(level_label(experiment.factors, place, each[place]) for place in varied
+                        if each[place] is not None) for each in levels]
+    if len(groups) <= 2:
+        return ' and '.join(f'({label})' for label in labels)
+    return f'{whole(len(groups))} combinations of {listed(experiment.factors[place].title for place in varied)}'
+
+
+def _other_factors(experiment, difference):
+    return [place for place in range(len(experiment.factors)) if place != difference.factor
+            and len({each.levels[place] for each in experiment.configurations}) > 1]
+
+
+def _rest(experiment, difference, scale, verdict):
+    """Return what must be said beside a difference: what is left out, lost, against it, or too small."""
+    return ''.join((_left_out(experiment, difference), _against(experiment, difference, scale),
+                    _perhaps_small(difference, scale, verdict), _lost(experiment, difference),
+                    _skewed(difference, scale, verdict)))
+
+
+def _left_out(experiment, difference):
+    """Return which combinations of the other factors a difference says nothing of, and why."""
+    if not difference.used:
+        return ''
+    reasons = {}
+    for group, count, is_cut in zip(difference.groups, difference.counts, difference.cut):
+        if count < difference.needed:
+            few = 'there are too few pairs for an interval' if count else 'no pair has a value on both sides'
+            why = 'the limit of time ended trials' if is_cut else few
+            reasons.setdefault(why, []).append(group)
+    texts = [f'of {groups_text(experiment, difference, groups)}, where {why}' for why, groups in reasons.items()]
+    return f' It says nothing {", nor ".join(texts)}.' if texts else ''
+
+
+def _against(experiment, difference, scale):
+    texts = []
+    for group, estimate in difference.against:
+        size, interval = amount(estimate, scale)
+        texts.append(f'with {groups_text(experiment, difference, [group])} it is {size} ({interval})')
+    return f' But {some(texts)}.' if texts else ''
+
+
+def _perhaps_small(difference, scale, verdict):
+    estimate = difference.estimate
+    nearest = min(abs(estimate.low), abs(estimate.high)) if difference.leaves_out_0 else 0.0
+    if verdict in ('better', 'worse', 'differs', 'small', 'survivors', 'part', 'average', 'always') \
+            and nearest < difference.metric.smallest:
+        return f' It may be less than {_smallest(difference, scale)}.'
+    return ''
+
+
+def _lost(experiment, difference):
+    """Return of which trials a comparison knows nothing."""
+    if difference.is_cut or not any(side.lacking for side in difference.sides):
+        return ''
+    _, second, than = spoken(experiment, difference)
+    texts = []
+    for what, counts in (('failed', [side.failed for side in difference.sides]),
+                         ('have no value', [side.without for side in difference.sides])):
+        if any(counts):
+            ends = [f'{whole(count)} of {whole(side.run)} with {name}' for count, side, name in
+                    zip(reversed(counts), reversed(difference.sides), (second, than))]
+            texts.append(f'{listed(ends)} {what}')
+    return f' Only pairs of complete trials count: {"; ".join(texts)}.'
+
+
+def _skewed(difference, scale, verdict):
+    if difference.median is None or verdict in ('same', 'untold', 'cut'):
+        return ''
+    return f' The differences are skewed; their median is {with_interval(difference.median, scale)}.'

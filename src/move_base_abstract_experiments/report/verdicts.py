@@ -1,0 +1,60 @@
+"""What a difference may be called: no word that its interval, or what became of the trials, does not bear."""
+
+#: verdict: what stands before the sentence
+VERDICTS = {
+    'best': 'best', 'among': 'among the best', 'better': 'better', 'worse': 'worse', 'differs': 'differs',
+    'fails': 'fails more', 'survivors': 'of the complete', 'part': 'in part', 'average': 'on average',
+    'depends': 'depends', 'always': 'in all pairs', 'small': 'may be negligible', 'negligible': 'negligible',
+    'weak': 'too weak', 'none': 'not told apart', 'same': 'the same', 'untold': 'too few trials', 'cut': 'not compared',
+    'mean': 'mean'}
+ORDER = {'best': 0, 'among': 0, 'better': 0, 'worse': 0, 'differs': 0, 'fails': 0, 'mean': 0, 'survivors': 1, 'part': 1,
+         'average': 1, 'depends': 1, 'always': 1, 'cut': 2, 'small': 2, 'weak': 2, 'negligible': 3, 'none': 3,
+         'same': 3, 'untold': 4}
+_LAST_RESULT = 1
+
+
+def is_result(verdict):
+    """Return whether a verdict says that something differs."""
+    return ORDER[verdict] <= _LAST_RESULT
+
+
+def verdict_of(difference):
+    """Return what an effects.Difference may be called, a key of VERDICTS."""
+    estimate, smallest = difference.estimate, difference.metric.smallest
+    if difference.is_cut:
+        return 'cut'
+    if not estimate.has_interval:
+        return 'untold'
+    if estimate.method == 'constant' and estimate.value == 0.0:
+        return 'same'
+    if smallest and -smallest < estimate.low and estimate.high < smallest and _is_whole(difference):
+        return 'negligible'
+    if difference.is_shown:
+        return _of_shown(difference)
+    if estimate.method in ('constant', 'fixed'):  # what was seen is told as it is; the test of signs has no more to say
+        return 'average' if difference.against else 'always'
+    return 'weak' if difference.is_hint else 'none'
+
+
+def _is_whole(difference):
+    """Return whether nothing is left out of a difference, and its interval is one."""
+    return difference.estimate.method not in ('constant', 'fixed') and not difference.against \
+        and len(difference.used) == len(difference.groups) and not any(side.lacking for side in difference.sides)
+
+
+def _of_shown(difference):
+    estimate, metric = difference.estimate, difference.metric
+    if difference.against:
+        return 'average'
+    if len(difference.used) < len(difference.groups):
+        return 'part'
+    if abs(estimate.value) < metric.smallest:
+        return 'small'
+    if metric.better is None:
+        return 'differs' if difference.sides[0].lacking == difference.sides[1].lacking == 0.0 else 'survivors'
+    is_better = (estimate.value < 0.0) == (metric.better == 'lower')
+    first, second = difference.sides
+    favoured, other = (second, first) if is_better else (first, second)
+    if favoured.lacking > other.lacking:  # the hard ones may be those that are not in it
+        return 'survivors'
+    return 'better' if is_better else 'worse'
