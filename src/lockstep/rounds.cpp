@@ -223,6 +223,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::leap(Nanoseconds wall) {
   moveTo(to, wall);
   if (to_target) {
     paused_ = true;
+    target_reached_ = true;
     target_.reset();
     events_.push_back({Event::Kind::kTargetReached});
     return {};

@@ -163,6 +163,9 @@ class LockstepRounds {
   bool started() const { return started_; }
   bool ended() const { return ended_; }
   bool paused() const { return paused_; }
+  /** @return whether it stands where every run of the same would: nobody has anything left to do,
+   * or the target of a step or run is reached. */
+  bool atRest() const;
   std::optional<Nanoseconds> target() const { return target_; }
   double limit() const;
   LockstepPhase phase(Nanoseconds wall) const;
@@ -225,6 +228,7 @@ class LockstepRounds {
   bool idle_ = false;
   bool zero_delay_loop_ = false;
   std::optional<Nanoseconds> target_;
+  bool target_reached_ = false;  // ... and nobody has said anything else since
   FactorUnits limit_;
   Nanoseconds last_join_ = 0;           // wall
   Nanoseconds last_leap_ = 0;           // wall

@@ -48,12 +48,14 @@ const char* phaseName(LockstepPhase phase) {
 void LockstepRounds::pause() {
   refuseIfEnded("pause");
   paused_ = true;
+  target_reached_ = false;
   target_.reset();
 }
 
 void LockstepRounds::resume() {
   refuseIfEnded("resume");
   paused_ = false;
+  target_reached_ = false;
   target_.reset();
 }
 
@@ -65,6 +67,7 @@ Nanoseconds LockstepRounds::step(Nanoseconds duration) {
            " from " + secondsText(from) + " on, got " + secondsText(duration));
   }
   paused_ = false;
+  target_reached_ = false;
   target_ = from + duration;
   return *target_;
 }
@@ -76,6 +79,7 @@ void LockstepRounds::runUntil(Nanoseconds target) {
            secondsText(kLastInstant) + ", got " + secondsText(target));
   }
   paused_ = false;
+  target_reached_ = false;
   target_ = target;
 }
 
@@ -111,6 +115,10 @@ Nanoseconds LockstepRounds::nextTime() const {
     return due_.begin()->first;
   }
   return std::next(due_.begin())->first;
+}
+
+bool LockstepRounds::atRest() const {
+  return started_ && owing_ == 0 && (idle_ || zero_delay_loop_ || (paused_ && target_reached_));
 }
 
 LockstepPhase LockstepRounds::phase(Nanoseconds wall) const {

@@ -374,6 +374,7 @@ LockstepStatus LockstepSession::status() const {
   status.degraded = labels_.degraded();
   status.reason = reason();
   status.ended_as_wished = ended_as_wished_;
+  status.cut = cut_;
   status.limit = rounds_.limit();
   status.run_until = rounds_.target();
   status.rounds = rounds_.rounds();

@@ -75,6 +75,8 @@ class LockstepSession {
 
   /** @brief END to everybody; poll() gives it out. Reports of a round that is not over are lost. */
   void end(const std::string& reason);
+  /** @brief end(), because the wall clock or somebody outside says so; see LockstepStatus::cut. */
+  void endFromOutside(const std::string& reason);
   /** @brief End, and label, a run that has lost its ROS master. */
   void loseRosMaster(const std::string& how);
 
@@ -94,6 +96,7 @@ class LockstepSession {
   void takeLeave(MemberId id, const wire::Leave& leave);
   void takeStopping(MemberId id, const wire::Stopping& stopping);
   void takeBusy(MemberId id, const wire::Busy& busy);
+  void beginInterruption(MemberId id);
   void keepLeft(MemberId id);
   bool heldByInterruption();
   void endTogether();
@@ -150,6 +153,8 @@ class LockstepSession {
   std::string left_;                  // end_with says that the run ends with who left
   bool ended_as_wished_ = false;
   Interruption interruption_;
+  bool rested_ = false;         // ... when the first of them was told to end
+  bool cut_ = false;            // see LockstepStatus
   bool is_strict_;              // the first label ends the run
   bool ends_together_ = false;  // the lines of this round are nobody's
   std::string reason_;          // of the end

@@ -22,6 +22,13 @@ void LockstepSession::end(const std::string& reason) {
   messages_.say(Level::kInfo, "the run ended" + text_.at() + ": " + reason);
 }
 
+void LockstepSession::endFromOutside(const std::string& reason) {
+  if (!rounds_.ended()) {
+    cut_ = cut_ || !(interruption_.isActive() ? rested_ : rounds_.atRest());
+    end(reason);
+  }
+}
+
 void LockstepSession::loseRosMaster(const std::string& how) {
   if (rounds_.started() && !rounds_.ended()) {
     labels_.addNotRepeatable("the ROS master was lost" + text_.at() +
@@ -29,7 +36,7 @@ void LockstepSession::loseRosMaster(const std::string& how) {
                              "the wall clock's");
   }
   labels_.addDegraded(how + ", found" + text_.at());
-  end(how);
+  endFromOutside(how);
 }
 
 /** @brief Where the settings are strict, the first label ends the run. */
@@ -48,12 +55,19 @@ void LockstepSession::takeStopping(MemberId id, const wire::Stopping& stopping) 
   messages_.say(Level::kInfo, text_.quoted(id) + " is told to end (" +
                                   std::string(stopping.reason) + ")" + text_.at() +
                                   ": time stands until it is clear whether others go on");
+  beginInterruption(id);
+}
+
+void LockstepSession::beginInterruption(MemberId id) {
+  if (!interruption_.isActive()) {
+    rested_ = rounds_.atRest();
+  }
   interruption_.begin(id, members_.at(id).connection, wall_);
 }
 
 void LockstepSession::takeLeave(MemberId id, const wire::Leave& leave) {
   if (rounds_.started()) {
-    interruption_.begin(id, members_.at(id).connection, wall_);
+    beginInterruption(id);
     keepLeft(id);
   }
   depart(id, "left" + (leave.reason.empty() ? "" : " (" + std::string(leave.reason) + ")"));
@@ -96,6 +110,7 @@ void LockstepSession::endTogether() {
     member.foreseen.clear();
   }
   interruption_.finish();
+  cut_ = cut_ || !rested_;
   ends_together_ = true;
 }
 

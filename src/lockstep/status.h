@@ -51,8 +51,10 @@ struct LockstepStatus {
   std::vector<std::string> degraded;        // why
   std::string reason;                       // of deadlock, zero-delay loop and end: who and why
   bool ended_as_wished;                     // as end_when_idle, end_at or end_with say
-  double limit;                             // 0: none
-  std::optional<Nanoseconds> run_until;     // simulated
+  bool cut;      // ended from outside while there was something left to do: another run of the same
+                 // may end elsewhere
+  double limit;  // 0: none
+  std::optional<Nanoseconds> run_until;  // simulated
   std::uint64_t rounds;
   std::uint64_t leaps;
   std::uint64_t messages;  // delivered between participants, one for each receiver

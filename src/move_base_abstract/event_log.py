@@ -12,6 +12,7 @@ time master calls such a file NAME.part. Only events are compared, by value: a J
 """
 
 import csv
+import decimal
 import itertools
 import json
 import os
@@ -41,6 +42,19 @@ class Event(NamedTuple):
     def compared(self):
         """What makes two events equal."""
         return self[:4]
+
+
+def labels_of(end):
+    """Return why the run of an end record (a dict) is not called repeatable, or is called degraded, as texts."""
+    return [*end['not_repeatable_because'], *end['degraded_because'], *_cut(end)]
+
+
+def _cut(end):
+    """Return [where the run was ended from outside], or [] of one that came to an end of its own."""
+    if 'cut_ns' not in end:
+        return []
+    return ['the run was ended from outside at {:.9f} s: it is repeatable up to there, and another run may end '
+            'elsewhere'.format(decimal.Decimal(end['cut_ns']).scaleb(-9))]
 
 
 class EventLog:
@@ -73,7 +87,8 @@ class EventLog:
         """Return what must be known about the run beside its events, as texts. Call it after all events were read."""
         if self.end is None:
             return ['has no end record: the run did not end properly']
-        return [*(f'not repeatable: {why}' for why in self.end['not_repeatable_because']),
+        return [*_cut(self.end),
+                *(f'not repeatable: {why}' for why in self.end['not_repeatable_because']),
                 *(f'degraded: {why}' for why in self.end['degraded_because']),
                 *([f'ended by a fault: {self.end.get("reason", "")}'] if self.end.get('by_fault') else [])]
 
@@ -121,6 +136,8 @@ class EventLog:
         if not isinstance(end, dict) or not all(isinstance(end.get(key), list) and all(
                 isinstance(why, str) for why in end[key]) for key in ('not_repeatable_because', 'degraded_because')):
             raise self._error(number, 'must be an end record with not_repeatable_because and degraded_because', line)
+        if type(end.get('cut_ns', 0)) is not int:
+            raise self._error(number, 'must be an end record whose cut_ns, if there is one, is a whole number', line)
         if end.get('events') != self.events:
             raise self._error(number, f'the end record counts another number of events than were read, {self.events}',
                               line)

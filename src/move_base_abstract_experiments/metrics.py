@@ -155,7 +155,7 @@ def _summary(robots, endings, log, start_ns, end_ns):
         'distance': round(sum(one['distance_m'] for one in by_robot.values()), 9),
         'moving': mean('moving_s'), 'idle': mean('idle_s'), 'waiting': mean('waiting_s'),
         'throughput': endings['reached'] * 3600.0 / seconds if seconds > 0.0 else None}
-    labels = log.end['not_repeatable_because'] + log.end['degraded_because']
+    labels = event_log.labels_of(log.end)
     return Summary(metrics, by_robot, seconds, log.events, bool(log.end.get('repeatable')) and not labels, labels,
                    log.end.get('reason', ''), bool(log.end.get('by_fault')))
 

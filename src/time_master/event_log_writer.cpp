@@ -200,14 +200,16 @@ std::string EventLogWriter::finish(const End& end) {
   {
     const std::lock_guard<std::mutex> buffer_lock(buffer_mutex_);
     buffer_ += std::string(csv_ ? "# " : "") + "{\"end\":{\"events\":" + std::to_string(events_) +
-               ",\"repeatable\":" + (end.not_repeatable_because.empty() ? "true" : "false") +
+               ",\"repeatable\":" +
+               (end.not_repeatable_because.empty() && !end.cut_ns ? "true" : "false") +
                ",\"not_repeatable_because\":";
     appendJsonArray(buffer_, end.not_repeatable_because);
     buffer_ += ",\"degraded_because\":";
     appendJsonArray(buffer_, end.degraded_because);
     buffer_ += ",\"reason\":";
     appendJson(buffer_, end.reason);
-    buffer_ += std::string(",\"by_fault\":") + (end.by_fault ? "true" : "false") + "}}\n";
+    buffer_ += std::string(",\"by_fault\":") + (end.by_fault ? "true" : "false");
+    buffer_ += (end.cut_ns ? ",\"cut_ns\":" + std::to_string(*end.cut_ns) : "") + "}}\n";
   }
   writeOut();
   if (file_ && (fsync(fileno(file_.get())) != 0 && errno != EINVAL)) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,8 @@ class EventLogWriter {
     std::vector<std::string> not_repeatable_because;
     std::vector<std::string> degraded_because;
     bool by_fault = false;  // neither as wished nor because somebody has asked for it
+    std::optional<std::int64_t>
+        cut_ns;  // simulated; where it was ended from outside, see LockstepStatus
   };
 
   /**

@@ -112,7 +112,8 @@ bool LockstepMode::finish(const std::string& reason) {
     const LockstepStatus status = server_->status();
     const std::string why = status.reason.empty() ? reason : status.reason;
     const std::string error =
-        event_log_->finish({why, status.not_repeatable, status.degraded, ended_ && !ended_->good});
+        event_log_->finish({why, status.not_repeatable, status.degraded, ended_ && !ended_->good,
+                            status.cut ? std::make_optional(status.time) : std::nullopt});
     if (!error.empty()) {
       ROS_ERROR("%s", error.c_str());
       event_log_failed_ = true;

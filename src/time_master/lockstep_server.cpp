@@ -86,11 +86,7 @@ void LockstepServer::finish(const std::string& reason) {
   if (!thread_.joinable()) {
     return;
   }
-  with([&](LockstepSession& session) {
-    if (session.phase() != LockstepPhase::kEnded) {
-      session.end(reason);
-    }
-  });
+  with([&](LockstepSession& session) { session.endFromOutside(reason); });
   stopping_ = true;
   wake();
   thread_.join();

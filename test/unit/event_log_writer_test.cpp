@@ -139,6 +139,15 @@ TEST(EventLogWriter, RefusesOtherEndingsAndPathsThatCannotBeWritten) {
   EXPECT_THROW(EventLogWriter("/none/a.csv", 0), std::invalid_argument);
 }
 
+TEST(EventLogWriter, ALogThatWasCutSaysWhereAndIsNotCalledRepeatable) {
+  const Folder folder;
+  EventLogWriter log(folder / "a.jsonl", 0);
+  EXPECT_EQ(log.finish({"told to end", {}, {}, false, 12'300'000'000}), "");
+  EXPECT_NE(contents(folder / "a.jsonl").find("\"repeatable\":false"), std::string::npos);
+  EXPECT_NE(contents(folder / "a.jsonl").find(",\"by_fault\":false,\"cut_ns\":12300000000}}"),
+            std::string::npos);
+}
+
 TEST(EventLogWriter, AFullDiskIsToldAndTheFileKeepsTheNameOfAnUnfinishedOne) {
   const Folder folder;
   std::string error, at_end;

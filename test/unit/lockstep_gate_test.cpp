@@ -101,6 +101,37 @@ TEST(Gate, AnIdleRunWithAnEndEndsAsWished) {
   EXPECT_TRUE(alone.session.status().ended_as_wished);
 }
 
+TEST(Gate, AnEndFromOutsideCutsTheRunUnlessItWouldStandThereInEachRun) {
+  {
+    Alone moving(2 * kOne);
+    moving.session.endFromOutside("SIGTERM");
+    EXPECT_TRUE(moving.session.status().cut);
+  }
+  {
+    Alone idle(kNever);
+    idle.session.endFromOutside("SIGTERM");
+    EXPECT_FALSE(idle.session.status().cut);
+  }
+  {
+    Stage before_the_start(named({"/a", "/b"}));
+    before_the_start.join(1, "/a");
+    before_the_start.session.endFromOutside("SIGTERM");
+    EXPECT_TRUE(before_the_start.session.status().cut);
+  }
+  for (const bool by_hand : {false, true}) {
+    Alone paused(2 * kOne);
+    paused.grant(1);
+    paused.session.runUntil(2'500'000'000);
+    paused.report(1, 3 * kOne);
+    if (by_hand) {
+      paused.session.pause();
+    }
+    EXPECT_EQ(paused.phase(), "paused");
+    paused.session.endFromOutside("SIGTERM");
+    EXPECT_EQ(paused.session.status().cut, by_hand);
+  }
+}
+
 TEST(Gate, AnEndBeforeTheStartIsRefused) {
   LockstepSettings settings = named({"/a"});
   settings.end_at = 0.5;

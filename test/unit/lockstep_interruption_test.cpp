@@ -61,7 +61,21 @@ TEST(Interruption, OfAllInAnyOrderSaysNothingOfTheRunAndAddsNothingToItsLog) {
     EXPECT_EQ(three.labels(), Texts{});
     EXPECT_EQ(lines(three.session), Texts{});
     EXPECT_EQ(three.phase(), "idle");
+    EXPECT_TRUE(three.session.status().cut);
   }
+}
+
+TEST(Interruption, OfAllWhoHaveNothingLeftToDoCutsNothing) {
+  Three three;
+  for (const ConnectionId id : {1, 2, 3}) {
+    three.report(id, kNever);
+  }
+  for (const ConnectionId id : {1, 2, 3}) {
+    three.stop(id);
+    three.leaveNow(id);
+  }
+  EXPECT_EQ(three.labels(), Texts{});
+  EXPECT_FALSE(three.session.status().cut);
 }
 
 TEST(Interruption, OfAllDoesNotLogTheCallsThatItCutsShort) {

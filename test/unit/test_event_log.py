@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from move_base_abstract import event_log
 from move_base_abstract.event_log import EventLog, EventLogError, compare, open_text
 
 HEAD = '{"event_log":1,"start_ns":1000000000}'
@@ -117,6 +118,14 @@ def test_labels_are_told():
     assert read.remarks() == ['not repeatable: input from outside', 'degraded: /b died']
 
 
+def test_a_run_that_was_cut_is_told_with_the_instant():
+    read = log(json_text(cut_ns=12_300_000_000))
+    list(read)
+    [label] = event_log.labels_of(read.end)
+    assert 'ended from outside at 12.300000000 s: it is repeatable up to there' in label
+    assert read.remarks() == [label]
+
+
 def test_a_fault_that_ended_the_run_is_told():
     for by_fault, remarks in ((True, ['ended by a fault: SIGTERM']), (False, [])):
         read = log(json_text(by_fault=by_fault))
@@ -142,6 +151,7 @@ def test_text_with_quotes_commas_and_bytes_that_are_no_text_survives():
     (HEAD + '\n{"time_ns":1,"robot":"a","kind":"k","values":{}}\n', ('a.jsonl:2', 'values (a list)')),
     (HEAD + '\n{"time_ns":1,"robot":"a","kind":"k"}\n', ('a.jsonl:2', 'must hold time_ns')),
     (HEAD + '\n{"end":{}}\n', ('a.jsonl:2', 'must be an end record')),
+    (HEAD + '\n' + end_record(0, cut_ns=1.5) + '\n', ('a.jsonl:2', 'cut_ns')),
     (HEAD + '\n' + end_record(7) + '\n', ('a.jsonl:2', 'counts another number of events than were read, 0')),
     (json_text() + 'more\n', ('a.jsonl:6', 'is not JSON')),
     (json_text() + json_text().split('\n')[1] + '\n', ('a.jsonl:6', 'after the end record')),

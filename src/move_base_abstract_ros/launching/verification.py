@@ -38,7 +38,7 @@ class Run(NamedTuple):
     @property
     def labels(self):
         """Why the run is not called repeatable, or is called degraded."""
-        return self.end['not_repeatable_because'] + self.end['degraded_because']
+        return event_log.labels_of(self.end)
 
 
 class Unfinished(Exception):
