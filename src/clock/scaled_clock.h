@@ -47,6 +47,9 @@ class ScaledClock {
     wall_ = wall;
   }
 
+  /** @brief Be at @p wall [ns] without having run until then. @pre wall >= wall() */
+  void skipTo(Nanoseconds wall) { wall_ = wall; }
+
   /** @brief Run at @p rate from the latest wall instant on. @pre rate >= 0 */
   void setRate(FactorUnits rate) { rate_ = rate; }
 

@@ -86,6 +86,8 @@ PublicationPlan checkedPlan(const TimeMaster::Settings& settings) {
 TimeMaster::TimeMaster(const Settings& settings, Nanoseconds wall)
     : factor_(checkedFactor(settings.factor)),
       busy_factor_(checkedBusyFactor(settings.busy_factor)),
+      longest_gap_(toNanoseconds(
+          checked("longest_gap", settings.longest_gap, 0.2, kLongestGap, " s of wall time"))),
       paused_(settings.start_paused),
       clock_(checkedStart(settings), wall),
       plan_(checkedPlan(settings)) {
@@ -94,6 +96,7 @@ TimeMaster::TimeMaster(const Settings& settings, Nanoseconds wall)
 }
 
 void TimeMaster::advance(Nanoseconds wall) {
+  leaveOutGap(wall);
   do {
     clock_.advanceTo(std::min({wall, nextStop(), nextExpiry()}));
     endRun();
@@ -228,11 +231,22 @@ void TimeMaster::applyRate() {
   }
 }
 
+void TimeMaster::leaveOutGap(Nanoseconds wall) {
+  const Nanoseconds left_out = wall - clock_.wall() - longest_gap_;
+  if (left_out <= 0) {
+    return;
+  }
+  if (clock_.rate() > 0) {
+    events_.push_back({Event::Kind::kGap, wall, now(), "", left_out});
+  }
+  clock_.skipTo(clock_.wall() + left_out);
+}
+
 void TimeMaster::endHolds() {
   // Expired in the order of their ends; those of one instant in alphabetical order.
   for (auto hold = holds_.begin(); hold != holds_.end();) {
     if (hold->second <= clock_.wall()) {
-      events_.push_back({Event::Kind::kHoldExpired, clock_.wall(), now(), hold->first});
+      events_.push_back({Event::Kind::kHoldExpired, clock_.wall(), now(), hold->first, 0});
       hold = holds_.erase(hold);
     } else {
       ++hold;
@@ -249,11 +263,11 @@ void TimeMaster::endRun() {
   clock_.setTo(stop);
   paused_ = true;
   if (target_) {
-    events_.push_back({Event::Kind::kTargetReached, clock_.wall(), stop, ""});
+    events_.push_back({Event::Kind::kTargetReached, clock_.wall(), stop, "", 0});
     target_.reset();
   }
   if (stop == kLastInstant) {
-    events_.push_back({Event::Kind::kEndOfTime, clock_.wall(), stop, ""});
+    events_.push_back({Event::Kind::kEndOfTime, clock_.wall(), stop, "", 0});
   }
 }
 

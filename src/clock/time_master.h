@@ -27,6 +27,7 @@ class TimeMaster {
   static constexpr double kSmallestFactor = 0.01;
   static constexpr double kLargestFactor = 1e6;
   static constexpr double kLongestHold = 86400.0;  // wall seconds
+  static constexpr double kLongestGap = 3e9;       // wall seconds
   /** The end of simulated time [ns]: a ros::Duration, and so a difference of times, ends there. */
   static constexpr Nanoseconds kLastInstant = 2'147'483'647 * kNanosecondsPerSecond;
 
@@ -37,16 +38,18 @@ class TimeMaster {
     double max_clock_rate = 500.0;  // messages per wall s, 1 to 10000
     double start_time = 1.0;        // s simulated, 1e-6 to 2e9
     bool start_paused = false;
-    double repeat_rate = 20.0;  // messages per wall s while time stands still, 1 to 1000
+    double repeat_rate = 20.0;         // messages per wall s while time stands still, 1 to 1000
+    double longest_gap = kLongestGap;  // wall s between two calls that count, 0.2 to 3e9
   };
 
-  /** @brief Something that came to its end by itself. */
+  /** @brief Something that happened by itself: mostly, that something came to its end. */
   struct Event {
-    enum class Kind { kHoldExpired, kTargetReached, kEndOfTime };
+    enum class Kind { kHoldExpired, kTargetReached, kEndOfTime, kGap };
     Kind kind;
-    Nanoseconds wall;    // ns, when exactly it happened
-    Nanoseconds time;    // ns, simulated
-    std::string holder;  // of an expired hold
+    Nanoseconds wall;          // ns, when exactly it happened; of a gap its end
+    Nanoseconds time;          // ns, simulated
+    std::string holder;        // of an expired hold
+    Nanoseconds left_out = 0;  // ns, wall, of a gap: for so long time stood, and should not have
   };
 
   struct Hold {
@@ -57,7 +60,12 @@ class TimeMaster {
   /** @throws std::invalid_argument if a setting is out of its range. */
   TimeMaster(const Settings& settings, Nanoseconds wall);
 
-  /** @brief Integrate up to @p wall, through every end that lies on the way. */
+  /**
+   * @brief Integrate up to @p wall, through every end that lies on the way.
+   *
+   * Who was not called for longer than longest_gap (the process was stopped, or the computer is
+   * overloaded) lets no more than that pass: what listens to /clock would see one leap otherwise.
+   */
   void advance(Nanoseconds wall);
 
   /** @brief Advance to @p wall. @return the time [ns] to publish, if a message is due. */
@@ -113,6 +121,7 @@ class TimeMaster {
 
   void aimAt(Nanoseconds target);
   void applyRate();
+  void leaveOutGap(Nanoseconds wall);
   void endHolds();
   void endRun();
   void sample();
@@ -121,6 +130,7 @@ class TimeMaster {
 
   FactorUnits factor_;
   FactorUnits busy_factor_;
+  Nanoseconds longest_gap_;  // wall
   bool paused_;
   std::optional<Nanoseconds> target_;
   std::map<std::string, Nanoseconds> holds_;  // holder -> wall instant of its end

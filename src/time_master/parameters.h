@@ -24,6 +24,7 @@ namespace move_base_abstract {
 
 /** @brief Hz, wall: of /clock in lockstep, where only onlookers hear it. */
 constexpr double kLockstepClockRate = 200.0;
+constexpr double kUsualGap = 0.25;  // wall s; a loop of the node takes 0.1
 
 /** @return the texts of "[a, 'b', "c"]"; nothing if @p text is no such list. */
 inline std::optional<std::vector<std::string>> listOfTexts(const std::string& text) {
@@ -337,6 +338,8 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   reader.read("start_time", parameters.master.start_time);
   reader.read("start_paused", parameters.master.start_paused);
   reader.read("repeat_rate", parameters.master.repeat_rate);
+  parameters.master.longest_gap = kUsualGap;
+  reader.read("longest_gap", parameters.master.longest_gap);
   reader.read("state_rate", parameters.state_rate);
   checkRange("state_rate", parameters.state_rate, 0.1, 100.0, " Hz");
   TimeMaster(parameters.master, 0);  // checks the others, whatever the mode is now
