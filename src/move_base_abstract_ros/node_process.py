@@ -15,7 +15,7 @@ import rospy
 from move_base_abstract.errors import SimulatorError
 from move_base_abstract.shown import shown_text
 
-from . import rospy_waits
+from . import rospy_start
 from .log_files import survive_full_disk
 from .process_end import ProcessEnd, leave
 from .ros_master_watch import RosMasterWatch, is_answering
@@ -85,7 +85,7 @@ def _shut_down(signal, name, end):
 def _start(name, set_up, watch, options):
     watch.start()
     survive_full_disk()
-    rospy_waits.shorten()
+    rospy_start.prepare()
     rospy.init_node(name, disable_signals=True, **options)
     return set_up()
 

@@ -184,6 +184,8 @@ _ROWS = (
     Row('threading.Thread.isAlive', ALWAYS,
         'is there again where Python has it no more (3.9 and later): rospy of Debian 11 calls it'),
     Row('logging.Handler.handleError', ALWAYS, 'says once, in a line, that a log cannot be written'),
+    Row('rosgraph.network.get_bind_address', NODES,
+        'is the address that ROS announces, also where that is no loopback address', ('023e614c77a8',)),
     Row('rospy.impl.init.time', NODES,
         'sleeps a thousandth of a second between two looks whether the node is registered'),
     Row('rospy.impl.masterslave.ROSHandler._connect_topic', ROBOTS,

@@ -23,9 +23,11 @@
 #include <utility>
 
 #include "clock/shown_text.h"
+#include "clock_listeners.h"
 #include "clock_watch.h"
 #include "lockstep_mode.h"
 #include "master_call_guard.h"
+#include "own_address.h"
 #include "parameters.h"
 #include "ros_master_watch.h"
 #include "scaled_mode.h"
@@ -71,7 +73,7 @@ class TimeMasterNode {
         state_gap_(static_cast<Nanoseconds>(1e9 / parameters.state_rate)) {
     // Of a run that was killed; participants would take it for that of this run.
     ros::param::del("/time_master/lockstep_address");
-    clock_publisher_ = node.advertise<rosgraph_msgs::Clock>("/clock", 10, true);
+    clock_publisher_ = listeners_.advertise(node);
     state_publisher_ = own.advertise<TimeState>("state", 10, true);
     factor_subscriber_ = node.subscribe("/sim_time_factor", 10, &TimeMasterNode::onFactor, this);
     services_ = {own.advertiseService("set_factor", &TimeMasterNode::onSetFactor, this),
@@ -92,6 +94,7 @@ class TimeMasterNode {
     begin(parameters_.in_lockstep, 0);
     while (ros::ok() && signal_number == 0 && !mode_->ended()) {
       changed_ = mode_->work() || changed_;
+      watchListeners();
       publishState();
       const Nanoseconds due = std::min(mode_->nextWork(), state_due_);
       const Nanoseconds wait = std::clamp<Nanoseconds>(due - wallNow(), 0, kLongestWait);
@@ -133,6 +136,15 @@ class TimeMasterNode {
     }
   }
 
+  /** @brief In lockstep the session knows of deaths, at their instant. */
+  void watchListeners() {
+    if (mode_->name() == std::string_view("lockstep")) {
+      listeners_.forget();
+    } else {
+      changed_ = listeners_.update(text(mode_->now())) || changed_;
+    }
+  }
+
   void publishState() {
     changed_ = watch_.update() || changed_;
     const Nanoseconds wall = wallNow();
@@ -149,6 +161,8 @@ class TimeMasterNode {
     state.mode = mode_->name();
     mode_->describe(state);
     state.other_clock_publishers = watch_.heard();
+    state.degraded_because.insert(state.degraded_because.end(), listeners_.died().begin(),
+                                  listeners_.died().end());
     return state;
   }
 
@@ -255,6 +269,7 @@ class TimeMasterNode {
   Nanoseconds state_due_ = 0;
   int runs_ = 0;  // in lockstep
   bool changed_ = false;
+  ClockListeners listeners_;
   ros::Publisher clock_publisher_;
   ros::Publisher state_publisher_;
   std::unique_ptr<TimeMode> mode_;
@@ -351,6 +366,7 @@ int main(int argc, char** argv) {
     std::puts(move_base_abstract::kUsage);  // before a ROS master is looked for
     return 0;
   }
+  move_base_abstract::setDefaultAddress();
   ros::init(argc, argv, "time_master", ros::init_options::NoSigintHandler);
   if (argc > 1) {  // what ROS has left
     std::fprintf(stderr, "time_master: unknown argument %s; see --help\n",

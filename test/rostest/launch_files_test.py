@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
 """The launch files: all of them load and are documented, and the example with two robots really runs.
 
-GUARD [s, simulated] only ends a test that would never end.
+GUARD [s, simulated] and WALL_GUARD [s] only ends a test that would never end.
 """
 
 import glob
 import os
 import shlex
 import sys
+import time
 import unittest
 from xml.etree import ElementTree
 
+import rosgraph
 import roslaunch.config
 import roslaunch.xmlloader
 import rospkg
@@ -19,8 +21,12 @@ import rostest
 from actionlib import GoalStatus, SimpleActionClient
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
+from own_sockets import listening_addresses, pid_of
+
+from move_base_abstract_ros.loopback import Loopback, find_executable
 
 GUARD = 600.0
+WALL_GUARD = 60.0
 SPEED = 1.0  # m/s, DWAPlannerROS/max_vel_trans of the example
 TOLERANCE = 0.1  # m, DWAPlannerROS/xy_goal_tolerance of the example
 LAUNCH = os.path.join(rospkg.RosPack().get_path('move_base_abstract'), 'launch')
@@ -145,6 +151,29 @@ class LaunchFiles(unittest.TestCase):
                     'local_costmap/robot_base_frame')}
                 self.assertEqual(list(frames.values()), ['map', robot + '/base_link', robot + '/odom',
                                                          robot + '/base_link'])
+
+    def test_every_program_of_ours_in_every_file_listens_on_this_computer_only(self):
+        ours = {node.get('type') for path in FILES for node in ElementTree.parse(path).getroot().iter('node')
+                if node.get('pkg') == 'move_base_abstract'}
+        arguments = {'map_server': [os.path.join(LAUNCH, '..', 'maps', 'farm_yard.yaml')], 'fleet': [],
+                     'time_master': [], 'task_server': ['_robots:=[a]'], 'move_base': [], 'soil_coordinator': []}
+        self.assertEqual(ours | set(arguments), set(arguments))
+        with Loopback() as ros:
+            ros.set_param('/fleet/robots', [{'name': 'a'}])
+            for name, given in sorted(arguments.items()):
+                command = ['/usr/bin/env', '-u', 'ROS_IP', find_executable(name), *given, '__name:=' + name]
+                child = ros.spawn('/' + name, command)
+                self.assertEqual(self._addresses(ros, name, child), {'127.0.0.1'}, name)
+
+    def _addresses(self, ros, name, child):
+        deadline = time.monotonic() + WALL_GUARD
+        while True:
+            try:
+                return listening_addresses(pid_of('/' + name, ros.uri))
+            except rosgraph.MasterException:
+                self.assertIsNone(child.process.poll(), child.last_lines())
+                self.assertLess(time.monotonic(), deadline, child.last_lines())
+                time.sleep(0.05)
 
     def test_both_robots_reach_a_goal_at_the_speed_of_the_existing_parameters(self):
         clients = {name: SimpleActionClient(f'/{name}/move_base', MoveBaseAction) for name in ('robot_1', 'robot_2')}

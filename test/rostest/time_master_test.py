@@ -5,15 +5,19 @@ Everything waits for events; GUARD [s, wall] only ends a test that would never e
 """
 
 import math
+import os
+import signal
 import subprocess
 import sys
 import threading
 import time
 import unittest
 
+import psutil
 import rosgraph
 import rospy
 import rostest
+from own_sockets import listening_addresses, pid_of
 from rosgraph_msgs.msg import Clock, Log
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
@@ -25,6 +29,14 @@ from move_base_abstract_ros.time_master_client import TimeMasterClient, TimeMast
 
 GUARD = 30.0
 BUSY_FACTOR = 0.5  # as in time_master.test
+LISTENER = """
+import rospy, sys
+rospy.init_node(sys.argv[1])
+while rospy.get_rostime().is_zero():
+    pass
+print('listening', flush=True)
+rospy.spin()
+"""
 BAD_FACTORS = (0.0, -1.0, 0.001, 1e7, math.nan, math.inf, -math.inf)
 
 HOLDER = """
@@ -251,6 +263,40 @@ class TimeMasterTest(unittest.TestCase):
             process.stdout.close()
         self.log.wait('the holder', lambda log: log.level == Log.WARN and "hold by 'doomed' timed out" in log.msg, mark)
         self.state.wait('no holder', lambda state: not state.holds, self.state.mark())
+
+    def test_a_node_that_is_killed_is_told_and_one_that_ends_is_not(self):
+        for name, end in (('ends_well', signal.SIGTERM), ('is_killed', signal.SIGKILL)):
+            process = subprocess.Popen([sys.executable, '-c', LISTENER, name], stdout=subprocess.PIPE, text=True)
+            try:
+                self.assertEqual(process.stdout.readline(), 'listening\n')
+            finally:
+                process.send_signal(end)
+                process.wait()
+                process.stdout.close()
+        found = "'/is_killed' died (found at "
+        state = self.state.wait('a death', lambda state: found in ''.join(state.degraded_because))
+        self.assertNotIn('/ends_well', ''.join(state.degraded_because))
+        self.log.wait('a death', lambda log: log.level == Log.ERROR and "'/is_killed' died" in log.msg)
+
+    # ---- a time master that did not run for a while ----
+
+    def test_time_does_not_leap_over_what_a_stopped_time_master_slept(self):
+        factor = 100.0
+        self.client.set_factor(factor)
+        mark, log = self.clock.mark(), self.log.mark()
+        master = psutil.Process(pid_of('/time_master'))
+        master.suspend()
+        try:
+            time.sleep(2.0)  # what is tested: not a wait for anything
+        finally:
+            master.resume()
+        self.log.wait('a warning', lambda line: line.level == Log.WARN and 'did not run for a while' in line.msg, log)
+        times = self.times(mark)
+        # The longest gap that counts is 0.25 s; two advances may lie between two messages.
+        self.assertLessEqual(max(b - a for a, b in zip(times, times[1:])), 2 * 0.25 * factor * 1e9)
+
+    def test_it_listens_on_the_announced_address_only(self):
+        self.assertEqual(listening_addresses(pid_of('/time_master')), {os.environ['ROS_IP']})
 
     def test_the_clients_hold_is_released_when_its_block_raises(self):
         states = self.state.mark()

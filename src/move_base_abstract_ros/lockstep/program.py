@@ -8,7 +8,7 @@ from importlib.machinery import SourceFileLoader
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from .. import rospy_waits
+from .. import rospy_start
 from ..replaced import replace
 from . import (
     address_layout,
@@ -92,7 +92,7 @@ class _Joining:
 
     def install(self):
         """Stand before rospy.init_node."""
-        rospy_waits.shorten()
+        rospy_start.prepare()
         for name in ('rospy.init_node', 'rospy.client.init_node'):
             replace(name, lambda init_node: lambda *args, **kwds: self._init_node(init_node, args, kwds))
         self.early.install()

@@ -17,7 +17,7 @@ import rospy
 from move_base_abstract import mission
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.shown import shown_text
-from move_base_abstract_ros import lockstep, rospy_waits
+from move_base_abstract_ros import lockstep, rospy_start
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
 from move_base_abstract_ros.nodes import demo_nodes, demo_report
 from move_base_abstract_ros.nodes.demo_mission import MissionFailed, MissionRun
@@ -57,7 +57,7 @@ def _run(arguments, plan):
         clock = demo_nodes.clock_parameters(arguments.clock, arguments.factor, ['/fleet', '/demo'])
         settings = demo_nodes.robot_settings(arguments.speed, map_path is not None, arguments.routes, arguments.rviz)
         demo_nodes.start(ros, plan, clock, settings, map_path, arguments.rviz)
-        rospy_waits.shorten()
+        rospy_start.prepare()
         rospy.init_node('demo', disable_signals=True)
         try:
             run = MissionRun(plan, lockstep.join() if arguments.clock == 'lockstep' else None)

@@ -9,14 +9,14 @@ import rospy
 
 from move_base_abstract.errors import SimulatorError
 
-from .. import lockstep, rospy_waits
+from .. import lockstep, rospy_start
 from ..node_process import parse_no_arguments
 
 
 def main():
     """Wait for the message, and exit; with 1 when the parameter is missing, or the run ends before."""
     parse_no_arguments('end_at_message', __doc__)
-    rospy_waits.shorten()
+    rospy_start.prepare()
     rospy.init_node('end_at_message', disable_rosout=True)
     try:
         topic = rospy.get_param('~topic')

@@ -16,14 +16,14 @@ from roslib.message import get_message_class
 
 from move_base_abstract.errors import SimulatorError
 
-from .. import lockstep, rospy_waits
+from .. import lockstep, rospy_start
 from ..node_process import parse_no_arguments
 
 
 def main():
     """Record until the run is over; exits with 1 when a parameter is missing."""
     parse_no_arguments('message_recorder', __doc__)
-    rospy_waits.shorten()
+    rospy_start.prepare()
     rospy.init_node('message_recorder', disable_rosout=True)
     try:
         topics, path = rospy.get_param('~topics'), rospy.get_param('~path')

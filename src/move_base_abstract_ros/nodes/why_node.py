@@ -22,7 +22,7 @@ import rosgraph
 import rospy
 
 from move_base_abstract.msg import TimeState
-from move_base_abstract_ros import rospy_waits
+from move_base_abstract_ros import rospy_start
 
 HELP = ('what usually helps: a loop that waits for something waits in ROS time (rospy.sleep, rospy.Rate, '
         'ros::Duration::sleep); a wait for a file, a socket or another process holds everybody up until it is over; '
@@ -77,7 +77,7 @@ def _ask(topic, timeout):
     if not rosgraph.is_master_online():
         raise rospy.ROSException(f'no ROS master at {rosgraph.get_master_uri()}')
     # Without ROS time: the question must not make this node one of those that use the clock.
-    rospy_waits.shorten()
+    rospy_start.prepare()
     rospy.init_node('why', anonymous=True, disable_rostime=True, disable_signals=True)
     try:
         return rospy.wait_for_message(topic, TimeState, timeout)
@@ -128,7 +128,7 @@ def _scaled_lines(state):
     return [f'time {moves}', f'at {_time(state.sim_time)}; mode scaled: time follows the wall and waits for nobody',
             *(f'held by {hold.holder}, for {hold.remaining:.1f} s more at most' for hold in state.holds),
             *([f'stops at {_time(state.run_until)}'] if state.run_until else []),
-            *(f'{name} publishes /clock too' for name in state.other_clock_publishers)]
+            *(f'{name} publishes /clock too' for name in state.other_clock_publishers), *state.degraded_because]
 
 
 def _gate_lines(state):

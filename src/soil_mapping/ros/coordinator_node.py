@@ -14,7 +14,7 @@ import rospy
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract.ros_names import NAMESPACE_RULE, is_namespace
 from move_base_abstract.shown import shown
-from move_base_abstract_ros import lockstep, rospy_waits
+from move_base_abstract_ros import lockstep, rospy_start
 from move_base_abstract_ros.clock_watch import watch_clock
 from move_base_abstract_ros.log_files import survive_full_disk
 from move_base_abstract_ros.node_process import parse_no_arguments, tell_error
@@ -43,7 +43,7 @@ def main():
     end = ProcessEnd('soil_coordinator')
     try:
         survive_full_disk()
-        rospy_waits.shorten()
+        rospy_start.prepare()
         rospy.init_node('soil_coordinator')
         _run(began)
     except (SimulatorError, MissionFailed) as error:

@@ -2,7 +2,7 @@
 
 import rospy
 
-from move_base_abstract_ros import lockstep, rospy_waits
+from move_base_abstract_ros import lockstep, rospy_start
 from soil_mapping.coordinator import Coordinator
 from soil_mapping.ros.coordinator_node import run_mission
 from soil_mapping.ros.mission_run import MissionFailed
@@ -18,7 +18,7 @@ def carry_out(spec, node, names, topics, ros, stopwatch, before=lambda: None):
     :raises LoopbackError, MissionFailed: if a node ends, or the mission cannot be carried out.
     """
     coordinator = Coordinator(spec.config, spec.seed, truth_of(spec.config), stopwatch)
-    rospy_waits.shorten()
+    rospy_start.prepare()
     rospy.init_node(node, disable_signals=True)
     try:
         return coordinator, run_mission(coordinator, names, *topics, stopwatch, ros.check, before)

@@ -1,0 +1,18 @@
+"""Where a process listens."""
+import xmlrpc.client
+
+import psutil
+import rosgraph
+
+
+def pid_of(node, master_uri=None):
+    """Return the process id of a node of a ROS master: of that of this process, where none is given."""
+    uri = rosgraph.Master('/own_sockets', master_uri=master_uri).lookupNode(node)
+    return xmlrpc.client.ServerProxy(uri).getPid('/own_sockets')[2]
+
+
+def listening_addresses(pid):
+    """Return the addresses on which a process listens for TCP connections, as a set of texts."""
+    process = psutil.Process(pid)
+    connections = getattr(process, 'net_connections', process.connections)(kind='tcp')
+    return {one.laddr.ip for one in connections if one.status == psutil.CONN_LISTEN}
