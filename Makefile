@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 # One goal after the other: two that install at the same time would be in each other's way.
 .NOTPARALLEL:
-.PHONY: help deps build demo test lint bench study study-trial experiment picture clean
+.PHONY: help deps build demo test explore lint bench study study-trial experiment picture clean
 .PHONY: deps-test deps-lint deps-bench deps-study deps-experiment deps-picture
 
 WS := $(CURDIR)/.ws
@@ -54,6 +54,10 @@ test: deps-test build  ## all tests; ONLY=part_of_a_name for some
 	@$(ENTER_ROS) tools/build $(PYTHON) $(BUILD_TYPE) tests
 	@cmake --build '$(WS)/build' --target tests -j$$(nproc) >'$(WS)/build_tests.log' || { cat '$(WS)/build_tests.log'; exit 1; }
 	@$(ENTER) $(PYTHON) tools/run_tests.py $(if $(ONLY),--only '$(ONLY)')
+
+explore: deps-test build  ## property tests with other examples each time, long; EXAMPLES=50000 of each, ONLY=part_of_a_test
+	@$(ENTER) EXAMPLES='$(EXAMPLES)' '$(WS)/venv/bin/python' -m pytest -q -p no:cacheprovider test/unit -m hypothesis \
+	  --hypothesis-profile=explore $(if $(ONLY),-k '$(ONLY)')
 
 lint: deps-lint build  ## ruff and C++ includes with the borders, Python 3.8, catkin_lint, clang-format, shell scripts
 	@$(ENTER) tools/lint

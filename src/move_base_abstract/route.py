@@ -104,9 +104,9 @@ class Route:
 
     def distance_at(self, now_ns):
         """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
-        if now_ns <= self.depart_ns:
+        if now_ns < self.depart_ns:
             return 0.0
-        if now_ns >= self.arrive_ns:
+        if now_ns >= self.arrive_ns:  # also at the departure, where all of it takes less than a nanosecond
             return self.distance
         part, elapsed_ns = self._part(now_ns)
         return part.distance_at(elapsed_ns)

@@ -4,7 +4,7 @@ import os
 import sys
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'src'))
 
@@ -20,7 +20,11 @@ from move_base_abstract.robot import Robot  # noqa: E402
 from move_base_abstract.simulation import Simulation  # noqa: E402
 from move_base_abstract.units import seconds_to_ns  # noqa: E402
 
-settings.register_profile('repeatable', derandomize=True, database=None, deadline=None, max_examples=150)
+# Every run takes the same examples, however slow the machine is: what is found by chance is found by `make explore`.
+settings.register_profile('repeatable', derandomize=True, database=None, deadline=None, max_examples=150,
+                          suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile('explore', settings.get_profile('repeatable'), derandomize=False, print_blob=True,
+                          max_examples=int(os.environ.get('EXAMPLES') or 5000))
 settings.load_profile('repeatable')
 
 

@@ -2,7 +2,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from move_base_abstract.geometry import Pose2D
@@ -32,6 +32,10 @@ def instant(route, share):
 # ---- without corners
 
 @given(POSES, POSES, LIMITS, TOLERANCES, DEPARTURES, st.sampled_from(LAWS), SHARES)
+@example(Pose2D(), Pose2D(2.2e-309, 0.0), MotionLimits(1.0), Tolerances(), 0, CornerLaw.KEEP, 0.5)
+@example(Pose2D(), Pose2D(1e-12, 0.0), MotionLimits(5.0), Tolerances(), 7, CornerLaw.STOP, 0.0)
+@example(Pose2D(), Pose2D(1e-12, 0.0, 1.0), MotionLimits(5.0, turn_rate=1.0), Tolerances(), 7, CornerLaw.KEEP, 0.0)
+@example(Pose2D(), Pose2D(0.0, 1e-12), MotionLimits(5.0, turn_rate=1.0), Tolerances(), 7, CornerLaw.KEEP, 1.0)
 def test_a_route_without_corners_is_a_leg_to_the_last_digit(start, goal, limits, tolerances, depart_ns, law, share):
     leg = Leg(start, goal, limits, tolerances, depart_ns)
     route = Route(start, goal, (), limits, tolerances, depart_ns, law)
