@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Optional, Tuple
 
+from .arguments import as_float, as_ns, check_kind
 from .bounded_yaml import load_yaml_file
 from .chance import Chance, Purpose
 from .csv_files import open_csv
@@ -57,6 +58,19 @@ class Task:
     duration_ns: int = 0
     power: float = 0.0
     energy: float = 0.0
+
+
+def check_task(task):
+    """Check that ``task`` is a :class:`Task`, and that its values are of their kinds.
+
+    :raises ConfigurationError: if not, naming the value.
+    """
+    check_kind(task, Task, 'task')
+    for name, kind in (('task_id', str), ('place', str), ('pose', Pose2D)):
+        check_kind(getattr(task, name), kind, 'task: ' + name)
+    as_ns(task.duration_ns, 'task: duration_ns')
+    for name in ('power', 'energy'):
+        as_float(getattr(task, name), 'task: ' + name)
 
 
 @dataclass(frozen=True)

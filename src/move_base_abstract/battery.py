@@ -4,6 +4,7 @@ The instants at which the charge passes a threshold follow from it, to the nanos
 """
 import math
 import sys
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Tuple
 
@@ -249,12 +250,13 @@ class Battery:
         levels = self.settings.levels
         passed = [(levels[index], BELOW if levels[index] else EMPTY) for index in range(before, self._passed)]
         risen = [(levels[index], ABOVE) for index in range(before - 1, self._passed - 1, -1)]
-        for level, what in (passed or risen) if is_told else ():
-            self._listener.battery(level, what, now_ns)
-        if self.is_empty and not was_empty:
-            self._navigator.disable(self.REASON, BATTERY_EMPTY, now_ns)
-        elif was_empty and not self.is_empty:
-            self._navigator.enable(self.REASON)
+        with ExitStack() as rest:  # which comes whatever goes wrong with telling it
+            if self.is_empty and not was_empty:
+                rest.callback(self._navigator.disable, self.REASON, BATTERY_EMPTY, now_ns)
+            elif was_empty and not self.is_empty:
+                rest.callback(self._navigator.enable, self.REASON)
+            for level, what in (passed or risen) if is_told else ():
+                self._listener.battery(level, what, now_ns)
 
 
 class _Even:

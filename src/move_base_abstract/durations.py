@@ -15,7 +15,7 @@ from .shown import shown
 from .units import seconds_to_ns
 
 _FAILURES = ascending_pairs(number(low=0.0), number(0.0, 1.0))
-_POINTS = ascending_pairs(number(0.0, 1.0), number(above=0.0))
+_POINTS = ascending_pairs(number(0.0, 1.0), number(high=1e6, above=0.0))
 _FACTORS = {'lognormal': Lognormal, 'gamma': Gamma}
 DISTRIBUTIONS = ('constant', *_FACTORS, 'quantiles')
 
@@ -30,7 +30,7 @@ TABLE = (
               'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending'),
 )
 _POINTS_PARAMETER = Parameter('quantiles', None, _POINTS,
-                              'a list of [probability, factor > 0], the probabilities ascending from 0 to 1')
+                              'a list of [probability, factor > 0 and <= 1e6], the probabilities ascending from 0 to 1')
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,14 @@ class EventQueue:
         self._telling = 0
         self._tellers = 0
         self._asleep = []  # Series, in the order in which they fell asleep
+        self._guards = {}  # {robot index: function}
+
+    def guard(self, robot_index, break_off):
+        """Call ``break_off(error)`` where an event of the robot raises ``error``, and go on; None: let it through."""
+        if break_off is None:
+            self._guards.pop(robot_index, None)
+        else:
+            self._guards[robot_index] = break_off
 
     def new_teller(self):
         """Return the place that a new series that only tells has among all of its instant."""
@@ -128,10 +136,16 @@ class EventQueue:
             due_ns = self.next_due_ns()
             if due_ns is None or due_ns > now_ns:
                 return
-            event = heapq.heappop(self._heap)[3]
+            _, robot_index, _, event = heapq.heappop(self._heap)
             action, event.action = event.action, None
             enter(due_ns)
-            action(due_ns, now_ns)
+            try:
+                action(due_ns, now_ns)
+            except Exception as error:
+                break_off = self._guards.get(robot_index)
+                if break_off is None:
+                    raise
+                break_off(error)
 
     def foresee(self, before_ns, most):
         """Return what series that only tell will do, as [(due_ns, [Series, ...]), ...], and what comes after it [ns].
@@ -261,9 +275,12 @@ class Series:
 
     def _happen(self, due_ns, now_ns):
         own = self._event
-        pause_ns = self._action(due_ns, now_ns) or 0
-        if self._event is own:  # not stopped, not started anew
-            self._go_on(due_ns + self.period_ns * ((now_ns + pause_ns - due_ns) // self.period_ns + 1))
+        pause_ns = 0
+        try:
+            pause_ns = self._action(due_ns, now_ns) or 0
+        finally:
+            if self._event is own:  # not stopped, not started anew
+                self._go_on(due_ns + self.period_ns * ((now_ns + pause_ns - due_ns) // self.period_ns + 1))
 
 
 def _always():

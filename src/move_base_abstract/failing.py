@@ -5,6 +5,7 @@ comes when the exposure has reached the sum of exponential numbers drawn so far.
 Poisson process of its exposure, in which a robot that has failed does not get on.
 """
 import math
+from contextlib import ExitStack
 from typing import NamedTuple, Optional
 
 from .alarm import Alarm
@@ -75,13 +76,14 @@ class Failing:
         self._pause(now_ns)
         if until_ns is not None:
             self._repair.set(until_ns, self.repair)
-        self._listener.failed(kind, cause, now_ns)
-        if kind == ABORT:
-            self._navigator.disable(self.REASON, FAILED, now_ns)
-            return True
-        if kind == SILENT:
-            self._navigator.go_silent()
-        self._navigator.hold(self.REASON, now_ns)
+        with ExitStack() as rest:  # which comes whatever goes wrong with telling it: the latter one first
+            if kind == ABORT:
+                rest.callback(self._navigator.disable, self.REASON, FAILED, now_ns)
+            else:
+                rest.callback(self._navigator.hold, self.REASON, now_ns)
+                if kind == SILENT:
+                    rest.callback(self._navigator.go_silent)
+            self._listener.failed(kind, cause, now_ns)
         return True
 
     def _repaired_at(self, now_ns, repair):
@@ -94,15 +96,17 @@ class Failing:
 
     def repair(self, now_ns):
         """Be as before at ``now_ns`` [ns]; return whether there was anything to repair."""
-        failure = self._forget(now_ns)
+        failure = self.failure
         if failure is None:
             return False
-        if failure.kind == ABORT:
-            self._navigator.enable(self.REASON)
-        elif failure.kind == SILENT:
-            self._navigator.answer_again(now_ns)
-        self._navigator.release(self.REASON, now_ns)
-        self._goal_changed(now_ns)
+        with ExitStack() as rest:  # as above
+            rest.callback(self._goal_changed, now_ns)
+            rest.callback(self._navigator.release, self.REASON, now_ns)
+            if failure.kind == ABORT:
+                rest.callback(self._navigator.enable, self.REASON)
+            elif failure.kind == SILENT:
+                rest.callback(self._navigator.answer_again, now_ns)
+            self._forget(now_ns)
         return True
 
     def _forget(self, now_ns):

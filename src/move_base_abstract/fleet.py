@@ -9,10 +9,12 @@ The robots are those of the nodes, with the same settings, and time is kept in t
 """
 import itertools
 
+from .arguments import as_float, as_ns, check_kind
+from .arrivals import check_task
 from .battery import EMPTY, STATE_OF_CHARGE
 from .errors import ConfigurationError, FrameError, TimeError
 from .failures import KINDS, REQUEST, check_request
-from .geometry import quaternion_of_yaw
+from .geometry import Pose2D, quaternion_of_yaw
 from .map_check import MapCheck
 from .navigator import GoalPose, NavigatorListener
 from .outcome import BATTERY_EMPTY, ROBOT_REMOVED, ROBOT_RESET
@@ -43,7 +45,7 @@ class Fleet:
 
     def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=(), occupancy=None,
                  on_worked=None):
-        self.simulation = Simulation(start_ns)
+        self.simulation = Simulation(as_ns(start_ns, 'start_ns'))
         self.trace = None if trace is None else list(trace)
         self.scenario = scenario
         self._on_end = on_end
@@ -87,7 +89,13 @@ class Fleet:
             member.reset(self.now_ns)
 
     def send(self, name, x, y, yaw=0.0, goal_id='', frame='map'):
-        """Send a goal [m, rad, in ``frame``] to a robot now; return its id. What is wrong with it ends it."""
+        """Send a goal [m, rad, in ``frame``] to a robot now; return its id. What is wrong with it ends it.
+
+        :raises ConfigurationError: for what is no goal: a text for a number, a robot that is not there.
+        """
+        x, y, yaw = as_float(x, 'x'), as_float(y, 'y'), as_float(yaw, 'yaw')
+        check_kind(goal_id, str, 'goal_id')
+        check_kind(frame, str, 'frame')
         member = self._member(name)
         goal_id = goal_id or '{}-{}'.format(name, next(member.goal_numbers))
         goal = GoalPose(frame, 0, (x, y), quaternion_of_yaw(yaw))
@@ -103,6 +111,8 @@ class Fleet:
 
         :raises ConfigurationError: if the scenario says nothing of places.
         """
+        check_task(task)
+        check_kind(goal_id, str, 'goal_id')
         goal_id = goal_id or task.task_id
         self._worker(name).take(goal_id, 0, task, self.now_ns)
         return goal_id
@@ -113,10 +123,12 @@ class Fleet:
 
     def place(self, name, pose):
         """Put a robot at ``pose`` (Pose2D, global frame) at once; with a goal it goes on from there."""
+        check_kind(pose, Pose2D, 'pose')
         self._member(name).navigator.place(pose, self.now_ns)
 
     def hold(self, name, reason):
         """Have a robot stand where it is for ``reason`` (a text), its goal still active, until :meth:`release`."""
+        check_kind(reason, str, 'reason')
         self._member(name).navigator.hold(reason, self.now_ns)
 
     def release(self, name, reason):
@@ -178,10 +190,11 @@ class Fleet:
         return self._member(name).robot.distance_at(self.now_ns)
 
     def at(self, time_ns, action):
-        """Call ``action(fleet)`` at ``time_ns`` [ns].
+        """Call ``action(fleet)`` at ``time_ns`` [ns], a whole number.
 
         :raises TimeError: if that is past.
         """
+        time_ns = as_ns(time_ns, 'time_ns')
         if time_ns < self.now_ns:
             raise TimeError('time {} ns is past, it is {} ns'.format(time_ns, self.now_ns))
         self.simulation.queue.schedule(time_ns, _USER_INDEX, lambda due_ns, _now_ns: action(self))
@@ -190,7 +203,10 @@ class Fleet:
         """Let everything happen up to ``until_ns`` [ns], or to the end of all events; return the time [ns].
 
         Without ``until_ns`` it waits neither for batteries nor for failures that are to come.
+
+        :raises TimeError: if ``until_ns`` is past.
         """
+        until_ns = None if until_ns is None else as_ns(until_ns, 'until_ns')
         while True:
             due_ns = self.simulation.next_due_ns()
             if due_ns is None or (due_ns > until_ns if until_ns is not None else not self.simulation.queue.is_busy()):
@@ -202,7 +218,7 @@ class Fleet:
 
     def run_for(self, seconds):
         """Let ``seconds`` of simulated time pass; return the time [ns]."""
-        return self.run(self.now_ns + seconds_to_ns(seconds))
+        return self.run(self.now_ns + seconds_to_ns(as_float(seconds, 'seconds')))
 
     def _add(self, spec):
         self._members[spec.name] = _Member(self, spec, next(self._indices), self._planner, self._occupancy)
@@ -294,6 +310,7 @@ class _Member(NavigatorListener):
         self.navigator.close(ROBOT_REMOVED, now_ns)
         if self._traveller is not None:
             self._traveller.leave(now_ns)
+        self._fleet.simulation.queue.guard(self.robot.index, None)
 
     def use_map(self, occupancy):
         if self._map_check is not None:
@@ -306,10 +323,12 @@ class _Member(NavigatorListener):
             self._traveller.departed(robot.leg, now_ns)
 
     def stands(self, robot, now_ns):
-        self._trace.stands(robot.pose_at(now_ns), now_ns)
-        self._moved(now_ns)
-        if self._traveller is not None:
-            self._traveller.stands(now_ns)
+        try:
+            self._trace.stands(robot.pose_at(now_ns), now_ns)
+            self._moved(now_ns)
+        finally:  # its places are its own, whatever goes wrong with the rest
+            if self._traveller is not None:
+                self._traveller.stands(now_ns)
 
     def abandons(self, now_ns):
         if self._traveller is not None:
@@ -318,6 +337,10 @@ class _Member(NavigatorListener):
     def _moved(self, now_ns):
         if self.worker is not None:
             self.worker.tasks.moved(now_ns)
+
+    def broken_off(self, now_ns):
+        if self._traveller is not None:
+            self._traveller.put_in_order(now_ns)
 
     def held(self, reasons, now_ns):
         self._trace.held(reasons, now_ns)

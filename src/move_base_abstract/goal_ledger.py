@@ -98,12 +98,14 @@ class GoalLedger:
         return False
 
     def _accept(self, record, now_ns):
-        if self.active is not None:
-            self._end(self._current, REPLACED, now_ns)
-        if self._current is not None and self._current.ended_ns is not None:
-            self._current.ended_ns = now_ns
-        self._current = record
-        record.state, record.text = GoalState.ACTIVE, TEXT_ACCEPTED
+        try:
+            if self.active is not None:
+                self._end(self._current, REPLACED, now_ns)
+        finally:  # a goal that is neither active nor at its end would be lost
+            if self._current is not None and self._current.ended_ns is not None:
+                self._current.ended_ns = now_ns
+            self._current = record
+            record.state, record.text = GoalState.ACTIVE, TEXT_ACCEPTED
         self._publish_status()
 
     def finish(self, outcome, stamp_ns):
@@ -116,8 +118,10 @@ class GoalLedger:
         if self.is_silent:
             self._untold.append(record)
             return
-        self._publish_result(record, stamp_ns)
-        self._publish_status()
+        try:
+            self._publish_result(record, stamp_ns)
+        finally:
+            self._publish_status()
 
     def cancel(self, goal_id, stamp_ns, now_ns):
         """Take a cancel request in; return whether it is for the active goal, which then shows as PREEMPTING.

@@ -7,7 +7,9 @@ from collections import deque
 
 from .durations import GoalDurations
 from .errors import FrameError
+from .faults import attempt_each, fault_outcome, guarded
 from .geometry import Pose2D, quaternion_fault, yaw_of_quaternion
+from .goal_feedback import GoalFeedback
 from .navigator_listener import BadFramePolicy, GoalPose, NavigatorListener
 from .outcome import CANCELLED, CLOCK_RESTARTED, INVALID_QUATERNION, NO_CONTROL, NO_PLAN, REACHED, aborted
 from .planning import StraightLinePlanner
@@ -24,8 +26,7 @@ class Navigator:
     """The life of one robot's goals, on top of a :class:`GoalLedger` that keeps the book."""
 
     def __init__(self, robot, simulation, ledger, frames, listener, planner=StraightLinePlanner(),
-                 bad_frame_policy=BadFramePolicy.ABORT, recovery_policy=RecoveryPolicy(),
-                 durations=None):
+                 bad_frame_policy=BadFramePolicy.ABORT, recovery_policy=RecoveryPolicy(), durations=None):
         self.robot = robot
         self.planner = planner
         self._bad_frame_policy = bad_frame_policy
@@ -35,8 +36,7 @@ class Navigator:
         self._ledger = ledger
         self._frames = frames
         self._listener = listener
-        self._feedback = None
-        self._feedback_frequency = 0.0
+        self._feedback = GoalFeedback(robot, simulation, ledger, listener)
         self._events = []
         self._target = None
         self._starts_from_idle = True
@@ -53,18 +53,12 @@ class Navigator:
 
     def set_feedback_frequency(self, frequency):
         """Tell where the robot is ``frequency`` times a simulated second while it has a goal; 0 = never."""
-        if self._feedback is not None:
-            self._feedback.stop()
-        self._feedback_frequency = frequency
-        self._feedback = self._simulation.series(self.robot.index, frequency, self._tell_position,
-                                                 only_tells=True, is_heard=self._listener.is_feedback_heard)
-        if self._feedback is not None and self._ledger.active is not None:
-            self._feedback.start(self._simulation.now_ns)
+        self._feedback.set_frequency(frequency)
 
     @property
     def feedback_frequency(self):
         """How often it is told where the robot is on its way [Hz, simulated]; 0: never."""
-        return self._feedback_frequency
+        return self._feedback.frequency
 
     @property
     def is_active(self):
@@ -81,6 +75,7 @@ class Navigator:
         """The reasons for which the robot is held, texts in the order in which they came; none: it may travel."""
         return self._holds
 
+    @guarded
     def receive(self, goal_id, stamp_ns, goal, now_ns):
         """Take the :class:`GoalPose` ``goal`` in. The newest goal wins; whatever is wrong with it ends it."""
         if self._ledger.is_silent:
@@ -109,8 +104,7 @@ class Navigator:
             self._end(refusal, now_ns)
             return
         self._tell_followers(now_ns)
-        if self._feedback is not None:
-            self._feedback.start(now_ns)
+        self._feedback.start(now_ns)
         self._find_place(goal, now_ns)
 
     def _find_place(self, goal, now_ns):
@@ -168,11 +162,7 @@ class Navigator:
         if self._starts_from_idle:
             self._listener.stop_wheels()
         self._listener.target(pose, now_ns)
-        corners = self.planner.corners(self.robot.pose_at(now_ns), pose)
-        if corners is None:
-            self._fail_to_plan(now_ns)
-        else:
-            self._travel(corners, now_ns)
+        self._travel(self.planner.corners(self.robot.pose_at(now_ns), pose), now_ns)
 
     def _fail_to_plan(self, now_ns):
         refusal = self.planner.refusal_of_way(self.robot.pose_at(now_ns), self._target)
@@ -181,6 +171,10 @@ class Navigator:
         self._give_up(now_ns)
 
     def _travel(self, corners, now_ns):
+        """Go to the target by ``corners``; None: there is no way."""
+        if corners is None:
+            self._fail_to_plan(now_ns)
+            return
         if self._holds:
             self._waits_for_release = True
             return
@@ -201,8 +195,7 @@ class Navigator:
     def _arrive(self, due_ns, _now_ns):
         self.robot.stop(due_ns)
         self._listener.stands(self.robot, due_ns)
-        if self._feedback is not None:
-            self._listener.feedback(self._ledger.active, self.robot.pose_at(due_ns), due_ns, is_last=True)
+        self._feedback.tell_last(due_ns)
         self._end(REACHED, due_ns)
 
     def _fail_on_the_way(self, due_ns, _now_ns):
@@ -222,6 +215,7 @@ class Navigator:
         else:
             self._at(end_ns, lambda due_ns, _now_ns: self._end(NO_PLAN, due_ns))
 
+    @guarded
     def cancel(self, goal_id, stamp_ns, now_ns):
         """Take a cancel request in; the robot stops at its exact pose of this instant."""
         if self._ledger.is_silent:
@@ -231,6 +225,7 @@ class Navigator:
             self._halt(now_ns)
             self._end(CANCELLED, now_ns)
 
+    @guarded
     def hold(self, reason, now_ns):
         """Have the robot stand at its exact pose of this instant for ``reason`` (a text), until :meth:`release`.
 
@@ -248,6 +243,7 @@ class Navigator:
             self._halt(now_ns)
             self._waits_for_release = True
 
+    @guarded
     def release(self, reason, now_ns):
         """End what :meth:`hold` began for ``reason``; without any left the robot goes on, by a way that is new.
 
@@ -261,6 +257,7 @@ class Navigator:
             self._waits_for_release = False
             self._plan_again(now_ns)
 
+    @guarded
     def disable(self, reason, outcome, now_ns):
         """End the active goal with ``outcome``, and each that comes, for ``reason`` (a text), until :meth:`enable`."""
         self._refusals[reason] = outcome
@@ -274,6 +271,7 @@ class Navigator:
         """Say nothing of goals any more, and hear neither goals nor cancels, until :meth:`answer_again`."""
         self._ledger.go_silent()
 
+    @guarded
     def answer_again(self, now_ns):
         """Say which goals have ended meanwhile, and take in what came, in its order (of more than 50 the latest)."""
         self._ledger.answer_again(now_ns)
@@ -290,6 +288,7 @@ class Navigator:
         for follower in self._followers:
             follower(now_ns)
 
+    @guarded
     def shut_down(self, outcome, now_ns):
         """End the active goal, if any, with ``outcome``."""
         if self.is_active:
@@ -302,6 +301,7 @@ class Navigator:
         self.shut_down(outcome, now_ns)
         self._ledger.answer_again(now_ns)
 
+    @guarded
     def reset(self, outcome, now_ns):
         """End the active goal, if any, with ``outcome``; nothing keeps the robot from its goals any more."""
         self.close(outcome, now_ns)
@@ -310,6 +310,7 @@ class Navigator:
             self._holds = ()
             self._listener.held((), now_ns)
 
+    @guarded
     def restart(self, before_ns, now_ns):
         """Go on at ``now_ns`` [ns] of a clock that has started anew, the old one having come to ``before_ns`` [ns].
 
@@ -321,6 +322,7 @@ class Navigator:
         self._ledger.restart(now_ns)
         self._listener.stands(self.robot, now_ns)
 
+    @guarded
     def place(self, pose, now_ns):
         """Put the robot at ``pose`` (global frame). With a goal under way, it goes on to it from there.
 
@@ -333,6 +335,7 @@ class Navigator:
             self._forget_events()
             self._plan_again(now_ns)
 
+    @guarded
     def map_changed(self, now_ns):
         """Another map counts from now on: a way that it cuts is planned again, from rest; so is one that there was not.
 
@@ -355,11 +358,8 @@ class Navigator:
 
     def _plan_again(self, now_ns):
         """Go on to the goal from where the robot stands; to give up takes as long as for a new goal."""
-        corners = () if self.planner.goes_straight else self.planner.corners(self.robot.pose_at(now_ns), self._target)
-        if corners is None:
-            self._fail_to_plan(now_ns)
-        else:
-            self._travel(corners, now_ns)
+        self._travel(() if self.planner.goes_straight else self.planner.corners(
+            self.robot.pose_at(now_ns), self._target), now_ns)
 
     def _halt(self, now_ns):
         if self.robot.leg is not None:
@@ -368,18 +368,19 @@ class Navigator:
 
     def _end(self, outcome, stamp_ns):
         self._forget_goal(stamp_ns)
-        if self._feedback is not None:
-            self._feedback.stop()
+        self._feedback.stop()
         if outcome.stops_wheels:
             self._listener.stop_wheels()
         self._ledger.finish(outcome, stamp_ns)
         self._tell_followers(stamp_ns)
 
-    def _tell_position(self, due_ns, _now_ns):
-        record = self._ledger.active
-        if record is None or self._ledger.is_silent:
-            return None
-        return self._listener.feedback(record, self.robot.pose_at(due_ns), due_ns)
+    def break_off(self, error):
+        """Whatever the robot was about has ended in the exception ``error``: its goal, if any, ends with its text."""
+        now_ns, robot = self._simulation.now_ns, self.robot
+        attempt_each(self._simulation, robot.name, error, (
+            (self._forget_goal, now_ns), (robot.halt, now_ns), (self._listener.stands, robot, now_ns),
+            (self._feedback.stop,), (self._listener.stop_wheels,), (self._listener.broken_off, now_ns),
+            (self._ledger.finish, fault_outcome(error), now_ns), (self._tell_followers, now_ns)))
 
     def _at(self, due_ns, action):
         self._events = [event for event in self._events if event.action is not None]

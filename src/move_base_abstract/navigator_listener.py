@@ -54,6 +54,9 @@ class NavigatorListener:
     def abandons(self, now_ns):
         """Where the robot was going it goes no more: its goal has ended, or gives way to another one."""
 
+    def broken_off(self, now_ns):
+        """An error has come up in whatever the robot was about; it stands, without a goal. Nothing may be half done."""
+
     def stop_wheels(self):
         """move_base would now send a zero velocity."""
 

@@ -2,9 +2,11 @@
 import bisect
 import itertools
 import math
+from contextlib import ExitStack
 
 from .arrivals import drawn_ns
 from .chance import Chance, Purpose
+from .faults import guarded
 from .outcome import FAILED, aborted
 from .places import Place
 from .shown import shown_text
@@ -132,7 +134,6 @@ class PlaceTaskRunner(TimedTaskRunner):
         super().__init__(rooms.simulation, robot_index, ledger, None, self._work_begins, listener.progress,
                          progress_frequency, listener.is_progress_heard)
         self._rooms = rooms
-        self._simulation = rooms.simulation
         self._robot = robot
         self._has_failed = has_failed
         self._robot_name = robot_name
@@ -165,6 +166,7 @@ class PlaceTaskRunner(TimedTaskRunner):
     def _is_pending(self):
         return self._ticket is not None and not self._is_admitted
 
+    @guarded
     def take(self, goal_id, stamp_ns, task, now_ns, fault=None):
         """Take the goal ``task`` (Task) in; the task that was under way is ended by it. ``fault``: what is wrong."""
         record = self._ledger.receive(goal_id, stamp_ns, now_ns)
@@ -189,6 +191,7 @@ class PlaceTaskRunner(TimedTaskRunner):
         self._is_admitted = False
         self._ticket = self._room.ask(self._robot_index, self._robot_name, now_ns, self._admitted, self._told_to_wait)
 
+    @guarded
     def moved(self, now_ns):
         """The robot has set out or stands elsewhere: its task ends where that is too far away."""
         if self._task is not None and self._ledger.active is not None and self._distance_fault(self._task):
@@ -198,11 +201,13 @@ class PlaceTaskRunner(TimedTaskRunner):
         """The robot has failed: its task ends."""
         self.shut_down(FAILED, now_ns)
 
+    @guarded
     def _told_to_wait(self, due_ns):
         if self._waits is None:
             self._waits = self._ledger.active
             self._listener.waits(self._waits, self._task.place, due_ns)
 
+    @guarded
     def _admitted(self, due_ns):
         self._is_admitted = True
         self._end_waiting(due_ns)
@@ -227,10 +232,17 @@ class PlaceTaskRunner(TimedTaskRunner):
         now_ns = self._simulation.now_ns
         if self._is_pending:
             self._began_ns = now_ns
-        self._end_waiting(now_ns)
+        with ExitStack() as rest:  # which comes whatever goes wrong: the latter one first
+            rest.callback(self._give_ticket_back, now_ns)
+            rest.callback(self._stop_drawing, now_ns)
+            self._end_waiting(now_ns)
+
+    def _stop_drawing(self, now_ns):
         if self._draws:
             self._draws = False
             self._listener.load(0.0, now_ns)
+
+    def _give_ticket_back(self, now_ns):
         if self._ticket is not None:
             ticket, self._ticket = self._ticket, None
             self._room.give_back(ticket, now_ns)

@@ -114,6 +114,15 @@ class Robot:
         self._begin(_Stand(pose, now_ns))
         return pose
 
+    def halt(self, now_ns):
+        """As :meth:`stop`, whatever is wrong with the leg: where that cannot be said, at its start."""
+        try:
+            self.stop(now_ns)
+        except Exception:
+            if self.leg is not None:
+                self._begin(_Stand(self.leg.start, now_ns))
+            raise
+
     def place(self, pose, now_ns):
         """Be at ``pose`` from ``now_ns`` [ns] on, without having driven there."""
         self._driven = self.distance_at(now_ns)
@@ -135,8 +144,14 @@ class Robot:
     def _begin(self, motion):
         self._motion = motion
         self._past.append(motion)
-        for follower in self._followers:
-            follower(motion.depart_ns)
+        fault = None
+        for follower in self._followers:  # each is told, whatever goes wrong with another
+            try:
+                follower(motion.depart_ns)
+            except Exception as error:
+                fault = fault or error
+        if fault is not None:
+            raise fault
         return motion
 
 

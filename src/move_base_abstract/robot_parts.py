@@ -45,6 +45,7 @@ def make_robot_parts(settings, name, index, simulation, answers, listener, looku
     navigator = Navigator(robot, simulation, ledger, frames, listener, planner or make_planner(settings),
                           settings.bad_frame_policy, settings.recovery,
                           GoalDurations(settings.durations, values['seed'], name))
+    simulation.queue.guard(index, navigator.break_off)
     failing = None
     if settings.failures is not None:
         failing = Failing(settings.failures, robot, navigator, simulation, Chance(values['seed'], name), listener)

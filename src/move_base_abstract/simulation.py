@@ -1,14 +1,21 @@
 """The present of a simulation: one event queue and the time up to which all has happened."""
 from .errors import TimeError
 from .event_queue import EventQueue, Series
+from .faults import log_fault
 
 
 class Simulation:
     """Keeps the time of some robots and lets their events happen. Not thread-safe: the caller holds one lock."""
 
-    def __init__(self, now_ns=0):
+    def __init__(self, now_ns=0, on_fault=log_fault):
+        """``on_fault(who, error)`` is told of errors that nobody expected, and that ended a goal."""
         self.queue = EventQueue()
+        self._on_fault = on_fault
         self._now_ns = now_ns
+
+    def report_fault(self, who, error):
+        """Have it noted that the exception ``error`` came up in what ``who`` (a text) does."""
+        self._on_fault(who, error)
 
     @property
     def now_ns(self):

@@ -1,6 +1,7 @@
 """Tasks that take a while where a robot stands, one at a time for each robot: sampling, loading, charging."""
 import random
 
+from .faults import attempt_each, fault_outcome, guarded
 from .outcome import CANCELLED, CLOCK_RESTARTED, GoalState, Outcome, aborted
 from .units import NS_PER_S, check_reachable, seconds_to_ns
 
@@ -38,6 +39,7 @@ class TimedTaskRunner:
 
     def __init__(self, simulation, robot_index, ledger, durations, on_begin, on_progress, progress_frequency=0.0,
                  is_heard=None):
+        self._simulation = simulation
         self._queue = simulation.queue
         self._robot_index = robot_index
         self._ledger = ledger
@@ -54,6 +56,7 @@ class TimedTaskRunner:
         """Return for how long the latest task has been worked on [ns]."""
         return min(now_ns - self._began_ns, self._duration_ns)
 
+    @guarded
     def receive(self, goal_id, stamp_ns, duration_ns, now_ns):
         """Take a goal in; the task that was under way is ended by it. ``duration_ns`` 0: draw one."""
         record = self._ledger.receive(goal_id, stamp_ns, now_ns)
@@ -76,12 +79,14 @@ class TimedTaskRunner:
         if self._progress is not None:
             self._progress.start(now_ns)
 
+    @guarded
     def cancel(self, goal_id, stamp_ns, now_ns):
         """Take a cancel request in, as of GoalLedger.cancel; the task ends at once."""
         if self._ledger.cancel(goal_id, stamp_ns, now_ns):
             self._stop()
             self._ledger.finish(CANCELLED, now_ns)
 
+    @guarded
     def shut_down(self, outcome, now_ns):
         """End the task that is under way with an Outcome."""
         self._stop()
@@ -96,12 +101,19 @@ class TimedTaskRunner:
         self.shut_down(CLOCK_RESTARTED, now_ns)
         self._ledger.restart(now_ns)
 
+    @guarded
     def _done(self, due_ns, _now_ns):
         self._end = None
         self._stop()
         if self._progress is not None:
             self._tell_progress(due_ns, due_ns)
         self._ledger.finish(DONE, due_ns)
+
+    def break_off(self, error):
+        """Whatever the task was about has ended in the exception ``error``: it ends with its text."""
+        now_ns = self._simulation.now_ns
+        attempt_each(self._simulation, 'the task of robot {}'.format(self._robot_index), error, (
+            (self._stop,), (self._ledger.finish, fault_outcome(error), now_ns)))
 
     def _stop(self):
         if self._end is not None:

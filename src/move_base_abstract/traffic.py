@@ -4,6 +4,7 @@ A robot asks for a place when it comes to the border. If there is none it waits 
 come, first served, at one instant the lower robot index first, and nobody overtakes. It gives a place back when it
 comes to the border on its way out, and where it comes out of one area into another, when it has got its place there.
 """
+from contextlib import ExitStack
 from enum import Enum
 
 from .errors import ConfigurationError
@@ -65,7 +66,7 @@ class Traffic:
 
     def states(self):
         """Return the AreaState of each zone, in the order of the scenario, then of each lane with a capacity."""
-        return [area.state() for area in (*self._zones.values(), *self._lanes.values())]
+        return [area.state() for area in self.areas()]
 
     def close_zone(self, name, is_closed):
         """Let nobody into a zone from now on, or let robots in again; who is inside stays and may leave.
@@ -90,6 +91,10 @@ class Traffic:
         if area.queue and area not in self._dirty:
             self._dirty.append(area)
 
+    def areas(self):
+        """Return all areas: the zones in the order of the scenario, then the lanes."""
+        return [*self._zones.values(), *self._lanes.values()]
+
     def changed(self, *areas):
         """Who holds a place in ``areas`` or waits for one is another now; :meth:`serve` says so."""
         self._is_told = False
@@ -110,11 +115,11 @@ class Traffic:
                 area = self._dirty[0]
                 request = area.queue[0] if area.queue else None
                 if request is not None and request.is_first():
-                    request.traveller.go_on(now_ns)
+                    request.traveller.serve(Traveller.go_on, now_ns)
                     continue
                 self._dirty.pop(0)
                 if request is not None:  # it may have been opened, or have held more robots than there is place for
-                    request.traveller.look_for_circle(now_ns)
+                    request.traveller.serve(Traveller.look_for_circle, now_ns)
         finally:
             self._serves = False
         if not self._is_told:
@@ -141,7 +146,44 @@ class Traveller:
         self._crossings = []
         self._event = None
         self._granted = ()  # the areas that it has been let into and has not set out for yet
+        self._reason = None  # for which it is held here
 
+    def serve(self, step, now_ns):
+        """Do the ``step`` (a function of this class) in another's turn; what goes wrong is this robot's alone."""
+        try:
+            step(self, now_ns)
+        except Exception as error:
+            self._navigator.break_off(error)
+
+    def put_in_order(self, now_ns):
+        """Something went wrong half way: hold a place where the robot stands and nowhere else, and wait for none."""
+        self._forget_crossings()
+        granted, pose = self._granted, self._navigator.robot.pose_at(now_ns)
+        self._leg, self._granted, self.request, self._pose = None, (), None, pose
+        self.held.clear()
+        rows = []
+        for area in self._traffic.areas():
+            area.queue[:] = [request for request in area.queue if request.traveller is not self]
+            had = self in area.holders
+            has = area.outline.contains(pose.x, pose.y) if area.outline is not None else had and area not in granted
+            if has:
+                self.held[area] = area.holders[self] = True
+            else:
+                area.holders.pop(self, None)
+            if has != had:
+                rows.append(('entered' if has else 'left', area.name))
+            self._traffic.changed(area)
+            self._traffic.freed(area)
+        with ExitStack() as rest:  # which comes whatever goes wrong with the rows: the latter one first
+            rest.callback(self._traffic.serve, now_ns)
+            rest.callback(self._end_hold, now_ns)
+            for kind, name in rows:
+                self._note(kind, now_ns, name)
+
+    def _end_hold(self, now_ns):
+        reason, self._reason = self._reason, None
+        if reason is not None:
+            self._navigator.release(reason, now_ns)
     def departed(self, leg, now_ns):
         """The robot starts on ``leg``."""
         self._leg = leg
@@ -188,7 +230,7 @@ class Traveller:
             self._traffic.changed(*request.areas)
             for area in request.areas:
                 self._traffic.freed(area)
-            self._navigator.release(request.reason, now_ns)
+            self._end_hold(now_ns)
             self._traffic.serve(now_ns)
         elif self._granted:  # something else holds it outside
             self._give_back_what_was_granted(now_ns)
@@ -209,7 +251,7 @@ class Traveller:
         self._granted = request.areas
         for area in request.areas:
             self._traffic.freed(area)  # there may be place for more
-        self._navigator.release(request.reason, now_ns)
+        self._end_hold(now_ns)
         if self._leg is None and self.request is None and not self._navigator.held_for:  # there is no way any more
             self._give_back_what_was_granted(now_ns)
 
@@ -238,8 +280,11 @@ class Traveller:
 
     def _happen(self, due_ns, _now_ns):
         self._event = None
-        self._cross(due_ns)
-        self._traffic.serve(due_ns)
+        try:
+            self._cross(due_ns)
+            self._traffic.serve(due_ns)
+        except Exception as error:
+            self._navigator.break_off(error)
 
     def _cross(self, now_ns):
         """The robot is at the first of its crossings: it comes in and leaves, or waits."""
@@ -253,12 +298,13 @@ class Traveller:
         self._forget_crossings()
         self.request = Request(now_ns, self, enters)
         self._traffic.changed(*enters)
-        self._navigator.hold(self.request.reason, now_ns)
+        self._reason = self.request.reason
+        self._navigator.hold(self._reason, now_ns)
         self.look_for_circle(now_ns)
 
     def look_for_circle(self, now_ns):
         """The robot waits, and may close a circle of waiting: say so, once."""
-        circle = waiting_circle(self.request)
+        circle = waiting_circle(self.request) if self.request is not None else None  # None: it was broken off
         if circle is None or all(traveller.request.is_in_circle for traveller, _ in circle):
             return
         for traveller, _ in circle:

@@ -54,7 +54,10 @@ class GoalServer:
         May block; no lock is held.
         """
         arrived = time.monotonic()
-        self._prefetch(goal)
+        try:
+            self._prefetch(goal)
+        except Exception as error:  # without it the goal is judged as it is, and so ends
+            self._clock.simulation.report_fault(self._shell.ns, error)
         with self._clock.lock:
             now_ns = self._clock.now_ns()
             self._shell.arrived(goal_id, arrived)

@@ -66,6 +66,8 @@ class Host:
         connect_one_at_a_time()
         self.clock = clock
         self.timing = timing
+        simulation = clock.simulation
+        simulation.queue.guard(_SHARED_INDEX, lambda error: simulation.report_fault(rospy.get_name(), error))
         self.options = read_action_options(timing.status_frequency)
         self.is_crowded = is_crowded
         self.zones = zones

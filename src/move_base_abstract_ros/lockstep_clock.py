@@ -12,6 +12,7 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.simulation import Simulation
 
 from . import beforehand, outlets
+from .fault_log import FaultLog
 
 
 class LockstepClock:
@@ -37,7 +38,7 @@ class LockstepClock:
         except TurnLost:
             return False  # why has been told, and the node ends
         with self.lock:
-            self.simulation = Simulation(self.participant.now_ns)
+            self.simulation = Simulation(self.participant.now_ns, FaultLog())
         self.participant.constant('/tf_static')
         self.participant.set_source(self)
         return True

@@ -128,6 +128,7 @@ class MoveBaseServer(NavigatorListener):
             self.navigator.close(ROBOT_REMOVED, now_ns)
             if self._traveller is not None:
                 self._traveller.leave(now_ns)
+            self._clock.simulation.queue.guard(self.navigator.robot.index, None)
             self._goal_server.flush()
             self._goal_server.close()
             self._publisher.close()
@@ -191,17 +192,24 @@ class MoveBaseServer(NavigatorListener):
 
     def stands(self, robot, now_ns):
         """Show that the robot stands."""
-        self._trace.stands(robot.pose_at(now_ns), now_ns)
-        self._publisher.stands(now_ns)
-        self._markers.changed()
-        self._moved(now_ns)
-        if self._traveller is not None:
-            self._traveller.stands(now_ns)
+        try:
+            self._trace.stands(robot.pose_at(now_ns), now_ns)
+            self._publisher.stands(now_ns)
+            self._markers.changed()
+            self._moved(now_ns)
+        finally:  # its places are its own, whatever goes wrong with showing it
+            if self._traveller is not None:
+                self._traveller.stands(now_ns)
 
     def abandons(self, now_ns):
         """Leave the queues in which the robot waits."""
         if self._traveller is not None:
             self._traveller.abandons(now_ns)
+
+    def broken_off(self, now_ns):
+        """Leave the robot no place that it is not in, and no queue with it."""
+        if self._traveller is not None:
+            self._traveller.put_in_order(now_ns)
 
     def held(self, reasons, now_ns):
         """Note for which reasons the robot is held, or that it is released."""

@@ -14,6 +14,7 @@ from move_base_abstract.simulation import Simulation
 from move_base_abstract.units import NS_PER_S
 
 from .clock_watch import watch_clock
+from .fault_log import FaultLog
 from .throttle import WallThrottle
 
 _POLL_SECONDS = 0.01
@@ -49,7 +50,7 @@ class RosClock:
             self._latest_ns = rospy.Time.now().to_nsec()
             threading.Thread(target=self._follow_machine, name='machine_clock', daemon=True).start()
         with self.lock:
-            self.simulation = Simulation(self._latest_ns)
+            self.simulation = Simulation(self._latest_ns, FaultLog())
         return True
 
     def _wait_for_clock(self):

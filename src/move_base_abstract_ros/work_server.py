@@ -3,6 +3,7 @@ import struct
 import time
 
 from move_base_abstract.arrivals import Task
+from move_base_abstract.faults import fault_outcome
 from move_base_abstract.geometry import Pose2D
 from move_base_abstract.goal_ledger import GoalLedger
 from move_base_abstract.msg import PlaceTaskActionFeedback, PlaceTaskActionGoal, PlaceTaskActionResult
@@ -17,6 +18,7 @@ from .action_shell import ActionShell, ActionTypes
 
 #: name of the action below a robot's namespace
 ACTION = 'work'
+_NO_TASK = Task('', 0, '', Pose2D())
 _TYPES = ActionTypes(PlaceTaskActionGoal, PlaceTaskActionResult, PlaceTaskActionFeedback)
 
 
@@ -94,7 +96,11 @@ class WorkServer(PlaceTaskListener):
         with self._clock.lock:
             now_ns = self._clock.now_ns()
             self._shell.arrived(message.goal_id.id, time.monotonic())
-            task, fault = self._task_of(message.goal.task)
+            try:
+                task, fault = self._task_of(message.goal.task)
+            except Exception as error:
+                self._clock.simulation.report_fault(self._shell.ns, error)
+                task, fault = _NO_TASK, fault_outcome(error).text
             self.tasks.take(message.goal_id.id, message.goal_id.stamp.to_nsec(), task, now_ns, fault)
 
     def _task_of(self, message):

@@ -1,0 +1,44 @@
+"""Arguments of calls from outside, checked where they come in: a value of the wrong kind is an error at once."""
+import numbers
+import operator
+
+from .errors import ConfigurationError
+from .shown import shown
+
+
+def as_float(value, name):
+    """Return the number ``value`` as a float, which may be NaN or infinite.
+
+    :raises ConfigurationError: naming ``name``, if it is no number, or one that no float holds.
+    """
+    try:
+        if isinstance(value, numbers.Real) and not isinstance(value, bool):
+            return float(value)
+    except OverflowError:
+        pass
+    raise ConfigurationError('{}: got {}; allowed: a number'.format(name, shown(value)))
+
+
+def as_ns(value, name):
+    """Return the time ``value`` [ns] as an int.
+
+    :raises ConfigurationError: naming ``name``, if it is no whole number; a float is none, not even 1e9.
+    """
+    try:
+        if not isinstance(value, bool):
+            return operator.index(value)
+    except TypeError:
+        pass
+    raise ConfigurationError('{}: got {}; allowed: a whole number [ns]'.format(name, shown(value)))
+
+
+def check_kind(value, kind, name):
+    """Check that ``value`` is an instance of ``kind``.
+
+    :raises ConfigurationError: naming ``name``, if it is none.
+    """
+    if not isinstance(value, kind):
+        raise ConfigurationError('{}: got {}; allowed: {}'.format(name, shown(value), _KINDS.get(kind, kind.__name__)))
+
+
+_KINDS = {str: 'a text'}

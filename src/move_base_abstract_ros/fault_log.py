@@ -1,0 +1,26 @@
+"""Errors that nobody expected, in the node's log."""
+import traceback
+
+import rospy
+
+from move_base_abstract.faults import fault_outcome
+
+from .throttle import WallThrottle
+
+_REPEATED_RATE = 0.2  # Hz, wall
+
+
+class FaultLog:
+    """Logs what a Simulation reports; the same error once in 5 s."""
+
+    def __init__(self):
+        self._last = None
+        self._throttle = WallThrottle(_REPEATED_RATE)
+
+    def __call__(self, who, error):
+        """Log ``error`` with its traceback, as of ``who``."""
+        told = who, fault_outcome(error).text
+        if told != self._last or self._throttle.ready():
+            self._last = told
+            rospy.logerr('%s: %s\n%s', *told, ''.join(traceback.format_exception(
+                type(error), error, error.__traceback__)).rstrip())
