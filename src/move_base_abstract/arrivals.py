@@ -15,7 +15,7 @@ from typing import Any, Optional, Tuple
 from .arguments import as_float, as_ns, check_kind
 from .bounded_yaml import load_yaml_file
 from .chance import Chance, Purpose
-from .csv_files import open_csv
+from .csv_files import open_csv, rows_of
 from .errors import ConfigurationError
 from .factors import Constant
 from .geometry import Pose2D
@@ -32,8 +32,8 @@ ARRIVAL_TABLE = (
     _PLACE,
     Parameter('area', None, numbers(4), 'a list [x_min, y_min, x_max, y_max] [m, global frame], x_min <= x_max, '
               'y_min <= y_max'),
-    Parameter('rate', None, number(above=0.0), 'a finite number > 0 [1/s, simulated]'),
-    Parameter('rate_per_hour', None, number(above=0.0), 'a finite number > 0 [1/h, simulated]'),
+    Parameter('rate', None, number(1e-12, 1e9), 'a number in 1e-12..1e9 [1/s, simulated]'),
+    Parameter('rate_per_hour', None, number(1e-9, 1e12), 'a number in 1e-9..1e12 [1/h, simulated]'),
     Parameter('count', None, integer(1), 'a whole number >= 1'),
     Parameter('until', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS)),
     Parameter('file', None, text, 'the path of a file: .csv, .yaml or .yml'),
@@ -202,23 +202,21 @@ def _read_file(name, values, rates, places, where):
     if others:
         raise ConfigurationError('{}: {}: got {} with a file, which says it; allowed: name and file'.format(
             where, others[0], shown(values[others[0]])))
-    rows = [(index + 1, *_task_of(row, index, name, places, '{}: {} {}'.format(path, what, index + first)))
-            for what, first, index, row in _rows(path, where)]
+    rows = [(index + 1, *_task_of(row, index, name, places, here))
+            for index, (here, row) in enumerate(_rows(path, where))]
+    if not rows:
+        raise ConfigurationError('{}: got no tasks; allowed: at least one'.format(path))
     return Listed(name, tuple(sorted(rows, key=lambda row: row[1].arrival_ns)))
 
 
 def _rows(path, where):
-    """Yield (what a row is called, the number of the first one, index, mapping) of a file of tasks."""
+    """Yield (where a row is, mapping) of a file of tasks, a table or YAML."""
     if path.endswith('.csv'):
-        import csv
         with open_csv(path) as stream:
-            for index, row in enumerate(csv.DictReader(stream)):
-                if index >= MAX_TASKS or None in row:
-                    raise ConfigurationError('{}: line {}: got {}; allowed: {}'.format(
-                        path, index + 2, 'more rows' if None not in row else 'more cells than the first line has',
-                        'at most {} tasks'.format(MAX_TASKS) if None not in row else 'as many'))
-                yield 'line', 2, index, {
-                    key: cell.strip() if key == 'place' else _value(cell) for key, cell in row.items() if cell}
+            for index, (here, row) in enumerate(rows_of(stream, path)):
+                if index >= MAX_TASKS:
+                    raise ConfigurationError('{}: got more rows; allowed: at most {} tasks'.format(here, MAX_TASKS))
+                yield here, {key: cell.strip() if key == 'place' else _value(cell) for key, cell in row.items() if cell}
         return
     if not path.endswith(('.yaml', '.yml')):
         raise ConfigurationError('{}: file: got {}; allowed: {}'.format(where, shown(path), ARRIVAL_TABLE[7].allowed))
@@ -226,7 +224,7 @@ def _rows(path, where):
     if not isinstance(raw, dict) or list(raw) != ['tasks'] or not isinstance(raw['tasks'], list):
         raise ConfigurationError('{}: got {}; allowed: a mapping with a list of tasks alone'.format(path, shown(raw)))
     for index, row in enumerate(raw['tasks']):
-        yield 'tasks', 0, index, row
+        yield '{}: tasks {}'.format(path, index), row
 
 
 def _value(cell):

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import yaml
 
 from .errors import ConfigurationError
+from .input_files import open_input
 from .shown import shown, shown_text
 
 MAX_DEPTH = 32  # lists and mappings in one another
@@ -37,12 +38,8 @@ def load_yaml_file(path):
 
     :raises ConfigurationError: if it cannot be read, is no YAML, or is out of bounds; the text begins with the path.
     """
-    try:
-        with open(path, 'rb') as stream:
-            data = stream.read(FILE.size + 1)
-    except (OSError, ValueError) as error:
-        raise ConfigurationError('{}: cannot be read: {}'.format(
-            shown_text(os.fspath(path)), getattr(error, 'strerror', None) or error)) from None
+    with open_input(path, FILE.size, what='file of YAML') as stream:
+        data = stream.read(FILE.size + 1)
     return load_yaml_text(data, str(path))
 
 

@@ -2,10 +2,10 @@
 
 import contextlib
 import csv
-import os
-import stat
 
 from .errors import ConfigurationError
+from .input_files import open_text_input
+from .shown import shown
 
 MAX_BYTES = 64 * 1024 * 1024
 
@@ -14,16 +14,36 @@ MAX_BYTES = 64 * 1024 * 1024
 def open_csv(path, error_type=ConfigurationError):
     """Open a CSV file as text; what its reader complains of in the with block becomes an error that names the file.
 
-    :raises error_type: (a kind of ConfigurationError) if it is a folder or a device, too large, or cannot be read.
+    :raises error_type: (a kind of ConfigurationError) if it is no regular file, too large, or cannot be read.
     """
     try:
-        about = os.stat(path)
-        if not stat.S_ISREG(about.st_mode) or about.st_size > MAX_BYTES:
-            what = f'{about.st_size} bytes' if stat.S_ISREG(about.st_mode) else 'a folder or a device'
-            raise error_type(f'{path}: must be a file of at most {MAX_BYTES} bytes, got {what}')
-        with open(path, newline='', encoding='utf-8-sig') as stream:
+        with open_text_input(path, MAX_BYTES, error_type, 'CSV file', newline='', encoding='utf-8-sig') as stream:
             yield stream
     except ConfigurationError:
         raise
-    except (OSError, ValueError, csv.Error) as error:  # ValueError: no text, or a name with a zero in it
+    except (ValueError, csv.Error) as error:  # ValueError: no text
         raise error_type(f'{path}: cannot be read as CSV: {error}') from None
+
+
+def rows_of(lines, path):
+    """Yield (where, {column: cell}) of the rows of a table whose first line names the columns; empty lines are none.
+
+    ``lines``: an iterable of text lines that may have the number of the last one as ``number``.
+
+    :raises ConfigurationError: for no columns, one that is there twice, and a row of another length.
+    """
+    reader = csv.reader(lines, strict=True)
+    columns = [name.strip() for name in next(reader, ())]
+    if not any(columns):
+        raise ConfigurationError('{}: line 1: got no columns; allowed: a first line that names them'.format(path))
+    for name in columns:
+        if columns.count(name) > 1:
+            raise ConfigurationError('{}: line 1: the column {} is there {} times; allowed: names that differ'.format(
+                path, shown(name), columns.count(name)))
+    for cells in reader:
+        if cells:
+            where = '{}: line {}'.format(path, getattr(lines, 'number', reader.line_num))
+            if len(cells) != len(columns):
+                raise ConfigurationError('{}: got {} cells; allowed: {}, as many as the first line has'.format(
+                    where, len(cells), len(columns)))
+            yield where, dict(zip(columns, cells))

@@ -18,7 +18,8 @@ import json
 import os
 from typing import Any, NamedTuple
 
-from move_base_abstract.errors import SimulatorError
+from .errors import SimulatorError
+from .input_files import open_text_input
 
 FORMAT = 1
 CSV_COLUMNS = ['time_ns', 'robot', 'kind', 'values']
@@ -100,7 +101,7 @@ class EventLog:
         if version != FORMAT or isinstance(version, bool):
             raise self._error(number, f'is not the head of an event log of format {FORMAT}', line)
         start_ns = head.get('start_ns')
-        self.start_ns = start_ns if type(start_ns) is int else 0
+        self.start_ns = start_ns if type(start_ns) is int and _is_ns(start_ns) else 0
         if self._csv:
             number, line = next(self._lines, (2, ''))
             if line.rstrip('\r\n').split(',') != CSV_COLUMNS:
@@ -117,7 +118,8 @@ class EventLog:
             return self._json(number, line[2:])
         try:
             time_ns, robot, kind, values = next(csv.reader([line], strict=True))
-            record = {'time_ns': int(time_ns), 'robot': robot, 'kind': kind, 'values': self._json(number, values)}
+            record = {'time_ns': int(time_ns), 'robot': robot, 'kind': kind,
+                      'values': self._json(number, values)}
         except (ValueError, csv.Error) as error:
             raise self._error(number, f"must hold {','.join(CSV_COLUMNS)} ({error})", line) from error
         return self._event(number, line, record)
@@ -125,9 +127,9 @@ class EventLog:
     def _event(self, number, line, record: Any):
         kinds = {'time_ns': int, 'robot': str, 'kind': str, 'values': list}
         if not isinstance(record, dict) or set(record) != set(kinds) or not all(
-                type(record[key]) is kind for key, kind in kinds.items()):
-            raise self._error(number, 'must hold time_ns (a whole number), robot and kind (texts) and values (a list)',
-                              line)
+                type(record[key]) is kind for key, kind in kinds.items()) or not _is_ns(record['time_ns']):
+            raise self._error(number, 'must hold time_ns (a whole number of 64 bits), robot and kind (texts) and '
+                                      'values (a list)', line)
         return Event(record['time_ns'], record['robot'], record['kind'],
                      json.dumps(record['values'], sort_keys=True), number, line.rstrip('\r\n'))
 
@@ -154,6 +156,10 @@ class EventLog:
         return EventLogError(f"{self.name}:{number}: {what}; got '{shown[:100]}{'...' if len(shown) > 100 else ''}'")
 
 
+def _is_ns(value):
+    return -2 ** 63 <= value < 2 ** 63
+
+
 class Comparison(NamedTuple):
     """What compare found. The first differing events are None where a log has no more of them, or all are equal."""
 
@@ -177,12 +183,11 @@ def compare(first, second):
 
 
 def open_text(path):
-    """Open a log file. Raises EventLogError; says so where only the file of an unfinished run is there."""
-    try:
-        # Bytes that are no text are a difference to be shown, not a reason to stop.
-        return open(path, encoding='utf-8', errors='surrogateescape', newline='\n')
-    except OSError as error:
+    """Open a log file, in a with statement. EventLogError says so where only the file of an unfinished run is there."""
+    def error(text):
         part = ''
-        if os.path.exists(path + '.part'):
+        if not os.path.exists(path) and os.path.exists(f'{path}.part'):
             part = f'; {path}.part is there: that run has not ended properly, or not yet'
-        raise EventLogError(f'{path}: cannot be read: {error.strerror}{part}') from error
+        return EventLogError(text + part)
+    # Bytes that are no text are a difference to be shown, not a reason to stop.
+    return open_text_input(path, None, error, 'file', errors='surrogateescape', newline='\n')

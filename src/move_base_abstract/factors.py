@@ -35,6 +35,9 @@ class Lognormal:
         return self.mean * math.exp(math.sqrt(variance) * _NORMAL.inv_cdf(uniform(0)) - 0.5 * variance)
 
 
+_LEAST_CV = 1e-9  # below it no number shows the spread
+
+
 @dataclass(frozen=True)
 class Gamma:
     """Gamma of mean ``mean`` (> 0) and coefficient of variation ``cv`` (> 0): shape 1/cv^2."""
@@ -47,6 +50,8 @@ class Gamma:
 
         For a shape below 1 that of one more is multiplied by u^(1/shape), as they say.
         """
+        if self.cv < _LEAST_CV:
+            return self.mean
         shape = 1.0 / (self.cv * self.cv)
         boost = 1.0 if shape >= 1.0 else uniform(0) ** (1.0 / shape)
         d = (shape if shape >= 1.0 else shape + 1.0) - 1.0 / 3.0

@@ -73,7 +73,6 @@ class Failing:
         kind = kind or self._failures.kind
         until_ns = self._repaired_at(now_ns, repair)
         self.failure = Failure(kind, cause, now_ns, until_ns)
-        self._pause(now_ns)
         if until_ns is not None:
             self._repair.set(until_ns, self.repair)
         with ExitStack() as rest:  # which comes whatever goes wrong with telling it: the latter one first
@@ -83,6 +82,7 @@ class Failing:
                 rest.callback(self._navigator.hold, self.REASON, now_ns)
                 if kind == SILENT:
                     rest.callback(self._navigator.go_silent)
+            self._pause(now_ns)
             self._listener.failed(kind, cause, now_ns)
         return True
 

@@ -38,8 +38,8 @@ def _points(value):
 
 _EDGE_TABLE = {
     'points': Parameter('points', (), _points, 'a list of [x, y] [m, global frame, within +-1e9]'),
-    'length': Parameter('length', None, number(above=0.0), 'a finite number > 0 [m]'),
-    'speed': Parameter('speed', None, number(above=0.0), 'a finite number > 0 [m/s]'),
+    'length': Parameter('length', None, number(1e-6, 1e9), 'a number in 1e-6..1e9 [m]'),
+    'speed': Parameter('speed', None, number(1e-6, 1e6), 'a number in 1e-6..1e6 [m/s]'),
     'capacity': Parameter('capacity', None, integer(1), 'a whole number >= 1'),
     'one_way': Parameter('one_way', False, boolean, 'true or false'),
 }

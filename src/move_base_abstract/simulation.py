@@ -2,6 +2,7 @@
 from .errors import TimeError
 from .event_queue import EventQueue, Series
 from .faults import log_fault
+from .units import LAST_NS
 
 
 class Simulation:
@@ -80,4 +81,5 @@ class Simulation:
         """Return a :class:`Series` of ``frequency`` [Hz, simulated], not started; None if the frequency is 0."""
         if frequency <= 0.0:
             return None
-        return Series(self.queue, robot_index, max(1, round(1e9 / frequency)), action, only_tells, is_heard)
+        period_ns = max(1, round(min(LAST_NS, 1e9 / frequency)))  # a tiny one comes once
+        return Series(self.queue, robot_index, period_ns, action, only_tells, is_heard)

@@ -8,14 +8,13 @@
 
 or as CSV: from,from_x,from_y,to,to_x,to_y,seconds. Each direction stands for itself.
 """
-import csv
 import math
 from collections import OrderedDict
 from functools import lru_cache
 from typing import Dict, NamedTuple, Tuple
 
 from .bounded_yaml import load_yaml_file
-from .csv_files import open_csv
+from .csv_files import open_csv, rows_of
 from .errors import ConfigurationError
 from .geometry import share_along
 from .lane_map import found, is_place_name
@@ -109,12 +108,10 @@ def _check_apart(places, where):
 def _read_csv(path):
     places, times = OrderedDict(), []
     with open_csv(path) as stream:
-        reader = csv.DictReader(stream)
-        if reader.fieldnames != CSV_COLUMNS:
-            raise ConfigurationError('{}: got the columns {}; allowed: {}'.format(
-                path, shown(reader.fieldnames), ','.join(CSV_COLUMNS)))
-        for row in reader:
-            where = '{}: line {}'.format(path, reader.line_num)
+        for where, row in rows_of(stream, path):
+            if list(row) != CSV_COLUMNS:
+                raise ConfigurationError('{}: got the columns {}; allowed: {}'.format(
+                    path, shown(list(row)), ','.join(CSV_COLUMNS)))
             try:
                 numbers = [float(row[key]) for key in ('from_x', 'from_y', 'to_x', 'to_y', 'seconds')]
             except (TypeError, ValueError):

@@ -8,6 +8,7 @@ import rosbag
 
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.geometry import Pose2D, normalize_angle, quaternion_fault, yaw_of_quaternion
+from move_base_abstract.input_files import check_input
 from move_base_abstract.shown import shown_text
 
 from .legs import RecordedLeg, Way, way_along
@@ -28,6 +29,7 @@ def read_legs(path, pose_topic=None):
     :raises ConfigurationError: if it cannot be read, or holds no goals, or no poses of a robot that has some.
     """
     try:
+        check_input(path, what='bag')
         with rosbag.Bag(path) as bag:
             return _read(bag, str(path), pose_topic)
     except ConfigurationError:

@@ -1,10 +1,10 @@
 """Legs from a table: one row a goal, with the columns that docs/calibrate.md names."""
-import csv
 import math
 
+from move_base_abstract.csv_files import open_csv, rows_of
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.geometry import Pose2D
-from move_base_abstract.shown import shown, shown_text
+from move_base_abstract.shown import shown
 
 from .legs import RecordedLeg, Way, way_along
 
@@ -19,12 +19,8 @@ def read_legs(path):
 
     :raises ConfigurationError: if it cannot be read, a column is missing, or a value is no number.
     """
-    try:
-        with open(path, encoding='utf-8-sig', newline='') as stream:  # spreadsheets begin with a mark
-            return _read(_Lines(stream), str(path))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ConfigurationError('{}: cannot be read: {}'.format(
-            shown_text(str(path)), getattr(error, 'strerror', None) or error)) from None
+    with open_csv(path) as stream:
+        return _read(_Lines(stream), str(path))
 
 
 class _Lines:
@@ -42,16 +38,18 @@ class _Lines:
 
 
 def _read(lines, path):
-    rows = csv.DictReader(lines)
-    missing = [name for name in _NEEDED if name not in (rows.fieldnames or ())]
-    if missing:
-        raise ConfigurationError('{}: no column {}; allowed: a table with {}'.format(
-            path, ', '.join(missing), ', '.join(_NEEDED)))
     legs = []
-    for row in rows:
+    for where, row in rows_of(lines, path):
+        missing = [name for name in _NEEDED if name not in row]
+        if missing:
+            raise ConfigurationError('{}: no column {}; allowed: a table with {}'.format(
+                path, ', '.join(missing), ', '.join(_NEEDED)))
         if len(legs) >= _MOST_ROWS:
             raise ConfigurationError('{}: got more than {} rows; allowed: at most that'.format(path, _MOST_ROWS))
-        legs.append(_leg(row, '{}: line {}'.format(path, lines.number), len(legs) + 1))
+        legs.append(_leg(row, where, len(legs) + 1))
+    if not legs:
+        raise ConfigurationError('{}: got no rows; allowed: a table with {}, and at least one row'.format(
+            path, ', '.join(_NEEDED)))
     return legs
 
 

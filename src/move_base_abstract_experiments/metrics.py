@@ -9,6 +9,7 @@ import hashlib
 import json
 import math
 import re
+import sys
 from typing import NamedTuple
 
 from move_base_abstract import event_log
@@ -111,7 +112,7 @@ def summarise(path, starts=None):
 
 def _take(robots, endings, event, starts, start_ns):
     values = json.loads(event.values)
-    if event.kind in PLACES and len(values) >= 2:
+    if event.kind in PLACES and len(values) >= 2 and all(map(_is_number, values)):  # anybody may write such a row
         robot = robots.setdefault(event.robot, None) or _Robot(starts.get(event.robot), start_ns)
         robots[event.robot] = robot
         if event.kind == 'stands':
@@ -132,6 +133,11 @@ def _take(robots, endings, event, starts, start_ns):
             robot.goals += values[1] == REACHED
             if robot.state == 'waiting':
                 robot.be('idle', event.time_ns)
+
+
+def _is_number(value):
+    """Whether a value of a row is a finite number that can be counted with."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < sys.float_info.max
 
 
 def _end_ns(reason):

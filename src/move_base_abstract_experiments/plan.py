@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.input_files import open_input
 
 from . import checks, launch_files
 from .spec import configurations
@@ -164,9 +165,9 @@ def _module_digest(name, folder):
 @functools.lru_cache(maxsize=None)
 def _digest(path):
     try:
-        with open(path, 'rb') as stream:
+        with open_input(path) as stream:
             return hashlib.sha256(stream.read()).hexdigest()
-    except OSError:
+    except ConfigurationError:
         return ''
 
 

@@ -14,10 +14,11 @@ from PIL import Image
 from move_base_abstract.bounded_yaml import load_yaml_file
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.geometry import Pose2D
+from move_base_abstract.input_files import open_input
 from move_base_abstract.occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
 from move_base_abstract.shown import shown, shown_text
 
-from .pnm_files import is_pnm, read_pnm
+from .pnm_files import BYTES_MAX, is_pnm, read_pnm
 
 _REQUIRED = ('image', 'resolution', 'origin', 'negate', 'occupied_thresh', 'free_thresh')
 _KEYS = _REQUIRED + ('mode',)
@@ -131,19 +132,18 @@ def read_pixels(path):
     :raises ConfigurationError: if there is no such file, it is damaged, or its pixels are of another kind.
     """
     try:
-        if is_pnm(path):
-            return read_pnm(path)
-        with Image.open(path) as image:
-            image.load()
-            return _to_channels(path, image)
+        with open_input(path, BYTES_MAX, what='file of an image') as stream:
+            if is_pnm(stream):
+                return read_pnm(path, stream)
+            with Image.open(stream) as image:
+                image.load()
+                return _to_channels(path, image)
     except Image.UnidentifiedImageError:
         raise ConfigurationError('{}: is not an image of a known kind, or its header is damaged; allowed: PGM, PNG and '
                                  'other common formats'.format(path)) from None
     except ConfigurationError:
         raise
     except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
-        if getattr(error, 'strerror', None):
-            raise ConfigurationError('{}: the image cannot be read: {}'.format(path, error.strerror)) from None
         raise ConfigurationError('{}: the image is damaged or truncated: {}'.format(path, error)) from None
 
 

@@ -11,28 +11,28 @@ from move_base_abstract.errors import ConfigurationError
 
 CHANNELS = {b'P2': 1, b'P3': 3, b'P5': 1, b'P6': 3}
 PIXELS_MAX = 2 ** 27  # 134 million: 11.6 km x 11.6 km in cells of 1 m
-_BYTES_MAX = 2 ** 31
+BYTES_MAX = 2 ** 31
 _GAP = rb'(?:\s|#[^\n]*\n)+'
 _HEADER = re.compile(rb'P[2356]' + _GAP + rb'(\d{1,9})' + _GAP + rb'(\d{1,9})' + _GAP + rb'(\d{1,9})(?:\s|(?=#)|$)')
 
 
-def is_pnm(path):
-    """Return whether the file begins as a PGM or PPM image does.
+def is_pnm(stream):
+    """Return whether the file ``stream`` begins as a PGM or PPM image does; it is at its beginning afterwards.
 
     :raises OSError: if it cannot be read.
     """
-    with open(path, 'rb') as stream:
-        return stream.read(2) in CHANNELS
+    magic = stream.read(2)
+    stream.seek(0)
+    return magic in CHANNELS
 
 
-def read_pnm(path):
+def read_pnm(path, stream):
     """Return the pixels of a PGM or PPM file: uint8, 0 to 255, (rows from the top, columns, 1 or 3 channels).
 
     :raises ConfigurationError: naming the file, if it is damaged, too large, or has more than 8 bits a value.
     :raises OSError: if it cannot be read.
     """
-    with open(path, 'rb') as stream:
-        data = stream.read(_BYTES_MAX)
+    data = stream.read(BYTES_MAX)
     magic, header = data[:2], _HEADER.match(data)
     columns, rows, greatest = (int(part) for part in header.groups()) if header else (0, 0, 0)
     if not (columns and rows and greatest):

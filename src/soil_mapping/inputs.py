@@ -2,8 +2,9 @@
 
 import hashlib
 
-from move_base_abstract.csv_files import open_csv
+from move_base_abstract.csv_files import MAX_BYTES, open_csv
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.input_files import open_input
 
 from .readings import MEUSE_FILE
 
@@ -21,9 +22,6 @@ def inputs_of(field, charge='none'):
             found['field'] = hashlib.sha256(stream.buffer.read()).hexdigest()
     kind, _, path = charge.partition(':')
     if kind == 'replay':
-        try:
-            with open(path, 'rb') as stream:
-                found['charge'] = hashlib.sha256(stream.read()).hexdigest()
-        except OSError as error:
-            raise ConfigurationError(f'charge replay: {path} cannot be read: {error.strerror}') from None
+        with open_input(path, MAX_BYTES, lambda text: ConfigurationError(f'charge replay: {text}')) as stream:
+            found['charge'] = hashlib.sha256(stream.read()).hexdigest()
     return found

@@ -175,10 +175,10 @@ class MapServer(unittest.TestCase):
         self.refused((self.write('m.yaml', ''),), 'FATAL', 'm.yaml: got NoneType; allowed: a mapping')
         self.refused((self.write('m.yaml', {'image': 'm.pgm'}),), 'FATAL', 'm.yaml: resolution: missing')
         self.refused((self.describe(resolution=0),), 'FATAL', 'resolution: got 0; allowed: a finite number > 0')
-        self.refused((self.describe(image='none.pgm'),), 'FATAL', 'none.pgm: the image cannot be read: No such file')
+        self.refused((self.describe(image='none.pgm'),), 'FATAL', 'none.pgm: cannot be read: No such file')
         self.write('cut.pgm', PGM[:-1])
         self.refused((self.describe(image='cut.pgm'),), 'FATAL', 'cut.pgm: the image is damaged or truncated')
-        self.refused(('none.pgm', '0.5'), 'FATAL', 'none.pgm: the image cannot be read')
+        self.refused(('none.pgm', '0.5'), 'FATAL', 'none.pgm: cannot be read')
         self.refused((self.describe(mode='binary'),), 'FATAL', "mode: got 'binary'; allowed: trinary, scale, raw")
 
     def test_bad_parameters_end_it_too(self):

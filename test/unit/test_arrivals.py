@@ -119,7 +119,7 @@ def test_what_is_wrong_is_said_with_place_and_what_is_allowed(places, arrivals, 
     ('place\ndock\n', ('line 2', 'a time')),
     ('time,x\n1,2\n', ('line 2', 'duration', 'not given')),
     ('time,where\n1,dock\n', ('line 2', 'where: unknown key')),
-    ('time,place\n1,dock,3\n', ('line 2', 'more cells')),
+    ('time,place\n1,dock,3\n', ('line 2', '3 cells; allowed: 2')),
 ])
 def test_what_is_wrong_in_a_file_is_said_with_its_line(tmp_path, text, words):
     path = tmp_path / 'orders.csv'

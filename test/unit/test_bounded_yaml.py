@@ -1,6 +1,5 @@
 """YAML that is made to hurt, and YAML that looks like it."""
 import os
-import threading
 
 import pytest
 
@@ -97,27 +96,14 @@ def test_what_is_no_plain_value_is_refused_in_a_short_line(text):
 
 
 def test_files_are_read_up_to_their_bound_only(tmp_path):
-    with pytest.raises(ConfigurationError, match='/dev/zero: got more than 8388608 bytes of YAML'):
+    with pytest.raises(ConfigurationError, match='/dev/zero: is a device; allowed: a file of YAML'):
         load_yaml_file('/dev/zero')
     with pytest.raises(ConfigurationError, match=r'absent\.yaml: cannot be read: No such file or directory'):
         load_yaml_file(tmp_path / 'absent.yaml')
-    with pytest.raises(ConfigurationError, match='cannot be read: Is a directory'):
+    with pytest.raises(ConfigurationError, match='is a folder; allowed: a file of YAML'):
         load_yaml_file(tmp_path)
     with pytest.raises(ConfigurationError, match='cannot be read: embedded null byte'):
         load_yaml_file('a\0b')
-
-
-def test_a_pipe_can_be_read(tmp_path):
-    path = str(tmp_path / 'pipe')
-    os.mkfifo(path)
-
-    def write():
-        with open(path, 'w') as stream:
-            stream.write('a: 1')
-    writer = threading.Thread(target=write)
-    writer.start()
-    assert load_yaml_file(path) == {'a': 1}
-    writer.join()
 
 
 @pytest.mark.parametrize('read, error', [(read_scenario, ConfigurationError), (read_mission, MissionError)])

@@ -168,7 +168,7 @@ def test_a_damaged_file_is_refused_with_line_and_reason(text, words):
 def test_a_file_that_is_not_there_is_named_and_so_is_that_of_an_unfinished_run(tmp_path):
     path = str(tmp_path / 'run.jsonl')
     with pytest.raises(EventLogError, match=r'run\.jsonl: cannot be read: No such file or directory$'):
-        open_text(path)
+        open_text(path).__enter__()
     (tmp_path / 'run.jsonl.part').write_text(HEAD)
     with pytest.raises(EventLogError, match=r'run\.jsonl\.part is there'):
-        open_text(path)
+        open_text(path).__enter__()

@@ -94,3 +94,13 @@ def test_how_a_run_ended_is_said_in_a_word(reason, by_fault, word):
 def test_the_limit_of_wall_time_is_one_of_the_ways_to_end():
     assert ended_by.of_error('it was not over after 600 s of wall time (time_limit)', 'error') == 'time_limit'
     assert ended_by.of_error('the run was ended by a fault: x', 'fault') == 'fault'
+
+
+@pytest.mark.parametrize('values', [[10 ** 400, 0, 0], ['x', 'y', 0], [None, None], [1e309, 0.0, 0.0],
+                                    [[], {}, 0], [True, 1]])
+def test_a_row_of_others_that_holds_no_place_is_none(tmp_path, values):
+    good = [(2, 'r', 'departed', [3, 4, 0]), (7, 'r', 'stands', [3, 4, 0])]
+    strange = [(5, 'r', kind, values) for kind in ('stands', 'departed', 'route', 'motion')]
+    plain, mixed = (metrics.summarise(written(tmp_path / 'log', rows), {'r': (0.0, 0.0)})
+                    for rows in (good, [good[0], *strange, good[1]]))
+    assert plain.metrics == mixed.metrics

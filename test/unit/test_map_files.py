@@ -102,7 +102,7 @@ def test_what_is_no_mapping_is_refused(describe, text, words):
 
 def test_files_that_are_not_there_or_not_text(tmp_path):
     assert refusal(read_description, '/no/m.yaml') == '/no/m.yaml: cannot be read: No such file or directory'
-    assert refusal(read_description, str(tmp_path)) == '{}: cannot be read: Is a directory'.format(tmp_path)
+    assert refusal(read_description, str(tmp_path)) == '{}: is a folder; allowed: a file of YAML'.format(tmp_path)
     (tmp_path / 'm').write_bytes(b'P5\n1 1\n255\n\xff')
     assert 'm: is not YAML of plain values: ' in refusal(read_description, str(tmp_path / 'm'))
 
@@ -176,7 +176,7 @@ def test_a_png_that_ends_too_soon_is_refused(pixels, tmp_path):
 
 def test_an_image_that_is_not_there(tmp_path):
     path = str(tmp_path / 'none.pgm')
-    wanted = path + ': the image cannot be read: No such file or directory'
+    wanted = path + ': cannot be read: No such file or directory'
     assert refusal(load_map, MapDescription(path, 1.0)) == wanted
 
 

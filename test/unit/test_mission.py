@@ -119,7 +119,7 @@ def test_a_wrong_field_file_is_refused_with_file_and_line(tmp_path, text, words)
 
 def test_a_device_or_a_folder_is_no_field_file(tmp_path):
     for path in ('/dev/zero', tmp_path):
-        with pytest.raises(MissionError, match=f'{path}: must be a file of at most'):
+        with pytest.raises(MissionError, match=f'{path}: is a .*; allowed: a CSV file'):
             mission.read_field_points(path)
 
 

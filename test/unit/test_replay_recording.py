@@ -205,7 +205,7 @@ def test_what_is_no_log_is_an_error_that_names_the_file(tmp_path):
         read_recording(path)
 
 
-@pytest.mark.parametrize('times', [(-1,), (2 ** 31 * S,), (10 ** 30,), (2 * S, S)])
+@pytest.mark.parametrize('times', [(-1,), (2 ** 31 * S,), (2 ** 63 - 1,), (2 * S, S)])
 def test_times_that_no_run_has_are_an_error_that_names_the_line(read, times):
     with pytest.raises(ReplayError, match='run.jsonl:{}: got the time {} ns'.format(len(times) + 1, times[-1])):
         read([(time_ns, 'a', 'note', ()) for time_ns in times])

@@ -7,8 +7,9 @@ import json
 import os
 
 from ..errors import ConfigurationError
+from ..input_files import open_text_input
 from ..own_files import PART, OutputError, check_file, create_file
-from ..shown import shown_text
+from ..shown import shown, shown_text
 from ..units import seconds_to_ns
 
 _ALLOWED = ("'none', 'fixed:SECONDS', 'measured' or 'measured:FILE' (wall clock), 'measured_cpu' or "
@@ -148,16 +149,28 @@ def _is_record(line):
     return isinstance(entry, dict) and sorted(entry) == ['cost_ns', 'time_ns']
 
 
+def _error(text):
+    return ConfigurationError('charge replay: ' + text)
+
+
+def _whole(value):
+    """Return a time [ns] as an int, as the protocol holds it."""
+    value = int(value)
+    if not -2 ** 63 <= value < 2 ** 63:
+        raise ValueError('got {}; allowed: a whole number of 64 bits'.format(shown(value)))
+    return value
+
+
 def _read(path):
     costs = []
     try:
-        with open(path) as lines:
+        with open_text_input(path, None, _error) as lines:
             for number, line in enumerate(lines, 1):
                 entry = json.loads(line)
-                costs.append((number, int(entry['time_ns']), int(entry['cost_ns'])))
-    except OSError as error:
-        raise ConfigurationError('charge replay: {} cannot be read: {}'.format(path, error.strerror)) from None
-    except (ValueError, KeyError, TypeError) as error:
+                costs.append((number, *(_whole(entry[key]) for key in ('time_ns', 'cost_ns'))))
+    except ConfigurationError:
+        raise
+    except (ValueError, KeyError, TypeError, RecursionError, OverflowError) as error:
         raise ConfigurationError('charge replay: {}, line {}: not a record of a charge ({})'.format(
             path, len(costs) + 1, error)) from None
     return costs

@@ -98,7 +98,7 @@ def test_a_bad_csv_is_refused_with_file_and_line(tmp_path, text, complaint):
 
 def test_a_folder_or_a_device_is_no_file_of_readings(tmp_path):
     for path in (tmp_path, '/dev/zero'):
-        with pytest.raises(ConfigurationError, match=f'{path}: must be a file of at most'):
+        with pytest.raises(ConfigurationError, match=f'{path}: is a .*; allowed: a CSV file'):
             load_field(f'csv:{path}')
 
 

@@ -160,7 +160,7 @@ def test_a_recorded_charge_is_an_input_by_its_content(tmp_path):
     (['trial', '--engine', 'mesa', '--bag'], '--bag applies to --engine ros only'),
     (['trial', '--engine', 'mesa', '--motion', 'eight'], "motion 'eight' needs cell_m 2, got 1"),
     (['trial', '--charge', 'bogus'], "charge: got 'bogus'; allowed: 'none'"),
-    (['trial', '--charge', 'replay:/no/such'], '/no/such cannot be read'),
+    (['trial', '--charge', 'replay:/no/such'], '/no/such: cannot be read'),
     (['trial', '--field', 'x' * 5001], "field must be 'synthetic'"),
     (['trial', '--output', ''], "--output: must be the name of a folder, got ''"),
     (['trial', '--output', '/'], '/: must be a folder that can be given its name'),

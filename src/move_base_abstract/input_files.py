@@ -1,0 +1,60 @@
+"""The one gate for files that somebody names: regular files of a bounded size, and nothing else.
+
+A pipe would be waited for, for ever if nobody writes; a device may never end. Symbolic links are followed.
+"""
+import contextlib
+import io
+import os
+import stat
+
+from .errors import ConfigurationError
+from .shown import shown_text
+
+_KINDS = ((stat.S_ISDIR, 'a folder'), (stat.S_ISFIFO, 'a pipe'), (stat.S_ISSOCK, 'a socket'))
+
+
+@contextlib.contextmanager
+def open_input(path, most=None, error_type=ConfigurationError, what='file'):
+    """Open the file ``path``, of at most ``most`` bytes (None: any number), to be read in binary.
+
+    What the operating system refuses in the with block becomes an error that names the file, too.
+
+    :raises error_type: naming the path, what was got and what is allowed.
+    """
+    shown_path = shown_text(os.fspath(path))
+    try:
+        # Without waiting for a pipe's writer; a regular file is read as ever.
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
+    except (OSError, ValueError) as error:  # ValueError: a name with a zero in it
+        raise error_type('{}: cannot be read: {}'.format(
+            shown_path, getattr(error, 'strerror', None) or error)) from None
+    with contextlib.ExitStack() as stack:
+        stack.callback(os.close, descriptor)
+        about = os.fstat(descriptor)
+        if not stat.S_ISREG(about.st_mode):
+            kind = next((name for is_kind, name in _KINDS if is_kind(about.st_mode)), 'a device')
+            raise error_type('{}: is {}; allowed: a {}'.format(shown_path, kind, what))
+        if most is not None and about.st_size > most:
+            raise error_type('{}: has {} bytes; allowed: a {} of at most {}'.format(
+                shown_path, about.st_size, what, most))
+        stream = stack.enter_context(open(descriptor, 'rb', closefd=False))
+        try:
+            yield stream
+        except OSError as error:
+            if error.errno is None:  # of a library, which has not got it from the operating system
+                raise
+            raise error_type('{}: cannot be read: {}'.format(shown_path, error.strerror)) from None
+
+
+@contextlib.contextmanager
+def open_text_input(path, most=None, error_type=ConfigurationError, what='file', **options):
+    """As :func:`open_input`, of text; ``options``: encoding, errors and newline as of open()."""
+    with open_input(path, most, error_type, what) as stream:
+        with io.TextIOWrapper(stream, **{'encoding': 'utf-8', **options}) as text:
+            yield text
+
+
+def check_input(path, most=None, error_type=ConfigurationError, what='file'):
+    """Check that ``path`` is a file that may be read: for libraries that open it themselves. As :func:`open_input`."""
+    with open_input(path, most, error_type, what):
+        pass
