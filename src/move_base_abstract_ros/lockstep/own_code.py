@@ -1,8 +1,9 @@
 """The program's own code, which is compiled with what lockstep must be told.
 
 That is about its loops, its classes and its sets, and what it asks the machine.
-Its own is what lies neither in Python's library nor in a folder of packages (site-packages, dist-packages), and what
-lies in that of a catkin workspace, ROS's distribution and generated modules excepted. Nothing is kept of what is
+Its own is what lies neither in Python's library nor in a folder of packages (site-packages, dist-packages), and is no
+part of an installed distribution elsewhere; and what lies in the folder of packages of a catkin workspace, ROS's
+distribution and generated modules excepted. Nothing is kept of what is
 compiled here: Python's own files of compiled modules stay as they are.
 """
 import ast
@@ -17,6 +18,7 @@ import rospy
 
 import move_base_abstract
 from move_base_abstract.lockstep.asked import ask
+from move_base_abstract.lockstep.installed import is_installed
 from move_base_abstract.lockstep.instrument import dotted, instrument
 from move_base_abstract.lockstep.object_order import follow_order
 
@@ -33,8 +35,11 @@ _RELAY = b'exec(compile(fh.read(), python_script'
 def is_library(filename):
     """Return whether a file is none of the program's."""
     packages = _PACKAGES.search(filename)
-    return filename.startswith(_LIBRARIES + OWN) or packages is not None and not _is_of_workspace(
-        filename, filename[:packages.end()])
+    if filename.startswith(_LIBRARIES + OWN):
+        return True
+    if packages is not None:
+        return not _is_of_workspace(filename, filename[:packages.end()])
+    return is_installed(filename)
 
 
 def _is_of_workspace(filename, folder):

@@ -1,0 +1,39 @@
+"""Which files belong to an installed distribution, wherever it lies: ``pip install --target FOLDER`` makes such folders.
+
+An installer leaves a folder ``NAME.dist-info`` beside what it installs, with a list of the files (RECORD). No ROS.
+"""
+import csv
+import os
+from functools import lru_cache
+
+_SHARED = {'', '.', '..', 'bin'}  # folders that are nobody's alone
+_LARGEST = 16 * 1024 * 1024  # bytes of a list that are looked at
+
+
+def is_installed(path):
+    """Return whether a file, or a folder if ``path`` ends in a slash, has been installed as a part of a distribution."""
+    folder, name = os.path.split(path.rstrip(os.sep))
+    while name:
+        if name in _tops(folder):
+            return True
+        folder, name = os.path.split(folder)
+    return False
+
+
+@lru_cache(maxsize=None)
+def _tops(folder):
+    """Return the names of files and folders in ``folder`` that distributions beside them list as theirs."""
+    try:
+        infos = sorted(name for name in os.listdir(folder) if name.endswith('.dist-info'))
+    except OSError:
+        return frozenset()
+    return frozenset(name for info in infos for name in _listed(os.path.join(folder, info, 'RECORD')))
+
+
+def _listed(path):
+    try:
+        with open(path, encoding='utf-8', errors='replace', newline='') as stream:
+            rows = csv.reader(stream.read(_LARGEST).splitlines())
+            return {row[0].partition('/')[0] for row in rows if row} - _SHARED
+    except (OSError, csv.Error):
+        return set()
