@@ -243,11 +243,20 @@ class LaunchTest(unittest.TestCase):
             done = self.run_it(*words, 'bag:=x')
             self.assertEqual(done.returncode, 2, done.stdout)
             self.assertIn(text, done.stdout)
-        for text, why in ((simulator, 'publishes /clock itself'), (nobody, 'no node of this launch file can'),
+        with open(self.path('ticks.py'), 'a') as stream:
+            stream.write("\n\ndef as_a_simulator():\n    return rospy.Publisher('clock', Int32, queue_size=1)\n")
+        for text, why in ((simulator, 'publishes /clock itself'), (TICKING.format(more=''), 'publishes /clock itself'),
+                          (nobody, 'no node of this launch file can'),
                           ('<launch><node/></launch>', 'node')):
             done = self.run_it(self.file(text))
             self.assertEqual(done.returncode, 2, done.stdout)
             self.assertIn(why, done.stdout)
+
+        for words, more in ((('--participant', '/walk'), ''), ((), '<remap from="/clock" to="/its_clock"/>')):
+            text = TICKING.format(more='').replace('/>\n', '>{}</node>\n'.format(more), 1)
+            done = self.run_it('--list', *words, self.file(text))
+            self.assertEqual(done.returncode, 0, done.stdout)
+            self.assertIn('1 of 1 nodes take part', done.stdout)
 
     def test_the_run_ends_at_the_instant_that_was_asked_for(self):
         log = self.path('a.jsonl')

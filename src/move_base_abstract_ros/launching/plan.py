@@ -59,7 +59,7 @@ def plan_of(config, wishes):
     left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in wishes.left_out]
     config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
     notes = _replace(config, wishes.replaced)
-    _refuse_other_clocks(config)
+    _refuse_other_clocks(config, (*wishes.forced, *wishes.kept_out))
     fleets = _fleets(config)
     notes += _split(config, fleets, wishes.parts)
     launcher = [find_executable('lockstep'), *wishes.launcher]
@@ -111,13 +111,14 @@ def _replace(config, replaced):
     return notes
 
 
-def _refuse_other_clocks(config):
+def _refuse_other_clocks(config, kept):
     for node in config.nodes:
-        if roles.has_clock(node):
+        if roles.has_clock(node, kept):
+            name = roles.name_of(node)
             raise ConfigurationError(
                 "'{}' ({}/{}) publishes /clock itself, as a simulator does; in lockstep that is the time master's: "
-                'leave it out (--leave-out {}), with what only it needs'.format(
-                    roles.name_of(node), node.package, node.type, roles.name_of(node)))
+                'leave it out (--leave-out {}), with what only it needs; a script that only could: --participant {} or '
+                '--onlooker {} keeps it'.format(name, node.package, node.type, name, name, name))
 
 
 def _prepare(node, role, launcher, wishes):

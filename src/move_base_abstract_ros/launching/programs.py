@@ -13,7 +13,9 @@ from ..nodes import lockstep_launcher
 
 _RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space
 _IMPORT = re.compile(rb'^[ \t]*(?:from|import)[ \t]+([A-Za-z_][\w.]*(?:[ \t]*,[ \t]*[A-Za-z_][\w.]*)*)', re.MULTILINE)
-_ROSPY = ('rospy', 'rostopic', 'rosservice')
+_ROSPY = ('rospy', 'rostopic', 'rosservice', 'actionlib', 'tf', 'tf2_ros')  # and those that import it
+_ROS = (*_ROSPY, 'rosgraph', 'roslib', 'genpy', 'genmsg')
+_CLOCK = re.compile(rb'''\bPublisher\(\s*(?:name\s*=\s*)?["']/?clock["']''')
 _LARGEST = 1 << 20  # bytes of a source that are looked at
 _MOST_FILES = 300
 
@@ -58,18 +60,31 @@ def _nodes(package, kind):
 
 def uses_rospy(path):
     """Return whether a script, or a module that it imports, imports rospy; found by reading, without running it."""
+    return any(name.split('.')[0] in _ROSPY for source in _sources(path) for name in _imports(source))
+
+
+def publishes_clock(path):
+    """Return whether a Python script, or a module that it imports, has a publisher of /clock in its text."""
+    try:
+        kind, path, _ = lockstep_launcher.find([path])
+    except ValueError:
+        return False
+    return kind == 'script' and any(_CLOCK.search(source) for source in _sources(path) if b'clock' in source)
+
+
+def _sources(path):
+    """Yield the text of a script and of the modules that it imports, but not those of ROS."""
     path = _behind_relay(path)
     folders = [os.path.dirname(os.path.realpath(path)), *sys.path[1:]]
     waiting, seen = [path], {path}
     while waiting and len(seen) < _MOST_FILES:
-        for name in _imports(_read(waiting.pop(0))):
-            if name.split('.')[0] in _ROSPY:
-                return True
-            for found in _files_of(name, folders):
+        source = _read(waiting.pop(0))
+        yield source
+        for name in _imports(source):
+            for found in _files_of(name, folders) if name.split('.')[0] not in _ROS else ():
                 if found not in seen:
                     seen.add(found)
                     waiting.append(found)
-    return False
 
 
 def _behind_relay(path):

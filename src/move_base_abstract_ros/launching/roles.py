@@ -44,10 +44,19 @@ def is_time_master(node):
     return (node.package, node.type) == (PACKAGE, 'time_master')
 
 
-def has_clock(node):
-    """Whether a node is a simulator that publishes /clock, as far as is known by its name."""
-    return (node.package, node.type) in _CLOCKS or (
-        (node.package, node.type) == ('rosbag', 'play') and '--clock' in (node.args or '').split())
+def has_clock(node, kept=()):
+    """Whether a node publishes /clock, as far as is known by its kind, or by the text of a Python program.
+
+    :param kept: full names of nodes whose text is not asked.
+    """
+    if (node.package, node.type) in _CLOCKS or (
+            (node.package, node.type) == ('rosbag', 'play') and '--clock' in (node.args or '').split()):
+        return True
+    if node.package == PACKAGE or name_of(node) in kept or any(
+            ns_join('/', old) == '/clock' for old, _new in node.remap_args):
+        return False
+    path = _program(node)
+    return path is not None and programs.publishes_clock(path)
 
 
 def role_of(node, forced=(), kept_out=(), with_respawned=False):
