@@ -2,11 +2,15 @@
 
 
 class RobotNames:
-    """``namespace`` is where the robot's topics live, ``private`` the move_base node's own names; both absolute."""
+    """``namespace`` is where the robot's topics live, ``private`` the move_base node's own names; both absolute.
 
-    def __init__(self, namespace, node_name='move_base'):
+    ``action``: the absolute name of the action, where it is another than move_base in the namespace.
+    """
+
+    def __init__(self, namespace, node_name='move_base', action=''):
         self.namespace = '/' + namespace.strip('/')
         self.private = node_name if node_name.startswith('/') else self.topic(node_name)
+        self._action = action or self.topic('move_base')
 
     @property
     def robot(self):
@@ -18,8 +22,8 @@ class RobotNames:
         return '{}/{}'.format(self.namespace.rstrip('/'), name)
 
     def action(self, name):
-        """Return the absolute name of a topic of the action, which is called move_base whatever the node's name is."""
-        return self.topic('move_base/' + name)
+        """Return the absolute name of a topic of the action, which is not called after the node."""
+        return '{}/{}'.format(self._action, name)
 
     def own(self, name):
         """Return the absolute name of a private topic, service or parameter."""

@@ -168,9 +168,9 @@ class RawClient:
         return [state for state, _ in itertools.groupby(shown)]
 
 
-def simple_client(ns='/'):
+def simple_client(ns='/', action='move_base'):
     """Return a stock SimpleActionClient that is connected."""
-    client = actionlib.SimpleActionClient(ns.rstrip('/') + '/move_base', MoveBaseAction)
+    client = actionlib.SimpleActionClient('{}/{}'.format(ns.rstrip('/'), action), MoveBaseAction)
     assert client.wait_for_server(rospy.Duration(10000.0)), 'no action server'
     return client
 

@@ -49,9 +49,16 @@ class Remaps(unittest.TestCase):
     """The robot remapped, whose map is elsewhere."""
 
     def test_the_map_is_taken_from_where_it_is_remapped_to(self):
-        client = simple_client('/remapped')
+        client = simple_client('/remapped', 'navigate')
         self.assertEqual([go(client, pose_stamped(*place)) for place in ((1.25, 0.25), (2.25, 0.25))],
                          [REACHED, REFUSED])
+
+
+    def test_a_remap_of_move_base_renames_the_action_and_leaves_the_node_its_parameters(self):
+        topics = {name for name, _ in rospy.get_published_topics('/remapped')}
+        self.assertIn('/remapped/navigate/result', topics)
+        self.assertNotIn('/remapped/move_base/result', topics)
+        self.assertIn('/remapped/move_base/current_goal', topics)  # a private one
 
 
 class Recoveries(unittest.TestCase):

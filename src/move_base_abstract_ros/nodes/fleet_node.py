@@ -12,6 +12,7 @@ from move_base_abstract.scenario import check_one_process, make_scenario, read_s
 from ..fleet_server import FleetServer, robot_names
 from ..host import Host
 from ..node_process import parse_no_arguments, run_node
+from ..own_parameters import own_parameters
 from ..timing import make_timing
 from .move_base_node import LOCKSTEP_PARAMETERS, start
 
@@ -46,7 +47,7 @@ def main():
 
 def _build():
     where = rospy.get_name()
-    raw = rospy.get_param(where, {})
+    raw = own_parameters()
     values = read_table(raw, _TABLE, where)
     known = tuple(parameter.name for parameter in _TABLE) + _INLINE + LOCKSTEP_PARAMETERS
     for warning in unknown_names(raw, known, where):

@@ -9,6 +9,7 @@ from move_base_abstract_ros.host import Host
 from move_base_abstract_ros.move_base_server import MoveBaseServer
 from move_base_abstract_ros.names import RobotNames
 from move_base_abstract_ros.node_process import parse_no_arguments, run_node
+from move_base_abstract_ros.own_parameters import own_parameters
 from move_base_abstract_ros.robot_map import wait_for_maps
 from move_base_abstract_ros.tf_lookup import listen_to_static_frames
 from move_base_abstract_ros.timing import make_timing
@@ -21,7 +22,12 @@ LOCKSTEP_PARAMETERS = ('lockstep_rank', 'lockstep_charge', 'foresee', 'events_on
 def main():
     """Run the node until ROS shuts down; exits with 1 when a parameter cannot be used."""
     parse_no_arguments('move_base', __doc__, is_strict=False)
-    run('move_base_node', lambda: (RobotNames(rospy.get_namespace(), rospy.get_name()), {}, None))
+    run('move_base_node', lambda: (_names(), {}, None))
+
+
+def _names():
+    """Return the robot's names; as with upstream, a remap of move_base renames the action, and nothing else."""
+    return RobotNames(rospy.get_namespace(), rospy.get_name(), rospy.resolve_name('move_base'))
 
 
 def run(node_name, describe):
@@ -53,7 +59,7 @@ def read_robot_settings(overrides, default_tf_prefix, base):
     ``overrides`` come before those, ``base`` behind them.
     """
     where = rospy.get_name()
-    raw = rospy.get_param(where, {})
+    raw = own_parameters()
     if isinstance(raw, dict):
         own = {key: value for key, value in raw.items() if key not in LOCKSTEP_PARAMETERS}
         raw = {**_inherited(raw), **base, **own, **overrides}

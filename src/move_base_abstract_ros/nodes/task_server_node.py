@@ -15,6 +15,7 @@ from .. import lockstep
 from ..bulk_registration import bulk_registration
 from ..host import Host
 from ..node_process import parse_no_arguments, run_node
+from ..own_parameters import own_parameters
 from ..task_server import TaskServer
 from ..timing import make_timing
 from ..work_server import ACTION as WORK
@@ -61,7 +62,7 @@ def main():
 def _build():
     """Read the parameters, wait for the clock, and return the servers."""
     where = rospy.get_name()
-    raw = rospy.get_param(where, {})
+    raw = own_parameters()
     values = read_table(raw, _TABLE, where)
     for warning in unknown_names(raw, tuple(row.name for row in _TABLE) + ('places', *LOCKSTEP_PARAMETERS), where):
         rospy.logwarn(warning)

@@ -10,6 +10,7 @@ from move_base_abstract.units import LAST_NS
 from .. import conversions, packing
 from ..node_process import parse_no_arguments, run_node
 from ..outlets import Outlet
+from ..own_parameters import own_parameters
 from ..timing import make_timing
 from .move_base_node import LOCKSTEP_PARAMETERS
 
@@ -31,7 +32,7 @@ def main():
 
 def _build():
     where = rospy.get_name()
-    raw = rospy.get_param(where, {})
+    raw = own_parameters()
     values = read_table(raw, _TABLE, where)
     known = tuple(parameter.name for parameter in _TABLE) + _INLINE + LOCKSTEP_PARAMETERS
     for warning in unknown_names(raw, known, where):

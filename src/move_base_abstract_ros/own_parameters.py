@@ -1,0 +1,16 @@
+"""What is set in a node's own namespace, also where a remap changes what that name stands for elsewhere.
+
+``<remap from="move_base" to="navigate"/>`` renames move_base's action. The node and its parameters keep their name, for
+roslaunch and in roscpp; rospy alone would look for the whole namespace below ``navigate``, where nobody has set anything.
+"""
+import rosgraph
+import rospy
+
+
+def own_parameters():
+    """Return {name: value} of the node's private parameters, or what else somebody has set under the node's name."""
+    where = rospy.get_name()
+    if rospy.resolve_name(where) == where:
+        return rospy.get_param(where, {})
+    master = rosgraph.Master(where)
+    return master.getParam(where) if master.hasParam(where) else {}
