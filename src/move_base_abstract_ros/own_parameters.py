@@ -1,7 +1,8 @@
 """What is set in a node's own namespace, also where a remap changes what that name stands for elsewhere.
 
 ``<remap from="move_base" to="navigate"/>`` renames move_base's action. The node and its parameters keep their name, for
-roslaunch and in roscpp; rospy alone would look for the whole namespace below ``navigate``, where nobody has set anything.
+roslaunch and in roscpp; rospy alone would look for the whole namespace below ``navigate``, where nobody has set
+anything.
 """
 import rosgraph
 import rospy

@@ -1,4 +1,4 @@
-"""Which files belong to an installed distribution, wherever it lies: ``pip install --target FOLDER`` makes such folders.
+"""Which files belong to an installed distribution, wherever it lies: ``pip install --target`` makes such folders.
 
 An installer leaves a folder ``NAME.dist-info`` beside what it installs, with a list of the files (RECORD). No ROS.
 """
@@ -11,7 +11,7 @@ _LARGEST = 16 * 1024 * 1024  # bytes of a list that are looked at
 
 
 def is_installed(path):
-    """Return whether a file, or a folder if ``path`` ends in a slash, has been installed as a part of a distribution."""
+    """Return whether a file or a folder has been installed as a part of a distribution."""
     folder, name = os.path.split(path.rstrip(os.sep))
     while name:
         if name in _tops(folder):

@@ -15,7 +15,7 @@ _RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin
 _IMPORT = re.compile(rb'^[ \t]*(?:from|import)[ \t]+([A-Za-z_][\w.]*(?:[ \t]*,[ \t]*[A-Za-z_][\w.]*)*)', re.MULTILINE)
 _ROSPY = ('rospy', 'rostopic', 'rosservice', 'actionlib', 'tf', 'tf2_ros')  # and those that import it
 _ROS = (*_ROSPY, 'rosgraph', 'roslib', 'genpy', 'genmsg')
-_CLOCK = re.compile(rb'''\bPublisher\(\s*(?:name\s*=\s*)?["']/?clock["']''')
+_CLOCK = re.compile(rb'\bPublisher\(\s*(?:name\s*=\s*)?["\']/?clock["\']')
 _LARGEST = 1 << 20  # bytes of a source that are looked at
 _MOST_FILES = 300
 
