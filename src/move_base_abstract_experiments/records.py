@@ -20,7 +20,7 @@ _TRIAL = {**_PLANNED, 'status': ((str,), ''), 'error': (_TEXT, None), 'metrics':
           **dict.fromkeys(('simulated_seconds', 'wall_seconds', 'times_real_time'), (_NUMBER, None)),
           'repeatable': ((bool,), False), 'labels': ((list,), []), 'events': ((int,), 0), 'log_sha256': (_TEXT, None),
           'verified': (_TEXT, None), 'difference': (_TEXT, None), 'robots': ((dict,), {}), 'made_of': (_TEXT, None),
-          'program': (_TEXT, None), 'worker': (_TEXT, ''), 'attempts': ((int,), 1)}
+          'ended_by': (_TEXT, None), 'program': (_TEXT, None), 'worker': (_TEXT, ''), 'attempts': ((int,), 1)}
 
 
 def read_plan(folder):

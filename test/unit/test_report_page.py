@@ -144,7 +144,7 @@ def test_the_end_of_a_trial_is_told_in_words(until, says):
 def test_failures_are_told_before_the_findings(tmp_path):
     said = report(tmp_path, {'method': ['greedy', 'auction']}, 10, lambda c, k: usual(c, k) if k else
                   {'status': 'failed', 'error': 'no map', 'attempts': 2}).said
-    assert said.index('2 trials failed (10 %, 95 % interval 2.8 to 30 %)') < said.index('lower with')
+    assert said.index('2 trials failed, 10 % of those that have run') < said.index('lower with')
     assert '9 pairs' in said and 'no map' in said
 
 
@@ -177,6 +177,14 @@ def test_what_the_limit_of_time_cut_off_has_no_mean_on_the_page(tmp_path):
     assert '10 trials of 12 complete ones were ended by the limit of time' in reader.said
     assert 'no mean: cut off by the limit of time' in reader.said and '(95 %' not in reader.said.partition('How')[0]
     assert (tmp_path / 'tables' / 'means.csv').read_text().splitlines()[1].startswith('makespan_s,s,greedy,6,,,,cut,')
+
+
+def test_the_worst_trial_is_one_that_the_limit_of_time_cut_off(tmp_path):
+    said = report(tmp_path, {}, 3, lambda c, k: {
+        'status': 'complete', 'metrics': {'makespan_s': 3000.0 + 100.0 * k}, 'ended_by': 'idle' if k else 'seconds'},
+        metrics={'makespan_s': {'unit': 's', 'title': 'Makespan', 'better': 'lower', 'at_limit': 'lower_bound'}},
+        until={'seconds': 3600, 'idle': True}).said
+    assert 'the only configuration worst 3,000 s or more 0 ' in said
 
 
 def test_errors_of_complete_trials_are_told(tmp_path):

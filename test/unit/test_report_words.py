@@ -242,7 +242,24 @@ def test_names_that_nothing_goes_by_are_told(tmp_path):
 def test_sizes_of_values_change_no_verdict(tmp_path, size):
     found = read(tmp_path, TWO, 10, lambda c, k: {'makespan_s': size * (100.0 + noise(k, c) - 5.0 * (
         c['method'] == 'auction'))})
-    assert told(found)[0][0] == 'better'
+    (verdict, text), = told(found)
+    assert verdict == 'better' and '95 % interval' in text
+
+
+def test_few_that_differ_among_many_are_too_weak(tmp_path):
+    (verdict, text), = told(read(tmp_path, TWO, 30, lambda c, k: {
+        'makespan_s': 1.0 + (c['method'] == 'auction' and k in (2, 5, 9, 11))}))
+    assert verdict == 'weak' and 'Holm p = 0.12' in text  # by a t test 0.04
+
+
+def test_a_change_that_is_not_over_all_says_so(tmp_path):
+    factors = {**LEVELS, 'load': ['low', 'high']}
+    lost = {'robots': 8, 'method': 'auction', 'load': 'low'}
+    found = read(tmp_path, factors, 10, lambda c, k: FAILED if c == lost else {
+        'makespan_s': noise(k, c) + 30.0 * (c['method'] == 'auction') * (c['load'] == 'high')})
+    text = next(text for verdict, text in told(found) if verdict == 'depends' and 'depends on load' in text)
+    assert 'on average over 2 combinations of the other factors' in text
+    assert 'It says nothing of 1 of 3 combinations' in text
 
 
 def factor(title, *levels):

@@ -85,7 +85,7 @@ class Difference(NamedTuple):
     @property
     def is_hint(self):
         """Whether its own interval leaves 0 out, but no difference is shown among so many."""
-        return self.p < intervals.ALPHA and self.leaves_out_0 and not self.is_shown
+        return self.leaves_out_0 and not self.is_shown
 
 
 class Level(NamedTuple):
@@ -229,10 +229,17 @@ def _against(metric, groups, tables, rows, left, value):
 
 
 def _compared(metric, tables, rows, left):
-    """Return the Comparison of rows: of shares by counts, which a t test is too sure of where few are 1."""
-    if not metric.is_share or len(tables) != 2:
-        return intervals.clustered(rows, left)
-    return intervals.share_differences(*tables)
+    """Return the Comparison of rows: of shares, and where most pairs do not differ, by counts.
+
+    A t test is too sure of the few that do: of four of thirty on one side, of which chance makes one in eight.
+    """
+    if metric.is_share and len(tables) == 2:
+        return intervals.share_differences(*tables)
+    found = intervals.clustered(rows, left)
+    seen = intervals.known(rows.ravel())
+    if found.estimate.method != 't' or 2 * np.count_nonzero(seen) > len(seen):
+        return found
+    return found._replace(p=max(found.p, intervals.flip_test(np.sign(np.nansum(rows, axis=0)))))
 
 
 def _sides(experiment, metric, groups):

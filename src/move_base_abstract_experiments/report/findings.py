@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from . import design, effects, endings, intervals
+from .outcome import FAILED
 from .phrases import amount, some, than_with_level, with_level
 from .ranking import ranking, turned
-from .sentences import difference_scale, sentence, sentence_case, spoken
+from .sentences import difference_scale, pairs_text, sentence, sentence_case, spoken
 from .verdicts import ORDER, VERDICTS, is_result, verdict_of
 from .wording import EXACT_DIGITS, counted, digits, estimate_texts, whole
 
@@ -171,8 +172,14 @@ def _change(experiment, difference, scale):
     other = difference.at[0][0]
     size, interval = amount(difference.estimate, scale, is_change=True)
     here = with_level(experiment.factors, *difference.at[1]), than_with_level(experiment.factors, *difference.at[0])
+    over = f', on average over {counted(len(difference.used), "combinations")} of the other factors' \
+        if len(difference.used) > 1 else ''
     text = f'The difference {second} − {than} depends on {experiment.factors[other].title}: it is {size} with ' \
-           f'{here[0]} than with {here[1]} ({interval}; {counted(difference.estimate.n, "replications")}).'
+           f'{here[0]} than with {here[1]}{over} ({interval}; {pairs_text(difference, "replications")}).'
+    if len(difference.used) < len(difference.groups):
+        out = len(difference.groups) - len(difference.used)
+        text += f' It says nothing of {whole(out)} of {counted(len(difference.groups), "combinations")} of the other ' \
+                'factors: values are missing or cut off.'
     if any(side.lacking for side in difference.sides):
         text += ' Only complete trials count.'
     return Finding(difference.metric.title, 'depends', text, None)
@@ -184,6 +191,8 @@ def _means(experiment, metric, scale):
     for place, (configuration, estimate) in enumerate(zip(experiment.configurations,
                                                           effects.summary(experiment, metric))):
         where = f' with {configuration.label}' if len(experiment.configurations) > 1 else ''
+        failed = int(experiment.count(FAILED)[place])
+        lost = f' {whole(failed)} more failed.' if failed else ''
         value, low, high = estimate_texts(estimate, scale)
         verdict = 'mean' if estimate.n > 1 else 'untold'
         if not estimate.n:
@@ -198,7 +207,7 @@ def _means(experiment, metric, scale):
         else:
             text = f'{value}{scale.suffix}{where} (95 % interval {low} to {high}{scale.suffix}; ' \
                    f'{counted(estimate.n, "trials")}).'
-        told.append(Finding(metric.title, verdict, sentence_case(text), None))
+        told.append(Finding(metric.title, verdict, sentence_case(text) + lost, None))
     return told
 
 

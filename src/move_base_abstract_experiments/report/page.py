@@ -119,12 +119,10 @@ def _warnings(experiment):
     failed = sum(trial.status == FAILED for trial in experiment.trials)
     missing = sum(trial.status == MISSING for trial in experiment.trials)
     if failed:
-        share = intervals.share_estimate([trial.status == FAILED for trial in experiment.trials
-                                          if trial.status != MISSING])
-        value, low, high = (round(100.0 * each, 1) for each in share[:3])
-        texts.append(f'{counted(failed, "trials")} failed ({digits(value, 2)} %, 95 % interval {digits(low, 2)} to '
-                     f'{digits(high, 2)} %). All figures of metrics are of the others: if what failed is what was '
-                     'hard, they flatter. A pair counts in a comparison only if both of its trials are complete.')
+        share = 100.0 * failed / (len(experiment.trials) - missing)
+        texts.append(f'{counted(failed, "trials")} failed, {digits(share, 2)} % of those that have run. All figures of '
+                     'metrics are of the others: if what failed is what was hard, they flatter. A pair counts in a '
+                     'comparison only if both of its trials are complete.')
     incomplete = sum(bool(trial.error) for trial in experiment.complete)
     if incomplete:
         texts.append(f'{counted(incomplete, "trials")} that {"is" if incomplete == 1 else "are"} complete '
@@ -292,8 +290,8 @@ def _looks(analysis):
         return None
     table = listings.worth_a_look(experiment, metric, analysis.scales[metric.name], picked.picks(experiment, metric))
     return Section('Trials worth a look', (
-        f'The worst and the median trial of each configuration, by {metric.title}. Links lead to the replay, or to the '
-        'event log where there is none.', table))
+        f'The worst and the median complete trial of each configuration, by {metric.title}. Links lead to the replay, '
+        'or to the event log where there is none.', table))
 
 
 def _repeatable(experiment):

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from . import effects
 from .axes import axis
 from .design import level_label
+from .outcome import FAILED
 from .wording import counted, shortened, with_interval
 
 TICK_STEPS = 1000  # places at which a trial can be drawn in a row
@@ -80,6 +81,8 @@ def strips(experiment, metric, scale, looks, estimates):
     along = axis(seen)
     rows = tuple(_row(configuration.label, looks.of_levels(configuration.levels), row, estimate, scale, along)
                  for configuration, row, estimate in zip(experiment.configurations, values, estimates))
+    rows = tuple(row._replace(text=f'{row.text}; {int(failed)} failed') if failed else row
+                 for row, failed in zip(rows, experiment.count(FAILED)))
     return Strips(rows, tuple((_percent(along.share(value)), text) for value, text in along.ticks))
 
 

@@ -121,13 +121,13 @@ def _smallest(difference, scale):
     return f'the smallest difference that counts, {digits(difference.metric.smallest * scale.factor)}{scale.suffix}'
 
 
-def pairs_text(difference):
+def pairs_text(difference, noun='pairs'):
     """Return '30 pairs', or of several combinations '5 to 30 pairs with each'."""
     if len(difference.used) < 2:
-        return counted(difference.estimate.n, 'pairs')
+        return counted(difference.estimate.n, noun)
     counts = [count for count in difference.counts if count >= difference.needed]
     least, most = min(counts), max(counts)
-    each = counted(most, 'pairs') if least == most else f'{whole(least)} to {whole(most)} pairs'
+    each = counted(most, noun) if least == most else f'{whole(least)} to {whole(most)} {noun}'
     return f'{each} with each'
 
 
