@@ -25,9 +25,9 @@ std::string hashText(std::string_view bytes) {
 }  // namespace
 
 void RoundLog::add(const MailOrder& order, const wire::Log& log) {
-  round_.push_back(
-      {order,
-       {rounds_.now(), std::string(log.robot), std::string(log.kind), std::string(log.values)}});
+  round_.push_back({order,
+                    {rounds_.now(), std::string(log.robot), std::string(log.kind),
+                     std::string(log.values), "", ""}});
 }
 
 void RoundLog::add(const MessageRouter::Delivery& delivery, const NameOf& name_of) {
@@ -50,8 +50,10 @@ void RoundLog::add(const MessageRouter::Delivery& delivery, const NameOf& name_o
   const char* kind = delivery.kind == Kind::kMessage ? "message"
                      : delivery.kind == Kind::kCall  ? "call"
                                                      : "response";
-  round_.push_back(
-      {delivery.order, {rounds_.now(), std::string(delivery.name), kind, std::move(values)}});
+  round_.push_back({delivery.order,
+                    {rounds_.now(), std::string(delivery.name), kind, std::move(values),
+                     keeps_bytes_ ? std::string(delivery.type) : "",
+                     keeps_bytes_ ? std::string(delivery.bytes) : ""}});
 }
 
 void RoundLog::closeRound() {

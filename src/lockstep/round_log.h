@@ -19,6 +19,8 @@ struct LockstepLogEntry {
   std::string robot;   // of a message or call: the topic's or service's name
   std::string kind;    // with log_messages also "message", "call", "response"
   std::string values;  // a JSON array
+  std::string type;    // of a message; this and
+  std::string bytes;   // what was sent only where they are kept
 };
 
 /** @brief Collects the lines of a round, and puts them in order at its end. */
@@ -26,8 +28,12 @@ class RoundLog {
  public:
   using NameOf = std::function<std::string(MemberId)>;
 
-  /** @param rounds says when it is, and what the order is; outlives this. */
-  explicit RoundLog(const LockstepRounds& rounds) : rounds_(rounds) {}
+  /**
+   * @param rounds says when it is, and what the order is; outlives this.
+   * @param keeps_bytes whether entries have what was sent.
+   */
+  RoundLog(const LockstepRounds& rounds, bool keeps_bytes)
+      : rounds_(rounds), keeps_bytes_(keeps_bytes) {}
 
   /** @brief A participant's own line. */
   void add(const MailOrder& order, const wire::Log& log);
@@ -47,6 +53,7 @@ class RoundLog {
   };
 
   const LockstepRounds& rounds_;
+  const bool keeps_bytes_;
   std::vector<Line> round_;
   std::vector<LockstepLogEntry> log_;
 };

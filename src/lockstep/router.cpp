@@ -269,8 +269,17 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
   }
   if (!receivers.empty()) {
     trace_({Delivery::Kind::kMessage, order, topic.name, by.sender, std::move(receivers),
-            wire::CallStatus::kOk, item.payload});
+            wire::CallStatus::kOk, item.payload, typeOf(topic, by.sender)});
   }
+}
+
+std::string_view MessageRouter::typeOf(const Topic& topic, MemberId sender) {
+  for (const Advertised& publisher : topic.publishers) {
+    if (publisher.member == sender) {
+      return publisher.type;
+    }
+  }
+  return {};
 }
 
 std::string_view MessageRouter::topicName(MemberId id, std::uint32_t number) const {

@@ -45,6 +45,7 @@ class MessageRouter {
     std::vector<MemberId> receivers;  // of a call that nobody serves: none
     wire::CallStatus status;          // of a response
     std::string_view bytes;
+    std::string_view type = {};  // of a message
   };
 
   using Post = std::function<void(MemberId receiver, Mail mail)>;
@@ -103,6 +104,7 @@ class MessageRouter {
     std::vector<Advertised> publishers;
     std::vector<Subscribed> subscribers;
   };
+  static std::string_view typeOf(const Topic& topic, MemberId sender);
   struct LocalTopic {
     Index topic;
     bool advertised = false;

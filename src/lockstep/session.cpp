@@ -19,7 +19,7 @@ LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds w
     : settings_(settings),
       rules_(rules),
       rounds_(settings, rules),
-      log_(rounds_),
+      log_(rounds_, settings.keeps_bytes),
       router_([this](MemberId id, Mail mail) { rounds_.post(id, mail); },
               [this](MemberId id, std::uint32_t sub, std::uint64_t number) {
                 return rounds_.order(id, sub, number);
@@ -37,6 +37,9 @@ LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds w
       labels_(messages_),
       is_strict_(settings.strict) {
   keepEnd();
+  for (const std::string& why : settings_.not_covered) {
+    labels_.addNotRepeatable(why);
+  }
 }
 
 // ---- the end of a round ----------------------------------------------------------------------

@@ -84,6 +84,14 @@ class EventLog:
                 self.events += 1
                 yield record
 
+    @property
+    def bags(self):
+        """The bags of the run, of which the end record has digests: {node: [{'node', 'name', 'bytes', 'sha256'}]}."""
+        found = {}
+        for bag in (self.end or {}).get('bags', ()):
+            found.setdefault(bag['node'], []).append(bag)
+        return found
+
     def remarks(self):
         """Return what must be known about the run beside its events, as texts. Call it after all events were read."""
         if self.end is None:
@@ -140,6 +148,8 @@ class EventLog:
             raise self._error(number, 'must be an end record with not_repeatable_because and degraded_because', line)
         if type(end.get('cut_ns', 0)) is not int:
             raise self._error(number, 'must be an end record whose cut_ns, if there is one, is a whole number', line)
+        if not _are_bags(end.get('bags', [])):
+            raise self._error(number, 'has bags that are no list of node, name, bytes and sha256', line)
         if end.get('events') != self.events:
             raise self._error(number, f'the end record counts another number of events than were read, {self.events}',
                               line)
@@ -158,6 +168,40 @@ class EventLog:
 
 def _is_ns(value):
     return -2 ** 63 <= value < 2 ** 63
+
+
+def _are_bags(bags):
+    kinds = {'node': str, 'name': str, 'bytes': int, 'sha256': str}
+    return isinstance(bags, list) and all(isinstance(bag, dict) and all(
+        type(bag.get(key)) is kind for key, kind in kinds.items()) for bag in bags)
+
+
+def uncovered_bag(node, why):
+    """Return the label of a run with a bag that nothing is known of, as a text."""
+    return f"the bag of '{node}' is not covered: {why}"
+
+
+class BagDifference(NamedTuple):
+    """The first bags of a node that differ, as the end records have them; None where a run has no more of them."""
+
+    node: str
+    number: int  # among the node's bags, from 1 on
+    first: Any
+    second: Any
+
+
+def compare_bags(first, second):
+    """Return the first difference between the bags of two EventLogs that were read, or None, and what only one has.
+
+    What a node's bags are called is not compared. A log of a run without digests has none: its nodes are in the second
+    value, a sorted list of names.
+    """
+    one, other = first.bags, second.bags
+    for node in sorted(set(one) & set(other)):
+        for number, pair in enumerate(itertools.zip_longest(one[node], other[node]), 1):
+            if None in pair or pair[0]['sha256'] != pair[1]['sha256']:
+                return BagDifference(node, number, *pair), sorted(set(one) ^ set(other))
+    return None, sorted(set(one) ^ set(other))
 
 
 class Comparison(NamedTuple):

@@ -5,6 +5,7 @@ instant, who sent what, both versions; and of the nodes that are in it, what the
 in both runs.
 """
 import collections
+import itertools
 import json
 from typing import NamedTuple, Optional
 
@@ -13,15 +14,23 @@ from .event_log import EventLog
 
 LAST = 10  # things that a node had been told
 MESSAGES = ('message', 'call', 'response')  # kinds of events that participants send each other
+_MOST_OF_AN_INSTANT = 10000  # events that are looked at after the first difference
 _STATUS = {'response': 1}  # values between the receivers and the length
 
 
 class Comparison(NamedTuple):
-    """Two logs side by side. ``difference`` is None if they are equal."""
+    """Two logs side by side. ``difference`` is None if their events are equal."""
 
     events: int  # of the first, without messages
     messages: int
     difference: Optional['Difference']
+    bags: Optional[event_log.BagDifference] = None  # looked for where the events are equal
+    alone: tuple = ()  # nodes of whose bags only one log has digests
+
+    @property
+    def identical(self):
+        """Whether nothing that was compared differs."""
+        return self.difference is None and self.bags is None
 
 
 class Difference(NamedTuple):
@@ -32,16 +41,24 @@ class Difference(NamedTuple):
     first: object  # Event, or None: that run's log has ended
     second: object
     told: dict  # node: its last LAST events, the newest last
+    number: int = 0  # among the messages of either log, from 1 on, where it is one
+    is_reordered: bool = False  # both events are in both logs at this instant, in another order
 
 
 def compare(first_path, second_path, with_messages=True):
-    """Compare two event logs; without messages only what participants wrote themselves counts.
+    """Compare two event logs, and the digests of the bags that their end records have.
+
+    Without messages only what participants wrote themselves counts; bags have the names of senders in them too.
 
     :raises EventLogError: if one cannot be read.
     """
     with event_log.open_text(first_path) as one, event_log.open_text(second_path) as other:
-        return _compare(_events(EventLog(one, first_path), with_messages),
-                        _events(EventLog(other, second_path), with_messages))
+        first, second = EventLog(one, first_path), EventLog(other, second_path)
+        found = _compare(_events(first, with_messages), _events(second, with_messages))
+    if found.difference is not None or not with_messages:
+        return found
+    bags, alone = event_log.compare_bags(first, second)
+    return found._replace(bags=bags, alone=tuple(alone))
 
 
 def _events(log, with_messages):
@@ -56,7 +73,10 @@ def _compare(first, second):
         its = next(second, None)
         instant, place = (instant, place + 1) if mine.time_ns == instant else (mine.time_ns, 1)
         if its is None or its.compared != mine.compared:
-            return Comparison(*counts, _difference(place, mine, its, told))
+            rests = [_rest(instant, events) for events in (first, second)]
+            return Comparison(*counts, _difference(place, mine, its, told)._replace(
+                number=counts[1] + 1, is_reordered=its is not None and mine.compared in rests[1]
+                and its.compared in rests[0]))
         counts[mine.kind in MESSAGES] += 1
         for node in receivers(mine):
             told[node].append(mine)
@@ -64,6 +84,12 @@ def _compare(first, second):
     if its is None:
         return Comparison(*counts, None)
     return Comparison(*counts, _difference(place + 1 if its.time_ns == instant else 1, None, its, told))
+
+
+def _rest(instant, events):
+    """Return what is compared of the next events as far as they are of this instant; not all of a crowd."""
+    same = itertools.takewhile(lambda event: event.time_ns == instant, events)
+    return [event.compared for event in itertools.islice(same, _MOST_OF_AN_INSTANT)]
 
 
 def _difference(place, mine, its, told):

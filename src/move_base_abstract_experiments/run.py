@@ -21,6 +21,7 @@ from . import launch_files, processes, ros_master, warm_nodes
 LOG_MOTION, PARTICIPANTS = '/log_motion', '/time_master/participants'
 END_NODE, RECORDER_NODE = '/experiment_end', '/experiment_recorder'
 LOG, MESSAGES = 'events.jsonl', 'messages.jsonl'
+_BAG_NOTES = 'bags'  # in which nodes name the bags that they write
 _END_RECORD_BYTES = 1 << 16  # a log's last line is shorter
 _ONLOOKER_GRACE_S = 5.0  # wall
 _OWN_END_S = 6.0  # wall, that participants may take to end by themselves once the run is over
@@ -103,7 +104,9 @@ def run(wanted, folders):
         config, taking = _plan(wanted, folders)
         ros_master.set_parameters(uri, [(param.key, param.value) for param in config.params.values()])
         started = _start_all(config, taking, uri, wanted, folders)
-        return Ended(_starts(config), _await_end(master, started, wanted, folders))
+        ended = Ended(_starts(config), _await_end(master, started, wanted, folders))
+        _tell_bags(folders)
+        return ended
     finally:
         processes.end_all_children()
 
@@ -147,7 +150,7 @@ def _add_own_nodes(config, wanted, folders):
 
 
 def _wishes(plan, config, wanted, folders):
-    from move_base_abstract_ros.launching import roles
+    from move_base_abstract_ros.launching import bags, roles
     start_s = config.params.get('/time_master/start_time')
     start_s = 1.0 if start_s is None else start_s.value
     parameters = {'event_log': os.path.join(folders.own, LOG), 'log_messages': wanted.record.hashes or None,
@@ -162,13 +165,23 @@ def _wishes(plan, config, wanted, folders):
                          and not roles.is_time_master(node))
     condition = wanted.condition
     own_environment = ()
+    notes = os.path.join(folders.own, _BAG_NOTES)
+    with open(notes, 'xb'):
+        pass
     if condition is not None and '--own-hash-seed' in condition.options:
         own_environment = (('PYTHONHASHSEED', condition.options[condition.options.index('--own-hash-seed') + 1]),)
     return plan.Wishes(parameters={key: value for key, value in parameters.items() if value is not None},
                        launcher=('--sleep', wanted.sleep, '--seed', str(wanted.seed)), forced=forced,
                        kept_out=kept_out, left_out=wanted.leave_out, replaced=wanted.replace,
-                       environment=condition.environment if condition is not None else (),
+                       environment=((bags.VARIABLE, notes), *(condition.environment if condition is not None else ())),
+                       is_reversed=condition is not None and condition.name == 'order',
                        own_environment=own_environment)
+
+
+def _tell_bags(folders):
+    """Write the digests of the bags of those who took part into the event log."""
+    from move_base_abstract_ros.launching import bags
+    bags.add_to_log(os.path.join(folders.own, LOG), bags.written(os.path.join(folders.own, _BAG_NOTES)))
 
 
 def _start_all(config, taking, uri, wanted, folders):

@@ -164,10 +164,12 @@ def compare(folders, again):
     """Return where two runs differ, in a line, or None."""
     if not os.path.exists(os.path.join(folders.own, run.LOG)):
         return None
-    found = run_difference.compare(os.path.join(folders.own, run.LOG), os.path.join(again.own, run.LOG)).difference
-    if found is not None:
+    compared = run_difference.compare(os.path.join(folders.own, run.LOG), os.path.join(again.own, run.LOG))
+    if compared.difference is not None:
         return ' / '.join(run_difference.told_lines(event) if event else 'no more events'
-                          for event in (found.first, found.second))[:_LONGEST_ERROR]
+                          for event in (compared.difference.first, compared.difference.second))[:_LONGEST_ERROR]
+    if compared.bags is not None:
+        return f'the bags of {compared.bags.node} differ (number {compared.bags.number} of them)'
     first, second = (os.path.join(one.own, run.MESSAGES) for one in (folders, again))
     if os.path.exists(first) and metrics.digest(first) != metrics.digest(second):
         return f'{run.MESSAGES}: recorded messages differ'

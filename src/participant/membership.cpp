@@ -161,6 +161,8 @@ void Membership::awaitGrant() {
   }
   if (isOver()) {
     finish();
+  } else {
+    delay_.begin();
   }
 }
 

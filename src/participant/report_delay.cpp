@@ -13,39 +13,65 @@ namespace move_base_abstract::lockstep::internal {
 namespace {
 
 constexpr const char* kVariable = "MOVE_BASE_ABSTRACT_REPORT_DELAY";
+constexpr const char* kFirstVariable = "MOVE_BASE_ABSTRACT_FIRST_TURNS";
 constexpr std::uint64_t kOneIn = 16;
 constexpr std::uint64_t kMillisecond = 1'000'000;  // ns
 constexpr std::uint64_t kSecond = 1'000'000'000;   // ns
 
-}  // namespace
-
-void ReportDelay::prepare(const std::string& name) {
-  const char* const text = std::getenv(kVariable);
+/** @return whether the variable is there, with its two numbers. @throws Error if it has another
+ * form. */
+bool read(const char* variable, const char* form, std::string* first, std::uint64_t* milliseconds) {
+  const char* const text = std::getenv(variable);
   if (text == nullptr || *text == '\0') {
-    return;
+    return false;
   }
   std::cmatch found;
   if (!std::regex_match(text, found, std::regex("([0-9]{1,9}):([0-9]{1,4})"))) {
-    throw Error(std::string("lockstep: the environment variable ") + kVariable +
-                " must be SEED:MILLISECONDS, whole numbers of at most 9 and 4 digits, got '" +
+    throw Error(std::string("lockstep: the environment variable ") + variable + " must be " + form +
+                ", whole numbers of at most 9 and 4 digits, got '" +
                 std::string(text).substr(0, 100) + "'");
   }
-  const std::string start = found[1].str() + name;
-  std::seed_seq seed(start.begin(), start.end());
-  chance_.seed(seed);
-  longest_ns_ = std::stoull(found[2].str()) * kMillisecond;
+  *first = found[1].str();
+  *milliseconds = std::stoull(found[2].str());
+  return true;
 }
 
-void ReportDelay::wait() {
-  if (longest_ns_ == 0 || chance_() % kOneIn != 0) {
-    return;
-  }
-  const std::uint64_t nanoseconds = chance_() % longest_ns_;
+/** The system's own: libc's sleeps are those of the program, which take simulated time. */
+void sleepFor(std::uint64_t nanoseconds) {
   timespec time{};
   time.tv_sec = static_cast<time_t>(nanoseconds / kSecond);
   time.tv_nsec = static_cast<long>(nanoseconds % kSecond);
-  // The system's own: libc's sleeps are those of the program, which take simulated time.
   ::syscall(SYS_nanosleep, &time, nullptr);
+}
+
+}  // namespace
+
+void ReportDelay::prepare(const std::string& name) {
+  std::string number;
+  std::uint64_t milliseconds = 0;
+  if (read(kVariable, "SEED:MILLISECONDS", &number, &milliseconds)) {
+    const std::string start = number + name;
+    std::seed_seq seed(start.begin(), start.end());
+    chance_.seed(seed);
+    longest_ns_ = milliseconds * kMillisecond;
+  }
+  if (read(kFirstVariable, "COUNT:MILLISECONDS", &number, &milliseconds)) {
+    turns_ = std::stoull(number);
+    late_ns_ = milliseconds * kMillisecond;
+  }
+}
+
+void ReportDelay::wait() {
+  if (longest_ns_ != 0 && chance_() % kOneIn == 0) {
+    sleepFor(chance_() % longest_ns_);
+  }
+}
+
+void ReportDelay::begin() {
+  if (turns_ > 0) {
+    --turns_;
+    sleepFor(late_ns_);
+  }
 }
 
 }  // namespace move_base_abstract::lockstep::internal

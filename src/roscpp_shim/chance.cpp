@@ -18,6 +18,7 @@
 #include "followed.h"
 #include "node.h"
 #include "real.h"
+#include "recorder.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {
@@ -255,12 +256,14 @@ int __open64_2(const char* path, int flags) {
 
 FILE* fopen(const char* path, const char* how) {
   static auto* const function = shim::real<FILE*(const char*, const char*)>("fopen");
+  shim::noteBag(path, how, MOVE_BASE_ABSTRACT_CALLER);
   const int file = shim::openEntropy(path, O_CLOEXEC, MOVE_BASE_ABSTRACT_CALLER);
   return file >= 0 ? ::fdopen(file, "r") : function(path, how);
 }
 
 FILE* fopen64(const char* path, const char* how) {
   static auto* const function = shim::real<FILE*(const char*, const char*)>("fopen64");
+  shim::noteBag(path, how, MOVE_BASE_ABSTRACT_CALLER);
   const int file = shim::openEntropy(path, O_CLOEXEC, MOVE_BASE_ABSTRACT_CALLER);
   return file >= 0 ? ::fdopen(file, "r") : function(path, how);
 }

@@ -17,6 +17,7 @@
 #include "hearing.h"
 #include "move_base_abstract/lockstep_participant.h"
 #include "real.h"
+#include "recorder.h"
 
 namespace move_base_abstract::shim {
 namespace {
@@ -125,6 +126,9 @@ void Node::exchange() {
   const bool is_resting = turn().isResting() && membership_.hasTurn();
   if (is_resting) {
     append(wire::Rest{});
+  }
+  if (onlyRecords() && wish.next > now() && wish.next != kNever && membership_.hasTurn()) {
+    append(wire::Background{});  // to look for new topics: who else has nothing to do makes none
   }
   const Nanoseconds before = now();
   membership_.exchange(wish);

@@ -9,6 +9,7 @@
 #include "glibc_fields.h"
 #include "node.h"
 #include "real.h"
+#include "recorder.h"
 #include "turn.h"
 #include "waits.h"
 
@@ -211,7 +212,9 @@ int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
       shim::real<shim::CondTimedWait>("pthread_cond_timedwait");
   const clockid_t clock = shim::clockOf(*condition);
   if (shim::ordered()) {
-    return shim::waitOnUntil(condition, mutex, clock, *deadline);
+    return shim::isRecordersLook(MOVE_BASE_ABSTRACT_CALLER)
+               ? shim::waitOn(condition, mutex, move_base_abstract::kNever)
+               : shim::waitOnUntil(condition, mutex, clock, *deadline);
   }
   const shim::MachineWait wait(clock, deadline);
   const int result = function(condition, mutex, wait.deadline());

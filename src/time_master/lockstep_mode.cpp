@@ -74,6 +74,9 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
       throw std::invalid_argument("event_log " + std::string(error.what()));
     }
   }
+  if (!parameters.message_bytes.empty()) {
+    message_bytes_ = std::make_unique<MessageBytes>(parameters.message_bytes);
+  }
   clock_ = std::make_unique<ClockPublisher>(clock, begin, parameters.master.max_clock_rate,
                                             parameters.master.repeat_rate);
   LockstepServer::Listeners listeners;
@@ -81,6 +84,10 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
   listeners.event = [this](const LockstepLogEntry& entry) {
     if (event_log_) {
       event_log_->add(entry.time, entry.robot, entry.kind, entry.values);
+    }
+    if (message_bytes_ &&
+        (entry.kind == "message" || entry.kind == "call" || entry.kind == "response")) {
+      message_bytes_->add(entry.type, entry.bytes);
     }
   };
   server_ = std::make_unique<LockstepServer>(settings, ros::network::getHost(),

@@ -14,6 +14,7 @@
 #include "clock_publisher.h"
 #include "event_log_writer.h"
 #include "lockstep_server.h"
+#include "message_bytes.h"
 #include "parameters.h"
 #include "ros_master_watch.h"
 #include "time_mode.h"
@@ -62,6 +63,7 @@ class LockstepMode : public TimeMode {
 
   const NodeParameters parameters_;
   std::unique_ptr<EventLogWriter> event_log_;
+  std::unique_ptr<MessageBytes> message_bytes_;
   std::unique_ptr<ClockPublisher> clock_;
   std::unique_ptr<LockstepServer> server_;
   std::unique_ptr<RosMasterWatch> ros_master_;

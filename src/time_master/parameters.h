@@ -231,8 +231,9 @@ struct NodeParameters {
   bool in_lockstep = false;  // mode at the start
   bool sim_time_factor_is_limit = false;  // whether /sim_time_factor counts in lockstep
   LockstepSettings lockstep;
-  int lockstep_port = 0;  // 0: any free one
-  std::string event_log;  // path, .jsonl or .csv; '': none
+  int lockstep_port = 0;      // 0: any free one
+  std::string event_log;      // path, .jsonl or .csv; '': none
+  std::string message_bytes;  // path of a new file for what is sent; '': none
 };
 
 /** @return the least number of seconds that is not before @p time [ns] when it is turned back. */
@@ -284,6 +285,13 @@ inline void readEnd(ParameterReader& reader, NodeParameters& parameters) {
   }
 }
 
+inline void readOutputs(ParameterReader& reader, NodeParameters& parameters) {
+  reader.read("event_log", parameters.event_log);
+  reader.read("message_bytes", parameters.message_bytes);
+  parameters.lockstep.keeps_bytes = !parameters.message_bytes.empty();
+  reader.read("not_covered", parameters.lockstep.not_covered);
+}
+
 inline void readLockstepParameters(ParameterReader& reader, NodeParameters& parameters) {
   LockstepSettings& lockstep = parameters.lockstep;
   int max_microsteps = static_cast<int>(lockstep.max_microsteps);
@@ -301,7 +309,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("log_messages", lockstep.log_messages);
   reader.read("sim_time_factor_is_limit", parameters.sim_time_factor_is_limit);
   reader.read("lockstep_port", parameters.lockstep_port);
-  reader.read("event_log", parameters.event_log);
+  readOutputs(reader, parameters);
   std::string secret, secret_file;
   reader.read("lockstep_secret", secret);
   reader.read("lockstep_secret_file", secret_file);

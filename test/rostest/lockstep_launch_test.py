@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Unchanged launch files in lockstep, by lockstep_launch: who takes part, who looks on, and how a run ends."""
+import hashlib
 import json
 import math
 import os
@@ -44,6 +45,9 @@ KINDS = """<launch>
   <node pkg="study_of_others" type="both" name="both"/>
   <node pkg="study_of_others" type="wrapped" name="wrapped"/>
   <node pkg="study_of_others" type="binary" name="binary"/>
+  <node pkg="study_of_others" type="records" name="records"/>
+  <node pkg="study_of_others" type="starts_recorder" name="starts_recorder"/>
+  <node pkg="rosbag" type="play" name="player" args="x.bag"/>
   <node pkg="move_base_abstract" type="no_such_program" name="missing"/>
   <machine name="robot" address="192.0.2.1" env-loader="/opt/env.sh"/>
 </launch>
@@ -85,6 +89,11 @@ exec rosrun study_of_others ticks.py "$@"
 "$(rospack find study_of_others)/ticks.py" "$@"
 """, 'binary': """#!/bin/sh
 exec rosrun move_base_abstract shim_listener /a /b "$@"
+""", 'records': """#!/bin/sh
+exec rosbag record -a "$@"
+""", 'starts_recorder': """#!/bin/sh
+rosrun rosbag record -a &
+sleep 1000
 """}
 LEAVING = """<launch>
   <node pkg="study_of_others" type="leaves.py" name="leaves" required="true"/>
@@ -167,15 +176,19 @@ class LaunchTest(unittest.TestCase):
         return log, [event.compared for event in log]
 
     def test_a_whole_system_runs_as_its_launch_file_is_and_twice_the_same(self):
-        logs = []
-        for name in ('a.jsonl', 'b.jsonl'):
-            done = self.run_it('--log-messages', '--event-log', self.path(name), SYSTEM, 'bag:=' + self.path('bag'),
-                               'tasks:=12')
+        logs, bags = [], []
+        for name, options in (('a.jsonl', ()), ('b.jsonl', ('--speed-limit', '40'))):
+            done = self.run_it('--log-messages', '--event-log', self.path(name), *options, SYSTEM,
+                               'bag:=' + self.path(name), 'tasks:=12')
             self.assertEqual(done.returncode, 0, done.stdout)
-            self.assertIn('8 of 9 nodes take part', done.stdout)
-            self.assertIn('/recorder looks on', done.stdout)
+            self.assertIn('9 of 9 nodes take part', done.stdout)
             log, events = self.log(name)
             logs.append(events)
+            with open(self.path(name) + '.bag', 'rb') as stream:
+                bags.append(hashlib.sha256(stream.read()).hexdigest())
+            self.assertEqual([bag['sha256'] for bag in log.bags['/recorder']], bags[-1:])
+            self.assertIn('lockstep_launch: bag of /recorder: {}.bag\n'.format(self.path(name)), done.stdout)
+        self.assertEqual(*bags)
         self.assertEqual(log.end['not_repeatable_because'] + log.end['degraded_because'], [])
         self.assertIn("'/coordinator' left", log.end['reason'])  # the required node: no tail of the others
         self.assertGreater(len(logs[0]), 100)
@@ -204,13 +217,18 @@ class LaunchTest(unittest.TestCase):
         done = self.run_it('--list', self.file(KINDS))
         self.assertEqual(done.returncode, 0, done.stdout)
         first, *others = done.stdout.splitlines()
-        self.assertEqual(first.partition(': ')[2], '9 of 16 nodes take part: /one/relay, /one/move_base, /one/fleet, '
-                         '/flags, /asker, /echo, /answerer_anonymous_1, /both, /wrapped')
-        for name, why in (('/recorder', 'only records'), ('/again', 'it is respawned'), ('/watched', "under 'gdb'"),
+        self.assertEqual(first.partition(': ')[2], '11 of 19 nodes take part: /one/relay, /one/move_base, /one/fleet, '
+                         '/flags, /asker, /echo, /answerer_anonymous_1, /recorder, /both, /wrapped, /records')
+        for name, why in (('/player', 'only plays'), ('/starts_recorder', 'it is a shell script'),
+                          ('/again', 'it is respawned'), ('/watched', "under 'gdb'"),
                           ('/elsewhere', "machine 'robot'"), ('/no_node', 'imports rospy'),
                           ('/missing', 'there is no program'), ('/binary', 'it is a shell script')):
             line, = [line for line in others if line.startswith('lockstep_launch: {} looks on'.format(name))]
             self.assertIn(why, line)
+        self.assertIn('lockstep_launch: /recorder records no /clock, /rosout, /rosout_agg, /time_master/...: they go '
+                      'past lockstep', others)
+        self.assertIn("lockstep_launch: the bag of '/starts_recorder' is not covered: it looks on: it is a shell",
+                      done.stdout)
 
     def test_of_a_program_that_is_not_there_it_is_said_how_ours_is_started_in_its_place(self):
         for package, kind, hint in (('move_base', 'move_base', '; ours: --replace move_base/move_base='
@@ -223,19 +241,21 @@ class LaunchTest(unittest.TestCase):
             self.assertLessEqual(len(role.why), MAX_LENGTH)  # it is told whole
 
     def test_options_say_otherwise(self):
-        done = self.run_it('--list', '--no-respawn', '--onlooker', 'flags', '--leave-out', '/one/relay',
-                           '--participant', '/no_node', '--replace', 'rosbag/record=move_base_abstract/shim_listener',
-                           self.file(KINDS))
+        done = self.run_it('--list', '--no-respawn', '--onlooker', 'flags', '--onlooker', 'recorder', '--leave-out',
+                           '/one/relay', '--participant', '/no_node', '--participant', '/player', '--replace',
+                           'rosbag/play=move_base_abstract/shim_listener', self.file(KINDS))
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertIn('/again', done.stdout.splitlines()[0])
-        self.assertIn('/recorder', done.stdout.splitlines()[0])
+        self.assertNotIn('/recorder', done.stdout.splitlines()[0])
+        self.assertIn("the bag of '/recorder' is not covered: it looks on: as it was asked for", done.stdout)
         self.assertIn('/no_node', done.stdout.splitlines()[0])
+        self.assertIn('/player', done.stdout.splitlines()[0])
         self.assertIn('/flags looks on', done.stdout)
         self.assertIn('/one/relay is not started', done.stdout)
 
     def test_what_cannot_be_run_is_refused_with_the_reason(self):
         simulator = '<launch><node pkg="stage_ros" type="stageros" name="stage"/></launch>'
-        nobody = '<launch><node pkg="rosbag" type="record" name="recorder"/></launch>'
+        nobody = '<launch><node pkg="rosbag" type="play" name="player"/></launch>'
         for words, text in (((self.path('none.launch'),), 'none.launch'), ((), 'a launch file is wanted'),
                             (('--until', '-1', SYSTEM), 'more than 0'),
                             (('--onlooker', '/x', SYSTEM), 'no node of this'),

@@ -84,10 +84,11 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         return done.returncode, done.stdout
 
     def test_a_whole_system_is_identical_and_nothing_stays(self):
-        code, said = self.verify('--conditions', 'plain,busy,limited,delays', '--leave-out', '/recorder', SYSTEM,
-                                 'bag:=x', 'tasks:=6')
+        code, said = self.verify('--conditions', 'plain,order,busy,limited,delays', SYSTEM, 'bag:=' + self.path('bag'),
+                                 'tasks:=6')
         self.assertEqual(code, 0, said)
-        self.assertIn('verify: identical: 4 runs (plain, busy, limited, delays), ', said)
+        self.assertIn('verify: identical: 5 runs (plain, order, busy, limited, delays), ', said)
+        self.assertIn('and the same bytes in 1 bag\n', said)
         self.assertEqual(os.listdir(self.path('tmp')), [])
 
     def test_a_program_that_tells_its_number_differs_and_the_place_is_named(self):
@@ -99,6 +100,7 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         self.assertIn('what /chance had been told before, in both runs:', said)
         told = said.partition('what /chance')[2].partition('likely causes')[0]
         self.assertEqual(told.count('message /ticks from /ticks to /chance'), 10, said)
+        self.assertRegex(said, r'its fields, plain / again:\n  data: [0-9.]+ / [0-9.]+\n')
         self.assertRegex(said, r'/chance: os.getpid in \S+chance.py, line 7: is another number in another run')
         folder = said.partition('logs and outputs are in ')[2].strip()
         self.assertEqual(sorted(os.listdir(folder)), ['1_plain', '2_again'])
@@ -114,8 +116,9 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         code, said = self.verify('--runs', '2', '--until', '10', self.launch_file(
             NODE.format('ticks'), NODE.format('quiet'), '<param name="quiet/lockstep_charge" value="measured"/>'))
         self.assertEqual(code, 4, said)  # it sends nothing, so that nothing is charged
-        self.assertIn('labelled: ', said)
-        self.assertIn('but not called repeatable: ', said)
+        self.assertEqual(said.count('s of wall time; labelled\n'), 2, said)
+        self.assertEqual(said.count('charges what it measures'), 1, said)
+        self.assertRegex(said, r'but not called repeatable: .*charges what it measures.* \(all runs\)')
 
     def test_a_run_without_an_end_is_ended_and_said(self):
         code, said = self.verify('--time-limit', '8', self.launch_file(NODE.format('ticks')))

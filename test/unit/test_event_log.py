@@ -6,7 +6,7 @@ import json
 import pytest
 
 from move_base_abstract import event_log
-from move_base_abstract.event_log import EventLog, EventLogError, compare, open_text
+from move_base_abstract.event_log import EventLog, EventLogError, compare, compare_bags, open_text
 
 HEAD = '{"event_log":1,"start_ns":1000000000}'
 EVENTS = ((1_000_000_000, 'robot_0', 'goal', [1.5, 'a']), (1_500_000_000, 'robot_1', 'arrived', []),
@@ -172,3 +172,46 @@ def test_a_file_that_is_not_there_is_named_and_so_is_that_of_an_unfinished_run(t
     (tmp_path / 'run.jsonl.part').write_text(HEAD)
     with pytest.raises(EventLogError, match=r'run\.jsonl\.part is there'):
         open_text(path).__enter__()
+
+
+def bag(node='/recorder', name='run.bag', size=10, sha256='aa'):
+    return {'node': node, 'name': name, 'bytes': size, 'sha256': sha256}
+
+
+def read_with_bags(*bags):
+    lines = json_text().splitlines(True)
+    end = json.loads(lines[-1])
+    end['end']['bags'] = list(bags)
+    read = log(''.join(lines[:-1]) + json.dumps(end) + '\n')
+    list(read)
+    return read
+
+
+def test_bags_are_compared_by_their_digests_and_not_by_their_names():
+    first = read_with_bags(bag('/b'), bag('/a', sha256='1'), bag('/a', sha256='2'))
+    same = read_with_bags(bag('/a', name='other.bag', sha256='1'), bag('/a', sha256='2'), bag('/b'))
+    assert compare_bags(first, same) == (None, [])
+    for other, number, found in ((read_with_bags(bag('/a', sha256='1'), bag('/a', sha256='3'), bag('/b')), 2, '3'),
+                                 (read_with_bags(bag('/a', sha256='1'), bag('/b')), 2, None)):
+        difference, alone = compare_bags(first, other)
+        assert (difference.node, difference.number, difference.first['sha256'], alone) == ('/a', number, '2', [])
+        assert (difference.second or {}).get('sha256') == found
+
+
+def test_whose_bags_only_one_run_has_is_told():
+    assert compare_bags(read_with_bags(bag('/b'), bag('/a')), read_with_bags(bag('/b'))) == (None, ['/a'])
+    assert compare_bags(read_with_bags(bag()), log_without_bags()) == (None, ['/recorder'])
+
+
+def log_without_bags():
+    read = log(json_text())
+    list(read)
+    return read
+
+
+@pytest.mark.parametrize('bags', [{}, ['x'], [{'node': 1}], [dict(bag(), bytes='1')], None])
+def test_bags_that_are_none_are_refused(bags):
+    lines = json_text().splitlines(True)
+    end = json.loads(lines[-1])
+    end['end']['bags'] = bags
+    refused(''.join(lines[:-1]) + json.dumps(end) + '\n', 'bags', ':5:')

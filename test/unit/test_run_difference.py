@@ -19,15 +19,16 @@ def event(time_s, robot, kind, *values):
 
 @pytest.fixture
 def compare(tmp_path):
-    def write(name, events):
+    def write(name, events, bags):
         end = {'end': {'events': len(events), 'repeatable': True, 'not_repeatable_because': [], 'degraded_because': [],
-                       'reason': 'over'}}
+                       'reason': 'over', 'bags': bags}}
         lines = [json.dumps(record) for record in [{'event_log': 1, 'start_ns': SECOND}, *events, end]]
         (tmp_path / name).write_text('\n'.join(lines) + '\n')
         return str(tmp_path / name)
 
-    def compare(first, second, **options):
-        return run_difference.compare(write('a.jsonl', first), write('b.jsonl', second), **options)
+    def compare(first, second, bags=((), ()), **options):
+        return run_difference.compare(write('a.jsonl', first, list(bags[0])), write('b.jsonl', second, list(bags[1])),
+                                      **options)
     return compare
 
 
@@ -84,3 +85,21 @@ def test_a_file_that_is_no_log_is_refused(tmp_path):
     (tmp_path / 'a').write_text('nothing')
     with pytest.raises(EventLogError, match='is not JSON'):
         run_difference.compare(str(tmp_path / 'a'), str(tmp_path / 'a'))
+
+
+def test_what_is_the_same_in_another_order_is_said(compare):
+    same = [message(1, '/a', '/x', '/y')]
+    one, other = message(2, '/b', '/x', '/y'), message(2, '/c', '/y', '/x')
+    difference = compare(same + [one, other, message(3, '/d', '/x', '/y')], same + [other, one]).difference
+    assert (difference.is_reordered, difference.number) == (True, 2)
+    difference = compare(same + [one, other], same + [other, dict(one, time_ns=3 * SECOND)]).difference
+    assert (difference.is_reordered, difference.number) == (False, 2)
+
+
+def test_where_events_are_equal_the_bags_are_compared(compare):
+    bags = [[{'node': '/recorder', 'name': 'x.bag', 'bytes': 3, 'sha256': digest}] for digest in ('1', '2')]
+    events = [message(1, '/a', '/x', '/y')]
+    found = compare(events, events, bags=bags)
+    assert (found.identical, found.difference, found.bags.node) == (False, None, '/recorder')
+    assert compare(events, events, bags=bags[:1] * 2).identical
+    assert compare(events, events, bags=bags, with_messages=False).identical  # they hold the names of senders

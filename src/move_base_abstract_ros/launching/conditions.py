@@ -33,7 +33,13 @@ _FAST = 'the result depends on how fast the machine is: a program reads the wall
 CONDITIONS = (
     Condition('plain', 'as it is', ''),
     Condition('again', 'as it is, once more', 'chance or time from outside: random numbers, the wall clock, addresses '
-              '(sets of objects), process ids, files of the run before'),
+              '(sets of objects), process ids, files of the run before, the order in which nodes have registered with '
+              'the ROS master (who asks it which topics, nodes or parameters there are), another run beside this one '
+              '(files in /tmp, shared memory, ports)'),
+    Condition('order', 'nodes start one after another, the last of the launch file first',
+              'the result depends on the order in which nodes have registered with the ROS master: a program asks it '
+              'which topics, services, nodes or parameters there are, and goes by their order',
+              options=('--start-order', 'reversed')),
     Condition('busy', 'every core busy', _FAST, is_busy=True),
     Condition('limited', 'limited to {:g} times real time'.format(LIMIT), _FAST, is_limited=True),
     Condition('delays', 'random wall delays before reports',

@@ -1,4 +1,5 @@
 """What a launch file becomes in lockstep: roslaunch's own configuration of it, with our launcher and a time master."""
+import shlex
 from typing import NamedTuple
 
 import rosgraph
@@ -6,12 +7,16 @@ import roslaunch.config
 import roslaunch.core
 from roslaunch import substitution_args
 
+from move_base_abstract import event_log
 from move_base_abstract.errors import ConfigurationError
 
+from ..lockstep import recorders, report_delays
 from ..loopback import PACKAGE, find_executable
 from . import roles
 
 TIME_MASTER = '/time_master'
+_LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # of a run with another order, wall
+_NOT_COVERED = TIME_MASTER + '/not_covered'
 
 
 class Wishes(NamedTuple):
@@ -26,6 +31,7 @@ class Wishes(NamedTuple):
     with_respawned: bool = False
     environment: tuple = ()  # (name, value) for each node that takes part; the launch file's own stand above them
     own_environment: tuple = ()  # (name, value) for this package's own nodes
+    is_reversed: bool = False  # whether nodes start one after another, the last of the launch file first
     parts: int = 0  # processes that a fleet is split into; 0: as the file says
 
 
@@ -37,6 +43,12 @@ class Plan(NamedTuple):
     left_out: list
     notes: list
     fleets: list  # names of fleets that live in one process, and could be split
+    is_reversed: bool = False  # nodes start one after another
+
+    @property
+    def event_log(self):
+        """Path of the run's event log; '': none."""
+        return _value(self.config, TIME_MASTER + '/event_log', '')
 
     @property
     def participants(self):
@@ -69,11 +81,14 @@ def plan_of(config, wishes):
             role = roles.role_of(node, wishes.forced, wishes.kept_out, wishes.with_respawned)
             found.append(role)
             _prepare(node, role, launcher, wishes)
+            notes += _look_at_recorder(config, node, role)
     if not any(role.takes_part for role in found) and not _named(config):
         raise ConfigurationError('no node of this launch file can take part in lockstep: {}'.format(
             '; '.join('{}: {}'.format(role.name, role.why) for role in found) or 'there is none'))
     notes += _add_time_master(config, found, wishes)
-    return Plan(config, found, left_out, notes, [roles.name_of(node) for node in fleets])
+    if wishes.is_reversed:
+        _reverse(config, [role.name for role in found if role.takes_part])
+    return Plan(config, found, left_out, notes, [roles.name_of(node) for node in fleets], wishes.is_reversed)
 
 
 def name_anonymous_ones_alike():
@@ -131,6 +146,21 @@ def _prepare(node, role, launcher, wishes):
             node.respawn = False
 
 
+def _look_at_recorder(config, node, role):
+    """Label the run where the bag of a recorder is not covered. Return what is to be said of it, as texts."""
+    why, notes = '' if role.takes_part else 'it looks on: {}'.format(role.why), []
+    if role.takes_part and recorders.is_recorder(node):
+        left_out, named = recorders.past_lockstep(shlex.split(node.args or ''), node.namespace,
+                                                  _value(config, TIME_MASTER + '/excluded_topics', []))
+        why = 'it records {}, which goes past lockstep'.format(', '.join(named)) if named else ''
+        notes += ['{} records no {}: they go past lockstep'.format(role.name, ', '.join(left_out))] if left_out else []
+    if role.records and why:
+        label = event_log.uncovered_bag(role.name, why)
+        _set(config, _NOT_COVERED, [*_value(config, _NOT_COVERED, []), label])
+        notes.append(label)
+    return notes
+
+
 def _fleets(config):
     return [node for node in config.nodes if (node.package, node.type) == (PACKAGE, 'fleet')
             and _value(config, roles.name_of(node) + '/parts', 1) == 1]
@@ -184,6 +214,16 @@ def _add_time_master(config, found, wishes):
                             'end_with': required}, **wishes.parameters).items():
         _set(config, '{}/{}'.format(TIME_MASTER, key), value)
     return notes
+
+
+def _reverse(config, taking):
+    """Have nodes start in the reverse order; what they tell the ROS master at one instant comes in that order too."""
+    config.nodes.reverse()
+    config.nodes.sort(key=lambda node: not roles.is_time_master(node))
+    started = [node for node in config.nodes if roles.name_of(node) in taking]
+    step = min(_LONGEST_STEP_MS, _LATEST_MS // max(1, len(started)))
+    for number, node in enumerate(started):
+        node.env_args = [*node.env_args, (report_delays.FIRST_VARIABLE, '{}:{}'.format(_LATE_TURNS, number * step))]
 
 
 def _named(config):

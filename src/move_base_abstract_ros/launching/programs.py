@@ -7,6 +7,7 @@ from importlib.machinery import PathFinder
 from roslib import packages
 from rospkg import ResourceNotFound, RosPack
 
+from ..lockstep import recorders
 from ..lockstep.binary import links_to_roscpp
 from ..lockstep.shell_scripts import programs_in
 from ..nodes import lockstep_launcher
@@ -35,6 +36,8 @@ def kind_of(path):
 
 def _kind_of_shell(path):
     text = _read(path)
+    if recorders.becomes_recorder(text):
+        return 'roscpp', ''
     if b'python' in text and any(name.split('.')[0] in _ROSPY for name in _imports(text)):
         return 'rospy', ''  # both at once: to the shell, and to the Python that it has read the file
     for found in programs_in(path, text.decode('utf-8', 'replace'), _package, _nodes):

@@ -6,13 +6,14 @@ from typing import NamedTuple
 from rosgraph.names import ns_join
 from roslib import packages
 
+from ..lockstep import recorders
 from ..loopback import PACKAGE
 from . import programs
 
 _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver', 'soil_coordinator',
               'end_at_message', 'message_recorder')
 _LOOK_ON = {
-    'nodelet': 'nodelets are not followed', 'rviz': 'it only shows', 'rosbag': 'it only records or plays',
+    'nodelet': 'nodelets are not followed', 'rviz': 'it only shows',
     'rqt_gui': 'it only shows', 'image_view': 'it only shows', 'plotjuggler': 'it only shows'}
 _CLOCKS = (('stage_ros', 'stageros'), ('gazebo_ros', 'gazebo'), ('gazebo_ros', 'gzserver'), ('gazebo_ros', 'debug'),
            ('flatland_server', 'flatland_server'), ('mvsim', 'mvsim_node'), ('mvsim', 'mvsim'))
@@ -27,6 +28,7 @@ class Role(NamedTuple):
     name: str
     kind: str
     why: str
+    records: bool = False  # whether it writes bags, as far as its program shows it
 
     @property
     def takes_part(self):
@@ -64,21 +66,28 @@ def role_of(node, forced=(), kept_out=(), with_respawned=False):
 
     :param forced, kept_out: full names of nodes that shall take part, or look on, whatever they are.
     """
-    name = name_of(node)
+    kind, why = _kind(node, name_of(node), forced, kept_out, with_respawned)
+    return Role(name_of(node), kind, why, recorders.is_recorder(node) or _starts_recorder(node))
+
+
+def _kind(node, name, forced, kept_out, with_respawned):
     if name in kept_out:
-        return Role(name, None, 'as it was asked for')
+        return None, 'as it was asked for'
     reason = None if name in forced else _outside(node, with_respawned)
     if reason:
-        return Role(name, None, reason)
+        return None, reason
     if _is_by_itself(node):
-        return Role(name, 'itself', '')
+        return 'itself', ''
     path = _program(node)
     if path is None:
-        return Role(name, None, 'there is no program {}'.format(_without(node)))
+        return None, 'there is no program {}'.format(_without(node))
     kind, why = programs.kind_of(path)
-    if kind is None and name in forced:
-        kind = 'rospy'
-    return Role(name, kind, why)
+    return ('rospy' if kind is None and name in forced else kind), why
+
+
+def _starts_recorder(node):
+    path = None if node.package == PACKAGE else _program(node)
+    return path is not None and recorders.starts_recorder(path)
 
 
 def _is_by_itself(node):
@@ -89,6 +98,8 @@ def _outside(node, with_respawned):
     """Return why a node cannot take part whatever its program is, or None."""
     if node.package in _LOOK_ON:
         return _LOOK_ON[node.package]
+    if (node.package, node.type) == ('rosbag', 'play'):
+        return 'it only plays'
     if node.machine_name and node.machine_name not in ('localhost', 'local'):
         return "it belongs on the machine '{}'".format(node.machine_name)
     if node.respawn and not with_respawned and not _is_by_itself(node):

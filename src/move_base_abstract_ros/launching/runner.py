@@ -1,5 +1,6 @@
 """Run a Plan: roslaunch's own parent, that ends a run in order and says how it ended."""
 import sys
+import time
 
 import roslaunch.parent
 
@@ -7,6 +8,8 @@ from . import roles
 from .plan import TIME_MASTER
 
 _STATE_TIMEOUT = 5.0  # s, wall
+_EACH_TIMEOUT = 10.0  # s, wall, for a node to take part before the next one starts; it may wait for that one
+_LOOK_S = 0.02  # wall
 GOOD, BAD = 0, 1
 
 
@@ -19,6 +22,24 @@ class Parent(roslaunch.parent.ROSLaunchParent):
         self._required = [roles.name_of(node) for node in plan.config.nodes if node.required]
         self.code = GOOD
         self._ending = False
+
+    def _init_runner(self):
+        super()._init_runner()
+        if self._plan.is_reversed:
+            launch = self.runner.launch_node
+            self.runner.launch_node = lambda node, core=False: self._launch_and_wait(launch, node, core)
+
+    def _launch_and_wait(self, launch, node, core):
+        """Launch a node, and wait until it takes part, or is not going to."""
+        started = launch(node, core)
+        name, deadline = roles.name_of(node), time.monotonic() + _EACH_TIMEOUT
+        while started[1] and name in self._plan.participants and time.monotonic() < deadline:
+            state = ask_state(_STATE_TIMEOUT)
+            if state is not None and (name in [one.name for one in state.participants]
+                                      or state.phase != 'waiting_for_participants'):
+                break
+            time.sleep(_LOOK_S)
+        return started
 
     def _load_config(self):
         self.config = self._plan.config

@@ -2,6 +2,7 @@
 import contextlib
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,17 +14,14 @@ from move_base_abstract.event_log import EventLog, EventLogError
 from move_base_abstract.own_files import OutputError
 
 from ..loopback import find_executable
+from . import findings
 from .conditions import CONDITIONS, every_core_busy, limit_for
 
 IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED = 0, 1, 2, 3, 4
 _GRACE_S = 60.0  # wall, from the polite signal to SIGKILL: roslaunch ends its nodes meanwhile
 _OUTPUT_LINES = 15
-_MOST_CAUSES = 12
-# What the launcher's warnings of sources that are not followed, and labels, have in them.
-_SOURCES = re.compile(r'(reads the wall clock|sleeps in wall time|is seeded|seeded by|hash|address|does not take part'
-                      r'|lockstep|not repeatable|random|wall|processor|comes when|run to run|another run)')
-_IN_PLACE = re.compile(r'(\S+: )?(.* in \S+, line [0-9]+: .*)')
-_COLOUR = re.compile('\x1b\\[[0-9;]*m')
+_MOST_BAG_BYTES = 1 << 30  # of the first run's bags that are kept, to be compared with the others' message by message
+_BAG = re.compile(r'lockstep_launch: bag of (\S+): (.*)')
 
 
 class Run(NamedTuple):
@@ -34,6 +32,8 @@ class Run(NamedTuple):
     output: str  # path
     end: dict  # of the log
     wall: float  # s
+    message_bytes: str  # path of a file with what participants have sent each other
+    bags: dict  # {(node, number of its bag from 1 on): path}
 
     @property
     def labels(self):
@@ -71,8 +71,12 @@ class Verification:
             run = self._run(condition)
             self.runs.append(run)
             self._tell(run)
-            if len(self.runs) > 1 and not self._is_like_the_first(run):
+            if len(self.runs) == 1:
+                self.runs[0] = run._replace(bags=_keep(run))
+            elif not self._is_like_the_first(run):
                 return DIFFERENT
+            else:
+                _remove(run)
         return self._conclude()
 
     def _run(self, condition):
@@ -82,8 +86,9 @@ class Verification:
         except OSError as error:
             raise OutputError('{}: cannot be made: {}'.format(folder, error.strerror)) from None
         log, output = os.path.join(folder, 'events.jsonl'), os.path.join(folder, 'output.txt')
-        command = [find_executable('lockstep_launch'), '--event-log', log, '--log-messages', '--end-when-idle',
-                   *condition.options]
+        message_bytes = os.path.join(folder, 'messages.bin')
+        command = [find_executable('lockstep_launch'), '--event-log', log, '--log-messages', '--message-bytes',
+                   message_bytes, '--end-when-idle', *condition.options]
         if condition.is_limited:
             simulated = _simulated(self.runs[0].log) if self.runs else 0.0
             command += ['--speed-limit', '{:.9g}'.format(limit_for(simulated))]
@@ -97,7 +102,7 @@ class Verification:
             how = 'could not be started' if code == CANNOT else 'did not come to its end (exit code {})'.format(code)
             raise Unfinished("the run '{}' {}; its last lines:\n{}\nall of them: {}".format(
                 condition.name, how, _last_lines(output), output), CANNOT if code == CANNOT else UNFINISHED)
-        return Run(condition, log, output, _read_end(log), wall)
+        return Run(condition, log, output, _read_end(log), wall, message_bytes, _bags(output))
 
     def _wait(self, command, environment, output):
         with open(output, 'wb') as stream:
@@ -117,53 +122,75 @@ class Verification:
         simulated = _simulated(run.log)
         self._say('{}: {} events, {} messages, {:.3f} s simulated, the whole run in {:.1f} s of wall time; {}'.format(
             run.condition.name, found.events, found.messages, simulated, run.wall,
-            'called repeatable' if not run.labels else 'labelled: ' + '; '.join(run.labels)))
+            'called repeatable' if not run.labels else 'labelled'))
 
     def _is_like_the_first(self, run):
-        found = run_difference.compare(self.runs[0].log, run.log, run.condition.with_messages)
-        if found.difference is None:
-            return True
-        for line in self._difference_lines(found.difference, run):
-            self._say(line)
-        return False
-
-    def _difference_lines(self, difference, run):
         first = self.runs[0]
-        yield 'different: {} ({}) and {} ({})'.format(first.condition.name, first.condition.what, run.condition.name,
-                                                     run.condition.what)
-        yield 'first difference: at {:.9f} s, event {} of this instant'.format(difference.time_ns * 1e-9,
-                                                                               difference.place)
-        for one, event in ((first, difference.first), (run, difference.second)):
-            yield '  {}: {}'.format(one.condition.name, run_difference.told_lines(event) if event else
-                                    'no more events; the run ended: {}'.format(one.end['reason']))
-        for node, events in difference.told.items():
-            yield 'what {} had been told before, in both runs:'.format(node)
-            yield from ('  ' + run_difference.told_lines(event) for event in events)
+        found = run_difference.compare(first.log, run.log, run.condition.with_messages)
+        if found.identical:
+            return True
+        self._say('different: {} ({}) and {} ({})'.format(first.condition.name, first.condition.what,
+                                                          run.condition.name, run.condition.what))
+        tell = findings.bag_lines if found.difference is None else findings.event_lines
+        for line in tell(found.difference or found.bags, first, run):
+            self._say(line)
+        for line in findings.label_lines([first, run]):
+            self._say('not called repeatable: {}'.format(line))
+        self._say('likely causes:')
+        for line in findings.cause_lines(found.difference, first, run):
+            self._say('  ' + line)
         for one in (first, run):
-            yield from ('label of {}: {}'.format(one.condition.name, label) for label in one.labels)
-        yield 'likely causes:'
-        for cause in self._causes(run, list(difference.told)):
-            yield '  ' + cause
-
-    def _causes(self, run, nodes):
-        """Yield what is likely, the sources that the launcher has warned of first, those of the nodes before others."""
-        found = sorted({line for one in (self.runs[0], run) for line in _sources(one.output)},
-                       key=lambda line: (not any(node in line for node in nodes), line))
-        yield from found[:_MOST_CAUSES]
-        if run.condition.points_at:
-            yield run.condition.points_at
-        if not found:
-            yield 'no source of chance or wall time was seen in the programs; not seen are files, sets of objects ' \
-                  'and what libraries do'
+            _remove(one)
+        return False
 
     def _conclude(self):
         counts = run_difference.compare(self.runs[0].log, self.runs[0].log)
-        labels = [label for run in self.runs for label in run.labels]
-        self._say('identical: {} runs ({}), {} events and {} messages each'.format(
-            len(self.runs), ', '.join(run.condition.name for run in self.runs), counts.events, counts.messages))
-        for label in dict.fromkeys(labels):
+        self._say('identical: {} runs ({}), {} events and {} messages each{}'.format(
+            len(self.runs), ', '.join(run.condition.name for run in self.runs), counts.events, counts.messages,
+            self._told_of_bags()))
+        self._say('not compared: other files that nodes write, and what they print')
+        labels = list(findings.label_lines(self.runs))
+        for label in labels:
             self._say('but not called repeatable: {}'.format(label))
+        _remove(self.runs[0])
         return LABELLED if labels else IDENTICAL
+
+
+    def _told_of_bags(self):
+        number = len(self.runs[0].bags)
+        without = ', '.join(run.condition.name for run in self.runs if not run.condition.with_messages)
+        return ', and the same bytes in {} bag{}{}'.format(
+            number, 's' * (number > 1), ' but for ' + without if without else '') if number else ''
+
+
+def _bags(output):
+    """Return {(node, number): path} of the bags of a run, as lockstep_launch has said it."""
+    counts, found = {}, {}
+    for line in findings.lines_of(output):
+        said = _BAG.match(line)
+        if said:
+            counts[said.group(1)] = counts.get(said.group(1), 0) + 1
+            found[said.group(1), counts[said.group(1)]] = said.group(2)
+    return found
+
+
+def _keep(run):
+    """Copy the bags of a run beside its log, since the next run may write over them; return their new places."""
+    kept = {}
+    left = _MOST_BAG_BYTES
+    for number, (key, path) in enumerate(sorted(run.bags.items())):
+        with contextlib.suppress(OSError):
+            left -= os.path.getsize(path)
+            if left >= 0:
+                kept[key] = os.path.join(os.path.dirname(run.log), 'bag_{}.bag'.format(number))
+                shutil.copyfile(path, kept[key])
+    return {key: kept.get(key, '') for key in run.bags}
+
+
+def _remove(run):
+    """Remove what was only kept to be compared."""
+    with contextlib.suppress(OSError):
+        os.unlink(run.message_bytes)  # this run's time master has made it
 
 
 def _end(process):
@@ -195,23 +222,11 @@ def _simulated(path):
     return 0.0 if first is None else (last - first) * 1e-9
 
 
-def _lines(path):
-    with open(path, encoding='utf-8', errors='replace') as stream:
-        for line in stream:
-            yield _COLOUR.sub('', line).rstrip()
-
-
 def _last_lines(path):
-    return '\n'.join('    ' + line for line in list(_lines(path))[-_OUTPUT_LINES:]) or '    (it printed nothing)'
+    lines = list(findings.lines_of(path))[-_OUTPUT_LINES:]
+    return '\n'.join('    ' + line for line in lines) or '    (it printed nothing)'
 
 
 def _has_fleet(path):
-    return any(line.startswith('lockstep_launch: fleets: ') for line in _lines(path))
+    return any(line.startswith('lockstep_launch: fleets: ') for line in findings.lines_of(path))
 
-
-def _sources(path):
-    """Yield what the programs were warned of by the launcher, with file and line."""
-    for line in _lines(path):
-        found = _IN_PLACE.search(line)
-        if found and _SOURCES.search(found.group(2)):
-            yield re.sub(r'^\[[^]]*\](\s*\[[^]]*\])?:?\s*', '', found.group(0))

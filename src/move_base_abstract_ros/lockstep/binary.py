@@ -9,6 +9,8 @@ import struct
 import subprocess
 import sys
 
+from . import recorders
+
 SHIM = 'libmove_base_abstract_roscpp_shim.so'
 _ROSCPP = 'libroscpp.so'
 _PARTICIPANT = 'libmove_base_abstract_lockstep.so'
@@ -32,7 +34,9 @@ def execute(path, arguments, options):
         environment = prepare(path, options.rank, options.sleep, os.environ)
     except ValueError as error:
         sys.exit('lockstep: {}'.format(error))
-    if _is_lockstep():
+    if _parameter('mode') == 'lockstep':
+        if recorders.is_program(path):
+            arguments = recorders.without_past_lockstep(arguments, _parameter('excluded_topics') or [])
         environment[_CHANCE] = '{} {}'.format(options.seed, node_name(path, arguments, environment))
     if options.strict:
         environment[_STRICT] = '1'
@@ -72,13 +76,16 @@ def node_name(path, arguments, environment):
     return '/{}/{}'.format(namespace.strip('/'), name) if namespace.strip('/') else '/' + name
 
 
-def _is_lockstep():
-    """Whether the time master works in lockstep: then clocks and chance are the run's from the first instruction on."""
+def _parameter(name):
+    """Return a parameter of the time master, or None.
+
+    Where it works in lockstep, clocks and chance are the run's from the program's first instruction on.
+    """
     try:
         import rosgraph
-        return rosgraph.Master('/lockstep').getParam('/time_master/mode') == 'lockstep'
+        return rosgraph.Master('/lockstep').getParam('/time_master/' + name)
     except Exception:
-        return False  # the program will find out, or fail, by itself
+        return None  # the program will find out, or fail, by itself
 
 
 def find_shim(environment):

@@ -18,7 +18,7 @@ from .access import secret
 from .connection import Closed
 from .foresight import Foresight
 from .links import sender
-from .report_delays import make_delay
+from .report_delays import make_beginning, make_delay
 from .services import Services
 from .topics import Topics
 
@@ -75,7 +75,7 @@ class Participant:
         self.is_starting = True
         self._is_interrupted = False
         self._told = ''
-        self._delay = None
+        self._delay = self._begin = None
         self.topics = Topics(self)
         self.services = Services(self)
         self._handlers = {wire.PUBLISHER: self.topics.on_publisher, wire.NO_PUBLISHER: self.topics.on_no_publisher,
@@ -224,7 +224,7 @@ class Participant:
     def present(self, name, uri, rank):
         """Say hello and wait for the first grant, in which the calling thread gets the turn; ``rank``: None if none."""
         incarnation = (os.getpid() << 32) ^ (time.time_ns() & 0xffffffff)
-        self._delay = make_delay(name)
+        self._delay, self._begin = make_delay(name), make_beginning(name)
         self.uris[name] = uri
         self.connection.send(wire.hello(name, uri, rank or 0, rank is not None, incarnation, secret()))
         self.names[0] = name
@@ -313,6 +313,8 @@ class Participant:
             while True:
                 kind, body = self.connection.receive()
                 if kind == wire.GRANT:
+                    if self._begin is not None:
+                        self._begin()
                     return self._granted(body)
                 self._told_of_members(kind, body)
         except (Closed, wire.WireError) as error:

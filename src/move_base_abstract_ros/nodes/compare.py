@@ -3,8 +3,9 @@
     rosrun move_base_abstract compare A B
 
 Prints `identical`, or the first difference: both events with their line numbers, and how many events each log has.
-Only the events are compared, by value, in their order; one log may be JSON lines and the other CSV. A run that was
-degraded, not repeatable, or did not end properly is named too.
+The events are compared, by value, in their order, and the digests of the bags of those who took part; one log may be
+JSON lines and the other CSV. A run that was degraded, not repeatable, or did not end properly is named too. A and B may
+be bags themselves: then the first message that differs is named.
 
 Exit codes: 0 identical; 1 different; 2 a file cannot be read, or wrong arguments.
 """
@@ -15,37 +16,57 @@ import sys
 from move_base_abstract import event_log
 from move_base_abstract.event_log import EventLog, EventLogError
 
+from .. import bag_difference
+
 
 def main(words=None):
     """Compare the two files of the command line and exit with the code."""
     parser = argparse.ArgumentParser(prog='compare', description='Compare the event logs of two runs: print '
                                      '`identical` or the first difference.',
                                      epilog='exit codes: 0 identical, 1 different, 2 a file cannot be read')
-    parser.add_argument('first', metavar='A', help='event log (JSON lines or CSV)')
-    parser.add_argument('second', metavar='B', help='event log (JSON lines or CSV)')
+    parser.add_argument('first', metavar='A', help='event log (JSON lines or CSV), or bag')
+    parser.add_argument('second', metavar='B', help='event log (JSON lines or CSV), or bag')
     arguments = parser.parse_args(words)
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors='backslashreplace')  # a log may hold bytes that are no text
     try:
-        sys.exit(_compare(arguments.first, arguments.second))
-    except EventLogError as error:
+        compare = _compare_bags if arguments.first.endswith('.bag') else _compare
+        sys.exit(compare(arguments.first, arguments.second))
+    except (EventLogError, bag_difference.BagError) as error:
         print(f'compare: {error}', file=sys.stderr)
         sys.exit(2)
+
+
+def _compare_bags(first, second):
+    difference = bag_difference.find(first, second)
+    print('different' if difference else 'identical')
+    for line in difference:
+        print(line)
+    return 1 if difference else 0
 
 
 def _compare(first_path, second_path):
     with event_log.open_text(first_path) as first_file, event_log.open_text(second_path) as second_file:
         first, second = EventLog(first_file, first_path), EventLog(second_file, second_path)
         result = event_log.compare(first, second)
-    if result.identical:
+    bags, alone = event_log.compare_bags(first, second)
+    if result.identical and bags is None:
         print('identical')
-        print(f'{first.events} events each')
+        number = sum(len(second.bags[node]) for node in first.bags if node in second.bags)
+        print(f'{first.events} events each' + (f', {number} bags each' if number else ''))
+    elif result.identical:
+        print('different')
+        print(f'{first.events} events each, which are identical')
+        for line in bag_difference.lines(bags, (first_path, second_path)):
+            print(line)
     else:
         print('different')
         for log, event in ((first, result.first), (second, result.second)):
             print(f'{log.name}:{event.line}: {event.text}' if event else f'{log.name}: no more events')
         print(f'{first.name} has {first.events} events, {second.name} has {second.events}')
+    for node in alone:
+        print(f'note: of the bags of {node} only one log has digests: they are not compared')
     for log in (first, second):
         for remark in log.remarks():
             print(f'note: {log.name} {remark}' if log.end is None else f'note: {log.name} is {remark}')
-    return 0 if result.identical else 1
+    return 0 if result.identical and bags is None else 1

@@ -52,6 +52,8 @@ def parse(words):
     parser.add_argument('--use-master', action='store_true', help='use the ROS master of ROS_MASTER_URI, no own one')
     # From `verify`: conditions that must not matter.
     parser.add_argument('--own-hash-seed', type=int, default=None, help=argparse.SUPPRESS)
+    parser.add_argument('--message-bytes', default=None, help=argparse.SUPPRESS)
+    parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
     parser.add_argument('--list', action='store_true', help='say who takes part, and start nothing')
     options = parser.parse_args(words)
@@ -118,18 +120,18 @@ def wishes_of(options, parameters, **others):
 def _run(options, files):
     from roslaunch import configure_logging, rlutil
 
-    from ..launching import plan, runner
+    from ..launching import bags, plan, runner
     if not options.use_master:
         plan.name_anonymous_ones_alike()
     parameters = {key: value for key, value in (
         ('event_log', options.event_log and os.path.abspath(options.event_log)), ('speed_limit', options.speed_limit),
-        ('log_messages', options.log_messages or None), ('end_when_idle', options.end_when_idle or None))
-        if value is not None}
+        ('message_bytes', options.message_bytes), ('log_messages', options.log_messages or None),
+        ('end_when_idle', options.end_when_idle or None)) if value is not None}
     seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)
-    with nullcontext() if options.list else temporary_folder(_say) as folder:
-        environment = (('TMPDIR', folder),) if folder else ()
+    with nullcontext() if options.list else temporary_folder(_say) as folder, bags.notes() as notes:
+        environment = ((bags.VARIABLE, notes), *((('TMPDIR', folder),) if folder else ()))
         made = plan.make_plan(files, wishes_of(options, parameters, environment=environment, own_environment=seed,
-                                               parts=options.parts))
+                                               is_reversed=options.start_order == 'reversed', parts=options.parts))
         for line in _lines(made):
             _say(line)
         if options.list:
@@ -139,7 +141,16 @@ def _run(options, files):
         parent = runner.Parent(run_id, made, show_summary=False)
         parent.start()
         parent.spin()
+        _tell_bags(made, bags.written(notes))
         return parent.code
+
+
+def _tell_bags(made, found):
+    """Say what the bags of the run are, and write it into the event log."""
+    from ..launching import bags
+    for line in bags.lines(found):
+        _say(line)
+    bags.add_to_log(made.event_log, found)
 
 
 def _say(line):

@@ -17,7 +17,7 @@ import sys
 from move_base_abstract.lockstep.wire import MAX_RANK
 from move_base_abstract.shown import shown
 
-from ..lockstep import address_layout, program, shell_scripts
+from ..lockstep import address_layout, program, recorders, shell_scripts
 
 _PYTHON = re.compile(r'python[0-9.]*$')
 _WHOLE_NUMBER = re.compile(r'[+-]?[0-9]{1,18}\Z', re.ASCII)
@@ -33,6 +33,8 @@ def main():
         if not options.as_script:
             _start_again(sys.argv[:len(sys.argv) - len(command)], command, is_new_layout)
         kind, path, arguments = find(command, options.as_script)
+        recorder = recorders.behind_front_end(path, arguments) if kind == 'script' else None
+        kind, path, arguments = ('binary', *recorder) if recorder else (kind, path, arguments)
     except ValueError as error:
         sys.exit('lockstep: {}'.format(error))
     if kind == 'binary':

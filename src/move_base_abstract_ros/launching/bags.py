@@ -1,0 +1,124 @@
+"""The bags that those who take part have written: noted by the preloaded library, digested when the run is over.
+
+The digest is of a bag's bytes: in equal runs a recorder that takes part writes the same ones.
+"""
+import contextlib
+import hashlib
+import json
+import os
+import tempfile
+from typing import NamedTuple
+
+from move_base_abstract import event_log
+from move_base_abstract.shown import shown_text
+
+VARIABLE = 'MOVE_BASE_ABSTRACT_BAGS'
+_ACTIVE = '.active'  # rosbag's name for a bag that is not closed
+LITTLE_SPACE = 'less than 1 GiB is free where it is: rosbag may have stopped recording'
+_BLOCK = 1 << 20  # bytes
+_LEAST_SPACE = 1 << 30  # bytes: with less on the disk rosbag stops recording
+
+
+class Bag(NamedTuple):
+    """A bag as it is when the run is over. ``problem``: why its bytes say nothing; else None."""
+
+    node: str
+    path: str
+    size: int  # bytes
+    sha256: str
+    problem: str
+
+    @property
+    def record(self):
+        """What the event log says of it: the same in each run."""
+        return {'node': self.node, 'name': os.path.basename(self.path), 'bytes': self.size, 'sha256': self.sha256}
+
+
+@contextlib.contextmanager
+def notes():
+    """Have an empty file in which programs note their bags (VARIABLE); it goes again. Its path is yielded."""
+    descriptor, path = tempfile.mkstemp(prefix='move_base_abstract_bags_')
+    os.close(descriptor)
+    try:
+        yield path
+    finally:
+        os.unlink(path)
+
+
+def written(path):
+    """Return the Bags that are noted in the file at ``path`` and still there, by node and in the order of writing."""
+    with open(path, 'rb') as stream:
+        words = [os.fsdecode(word) for word in stream.read().split(b'\0')]
+    found = dict.fromkeys(zip(words[0::2], words[1::2]))
+    bags = [_look_at(node, path) for node, path in found]
+    return sorted((bag for bag in bags if bag is not None), key=lambda bag: bag.node)
+
+
+def _look_at(node, path):
+    closed = path[:-len(_ACTIVE)] if path.endswith(_ACTIVE) else path
+    if closed != path and os.path.exists(path):
+        return Bag(node, path, os.path.getsize(path), '', 'it was not closed')
+    if os.path.exists(closed) and not os.path.isfile(closed):
+        return Bag(node, closed, 0, '', 'it is no regular file')
+    try:
+        size, sha256 = digest(closed)
+        space = os.statvfs(closed)
+    except FileNotFoundError:
+        return None  # --max-splits has removed it
+    except OSError as error:
+        return Bag(node, closed, 0, '', 'it cannot be read: {}'.format(error.strerror))
+    if space.f_bavail * space.f_frsize < _LEAST_SPACE:
+        return Bag(node, closed, size, sha256, LITTLE_SPACE)
+    return Bag(node, closed, size, sha256, None)
+
+
+def digest(path):
+    """Return the length [bytes] and the SHA-256 of a file."""
+    size, found = 0, hashlib.sha256()
+    with open(path, 'rb') as stream:
+        for block in iter(lambda: stream.read(_BLOCK), b''):
+            size += len(block)
+            found.update(block)
+    return size, found.hexdigest()
+
+
+def lines(bags):
+    """Yield what is told of bags, as texts."""
+    for bag in bags:
+        yield 'bag of {}: {}'.format(shown_text(bag.node), bag.path.replace('\n', '?'))
+        yield '  not covered: {}'.format(bag.problem) if bag.problem else '  {} bytes, SHA-256 {}'.format(
+            bag.size, bag.sha256)
+
+
+def add_to_log(log, bags):
+    """Write the bags into the end record of an event log, if it has one: that run has ended properly.
+
+    Where a bag is not covered, the run is not called repeatable. What a crash cut short would be a log without an end.
+    """
+    if not bags or not os.path.isfile(log):
+        return
+    with open(log, 'rb+') as stream:
+        offset, text = _last_line(stream)
+        head, body = (b'# ', text[2:]) if text.startswith(b'# ') else (b'', text)
+        try:
+            record = json.loads(body)
+            end = record['end']
+        except (ValueError, KeyError, TypeError):
+            return
+        end['bags'] = [bag.record for bag in bags if not bag.problem]
+        why = end['not_repeatable_because']
+        why += [event_log.uncovered_bag(bag.node, bag.problem) for bag in bags if bag.problem]
+        end['repeatable'] = bool(end.get('repeatable')) and not why
+        stream.seek(offset)
+        stream.write(head + json.dumps(record, separators=(',', ':'), ensure_ascii=False).encode(
+            'utf-8', 'backslashreplace') + b'\n')
+
+
+def _last_line(stream):
+    """Return where the last line begins, and the line."""
+    size = stream.seek(0, os.SEEK_END)
+    block = min(size, _BLOCK)
+    stream.seek(size - block)
+    text = stream.read(block)
+    begin = text.rstrip(b'\n').rfind(b'\n') + 1
+    return size - block + begin, text[begin:]

@@ -1,0 +1,106 @@
+"""What is told of two runs that differ: the events, the fields of the message, the bags, and likely causes."""
+import os
+import re
+
+from move_base_abstract import run_difference
+
+from .. import bag_difference, message_fields
+
+_MOST_CAUSES = 12
+# What the launcher's warnings of sources that are not followed, and labels, have in them.
+_SOURCES = re.compile(r'(reads the wall clock|sleeps in wall time|is seeded|seeded by|hash|address|does not take part'
+                      r'|lockstep|not repeatable|random|wall|processor|comes when|run to run|another run)')
+_IN_PLACE = re.compile(r'(\S+: )?(.* in \S+, line [0-9]+: .*)')
+_COLOUR = re.compile('\x1b\\[[0-9;]*m')
+_REORDERED = 'what happens at this instant is the same in both runs, in another order: nodes were connected in ' \
+             'another order, which is that in which they have registered with the ROS master, or talk past lockstep'
+_UNSEEN = 'the launcher has warned of no source of chance or wall time in these programs. It does not see the ' \
+          'order in which nodes have registered with the ROS master, what another run at the same time does (files, ' \
+          'shared memory), files of the run before, sets of objects and what libraries do'
+
+
+def event_lines(difference, first, run):
+    """Yield what is told of a run_difference.Difference between two Runs."""
+    yield 'first difference: at {:.9f} s, event {} of this instant'.format(difference.time_ns * 1e-9, difference.place)
+    for one, event in ((first, difference.first), (run, difference.second)):
+        yield '  {}: {}'.format(one.condition.name, run_difference.told_lines(event) if event else
+                                'no more events; the run ended: {}'.format(one.end['reason']))
+    yield from _field_lines(difference, first, run)
+    for node, events in difference.told.items():
+        yield 'what {} had been told before, in both runs:'.format(node)
+        yield from ('  ' + run_difference.told_lines(event) for event in events)
+
+
+def _field_lines(difference, first, run):
+    """Yield the fields in which the two versions of a message differ."""
+    events = difference.first, difference.second
+    if None in events or any(event.kind not in run_difference.MESSAGES for event in events) \
+            or len({(event.kind, event.robot) for event in events}) > 1:
+        return
+    kept = [message_fields.kept(one.message_bytes, difference.number) for one in (first, run)]
+    if None in kept:
+        yield 'the fields are not known: the message lies beyond what is kept of a run'
+        return
+    (kind, data), (_, other) = kept
+    if data == other:
+        return
+    yield 'its fields, {} / {}:'.format(first.condition.name, run.condition.name)
+    for line in message_fields.difference(message_fields.class_of(kind) if kind else None, data, other):
+        yield '  ' + line
+
+
+def bag_lines(difference, first, run):
+    """Yield what is told of an event_log.BagDifference between two Runs whose events are equal."""
+    yield 'the events are equal; the bags of {} are not (number {} of them)'.format(difference.node, difference.number)
+    paths = []
+    for one, bag in ((first, difference.first), (run, difference.second)):
+        yield '  {}: {}'.format(one.condition.name, bag_difference.told(bag))
+        paths += [one.bags.get((difference.node, difference.number))]
+    if None in paths or not all(map(os.path.isfile, paths)):
+        return
+    try:
+        yield from ('  ' + line for line in bag_difference.find(*paths))
+    except bag_difference.BagError as error:
+        yield '  {}'.format(error)
+
+
+def label_lines(runs):
+    """Yield each label once, with the names of the runs that have it."""
+    labels = {}
+    for run in runs:
+        for label in run.labels:
+            labels.setdefault(label, []).append(run.condition.name)
+    for label, names in labels.items():
+        yield '{} ({})'.format(label, 'all runs' if len(names) == len(runs) else ', '.join(names))
+
+
+def cause_lines(difference, first, run):
+    """Yield what is likely, the sources that the launcher has warned of first, those of the nodes before others.
+
+    :param difference: of events, or None.
+    """
+    nodes = list(difference.told) if difference is not None else []
+    found = sorted({line for one in (first, run) for line in _sources(one.output)},
+                   key=lambda line: (not any(node in line for node in nodes), line))
+    yield from found[:_MOST_CAUSES]
+    if difference is not None and difference.is_reordered:
+        yield _REORDERED
+    if run.condition.points_at:
+        yield run.condition.points_at
+    if not found:
+        yield _UNSEEN
+
+
+def lines_of(path):
+    """Yield the lines of an output as they are read, without colours."""
+    with open(path, encoding='utf-8', errors='replace') as stream:
+        for line in stream:
+            yield _COLOUR.sub('', line).rstrip()
+
+
+def _sources(path):
+    """Yield what the programs were warned of by the launcher, with file and line."""
+    for line in lines_of(path):
+        found = _IN_PLACE.search(line)
+        if found and _SOURCES.search(found.group(2)):
+            yield re.sub(r'^\[[^]]*\](\s*\[[^]]*\])?:?\s*', '', found.group(0))

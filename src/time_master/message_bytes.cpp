@@ -1,0 +1,39 @@
+#include "message_bytes.h"
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+namespace move_base_abstract {
+namespace {
+
+void append(std::string* record, std::string_view text) {
+  const auto length = static_cast<std::uint32_t>(text.size());
+  for (unsigned shift = 0; shift < 32; shift += 8) {
+    *record += static_cast<char>(length >> shift & 0xFFU);
+  }
+  *record += text;
+}
+
+}  // namespace
+
+MessageBytes::MessageBytes(const std::string& path) : file_(std::fopen(path.c_str(), "wbxe")) {
+  if (!file_) {
+    throw std::invalid_argument(
+        "message_bytes must be the path of a file that is not there, got '" + path +
+        "': " + std::strerror(errno));
+  }
+}
+
+void MessageBytes::add(std::string_view type, std::string_view bytes) {
+  std::string record;
+  append(&record, type);
+  append(&record, bytes);
+  size_ += record.size();
+  if (file_ && (size_ > kLimit ||
+                std::fwrite(record.data(), 1, record.size(), file_.get()) != record.size())) {
+    file_.reset();  // the record that is cut off is the end
+  }
+}
+
+}  // namespace move_base_abstract

@@ -1,0 +1,39 @@
+// Keeps the bytes of what participants send each other, for who compares two runs. No ROS.
+#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_MESSAGE_BYTES_H
+#define MOVE_BASE_ABSTRACT_TIME_MASTER_MESSAGE_BYTES_H
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace move_base_abstract {
+
+/**
+ * @brief A file with the type and the bytes of each message, call and response of the event log, in
+ * its order: twice a length (4 bytes, little endian) and as many bytes.
+ *
+ * It ends with what would make it longer than kLimit, and where the disk is full. Read by
+ * move_base_abstract_ros/message_fields.py.
+ */
+class MessageBytes {
+ public:
+  static constexpr std::uint64_t kLimit = 256U << 20;  // bytes
+
+  /** @throws std::invalid_argument if there is something at @p path, or it cannot be written. */
+  explicit MessageBytes(const std::string& path);
+  void add(std::string_view type, std::string_view bytes);
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  std::unique_ptr<std::FILE, Close> file_;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_MESSAGE_BYTES_H
