@@ -3,8 +3,6 @@ import weakref
 from collections import OrderedDict
 from itertools import islice
 
-import numpy as np
-
 from .cost_field import CostField
 from .occupancy import OccupancyMap
 from .planning import StraightLinePlanner, WorldBounds
@@ -12,8 +10,8 @@ from .planning_grid import PARTS, PlanningGrid, blocked_cells
 from .shortening import Shortener
 from .tightening import tightened
 
-_FIELDS_BYTES = 256 * 1024 * 1024  # of one map's fields; the one that was used longest ago goes first
-_WAVES_BYTES = 96 * 1024 * 1024  # of those that can go on where they are: others have to start anew
+_FIELDS_BYTES = 64 * 1024 * 1024  # of one map's fields; the one that was used longest ago goes first
+_WAVES_BYTES = 32 * 1024 * 1024  # of those that can go on where they are: others have to start anew
 _WAVE_BYTES = 6  # a cell, of one that can go on
 _DIGITS = 6  # of corners: micrometres, which do not show how a rotated map's angle was rounded on its way
 _KEPT_WAYS = 10_000  # likewise
@@ -25,8 +23,8 @@ class MapWays:
     """The ways on one map for robots of ``radius`` [m]; what is found is kept, and depends on no other question."""
 
     def __init__(self, occupancy, radius, unknown_is_free=True):
-        # As it comes on a topic, where the resolution has 32 bits: in plain Python ways are the same to the last digit.
-        self._map = OccupancyMap(occupancy.cells, float(np.float32(occupancy.resolution)), occupancy.origin)
+        # A map of its own: what is kept of a map must not keep the map, with which it is to go.
+        self._map = OccupancyMap(occupancy.cells, occupancy.resolution, occupancy.origin)
         cells = radius / self._map.resolution
         self.grid = PlanningGrid(blocked_cells(occupancy.cells, cells, unknown_is_free))
         self._reach = int(cells) + 1

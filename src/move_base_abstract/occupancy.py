@@ -13,6 +13,7 @@ from .map_check import Ground
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 
 _WHITE = 255
+_DIGITS = 12  # of sine and cosine of a map's angle
 
 
 class MapMode(Enum):
@@ -27,7 +28,8 @@ class OccupancyMap:
     """An immutable grid of cells, int8, row 0 in the south and column 0 in the west of the map's own axes.
 
     ``resolution`` is the side of a cell [m], ``origin`` the pose of the grid's south-west corner in the map's frame;
-    its yaw turns the grid about that corner.
+    its yaw turns the grid about that corner. The resolution is taken in 32 bits, as in nav_msgs/MapMetaData: so a place
+    on a cell's border is in the same cell for a map from a file and for the same one from a topic.
 
     :raises ConfigurationError: if ``cells`` is not a 2-D int8 array with cells in it, or ``resolution`` is not > 0.
     """
@@ -42,9 +44,14 @@ class OccupancyMap:
                 resolution))
         self._cells = cells.view()
         self._cells.flags.writeable = False
-        self._resolution = float(resolution)
+        with np.errstate(over='ignore', under='ignore'):
+            self._resolution = float(np.float32(resolution))
+        if not 0.0 < self._resolution < math.inf:
+            raise ConfigurationError('map: resolution: got {!r}; allowed: a number > 0 that 32 bits hold '
+                                     '[m/cell]'.format(resolution))
         self._origin = origin
-        self._cos, self._sin = math.cos(origin.yaw), math.sin(origin.yaw)
+        # A map on a topic has its angle as a quaternion: its last digits are not those of the file.
+        self._cos, self._sin = round(math.cos(origin.yaw), _DIGITS), round(math.sin(origin.yaw), _DIGITS)
 
     @property
     def cells(self):

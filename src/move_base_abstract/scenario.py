@@ -126,13 +126,20 @@ def check_one_process(scenario, parts, where):
 
     :raises ConfigurationError: one with zones, or with lanes or places that have a capacity, is split into ``parts``.
     """
-    has_lanes = any(getattr(spec.settings.network, 'has_capacities', False) for spec in scenario.robots)
-    has_places = any(place.capacity is not None for place in (scenario.places or {}).values())
-    if parts > 1 and (scenario.zones or has_lanes or has_places):
-        what = 'zones' if scenario.zones else 'lanes' if has_lanes else 'places'
+    what = counted_places(scenario)
+    if parts > 1 and what:
         raise ConfigurationError(
             'parameter {}/parts: got {} with {}; allowed: 1, since who is in them is counted in one process'.format(
-                where.rstrip('/'), parts, what if scenario.zones else what + ' that have a capacity'))
+                where.rstrip('/'), parts, what if what == 'zones' else what + ' that have a capacity'))
+
+
+def counted_places(scenario):
+    """Return in what kind of places robots are counted, so that one has to wait for another: a word, or None."""
+    if scenario.zones:
+        return 'zones'
+    if any(getattr(spec.settings.network, 'has_capacities', False) for spec in scenario.robots):
+        return 'lanes'
+    return 'places' if any(place.capacity is not None for place in (scenario.places or {}).values()) else None
 
 
 def make_robot(name, parameters, where='robot'):

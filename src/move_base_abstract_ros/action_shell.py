@@ -13,6 +13,7 @@ from .outlets import LatchedOutlet, Outlet
 
 # A client that misses the acceptance of its goal misses its active_cb only, so that a shorter wait will do.
 _ACCEPTANCE_SHARE = 0.25
+_KEPT_ARRIVALS = 1000
 
 
 class ActionTypes(NamedTuple):
@@ -97,6 +98,8 @@ class ActionShell:
             self._acceptance_wall = wall + _ACCEPTANCE_SHARE * self._min_answer_delay
             if goal_id:
                 self._arrivals.setdefault(goal_id, wall)
+                if len(self._arrivals) > _KEPT_ARRIVALS:  # of an id that has ended already nobody asks any more
+                    del self._arrivals[next(iter(self._arrivals))]
 
     def publish_feedback(self, record, feedback, stamp_ns):
         """Publish ``feedback``, the bytes of the action's own part, on the goal ``record`` at ``stamp_ns`` [ns]."""

@@ -8,7 +8,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from move_base_abstract.bounded_yaml import REQUEST, load_yaml_text
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.place_tasks import Rooms
-from move_base_abstract.scenario import check_frame, make_robot
+from move_base_abstract.scenario import check_frame, counted_places, make_robot
 from move_base_abstract.shown import shown, shown_text
 from move_base_abstract.srv import AddRobot, AddRobotResponse, RemoveRobot, RemoveRobotResponse
 
@@ -42,6 +42,8 @@ class FleetServer:
         self._frames = {}  # {tf frame: name of its robot}
         self._indices = indices
         self._changes = threading.Lock()  # rospy has a thread for each call of a service
+        if counted_places(scenario):
+            host.clock.keep_causal_rows()
         with bulk_registration():
             for index, spec in specs:
                 self._add(spec, index)

@@ -30,6 +30,7 @@ class LockstepClock:
         self._silent_to = set()
         self._rates = None
         self._is_rates_note_due = False
+        self._has_causal_rows = False
 
     def start(self):
         """Take part; return True when the clock has started, False if the run ends before."""
@@ -121,10 +122,17 @@ class LockstepClock:
         with outlets.nobody_hears():
             self.simulation.wake()
 
+    def keep_causal_rows(self):
+        """Have rows of one instant in the order in which they happen, in which a robot leaves before another enters.
+
+        Else they are in that of the robots, in which those of several processes can be, too.
+        """
+        self._has_causal_rows = True
+
     def record(self, index):
         """Return what takes the :class:`TraceEntry` of the robot with ``index``: the run's event log."""
         def log(entry):
-            self.participant.log(entry.robot, entry.kind, entry.values, sub=index)
+            self.participant.log(entry.robot, entry.kind, entry.values, sub=0 if self._has_causal_rows else index)
         return log
 
     # --- what the participant calls ---------------------------------------------------------------------------------

@@ -95,6 +95,9 @@ class RosClock:
     def serve(self):
         """Nothing to do: rospy's own threads call back from the start."""
 
+    def keep_causal_rows(self):
+        """As of LockstepClock."""
+
     def record(self, _index):
         """Return None: only lockstep has an event log."""
 

@@ -297,9 +297,9 @@ class LockstepFleet(unittest.TestCase):
         for kind in ('held', 'charging_began', 'charging_ended', 'battery'):
             self.assertGreater(sum(event[2] == kind for event in expected), 5)
         run = Run('goals', TWELVE, hosts)
-        by_robot = [sorted(events, key=lambda event: (event[0], TWELVE.index(event[1])))
-                    for events in (run.events, expected)]
-        self.assertEqual(*by_robot)
+        self.assertEqual(run.events, expected)  # also within an instant: who leaves a zone comes before who is let in
+        kinds = [event[2] for event in run.events]
+        self.assertIn(['left', 'entered', 'released'], [kinds[at:at + 3] for at in range(len(kinds))])
         self.assert_repeatable(run)
 
     def test_robots_are_added_and_removed_by_a_participant(self):

@@ -1,9 +1,12 @@
 """Robots that go around what the map shows: durations, endings, pre-emption, other maps meanwhile, and what is off."""
+import gc
 import math
+import random
 
 import numpy as np
 import pytest
 
+from move_base_abstract import grid_planner
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.geometry import Pose2D
@@ -203,3 +206,28 @@ def test_the_radius_is_the_inscribed_one_of_the_outline_with_its_padding():
                             ({'robot_radius': 1.0}, 1.0)):
         settings = make_scenario({'defaults': outline, 'robots': [{'name': 'bot'}]}).robots[0].settings
         assert settings.costmaps.global_footprint.inscribed_radius == pytest.approx(radius, abs=0.01)
+
+
+def test_what_is_kept_of_ways_is_bounded_however_long_the_fleet_drives(monkeypatch):
+    assert grid_planner._FIELDS_BYTES + grid_planner._WAVES_BYTES <= 96 * 1024 * 1024  # as the page says
+    occupancy, pick, counts = area(WALL), random.Random(4), []
+    monkeypatch.setattr(grid_planner, '_FIELDS_BYTES', 5 * 14 * 14)
+    monkeypatch.setattr(grid_planner, '_KEPT_WAYS', 20)
+
+    def next_goal(robot, *_):
+        if ended[0] % 400 == 0:
+            gc.collect()
+            counts.append(len(gc.get_objects()))
+        ended[0] += 1
+        if ended[0] <= 1200:
+            fleet.send(robot, pick.choice((2.5, 8.5)) + pick.random(), 1.5 + 9.0 * pick.random())
+
+    ended = [0]
+    robots = [{'name': 'bot', 'max_speed': 2.0, 'use_map': True, 'routes': 'grid', 'robot_radius': 0.0,
+               'start_x': START.x, 'start_y': START.y}]
+    fleet = Fleet(make_scenario({'robots': robots}), on_end=next_goal, trace=None, occupancy=occupancy)
+    next_goal('bot')
+    fleet.run()
+    [ways] = grid_planner._shared[occupancy].values()
+    assert len(ways._fields) == len(ways._shorteners) == 5 and len(ways._ways) == 20
+    assert abs(counts[3] - counts[2]) < 100 < 1200 <= ended[0]

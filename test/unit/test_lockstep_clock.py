@@ -5,7 +5,7 @@ from move_base_abstract.fleet import Fleet
 from move_base_abstract.geometry import quaternion_of_yaw
 from move_base_abstract.navigator import GoalPose, NavigatorListener
 from move_base_abstract.robot_parts import make_robot_parts
-from move_base_abstract.robot_trace import RobotTrace
+from move_base_abstract.robot_trace import RobotTrace, TraceEntry
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_ros.lockstep_clock import LockstepClock  # noqa: TID251 (knows no ROS)
 
@@ -123,6 +123,14 @@ def test_the_event_log_is_the_trace_of_the_plain_fleet(clock, participant):
     participant.run()
     assert [entry[:4] for entry in participant.logged] == fleet.trace
     assert {entry[1]: entry[4] for entry in participant.logged} == {'r_0': 0, 'r_1': 1, 'r_2': 2}
+
+
+def test_rows_are_those_of_the_robots_or_in_the_order_in_which_they_happen(clock, participant):
+    entry = TraceEntry(0, 'robot_3', 'left', ('zone gate',))
+    clock.record(3)(entry)
+    clock.keep_causal_rows()
+    clock.record(3)(entry)
+    assert [row[-1] for row in participant.logged] == [3, 0]
 
 
 def test_waits_are_the_participants_and_nothing_waits_for_the_wall(clock, participant):

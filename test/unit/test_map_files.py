@@ -185,7 +185,29 @@ def test_an_image_that_is_not_there(tmp_path):
 def test_a_map_from_its_files(describe, tmp_path):
     (tmp_path / 'm.pgm').write_bytes(b'P5\n2 2\n255\n\x00\xfe\xcd\x00')
     terrain = load_map(describe(origin='[1, 2, 0]'))
-    assert (terrain.cells.tolist(), terrain.resolution, terrain.origin) == ([[-1, 100], [100, 0]], 0.05, Pose2D(1, 2))
+    assert (terrain.cells.tolist(), terrain.resolution, terrain.origin) == (
+        [[-1, 100], [100, 0]], float(np.float32(0.05)), Pose2D(1, 2))
+
+
+def test_what_the_page_says_of_the_differences_from_the_real_one(describe, pixels, tmp_path):
+    for content in (b'P1\n2 1\n1 0\n', b'P4\n2 1\n\x80'):
+        (tmp_path / 'm.pbm').write_bytes(content)
+        assert read_pixels(str(tmp_path / 'm.pbm'))[:, :, 0].tolist() == [[0, 255]]
+    palette = Image.new('P', (2, 1))
+    palette.putpalette([250, 250, 250, 10, 10, 10] + [0] * 762)
+    palette.putpixel((1, 0), 1)
+    for end in ('png', 'gif', 'bmp'):
+        palette.save(str(tmp_path / ('p.' + end)))
+        assert read_pixels(str(tmp_path / ('p.' + end)))[0, :, 0].tolist() == [250, 10]
+    for mode, white in (('1', 1), ('L', 255)):
+        Image.new(mode, (1, 1), white).save(str(tmp_path / 'w.png'))
+        assert read_pixels(str(tmp_path / 'w.png')).tolist() == [[[255]]]
+    for refused in ({'origin': '[0, 0, 0, 0]'}, {'negate': '2'}, {'image': '5'}, {'resolution': '0'}, {'mode': '[raw]'},
+                    {'free_thresh': '.nan'}):
+        with pytest.raises(ConfigurationError):
+            describe(**refused)
+    turned = describe(origin='[0, 0, 7.0]').origin.yaw
+    assert turned == pytest.approx(7.0 - 2.0 * np.pi)
 
 
 def test_the_map_that_ships_has_free_streets_and_closed_walls():

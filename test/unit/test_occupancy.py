@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
 from move_base_abstract.map_check import TEXT_OFF_MAP, Ground, MapCheck, square_rings
 from move_base_abstract.occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
 from move_base_abstract.planning import StraightLinePlanner, WorldBounds, straight_path
@@ -235,3 +235,22 @@ def test_a_plan_near_a_goal_takes_the_first_free_place_of_the_search_not_the_nea
 def test_a_search_with_any_tolerance_ends():
     planner = StraightLinePlanner(map_check=MapCheck(OccupancyMap(np.full((4, 4), 100, np.int8), 1.0)))
     assert planner.plan_near(START, OCCUPIED, math.inf) == []
+
+
+@given(st.floats(0.001, 10.0), st.floats(-4.0, 4.0) | st.sampled_from([0.0, math.pi / 2, math.pi]),
+       st.integers(0, 40), st.integers(0, 40), st.floats(-100.0, 100.0))
+@example(0.05, 0.0, 21, 7, 0.0)
+@example(0.1, 0.3, 3, 3, 1.0)
+def test_a_place_on_a_border_is_in_the_same_cell_of_a_map_from_a_file_and_from_a_topic(resolution, yaw, column, row, x):
+    cells = np.arange(41 * 41, dtype=np.int64).reshape(41, 41).astype(np.int8)
+    on_topic = yaw_of_quaternion(quaternion_of_yaw(yaw))
+    file, topic = (OccupancyMap(cells, side, Pose2D(x, 0.0, angle)) for side, angle in (
+        (resolution, yaw), (float(np.float32(resolution)), on_topic)))
+    for place in ((x + column * resolution, row * resolution), file.from_cells(column, row)):
+        assert file.to_cells(*place) == topic.to_cells(*place)
+
+
+@pytest.mark.parametrize('resolution', [1e-60, 1e60, 0.0])
+def test_a_resolution_that_no_message_can_tell_is_refused(resolution):
+    with pytest.raises(ConfigurationError, match='resolution: got .*; allowed: a '):
+        OccupancyMap(np.zeros((1, 1), np.int8), resolution)

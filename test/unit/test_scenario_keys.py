@@ -1,4 +1,5 @@
 """The page with all keys of a scenario is what the tables of the code make of it."""
+import re
 import sys
 from pathlib import Path
 
@@ -28,3 +29,9 @@ def test_a_key_of_which_no_page_tells_is_refused():
         assert 'no page of docs/' in str(error)
     else:
         raise AssertionError('it was taken')
+
+
+def test_a_key_is_told_on_the_page_of_what_it_sets():
+    page = (ROOT / 'docs' / 'scenario_keys.md').read_text(encoding='utf-8')
+    for key in ('start_x', 'start_y', 'start_yaw'):  # columns of a table bear these names on another page
+        assert re.search(r'^\| `{}` .*\[move base\]\(move_base\.md\) \|$'.format(key), page, re.MULTILINE)

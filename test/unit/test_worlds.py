@@ -18,6 +18,7 @@ from move_base_abstract_ros.map_files import load_map, read_description, read_pi
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 #: the scenario whose robots stand in the world of that name; stage.launch pairs them too (launch_files_test)
+NEAR = 1e-5  # m: the side of a map's cell has 32 bits
 SCENARIOS = {'farm_yard': 'scenario.yaml', 'field': 'soil_robots.yaml'}
 CLEARANCE = 0.5  # m, around a robot's centre
 DARKEST_FREE = 128  # Stage's polys_from_image_file draws what is at most 127, whatever the map's YAML says
@@ -73,8 +74,8 @@ def test_the_floorplan_has_the_image_the_size_and_the_place_of_the_map(name):
     grid = read_map(name)
     middle = grid.origin.compose(Pose2D(grid.size[0] / 2, grid.size[1] / 2))
     x, y, z, degrees = floorplan.properties['pose']
-    assert (x, y, z, degrees) == pytest.approx((middle.x, middle.y, 0.0, math.degrees(middle.yaw)), abs=1e-9)
-    assert floorplan.properties['size'][:2] == pytest.approx(grid.size, abs=1e-9)
+    assert (x, y, z, degrees) == pytest.approx((middle.x, middle.y, 0.0, math.degrees(middle.yaw)), abs=NEAR)
+    assert floorplan.properties['size'][:2] == pytest.approx(grid.size, abs=NEAR)
 
 
 @pytest.mark.parametrize('name', SCENARIOS)
