@@ -288,9 +288,11 @@ class LaunchTest(unittest.TestCase):
         self.assertEqual((end['reason'], end['repeatable']), ('the run was to end at 50 s', True))
 
     def test_shell_scripts_are_followed_to_the_python_program_that_they_become(self):
-        done = self.run_it('--until', '6.2', '--log-messages', '--event-log', self.path('a.jsonl'), self.file(SHELL))
+        done = self.run_it('--until', '6.2', '--log-messages', '--event-log', self.path('a.jsonl'), '--start-order',
+                           'reversed', self.file(SHELL))
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertIn('3 of 3 nodes take part', done.stdout)
+        self.assertEqual(re.findall("'(.*)' takes part", done.stdout), ['/robot/child', '/wrapped', '/both'])
         with open(self.path('a.jsonl')) as stream:
             _head, *lines, end = [json.loads(line) for line in stream]
         self.assertEqual(end['end']['not_repeatable_because'] + end['end']['degraded_because'], [])
