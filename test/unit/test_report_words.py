@@ -123,6 +123,12 @@ def test_few_failures_are_not_said_to_differ(tmp_path):
     assert all('not told apart, the difference lies between −' in text for _, text in ended(found))
 
 
+def test_all_against_none_in_few_pairs_is_told_as_it_was_seen(tmp_path):
+    found = read(tmp_path, TWO, 3, lambda c, k: FAILED if c['method'] == 'auction' else {'makespan_s': 1.0 + k})
+    assert ended(found) == [('always', '3 of 3 trials failed with auction, 0 of 3 with greedy: in every pair, of which '
+                             'there are too few for a test (3 pairs).')]
+
+
 def limited(configuration, replication):
     """Return a trial that with greedy is often ended by the limit of time."""
     is_cut = configuration['method'] == 'greedy' and replication % 2

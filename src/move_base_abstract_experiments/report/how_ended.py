@@ -66,7 +66,10 @@ def _finding(experiment, difference):
         size = size.replace('higher', 'more')
         return Finding(metric.title, 'fails' if metric.outcome == 'failed' else 'differs',
                        sentence_case(f'{text}: {size}{over} ({interval}; {pairs}).'), None)
-    why = f'too weak to count among so many comparisons (Holm p{NBSP}{probability(difference.p_holm)})' \
+    if difference.estimate.value == 1.0:  # what was seen is told as it is
+        return Finding(metric.title, 'always', sentence_case(
+            f'{text}: in every pair, of which there are too few for a test ({pairs}).'), None)
+    why = f'too weak to count (Holm p{NBSP}{probability(difference.p_holm)})' \
         if difference.is_hint else 'not told apart'
     return Finding(metric.title, 'weak' if difference.is_hint else 'none', sentence_case(
         f'{text}: {why}, the difference lies between {between(difference.estimate, scale)}'

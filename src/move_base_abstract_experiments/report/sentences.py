@@ -76,7 +76,7 @@ def _weak(experiment, difference, scale, names):
     first, second, than, aside = names
     aside = f' ({aside})' if aside else ''
     value = estimate_texts(difference.estimate, scale)[0]
-    return f'{_only(experiment, difference)}too weak to count among so many comparisons (Holm p{NBSP}' \
+    return f'{_only(experiment, difference)}too weak to count (Holm p{NBSP}' \
            f'{probability(difference.p_holm)}): {second} − {than}{aside} is {value}{scale.suffix}, between ' \
            f'{between(difference.estimate, scale)}{over_text(experiment, difference)} (95 % interval; ' \
            f'{pairs_text(difference)}).'
