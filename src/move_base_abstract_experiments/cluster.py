@@ -5,6 +5,7 @@ that fails runs once more; then its failure is recorded. Only as many trials are
 that the memory of all who take part does not grow with the number of trials.
 """
 import contextlib
+import multiprocessing
 import os
 import queue
 import signal
@@ -16,12 +17,14 @@ from multiprocessing import resource_tracker
 from move_base_abstract.errors import SimulatorError
 
 from . import jobs, temporary
+from .workers import LOST_S, Workers
 
 TRIES = 2  # of a trial that fails by itself
 LOSSES = 8  # of workers, before a trial counts as failed
 AHEAD = 2  # trials under way per thread of a worker
 _LOOK_S = 0.5  # wall
 _CONNECT_S = 30.0  # wall
+_STOP_S = 10.0  # wall
 
 
 class ClusterError(SimulatorError):
@@ -30,7 +33,7 @@ class ClusterError(SimulatorError):
 
 @contextlib.contextmanager
 def connected(workers, scheduler):
-    """Give a Client of a cluster of ``workers`` processes here, or of the scheduler at an address.
+    """Give (a Client, its Workers) of a cluster of ``workers`` processes here, or of the scheduler at an address.
 
     :raises ClusterError: if there is none.
     """
@@ -43,24 +46,27 @@ def connected(workers, scheduler):
     warnings.filterwarnings('ignore', module='distributed')
     dask.config.set({'distributed.logging.distributed': 'critical', 'distributed.comm.timeouts.connect': _CONNECT_S,
                      'distributed.scheduler.allowed-failures': LOSSES,
+                     'distributed.deploy.lost-worker-timeout': f'{LOST_S:g}s',
                      'distributed.worker.daemon': False})
     _quiet()
+    own = None
     with contextlib.ExitStack() as stack:
         if scheduler is None:
             folder = stack.enter_context(temporary.folder('move_base_abstract_dask_'))
             with _ctrl_c_is_ours():
-                scheduler = LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, host='127.0.0.1',
-                                         dashboard_address='127.0.0.1:0', worker_dashboard_address='127.0.0.1:0',
-                                         local_directory=folder, memory_limit=0, silence_logs=50,
-                                         security=True, protocol='tls://')  # other users of this computer stay out
-            stack.callback(_close, scheduler)
+                scheduler = own = LocalCluster(
+                    n_workers=workers, threads_per_worker=1, processes=True, host='127.0.0.1',
+                    dashboard_address='127.0.0.1:0', worker_dashboard_address='127.0.0.1:0',
+                    local_directory=folder, memory_limit=0, silence_logs=50,
+                    security=True, protocol='tls://')  # other users of this computer stay out
+            stack.callback(_close_all, scheduler)
         try:
             with _ctrl_c_is_ours():
                 client = Client(scheduler, timeout=_CONNECT_S)
         except (OSError, ValueError) as error:
             raise ClusterError(f'the scheduler {scheduler} cannot be reached: {error}') from None
         stack.callback(_close, client)
-        yield client
+        yield client, Workers(client, own, workers)
 
 
 @contextlib.contextmanager
@@ -87,15 +93,30 @@ def _close(what):
         what.close(timeout=10)
 
 
-class Runner:
-    """Runs jobs on a Client; calls ``done(job, worker, outputs, problem, attempts)`` for each in the order they end.
+def _close_all(cluster):
+    """Close a cluster of this computer; end the workers that closing has not ended, as they are stopped, say.
 
-    ``outputs``: bytes, or None with a text in ``problem``. ``is_failure(outputs)``: whether a trial has failed, and is
-    to run again. ``look(runner)`` is called now and then.
+    Python would wait for them at its end, and Dask, which would once more wait for their answers, start others.
+    """
+    _close(cluster)
+    with contextlib.suppress(Exception):
+        cluster._loop_runner.stop()
+        cluster.status = type(cluster.status).closed
+    for process in multiprocessing.active_children():
+        process.kill()
+
+
+class Runner:
+    """Runs jobs on a Client with its Workers.
+
+    ``done(job, worker, outputs, problem, attempts)`` is called for each in the order they end. ``outputs``:
+    bytes, or None with a text in ``problem``. ``is_failure(outputs)``: whether a trial has failed, and is to run again.
+    ``look(runner)`` is called now and then.
     """
 
-    def __init__(self, client, done, is_failure, look):
+    def __init__(self, client, watch, done, is_failure, look):
         self._client = client
+        self._watch = watch
         self._done = done
         self._is_failure = is_failure
         self._look = look
@@ -115,7 +136,7 @@ class Runner:
                     self._take(self._ended.get(timeout=_LOOK_S))
                 if time.monotonic() - last_look > _LOOK_S:
                     last_look = time.monotonic()
-                    self.workers = self._threads()
+                    self.workers = self._watch.look()
                     self._look(self)
                 self._fill(waiting)
         finally:
@@ -125,11 +146,6 @@ class Runner:
     def under_way(self):
         """The number of trials that were handed over and have not come back."""
         return len(self._running)
-
-    def _threads(self):
-        with contextlib.suppress(OSError):
-            return sum(self._client.nthreads().values())
-        return 0
 
     def _fill(self, waiting):
         while len(self._running) < AHEAD * max(1, self.workers):
@@ -150,14 +166,14 @@ class Runner:
         if future is None:
             return
         try:
-            worker, outputs = future.result(timeout=_CONNECT_S)
+            worker, outputs, problem = future.result(timeout=_CONNECT_S)
         except Exception as error:  # KilledWorker, CancelledError, a worker that dies while it answers, WorkerError
             self._lost(job, attempts, losses, error)
         else:
-            if self._is_failure(outputs) and attempts < TRIES:
+            if (outputs is None or self._is_failure(outputs)) and attempts < TRIES:
                 self._submit(job, attempts + 1, losses)
             else:
-                self._done(job, worker, outputs, None, attempts)
+                self._done(job, worker, outputs, problem, attempts)
         finally:
             future.release()
 
@@ -174,5 +190,6 @@ class Runner:
             with contextlib.suppress(Exception):
                 self._client.cancel([future for _, future, _, _ in self._running.values()], force=True)
             with contextlib.suppress(Exception):
-                self._client.run(jobs.end_all)
+                # One that is stopped would be waited for for ever.
+                self._client.sync(self._client._run, jobs.end_all, callback_timeout=_STOP_S)
         self._running.clear()

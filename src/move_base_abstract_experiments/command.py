@@ -1,6 +1,8 @@
 """The command line: rosrun move_base_abstract experiment run|status|rerun|report."""
 import argparse
+import contextlib
 import os
+import signal
 import sys
 
 from move_base_abstract.errors import SimulatorError
@@ -12,7 +14,8 @@ def main(words):
     """Run the command line; return the exit code: 0 good, 1 some trials failed, 2 it cannot be run like this."""
     options = _parse(words)
     try:
-        return options.act(options)
+        with _ended_as_by_ctrl_c():
+            return options.act(options)
     except (SimulatorError, OSError) as error:
         print(f'experiment: {error}', file=sys.stderr)
         return CANNOT
@@ -21,11 +24,29 @@ def main(words):
         return INTERRUPTED
 
 
+@contextlib.contextmanager
+def _ended_as_by_ctrl_c():
+    """Have SIGTERM and SIGHUP (unless it is ignored, as under nohup) end what runs meanwhile as Ctrl-C does."""
+    numbers = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) == signal.SIG_DFL]
+
+    def interrupt(_number, _frame):
+        for number in numbers:  # what ends is ended once
+            signal.signal(number, signal.SIG_IGN)
+        raise KeyboardInterrupt
+    for number in numbers:
+        signal.signal(number, interrupt)
+    try:
+        yield
+    finally:
+        for number in numbers:
+            signal.signal(number, signal.SIG_DFL)
+
+
 def _parse(words):
     parser = argparse.ArgumentParser(
         prog='experiment', description='Run any system many times, on all cores, and say what came out.',
         epilog='exit codes: 0 all trials are complete, 1 some failed or differ, 2 it cannot be run like this, '
-        '130 interrupted; what is complete stays, and the same command goes on')
+        '130 interrupted (Ctrl-C, SIGTERM, SIGHUP); what is complete stays, and the same command goes on')
     verbs = parser.add_subparsers(dest='verb', metavar='run|status|rerun|report', required=True)
     run = verbs.add_parser('run', help='run the trials that are not complete')
     run.add_argument('file', metavar='FILE', help='the experiment, YAML')

@@ -9,10 +9,11 @@ import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the 
 
 from move_base_abstract.errors import SimulatorError
 
-from . import functions, plan, trial
+from . import bundle, functions, plan
 from .warm_nodes import interpreter_of
 
 _END_S = 10.0  # wall
+_BESIDE_S = 300.0  # wall, that a trial may take beside its runs: metrics, packing
 _state = threading.local()
 _all = []
 
@@ -41,6 +42,10 @@ class WorkerError(SimulatorError):
     """The warm process of a worker did not start, or was lost."""
 
 
+class TrialError(SimulatorError):
+    """The process of a trial died and left nothing; the warm process goes on."""
+
+
 class WarmProcess:
     """A warm process and the connection to it; for one thread at a time."""
 
@@ -65,15 +70,20 @@ class WarmProcess:
             raise WorkerError(f'the warm process did not start: {self._last_words()}')
 
     def run(self, job):
-        """Run the trial of a job; return its outputs as bytes. :raises WorkerError: if the process is lost."""
+        """Run the trial of a job; return its outputs as bytes.
+
+        :raises TrialError: if there are none. :raises WorkerError: if the warm process is lost.
+        """
         import json
+        limit = job.get('time_limit', 0.0) * (2 if job.get('verified_by') else 1) + _BESIDE_S
         try:
+            self._socket.settimeout(limit)  # the process, or the trial's, may be stopped
             self._socket.sendall(json.dumps(job).encode() + b'\n')
             line = self._answers.readline()
             answer = json.loads(line) if line else None
             if answer is None:
                 raise WorkerError(f'the warm process has gone: {self._last_words()}')
-            path = os.path.join(answer['path'], trial.OUTPUTS)
+            path = os.path.join(answer['path'], bundle.OUTPUTS)
             try:
                 with open(path, 'rb') as stream:
                     content = stream.read()
@@ -81,10 +91,13 @@ class WarmProcess:
                 content = None
             text = _end_of(os.path.join(answer['path'], 'trial.txt'))
             self._socket.sendall(b'taken\n')
+        except socket.timeout:
+            raise WorkerError(f'the trial did not end within {limit:g} s of wall time, not even by its time_limit'
+                              ) from None
         except OSError as problem:
             raise WorkerError(f'the warm process was lost: {problem}') from None
         if content is None:
-            raise WorkerError(f"the trial's process ended with code {answer['code']}: {text}")
+            raise TrialError(f"the trial's process ended with code {answer['code']}: {text}")
         return content
 
     def _last_words(self):
@@ -121,9 +134,10 @@ def _end_of(path):
 
 
 def carry_out(job):
-    """Run a job on this worker; return (who ran it, the outputs as bytes). The warm process stays for the next one.
+    """Run a job on this worker; return (who ran it, the outputs as bytes or None, why there are none or None).
 
-    But not for one that is prepared in another way, or by another text: what was imported stays imported.
+    The warm process stays for the next one, but not for one that is prepared in another way, or by another text: what
+    was imported stays imported.
     """
     prepared = (job['prepare'], job['sources']) if job['prepare'] else None
     if getattr(_state, 'warm', None) is not None and _state.prepared != prepared:
@@ -132,12 +146,15 @@ def carry_out(job):
     if getattr(_state, 'warm', None) is None:
         _state.warm, _state.prepared = WarmProcess(), prepared
         _all.append(_state.warm)
+    worker = f'{socket.gethostname()}:{os.getpid()}'
     try:
-        return f'{socket.gethostname()}:{os.getpid()}', _state.warm.run(job)
-    except WorkerError:
+        return worker, _state.warm.run(job), None
+    except TrialError as problem:
+        return worker, None, str(problem)
+    except WorkerError as problem:
         forget(_state.warm)
         _state.warm = None
-        raise
+        return worker, None, str(problem)
 
 
 def forget(warm):

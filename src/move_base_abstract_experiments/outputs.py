@@ -20,7 +20,7 @@ from pathlib import Path
 
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.json_files import cleaned
-from move_base_abstract.own_files import MARKER, FolderKind, whole_file
+from move_base_abstract.own_files import FolderKind, whole_file
 
 from . import records
 
@@ -29,7 +29,7 @@ UNFINISHED = '.unfinished'
 OUT = FolderKind('folder of an experiment')
 TRIAL = FolderKind('trial of an experiment', ('trial.json', 'events.jsonl', 'messages.jsonl', 'files-*'))
 LOGS = FolderKind("folder of a trial's logs", ('*.txt', '*.log'))
-_MEMBER = re.compile(r'(logs/)?\w[\w.-]*\Z', re.ASCII)
+_MEMBER = re.compile(r'(logs/)?[\w%][\w.%-]{0,239}\Z', re.ASCII)
 _MOST_BYTES = 4 << 30  # of a trial, unpacked
 _ID = re.compile(r'[0-9]{4,7}-[0-9a-f]{6}\Z')
 
@@ -67,6 +67,7 @@ class OutputFolder:
         with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
             members = checked_members(archive)
             about = cleaned(json.load(archive.extractfile('trial.json')))
+            records.checked_trial(about, str(about.get('id')), 'trial.json')
             about.update(worker=worker, attempts=attempts)
             with self._whole_trial(about) as part:
                 for member in members:
@@ -128,7 +129,7 @@ def checked_members(archive):
     members, total = [], 0
     for member in archive:
         total += member.size
-        if not member.isreg() or not _MEMBER.match(member.name) or member.name.endswith(MARKER) or total > _MOST_BYTES:
+        if not member.isreg() or not _MEMBER.match(member.name) or total > _MOST_BYTES:
             raise ConfigurationError(f'the outputs of a trial hold {member.name!r}; allowed: plain files in its '
                                      f'folder, at most {_MOST_BYTES} bytes')
         members.append(member)

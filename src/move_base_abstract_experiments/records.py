@@ -52,13 +52,18 @@ def read_trial(folder, name):
         about = load_json_mapping(path)
     except FileNotFoundError:
         return None
-    _check(about, _TRIAL, path)
+    return checked_trial(about, name, path)
+
+
+def checked_trial(about, name, where):
+    """Return trial.json's content, whole. :raises ConfigurationError: if it is none of the trial ``name``."""
+    _check(about, _TRIAL, where)
     if about.setdefault('id', name) != name:
-        raise ConfigurationError(f"{path}: 'id' must be {name!r}, got {shown(about['id'])}")
+        raise ConfigurationError(f"{where}: 'id' must be {name!r}, got {shown(about['id'])}")
     for label in about['labels']:
-        _check_kinds({'labels': label}, {'labels': ((str,), '')}, path)
+        _check_kinds({'labels': label}, {'labels': ((str,), '')}, where)
     for metric, value in about['metrics'].items():
-        _check_kinds({f'metrics.{metric}': value}, {f'metrics.{metric}': (_NUMBER, None)}, path)
+        _check_kinds({f'metrics.{metric}': value}, {f'metrics.{metric}': (_NUMBER, None)}, where)
     return about
 
 

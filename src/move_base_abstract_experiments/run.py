@@ -338,9 +338,8 @@ def _place(values):
     return None
 
 
-def keep_files(folders, patterns):
-    """Return the paths of the files in the nodes' working folder that one of the patterns fits, sorted."""
-    return [os.path.join(folders.files, name) for name in sorted(os.listdir(folders.files))
+def names_to_keep(folders, patterns):
+    """Return the names in the nodes' working folder that one of the patterns fits, but for folders, sorted."""
+    return [name for name in sorted(os.listdir(folders.files))
             if any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)
-            and os.path.isfile(os.path.join(folders.files, name)) and not os.path.islink(os.path.join(
-                folders.files, name))]
+            and not os.path.isdir(os.path.join(folders.files, name))]

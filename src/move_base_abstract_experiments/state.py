@@ -1,8 +1,10 @@
 """How far an experiment is, read from its folder alone."""
+import time
+
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.shown import shown_text
 
-from . import records, trial
+from . import records, trial, workers
 
 _MOST_SHOWN = 10
 
@@ -24,6 +26,10 @@ def lines(path):
         yield f'not called repeatable: {labelled}'
     yield from _first([f"failed: {about['id']} {shown_text(about['configuration'])} replication "
                        f"{about['replication']}: {_line(about['error'])}" for about in failed])
+    try:
+        yield from workers.lines(path, time.time())
+    except ConfigurationError as problem:
+        yield _line(problem)
     yield from _first([f'not to be read: {_line(problem)}' for problem in damaged])
 
 

@@ -9,10 +9,11 @@ import sys
 import tarfile
 import threading  # noqa: TID251 - of the client, whose threads are Dask's
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.errors import ConfigurationError, SimulatorError
 
 from . import checks, cluster, jobs, launch_files, outputs, plan, spec, tables, trial
 from .progress import Progress
+from .workers import told_workers
 
 
 def run(path, output, workers, scheduler, stream=sys.stdout, folder=None):
@@ -124,15 +125,32 @@ def _run_missing(experiment, chosen, folder, workers, scheduler, stream):
         return
 
     def done(job, worker, content, problem, attempts):
-        about = folder.put(content, worker, attempts) if content is not None else failure(job, problem, attempts)
-        if content is None:
-            folder.put_failure(about)
-        progress.count(about)
-    with cluster.connected(min(workers, len(missing)), scheduler) as client:
+        progress.count(_taken(folder, job, worker, content, problem, attempts))
+    with cluster.connected(min(workers, len(missing)), scheduler) as (client, watch), told_workers(folder) as tell:
         progress.begin(client)
         threading.Thread(target=_import_report, name='report', daemon=True).start()
-        cluster.Runner(client, done, is_failure, progress.look).run(
-            jobs.make_job(experiment, one) for one in missing)
+
+        def look(runner):
+            progress.look(runner)
+            tell(watch.told)
+        cluster.Runner(client, watch, done, is_failure, look).run(jobs.make_job(experiment, one) for one in missing)
+
+
+def _taken(folder, job, worker, content, problem, attempts):
+    """Put what a trial has left into its place, or why there is nothing; return trial.json's content.
+
+    Whatever is wrong with one trial ends no other: only a disk that takes nothing more does.
+    """
+    if content is not None:
+        try:
+            return folder.put(content, worker, attempts)
+        except (SimulatorError, OSError, EOFError, ValueError, LookupError, TypeError, AttributeError,
+                tarfile.TarError) as error:
+            problem = f'its outputs cannot be taken: {error}'
+    about = failure(job, problem, attempts)
+    with contextlib.suppress(ConfigurationError):  # somebody has put something into its folder, which stays as it is
+        folder.put_failure(about)
+    return about
 
 
 def _import_report():
@@ -148,9 +166,12 @@ def _is_complete(folder, name, made_of):
 
 
 def is_failure(content):
-    """Return whether the outputs of a trial say that it failed."""
-    with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
-        return json.load(archive.extractfile(archive.next()))['status'] != trial.COMPLETE
+    """Return whether the outputs of a trial say that it failed, or cannot be read."""
+    try:
+        with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
+            return json.load(archive.extractfile(archive.next()))['status'] != trial.COMPLETE
+    except (OSError, EOFError, ValueError, LookupError, TypeError, AttributeError, tarfile.TarError):
+        return True
 
 
 def failure(job, problem, attempts):

@@ -1,27 +1,20 @@
 """One trial in its own process: the run, the run under another condition, the metrics, and what goes back.
 
-carry_out() leaves OUTPUTS in the trial's folder: an archive of trial.json, the event log, recorded messages and files,
-and what the nodes have printed.
+carry_out() leaves an archive in the trial's folder (see bundle.py).
 """
-import json
 import os
 import re
-import tarfile
 import time
 import traceback
 
 from move_base_abstract import run_difference
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 
-from . import ended_by, functions, launch_files, metrics, plan, run, spec, user_metrics
+from . import bundle, ended_by, functions, launch_files, metrics, plan, run, spec, user_metrics
 
-OUTPUTS = 'outputs.tar'
 FORMAT = 1
 COMPLETE, FAILED = 'complete', 'failed'
 IDENTICAL, DIFFERENT = 'identical', 'different'
-MOST_BYTES = 512 * 1024 * 1024  # of a trial's outputs, before they are packed
-_COMPRESSED_FROM = 8 * 1024 * 1024  # bytes: less than that travels faster as it is
-_MOST_LOG_BYTES = 1 << 20  # the end of what a node has printed
 _ERROR_LINE = re.compile(r'^(?!Traceback)\S*(Error|Exception)\b.*|.*\[ *(ERROR|FATAL)\].*|.*\bterminate called\b.*')
 _STAMP = re.compile(r'\x1b\[[0-9;]*m|\[[0-9]+\.[0-9]+(, *[0-9.]+)?\]:? ?')
 _LONGEST_ERROR = 300
@@ -55,7 +48,13 @@ def carry_out(job, path, problem=None):
         traceback.print_exc()
         about['error'] = _first_line(f'{type(error).__name__}: {error}', folders)
     launch_files.save_programs(path)
-    _pack(job, path, folders, about)
+    try:
+        bundle.pack(path, folders, job['record'][1], about, has_all_logs=about['status'] != COMPLETE)
+    except Exception as error:
+        traceback.print_exc()
+        text = f'its outputs cannot be packed: {type(error).__name__}: {error}'
+        about.update(status=FAILED, error=text[:_LONGEST_ERROR])
+        bundle.pack(path, None, (), about, has_all_logs=True)
 
 
 def wanted_of(job):
@@ -180,47 +179,11 @@ def _first_line(text, folders):
     """Return the first line of an error, with the first error line of the nodes' outputs, without wall times."""
     line = text.strip().splitlines()[0] if text.strip() else 'no text'
     for name in sorted(os.listdir(folders.logs)) if folders is not None else ():
-        if name.endswith('.txt') and name != 'rosmaster.txt':  # it complains of who has gone
-            with open(os.path.join(folders.logs, name), encoding='utf-8', errors='replace') as stream:
+        path = os.path.join(folders.logs, name)
+        # The master's complains of who has gone.
+        if name.endswith('.txt') and name != 'rosmaster.txt' and bundle.is_plain(path) and os.access(path, os.R_OK):
+            with open(path, encoding='utf-8', errors='replace') as stream:
                 found = next((_STAMP.sub('', one).strip() for one in stream if _ERROR_LINE.match(one)), None)
             if found:
                 return f'{line}; {name[:-len(".txt")]}: {found}'[:_LONGEST_ERROR]
     return line[:_LONGEST_ERROR]
-
-
-def _pack(job, path, folders, about):
-    members = []
-    if folders is not None:
-        members = [(os.path.join(folders.own, name), name) for name in (run.LOG, run.MESSAGES)]
-        members += [(one, 'files-' + os.path.basename(one)) for one in run.keep_files(folders, job['record'][1])]
-        if sum(os.path.getsize(one) for one, _ in members if os.path.exists(one)) > MOST_BYTES:
-            about.update(status=FAILED, error=f'its outputs are more than {MOST_BYTES} bytes; allowed: at most that')
-            members = []
-        ends = ('.txt',) if about['status'] == COMPLETE else ('.txt', '.log')
-        for name in sorted(os.listdir(folders.logs)):
-            if name.endswith(ends) and os.path.isfile(os.path.join(folders.logs, name)):
-                _cut(os.path.join(folders.logs, name))
-                members.append((os.path.join(folders.logs, name), 'logs/' + name))
-    if about['status'] == FAILED and os.path.exists(os.path.join(path, 'trial.txt')):
-        members.append((os.path.join(path, 'trial.txt'), 'logs/trial.txt'))
-    with open(os.path.join(path, 'trial.json'), 'w', encoding='utf-8') as stream:
-        json.dump(about, stream, allow_nan=False)
-    part = os.path.join(path, OUTPUTS + '.part')
-    size = sum(os.path.getsize(source) for source, _ in members if os.path.isfile(source))
-    how = {'mode': 'w:gz', 'compresslevel': 1} if size > _COMPRESSED_FROM else {'mode': 'w'}
-    with tarfile.open(part, **how) as archive:
-        for source, name in [(os.path.join(path, 'trial.json'), 'trial.json'), *members]:
-            if os.path.isfile(source) and not os.path.islink(source):
-                archive.add(source, name, recursive=False)
-    os.rename(part, os.path.join(path, OUTPUTS))
-
-
-def _cut(path):
-    """Leave the end of a long output."""
-    size = os.path.getsize(path)
-    if size > _MOST_LOG_BYTES:
-        with open(path, 'rb') as stream:
-            stream.seek(size - _MOST_LOG_BYTES)
-            end = stream.read()
-        with open(path, 'wb') as stream:
-            stream.write(b'... (the beginning is left out)\n' + end)

@@ -140,9 +140,12 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.assertEqual(whole.end()[0], 0)
         killed = Client(self.folder, file, 'killed')
         wait_for(lambda: self.complete('killed'), 'the first trial')
-        killed.workers()[0].kill()
+        killed.workers()[0].suspend()
+        killed.workers()[1].kill()
+        before = killed.workers()[0]
+        wait_for(lambda: not before.is_running(), 'the end of a worker that is stopped')
         count = len(self.complete('killed'))
-        wait_for(lambda: len(self.complete('killed')) > count, 'a trial after the death of a worker')
+        wait_for(lambda: len(self.complete('killed')) > count, 'a trial after the death of all workers')
         killed.process.kill()
         killed.end()
         wait_for(lambda: not killed.left(), 'the end of all processes of a client that was killed')
@@ -159,16 +162,18 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.assertEqual(len(without_wall(self.path('whole/trials.csv'))), 5)
         self.assertFalse(again.left())
 
-    def test_ctrl_c_ends_what_was_started(self):
+    def test_ctrl_c_and_sigterm_end_what_was_started(self):
         file = self.write('sweep.yaml', SWEEP)
-        client = Client(self.folder, file, 'out')
-        wait_for(lambda: self.complete('out'), 'the first trial')
-        os.killpg(client.process.pid, signal.SIGINT)
-        code, text = client.end()
-        self.assertEqual(code, 130, text)
-        self.assertNotIn('Traceback', text)
-        wait_for(lambda: not client.left(), 'the end of all processes')
-        self.assertTrue(os.path.isfile(self.path('out/trials.csv')))
+        for out, end in (('out', lambda pid: os.killpg(pid, signal.SIGINT)), (
+                'other', lambda pid: os.kill(pid, signal.SIGTERM))):
+            client = Client(self.folder, file, out)
+            wait_for(lambda out=out: self.complete(out), 'the first trial')
+            end(client.process.pid)
+            code, text = client.end()
+            self.assertEqual(code, 130, text)
+            self.assertNotIn('Traceback', text)
+            wait_for(lambda client=client: not client.left(), 'the end of all processes')
+            self.assertTrue(os.path.isfile(self.path(out + '/trials.csv')))
 
     def test_a_trial_that_fails_is_recorded_and_stops_nothing(self):
         os.mkdir(self.path('sayings'))

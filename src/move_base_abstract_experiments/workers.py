@@ -1,0 +1,167 @@
+"""Whether the workers of a cluster still live: those here that say nothing are ended, so that others take their place.
+
+A worker is heard several times a second. One that is stopped, or hangs, keeps its trial for ever; one that was killed
+and does not come back in time is given up by Dask, and nobody starts another. Silence counts only while this process
+itself is awake: after a computer has slept nobody is at fault.
+"""
+import contextlib
+import json
+import math
+import os
+import signal
+import time
+from typing import NamedTuple
+
+from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.json_files import load_json_mapping
+from move_base_abstract.shown import shown_text
+
+FILE = 'workers.json'
+LOST_S = 30.0  # wall, after which Dask gives up a worker that does not come back; then we ask for another
+_SILENT_S = 20.0  # wall, after which a worker here is ended
+_NONE_S = 60.0  # wall, without any worker that is heard: the sweep ends
+_ANSWER_S = 10.0  # wall, for the scheduler to answer
+_MOST_COUNTED_S = 2.0  # wall, of the time between two looks
+_TELL_S, _HEARD_S, _OLD_S = 2.0, 5.0, 60.0  # wall
+_MOST_SHOWN = 1000
+_TASKS = '/proc/{}/task'
+
+
+class NoWorkerError(SimulatorError):
+    """There has been no worker for a while."""
+
+
+class Worker(NamedTuple):
+    """One worker, for people."""
+
+    name: str
+    trials: tuple  # ids of those that it has: the first runs, the others wait
+    silent_s: float  # wall
+
+
+class Workers:
+    """The workers of a Client; ``cluster``: that of this computer with as many as are wanted, or None: of others.
+
+    :param clock: returns wall seconds.
+    """
+
+    def __init__(self, client, cluster, wanted, clock=time.monotonic):
+        self._client = client
+        self._cluster = cluster
+        self._wanted = wanted
+        self._clock = clock
+        self._last_look = None
+        self._without_s = 0.0
+        self._silent = {}  # address: (when the scheduler last heard it, for how long nothing new was heard)
+        self._ended = set()
+        self.told = ()
+
+    def look(self):
+        """Return how many threads of workers are heard; ``told`` has a Worker for each.
+
+        :raises NoWorkerError: if there has been none for a minute.
+        """
+        begin = self._clock()
+        passed = min(_MOST_COUNTED_S, begin - self._last_look) if self._last_look is not None else 0.0
+        known, processing = self._ask()
+        self._last_look = self._clock()
+        asked = min(self._last_look - begin, 2 * _ANSWER_S)
+        self._silent = {address: self._heard(address, about, passed) for address, about in known.items()}
+        self.told = tuple(Worker(self._name(address, about), tuple(key.rsplit('-', 2)[0] for key in processing.get(
+            address, ())), round(self._silent[address][1], 1)) for address, about in sorted(known.items()))
+        heard = [address for address in known if self._silent[address][1] < _SILENT_S]
+        self._without_s = 0.0 if heard else self._without_s + passed + asked
+        if self._without_s >= _NONE_S:
+            raise NoWorkerError(f'no worker has been heard for {_NONE_S:g} s ({len(known)} are known); what is '
+                                'complete stays, and the same command goes on')
+        if self._cluster is not None:
+            self._replace([address for address in known if address not in heard], len(known))
+        return sum(known[address].get('nthreads', 1) for address in heard)
+
+    def _ask(self):
+        """Return ({address: what the scheduler knows of a worker}, {address: keys of its tasks})."""
+        with contextlib.suppress(Exception):  # whatever it raises, nobody was heard
+            known = self._client.sync(self._client.scheduler.identity, callback_timeout=_ANSWER_S)['workers']
+            return known, self._client.sync(self._client.scheduler.processing, workers=None, callback_timeout=_ANSWER_S)
+        return {}, {}
+
+    def _heard(self, address, about, passed):
+        last, silent = self._silent.get(address, (None, 0.0))
+        return (last, silent + passed) if about.get('last_seen') == last else (about.get('last_seen'), 0.0)
+
+    def _name(self, address, about):
+        pid = self._pid(address)
+        return f'{about.get("name", "")} (process {pid})' if pid else f'{about.get("name", "")} ({address})'
+
+    def _pid(self, address):
+        nannies = list(self._cluster.workers.values()) if self._cluster is not None else ()
+        return next((one.pid for one in nannies if getattr(one, 'worker_address', None) == address), None)
+
+    def _replace(self, silent, count):
+        """End workers here that are silent; Dask starts others in their place, and is asked to if it does not."""
+        for address in silent:
+            pid = self._pid(address)
+            if pid and address not in self._ended:
+                self._ended.add(address)
+                _end(pid)
+        if count < self._wanted:
+            with contextlib.suppress(Exception):
+                self._cluster.scale(self._wanted)
+
+
+@contextlib.contextmanager
+def told_workers(folder):
+    """Give a function that writes Workers into an OutputFolder, now and then; at the end it is written that none is.
+
+    That is for `experiment status`.
+    """
+    last = [-math.inf]
+
+    def tell(told, is_due=False):
+        if is_due or time.monotonic() - last[0] > _TELL_S:
+            last[0] = time.monotonic()
+            folder.write(FILE, (json.dumps({'format': 1, 'told_at': time.time(), 'workers': [
+                one._asdict() for one in told]}) + '\n').encode())
+    try:
+        yield tell
+    finally:
+        tell((), True)
+
+
+def lines(folder, now):
+    """Yield what is told of the workers of an experiment that runs: a line each. now: as of time.time() [s].
+
+    :raises ConfigurationError: if the file cannot be understood.
+    """
+    path = os.path.join(folder, FILE)
+    try:
+        about = load_json_mapping(path)
+    except FileNotFoundError:
+        return
+    told_at, found = about.get('told_at'), about.get('workers')
+    if not isinstance(told_at, (int, float)) or not isinstance(found, list) or not abs(told_at) < 1e15:
+        raise ConfigurationError(f'{path}: must hold told_at and workers')
+    age = max(0.0, now - told_at)
+    if found:
+        yield f'{len(found)} workers, as told {age:.0f} s ago' + (
+            '; nothing was told since: the run was killed, or stands still' if age > _OLD_S else '') + ':'
+    for one in [one for one in found[:_MOST_SHOWN] if isinstance(one, dict)]:
+        trials, silent = one.get('trials'), one.get('silent_s')
+        trials = [shown_text(each) for each in trials] if isinstance(trials, list) else []
+        is_silent = isinstance(silent, (int, float)) and silent > _HEARD_S
+        yield (f"  {shown_text(one.get('name'))}: " + (f"{', '.join(trials[:3])}" if trials else 'waits for a trial')
+               + (f'; not heard for {silent:.0f} s' if is_silent else ''))
+
+
+def _end(pid):
+    """Kill a process; have its children, which may be stopped as well, go on: they then see that it has gone."""
+    children = []
+    with contextlib.suppress(OSError):
+        for task in os.listdir(_TASKS.format(pid)):
+            with open(f'{_TASKS.format(pid)}/{task}/children') as stream:
+                children += [int(word) for word in stream.read().split()]
+    with contextlib.suppress(OSError):
+        os.kill(pid, signal.SIGKILL)
+    for child in children:
+        with contextlib.suppress(OSError):
+            os.kill(child, signal.SIGCONT)
