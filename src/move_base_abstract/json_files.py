@@ -2,9 +2,9 @@
 import json
 import math
 import os
-import stat
 
 from .errors import ConfigurationError
+from .input_files import open_input
 from .shown import shown
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -16,28 +16,19 @@ def load_json_mapping(path, most=MAX_BYTES):
 
     :raises ConfigurationError: if it is a folder, a pipe or a device, too large, or holds no mapping; names the path.
     """
+    if not os.path.lexists(path):
+        raise FileNotFoundError(f'{path}: is not there')
+    with open_input(path, most) as stream:
+        data = stream.read()
     try:
-        with open(path, 'rb', opener=_open) as stream:
-            about = os.fstat(stream.fileno())
-            if not stat.S_ISREG(about.st_mode) or about.st_size > most:
-                what = f'{about.st_size} bytes' if stat.S_ISREG(about.st_mode) else 'a pipe or a device'
-                raise ConfigurationError(f'{path}: must be a file of at most {most} bytes, got {what}')
-            data = stream.read(most)
         content = json.loads(data.decode('utf-8'))
-        if _HALF in data or b'\\uD' in data:
-            content = cleaned(content)
-    except FileNotFoundError:
-        raise
-    except (OSError, ValueError, RecursionError) as error:
-        raise ConfigurationError(f'{path}: cannot be read as JSON: {getattr(error, "strerror", None) or error}'
-                                 ) from None
+    except (ValueError, RecursionError) as error:
+        raise ConfigurationError(f'{path}: cannot be read as JSON: {error}') from None
+    if _HALF in data or b'\\uD' in data:
+        content = cleaned(content)
     if not isinstance(content, dict):
         raise ConfigurationError(f'{path}: must be a mapping, got {shown(content)}')
     return content
-
-
-def _open(path, flags):
-    return os.open(path, flags | os.O_NONBLOCK)  # a pipe that nobody writes to would else be waited for
 
 
 def cleaned(value):

@@ -9,7 +9,7 @@ import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the 
 
 from move_base_abstract.errors import SimulatorError
 
-from . import bundle, functions, plan
+from . import bundle, functions, ingredients, plan
 from .warm_nodes import interpreter_of
 
 _END_S = 10.0  # wall
@@ -21,7 +21,7 @@ _all = []
 def make_job(experiment, one, **others):
     """Return the job of a plan.Trial: plain values that JSON can carry."""
     from . import checks
-    values = plan.values_of(one)
+    values, made = plan.values_of(one), plan.ingredients_of(experiment, one)
     return {'id': one.id, 'configuration': one.configuration, 'replication': one.replication, 'seed': one.seed,
             'launch': checks.filled(experiment.launch, values) if experiment.launch else '',
             'arguments': plan.launch_arguments(experiment, one),
@@ -35,7 +35,9 @@ def make_job(experiment, one, **others):
             'replace': sorted(experiment.replace.items()), 'until': experiment.until, 'record': experiment.record,
             'function': experiment.function, 'factors': list(experiment.factors), 'verified_by': one.verified_by,
             'time_limit': experiment.time_limit, 'sleep': experiment.sleep, 'is_warm': True,
-            'made_of': plan.made_of(experiment, one), 'version': plan.package_version(), **others}
+            'made_of': plan.made_of(experiment, one),
+            'program': ingredients.name_of(made), 'files': ingredients.told(made),
+            'version': plan.package_version(), **others}
 
 
 class WorkerError(SimulatorError):

@@ -107,6 +107,14 @@ def read_trial(path, name):
         return None
 
 
+def read_planned(path, planned):
+    """As read_trial, of an entry of a plan: None also if what is there is made of something else."""
+    try:
+        return records.read_planned(path, planned)
+    except ConfigurationError:
+        return None
+
+
 def remove_trial(path):
     """Remove a trial's folder of our own, if it is there. :raises ConfigurationError: naming what is not ours in it."""
     logs = path / 'logs'

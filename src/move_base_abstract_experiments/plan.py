@@ -6,7 +6,6 @@ out, so that more replications change no id of a trial.
 """
 import functools
 import hashlib
-import importlib.util
 import json
 import math
 import os
@@ -15,10 +14,7 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.input_files import open_input
-
-from . import checks, launch_files
+from . import checks, ingredients
 from .spec import configurations
 
 FORMAT = 1
@@ -68,8 +64,7 @@ def _chosen(found, share):
 
 def launch_arguments(experiment, trial):
     """Return the words ARG:=VALUE of a trial."""
-    values = values_of(trial)
-    return [f'{name}:={checks.filled(value, values)}' for name, value in experiment.args.items()]
+    return ingredients.arguments_of(experiment, values_of(trial))
 
 
 def function_arguments(experiment, trial):
@@ -87,6 +82,7 @@ def values_of(trial):
 
 def describe(experiment, chosen, text):
     """Return plan.json's content. ``text``: the experiment's file (bytes)."""
+    paths = {path for one in chosen if one.replication == 0 for path in ingredients_of(experiment, one)}
     until = experiment.until
     return {
         'format': FORMAT, 'experiment': experiment.name, 'factors': experiment.factors,
@@ -97,9 +93,10 @@ def describe(experiment, chosen, text):
         'smallest_difference': experiment.smallest_difference,
         'until': {'seconds': until.seconds or None, 'topic': until.topic or None, 'idle': until.idle},
         'replications': experiment.replications, 'verify': experiment.verify, 'report': list(experiment.report),
-        'provenance': {**versions(), 'digest': hashlib.sha256(text).hexdigest(), 'folder': experiment.folder},
+        'provenance': {**versions(), 'digest': hashlib.sha256(text).hexdigest(), 'folder': experiment.folder,
+                       'sources': ingredients.repositories([*paths, __file__])},
         'trials': [{'id': one.id, 'configuration': one.configuration, 'replication': one.replication,
-                    'seed': one.seed} for one in chosen]}
+                    'seed': one.seed, 'made_of': made_of(experiment, one)} for one in chosen]}
 
 
 def versions():
@@ -119,59 +116,30 @@ def package_version():
     return 'unknown'
 
 
-def made_of(experiment, trial):
-    """Return a digest of all that makes a trial the trial it is: a complete one stays if that is equal.
+def ingredients_of(experiment, trial):
+    """Return {file or name: digest} of what a trial is made of beside what the experiment's file says.
 
-    Files count by their content where they are found here: the launch file with all that it includes, the modules of
-    functions, inputs. What these import or start in turn does not.
+    Launch files are read as for the first replication: the others differ in their seeds alone. Files that arguments
+    name are those of the trial itself.
     """
+    first = values_of(trial._replace(replication=0, seed=experiment.seed))
+    made = ingredients.of_trial(
+        experiment, ingredients.arguments_of(experiment, first), checks.filled(experiment.launch, first),
+        [name for name in (experiment.function, experiment.trial_function, experiment.prepare) if name])
+    return {**made, **ingredients.of_arguments(launch_arguments(experiment, trial), experiment.folder)}
+
+
+def made_of(experiment, trial):
+    """Return a digest of all that makes a trial the trial it is: a complete one stays if that is equal."""
     content = [FORMAT, experiment.launch, experiment.command, experiment.participants, experiment.leave_out,
                sorted(experiment.replace.items()), launch_arguments(experiment, trial), experiment.until,
                experiment.record, experiment.function, experiment.sleep, trial.configuration, trial.replication,
                trial.seed, trial.verified_by, package_version(), platform.python_version(),
-               _launch_digests(checks.filled(experiment.launch, values_of(trial)), experiment.folder),
                [experiment.trial_function, function_arguments(experiment, trial)] if experiment.trial_function else '',
-               experiment.prepare,
-               [_module_digest(name.partition(':')[0], experiment.folder) for name in (
-                   experiment.function, experiment.trial_function, experiment.prepare) if name],
-               [[name, _digest(os.path.join(experiment.folder, name))] for name in experiment.inputs]]
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
-
-
-@functools.lru_cache(maxsize=None)
-def _launch_digests(text, folder):
-    """Return the digests of a launch file and of what it includes, as far as their names are known beforehand."""
-    if not text:
-        return []
-    try:
-        return [_digest(path) for path in launch_files.with_includes(launch_files.find(text, folder))]
-    except ConfigurationError:
-        return []  # it is on the workers only
-
-
-@functools.lru_cache(maxsize=None)
-def _module_digest(name, folder):
-    path = os.path.join(folder, *name.split('.'))
-    for beside in (os.path.join(path, '__init__.py'), path + '.py'):
-        if os.path.isfile(beside):
-            return _digest(beside)
-    try:
-        found = importlib.util.find_spec(name)
-    except Exception:  # whatever a user's package raises when it is imported; the check before the run tells it
-        return ''
-    return _digest(found.origin) if found is not None and found.origin else ''
-
-
-@functools.lru_cache(maxsize=None)
-def _digest(path):
-    try:
-        with open_input(path) as stream:
-            return hashlib.sha256(stream.read()).hexdigest()
-    except ConfigurationError:
-        return ''
+               experiment.prepare, ingredients.by_content(ingredients_of(experiment, trial))]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode('utf-8', 'surrogateescape')).hexdigest()
 
 
 def forget():
     """Look at files anew; in one process they are looked at once."""
-    for known in (_launch_digests, _module_digest, _digest):
-        known.cache_clear()
+    ingredients.forget()

@@ -15,8 +15,10 @@ _TEXT = (str, type(None))
 #: of each key the kinds that are allowed, and what stands for one that is not there
 _PLAN = {'experiment': ((str,), ''), 'factors': ((dict,), {}), 'metrics': ((dict,), {}), 'provenance': ((dict,), {}),
          'trials': ((list,), []), 'kept': ((dict,), {})}
-_PLANNED = {'configuration': ((dict,), {}), 'replication': ((int,), 0), 'seed': ((int,), 0)}
-_TRIAL = {**_PLANNED, 'status': ((str,), ''), 'error': (_TEXT, None), 'metrics': ((dict,), {}),
+_PLANNED = {'made_of': (_TEXT, None), 'kept': (_TEXT, None), 'program': (_TEXT, None),
+            'configuration': ((dict,), {}), 'replication': ((int,), 0), 'seed': ((int,), 0)}
+_TRIAL = {'configuration': ((dict,), {}), 'replication': ((int,), 0), 'seed': ((int,), 0), 'status': ((str,), ''),
+          'error': (_TEXT, None), 'metrics': ((dict,), {}),
           **dict.fromkeys(('simulated_seconds', 'wall_seconds', 'times_real_time'), (_NUMBER, None)),
           'repeatable': ((bool,), False), 'labels': ((list,), []), 'events': ((int,), 0), 'log_sha256': (_TEXT, None),
           'verified': (_TEXT, None), 'difference': (_TEXT, None), 'robots': ((dict,), {}), 'made_of': (_TEXT, None),
@@ -40,6 +42,18 @@ def read_plan(folder):
     for name, levels in plan['factors'].items():
         _check_kinds({f'factors.{name}': levels}, {f'factors.{name}': ((list,), [])}, path)
     return plan
+
+
+def read_planned(folder, planned):
+    """Return trial.json of an entry of a plan's trials, or None if it is not there, or is made of something else.
+
+    One that is kept though it is of another program says so among its labels. :raises: as read_trial().
+    """
+    about = read_trial(folder, planned['id'])
+    if about is None or None not in (planned.get('made_of'), about['made_of']) and (
+            planned['made_of'] != about['made_of']):
+        return None
+    return {**about, 'labels': [*about['labels'], planned['kept']]} if planned.get('kept') else about
 
 
 def read_trial(folder, name):

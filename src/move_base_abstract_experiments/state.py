@@ -24,6 +24,9 @@ def lines(path):
     labelled = sum(bool(about['labels']) for about in complete)
     if labelled:
         yield f'not called repeatable: {labelled}'
+    kept = sum(bool(one.get('kept')) for one in plan['trials'])
+    if kept:
+        yield f'kept of another program: {kept}'
     yield from _first([f"failed: {about['id']} {shown_text(about['configuration'])} replication "
                        f"{about['replication']}: {_line(about['error'])}" for about in failed])
     try:
@@ -38,7 +41,7 @@ def _read(path, plan):
     found, damaged = [], []
     for one in plan['trials']:
         try:
-            about = records.read_trial(path, one['id'])
+            about = records.read_planned(path, one)
         except ConfigurationError as problem:
             damaged.append(str(problem))
         else:

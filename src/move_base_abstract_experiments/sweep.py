@@ -11,15 +11,15 @@ import threading  # noqa: TID251 - of the client, whose threads are Dask's
 
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 
-from . import checks, cluster, jobs, launch_files, outputs, plan, spec, tables, trial
+from . import checks, cluster, jobs, launch_files, outputs, plan, resumed, spec, tables, trial
 from .progress import Progress
 from .workers import told_workers
 
 
-def run(path, output, workers, scheduler, stream=sys.stdout, folder=None):
+def run(path, output, workers, scheduler, stream=sys.stdout, folder=None, keep_old=False):
     """Run what is missing of the experiment in a file; return how many trials failed, or differ when run again.
 
-    folder: where relative paths in it start, if not where it lies.
+    folder: where relative paths in it start, if not where it lies. keep_old: complete trials of another program stay.
     :raises SimulatorError: if it cannot be run. :raises KeyboardInterrupt: after all that was started has ended.
     """
     experiment = spec.read(path, folder)
@@ -30,10 +30,11 @@ def run(path, output, workers, scheduler, stream=sys.stdout, folder=None):
         check(experiment, chosen)
     with outputs.OutputFolder(output) as folder:
         about = plan.describe(experiment, chosen, text)
+        missing = resumed.missing(experiment, chosen, folder, about, keep_old, stream)
         folder.write('experiment.yaml', text)
         folder.write('plan.json', tables.plan_text(about))
         try:
-            _run_missing(experiment, chosen, folder, workers, scheduler, stream)
+            _run_missing(experiment, chosen, missing, folder, workers, scheduler, stream)
         finally:
             tables.write(folder, about)
         return _tell(folder, about, stream)
@@ -118,8 +119,7 @@ def _check_launch(job):
                 raise checks.unknown(f'{key}: the node', name, names)
 
 
-def _run_missing(experiment, chosen, folder, workers, scheduler, stream):
-    missing = [one for one in chosen if not _is_complete(folder, one.id, plan.made_of(experiment, one))]
+def _run_missing(experiment, chosen, missing, folder, workers, scheduler, stream):
     progress = Progress(stream, len(chosen), len(chosen) - len(missing))
     if not missing:
         return
@@ -160,11 +160,6 @@ def _import_report():
             importlib.import_module(name, __package__)
 
 
-def _is_complete(folder, name, made_of):
-    about = outputs.read_trial(folder.path, name)
-    return about is not None and about['status'] == trial.COMPLETE and about.get('made_of') == made_of
-
-
 def is_failure(content):
     """Return whether the outputs of a trial say that it failed, or cannot be read."""
     try:
@@ -177,7 +172,7 @@ def is_failure(content):
 def failure(job, problem, attempts):
     """Return trial.json's content of a trial that has left nothing."""
     return {'format': trial.FORMAT, **{key: job[key] for key in ('id', 'configuration', 'replication', 'seed',
-                                                                 'made_of')},
+                                                                 'made_of', 'program')},
             'status': trial.FAILED, 'error': problem, 'metrics': {}, 'simulated_seconds': None, 'wall_seconds': None,
             'times_real_time': None, 'repeatable': False, 'labels': [], 'events': 0, 'log_sha256': None,
             'verified': None, 'difference': None, 'robots': {}, 'worker': '', 'attempts': attempts}
@@ -185,7 +180,7 @@ def failure(job, problem, attempts):
 
 def _tell(folder, about, stream):
     """Say in a few lines what came out; return how many trials are not as they should be."""
-    found = [outputs.read_trial(folder.path, one['id']) for one in about['trials']]
+    found = [outputs.read_planned(folder.path, one) for one in about['trials']]
     failed = [one for one in found if one is None or one['status'] != trial.COMPLETE]
     different = [one for one in found if one is not None and one['verified'] == trial.DIFFERENT]
     verified = sum(one is not None and one['verified'] == trial.IDENTICAL for one in found)

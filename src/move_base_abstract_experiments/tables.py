@@ -30,7 +30,7 @@ def columns(plan, metrics):
 
 def rows(plan, path):
     """Return (names of metrics, rows of a table) of those trials of a plan that have ended."""
-    abouts = [outputs.read_trial(path, one['id']) for one in plan['trials']]
+    abouts = [outputs.read_planned(path, one) for one in plan['trials']]
     abouts = [about for about in abouts if about is not None]
     metrics = metric_names(plan, abouts)
     table = []

@@ -10,7 +10,7 @@ import traceback
 from move_base_abstract import run_difference
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 
-from . import bundle, ended_by, functions, launch_files, metrics, plan, run, spec, user_metrics
+from . import bundle, ended_by, functions, ingredients, launch_files, metrics, plan, run, spec, user_metrics
 
 FORMAT = 1
 COMPLETE, FAILED = 'complete', 'failed'
@@ -27,10 +27,11 @@ def carry_out(job, path, problem=None):
              'replication': job['replication'], 'seed': job['seed'], 'status': FAILED, 'error': None, 'metrics': {},
              'simulated_seconds': None, 'wall_seconds': None, 'times_real_time': None, 'repeatable': False,
              'labels': [], 'events': 0, 'log_sha256': None, 'verified': None, 'difference': None, 'robots': {},
-             'ended_by': ended_by.ERROR, 'open_goals': None, 'made_of': job['made_of']}
+             'ended_by': ended_by.ERROR, 'open_goals': None, 'made_of': job['made_of'], 'program': job['program']}
     folders = None
     try:
         _check_version(job)
+        ingredients.check(job['files'])
         if problem is not None:
             raise ConfigurationError(problem)
         os.mkdir(os.path.join(path, 'run'))
@@ -41,6 +42,7 @@ def carry_out(job, path, problem=None):
             _measure(job, folders, about)
         if job['verified_by'] and not (job['trial_function'] and about['labels']):  # it says that it would differ
             _verify(job, path, folders, about, first)
+        _check_files_again(job, about)
     except (SimulatorError, OSError) as error:
         about['error'] = _first_line(str(error), folders)
         about['ended_by'] = ended_by.of_error(str(error), about['ended_by'])
@@ -74,6 +76,19 @@ def _check_version(job):
     if job['version'] != plan.package_version():
         raise ConfigurationError(f"move_base_abstract is {plan.package_version()} on this worker, and "
                                  f"{job['version']} where the experiment was started; allowed: the same")
+
+
+def _check_files_again(job, about):
+    """Complain of files that have changed while the trial ran; label it where some cannot be compared."""
+    try:
+        ingredients.check(job['files'])
+    except ingredients.ChangedError:
+        about['status'] = FAILED
+        raise
+    unseen = ingredients.unseen(job['files'])
+    if unseen:
+        about['labels'] = [*about['labels'], f'{unseen} of its files lie elsewhere on the worker: whether they are the '
+                           'same is not known']
 
 
 def _run_first(job, folders, about):

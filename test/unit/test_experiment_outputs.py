@@ -13,7 +13,7 @@ ID = '0001-abcdef'
 ABOUT = {'format': 1, 'id': ID, 'configuration': {'robots': 1}, 'replication': 0, 'seed': 3, 'status': 'complete',
          'error': None, 'metrics': {'goals': 2, 'extra': 0.5}, 'simulated_seconds': 1.5, 'wall_seconds': 0.25,
          'times_real_time': 6.0, 'repeatable': True, 'labels': ['x', 'y'], 'events': 4, 'log_sha256': 'ab',
-         'verified': None, 'difference': None, 'robots': {'r': {}}, 'ended_by': 'idle', 'made_of': 'm'}
+         'verified': None, 'difference': None, 'robots': {'r': {}}, 'ended_by': 'idle', 'made_of': 'm', 'program': 'p'}
 PLAN = {'format': 1, 'experiment': 'e', 'factors': {'robots': [1]}, 'metrics': {'goals': {}}, 'trials': [{'id': ID}]}
 
 
@@ -85,7 +85,7 @@ def test_the_table_has_a_row_per_trial(tmp_path):
 
 
 def test_a_failure_is_told(tmp_path):
-    job = {'id': ID, 'configuration': {'a': 1}, 'replication': 0, 'seed': 3, 'made_of': 'm'}
+    job = {'id': ID, 'configuration': {'a': 1}, 'replication': 0, 'seed': 3, 'made_of': 'm', 'program': 'p'}
     with outputs.OutputFolder(tmp_path / 'out') as folder:
         folder.put_failure(sweep.failure(job, 'it was lost', 2))
         folder.write('plan.json', tables.plan_text(PLAN))

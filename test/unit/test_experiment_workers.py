@@ -112,7 +112,7 @@ def test_status_has_a_line_for_each_worker(tmp_path, capsys):
 
 @pytest.mark.parametrize('number', [signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_that_ends_programs_ends_it_as_ctrl_c_does(monkeypatch, capsys, number):
-    def run(*_words):
+    def run(*_words, **_options):
         os.kill(os.getpid(), number)
         signal.pause()
     monkeypatch.setattr(sweep, 'run', run)

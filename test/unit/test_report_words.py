@@ -1,4 +1,5 @@
 """The report's words on tables whose truth is known: none is said of what is not so."""
+import json
 import math
 import random
 
@@ -288,3 +289,24 @@ def test_what_is_counted_is_more_or_fewer(tmp_path):
                  metrics=metrics)
     (verdict, text), = told(found)
     assert verdict == 'better' and text.startswith('24.9 more goals (208 %) with 3 robots than with 1 (95 % interval ')
+
+
+def test_trials_of_two_programs_are_never_a_pair_and_never_silently_in_one_table(tmp_path):
+    def measured(configuration, replication):
+        is_greedy = configuration['method'] == 'greedy'
+        return {'status': 'complete', 'made_of': 'old' if replication < 3 and is_greedy else 'new',
+                'metrics': {'makespan_s': 10.0 + replication + 5.0 * is_greedy}}
+    write(tmp_path, TWO, 6, measured, MAKESPAN)
+    plan = json.loads((tmp_path / 'plan.json').read_text())
+    for place, one in enumerate(plan['trials']):
+        one['made_of'] = 'new'
+        if place < 2:  # two old ones of the one method; a third one is to run again
+            one.update(made_of='old', program='p1', kept='kept from before: a.py has changed since')
+    (tmp_path / 'plan.json').write_text(json.dumps(plan))
+    experiment = outcome.read(tmp_path)
+    assert [trial.status for trial in experiment.trials] == ['complete'] * 2 + ['not run'] + ['complete'] * 9
+    values = experiment.values(experiment.metrics[0])
+    assert [sum(math.isfinite(value) for value in column) for column in values.T].count(2) == 3  # pairs
+    said = page.render(page.analyse(experiment), ())
+    assert 'were kept from before: what they are made of has changed since' in said
+    assert 'kept from before: a.py has changed since' in said

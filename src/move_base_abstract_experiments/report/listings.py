@@ -190,7 +190,7 @@ def labels(experiment):
         return None
     rows, note = cut([(label, whole(count)) for label, count in sorted(counts.items(), key=lambda item: -item[1])], '',
                      'trials.csv')
-    return Table('Why trials may not be repeatable', ('label', 'trials'), rows, note)
+    return Table('Why trials may not be repeatable, or are of another program', ('label', 'trials'), rows, note)
 
 
 def not_identical(experiment):

@@ -45,6 +45,7 @@ class Trial:
     robots: dict = field(default_factory=dict)  # name: {quantity: float}
     attempts: int = 1
     ended_by: str = ''  # see endings; '': not told
+    kept: str = ''  # of what program it is, if it was kept though that is not the present one
     open_goals: object = None  # how many goals had not ended at its end; None: not told
 
 
@@ -80,7 +81,7 @@ class Experiment:
     def values(self, metric):
         """Return the values of a Metric, shape (configurations, replications); NaN: failed, not run, no value.
 
-        Columns are replications in ascending order: what stands in one column had the same seed.
+        Columns are replications in ascending order: what stands in one column had the same seed and the same program.
         """
         of = {'failed': lambda trial: float(trial.status == FAILED), 'limit': lambda trial: (
             float(trial.ended_by == endings.LIMIT) if trial.status == COMPLETE else math.nan)}
@@ -98,11 +99,12 @@ class Experiment:
 
     def _table(self, key, value_of, nothing):
         if key not in self.known:
-            columns = {number: place for place, number in enumerate(sorted({each.replication for each in self.trials}))}
+            keys = sorted({(each.kept, each.replication) for each in self.trials})
+            columns = {one: place for place, one in enumerate(keys)}
             self.known[key] = table = np.full((len(self.configurations), len(columns)), nothing)
             for trial in self.trials:
                 if trial.status != MISSING:
-                    table[trial.configuration, columns[trial.replication]] = value_of(trial)
+                    table[trial.configuration, columns[trial.kept, trial.replication]] = value_of(trial)
         return self.known[key]
 
 
@@ -188,17 +190,21 @@ def _of_row(row, metrics):
 def _trial(folder, plan, planned, configuration, rows):
     """Return the Trial of an entry of the plan."""
     base = dict(id=planned['id'], configuration=configuration, replication=planned['replication'],
-                seed=planned.get('seed'))
+                seed=planned.get('seed'), kept=str(planned.get('program')) if planned.get('kept') else '')
     path = folder / 'trials' / planned['id'] / 'trial.json'
     try:
         if path.is_file():
             told = _json(path)
+            if None not in (planned.get('made_of'), told.get('made_of')) and planned['made_of'] != told['made_of']:
+                return Trial(**base, status=MISSING)  # of another program, and to run again
             _check_same(told, planned, path)
         elif planned['id'] in rows:
             told = rows[planned['id']]
         else:
             return Trial(**base, status=MISSING)
-        return _told(base, told, plan.get('until'))
+        labels = [*told['labels'], planned['kept']] if planned.get('kept') and isinstance(
+            told.get('labels'), list) else told.get('labels')
+        return _told(base, {**told, 'labels': labels}, plan.get('until'))
     except ConfigurationError as error:
         return Trial(**base, status=FAILED, error=str(error))
 

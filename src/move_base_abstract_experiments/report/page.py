@@ -123,6 +123,11 @@ def _warnings(experiment):
         texts.append(f'{counted(failed, "trials")} failed, {digits(share, 2)} % of those that have run. All figures of '
                      'metrics are of the others: if what failed is what was hard, they flatter. A pair counts in a '
                      'comparison only if both of its trials are complete.')
+    kept = sum(bool(trial.kept) for trial in experiment.complete)
+    if kept:
+        texts.append(f'{counted(kept, "trials")} {"was" if kept == 1 else "were"} kept from before: what '
+                     f'{"it is" if kept == 1 else "they are"} made of has changed since (see Repeatability). Means are '
+                     'over the trials of all programs; no pair is made of trials of two.')
     incomplete = sum(bool(trial.error) for trial in experiment.complete)
     if incomplete:
         texts.append(f'{counted(incomplete, "trials")} that {"is" if incomplete == 1 else "are"} complete '

@@ -1,0 +1,251 @@
+"""What a trial is made of, beside what the experiment's file says: files by their content, and parameters.
+
+The programs of all nodes, the modules that they import, the libraries that they link, the launch file with all that it
+includes, its parameters, files that parameters and arguments name, inputs, and this package. They are looked at when an
+experiment starts, each once; a worker looks again before and after each trial.
+"""
+import contextlib
+import hashlib
+import json
+import os
+import re
+import shlex
+import shutil
+import socket
+import subprocess
+from functools import lru_cache
+from pathlib import Path
+
+from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.input_files import open_input
+
+from . import checks, launch_files, program_files
+
+PACKAGE, PARAMETERS = 'move_base_abstract', 'parameters'
+_OWN_FOLDERS = ('move_base_abstract', 'move_base_abstract_ros', 'move_base_abstract_experiments')
+_PARTS = ('time_master',)
+_IMAGE = re.compile(r'^\s*image:\s*["\']?([^"\'\s#]+)', re.MULTILINE)
+_MOST_NAMES = 3
+_GIT_S = 5.0  # wall
+
+
+class ChangedError(SimulatorError):
+    """A file that trials are made of is another one than when the experiment started."""
+
+
+def of_trial(experiment, arguments, launch, functions):
+    """Return {path, PACKAGE or PARAMETERS: digest} of a trial.
+
+    launch: the launch file, filled in. arguments: [ARG:=VALUE]. functions: module:function names.
+    """
+    found = {PACKAGE: _own()}
+    if launch:
+        found.update(_of_launch(launch, tuple(arguments), experiment.folder, experiment.leave_out,
+                                tuple(sorted(experiment.replace.items()))))
+    paths = set()
+    for word, after in zip(experiment.command, [*experiment.command[1:], '']):
+        paths |= _of_word(word, after, experiment.folder)
+    for name in functions:
+        paths |= _of_module(name.partition(':')[0], experiment.folder)
+    paths |= {os.path.join(experiment.folder, name) for name in experiment.inputs}
+    found.update((path, digest(path)) for path in paths)
+    return found
+
+
+def of_arguments(arguments, folder):
+    """Return {path: digest} of the files that arguments, [ARG:=VALUE], name by their paths."""
+    return {path: digest(path) for path in _named([word.partition(':=')[2] for word in arguments], folder)}
+
+
+@lru_cache(maxsize=None)
+def _of_launch(launch, arguments, folder, left_out, replaced):
+    """Return {path or PARAMETERS: digest} of a launch file with arguments; {} where it is on the workers only."""
+    from move_base_abstract_ros.launching import plan, roles
+    try:
+        path = launch_files.find(launch, folder)
+    except ConfigurationError:
+        return {}
+    plan.name_anonymous_ones_alike()  # counted anew each time: the same names
+    try:
+        config = launch_files.read([(path, arguments)])
+    except ConfigurationError:
+        return {one: digest(one) for one in launch_files.with_includes(path)}  # the check, or the worker, complains
+    paths = {os.path.realpath(one) for one in [*launch_files.with_includes(path), *config.roslaunch_files]}
+    words = [str(param.value) for param in config.params.values() if isinstance(param.value, str)]
+    for node in config.nodes:
+        if roles.name_of(node) not in left_out:
+            package, kind = dict(replaced).get(f'{node.package}/{node.type}', f'{node.package}/{node.type}').split('/')
+            paths |= _of_node(package, kind)
+            words += [*_split(node.args), *_split(node.launch_prefix)]
+    values = sorted((key, repr(param.value)) for key, param in config.params.items())
+    found = {one: digest(one) for one in paths | _named(words, folder)}
+    return {**found, PARAMETERS: hashlib.sha256(json.dumps(values).encode('utf-8', 'surrogatepass')).hexdigest()}
+
+
+def _split(text):
+    from roslaunch.substitution_args import resolve_args
+    try:
+        return shlex.split(resolve_args(text or '', resolve_anon=False))
+    except Exception:  # whoever starts the node says it in its own words
+        return []
+
+
+@lru_cache(maxsize=None)
+def _of_node(package, kind):
+    from roslib import packages
+    try:
+        found = packages.find_node(package, kind)
+    except Exception:  # whoever starts the node says it in its own words
+        return frozenset()
+    return frozenset(one for path in found[:1] for one in program_files.files_of(path))
+
+
+@lru_cache(maxsize=None)
+def _of_module(name, folder):
+    first = name.partition('.')[0]
+    places = [folder, *program_files.python_path()]
+    files = next(filter(None, (program_files.files_of_module(place, first) for place in places)), ())
+    return frozenset(one for path in files for one in {path, *program_files.modules_of(path, (folder,))})
+
+
+@lru_cache(maxsize=None)
+def _of_word(word, after, folder):
+    """Return the files that a word of a command, and the word after it, stand for: a program, or PACKAGE TYPE."""
+    path = word if os.path.isabs(word) else shutil.which(word) or ''
+    found = set()
+    if os.path.isfile(path) and not program_files.is_of_system(path):
+        found |= program_files.files_of(path, (folder,))
+    if re.fullmatch(r'[A-Za-z][\w-]*', word) and re.fullmatch(r'\w[\w.-]*', after):
+        found |= _of_node(word, after)
+    return found
+
+
+def _named(words, folder):
+    """Return the files that values name by their paths: maps, worlds, tables; and a map's image."""
+    found = set()
+    for word in words:
+        path = os.path.join(folder, word) if os.sep in word and '\0' not in word and len(word) < 4096 else ''
+        if path and os.path.isfile(path):
+            found.add(os.path.realpath(path))
+            if path.endswith(('.yaml', '.yml')):
+                with contextlib.suppress(OSError, ValueError), open(path, encoding='utf-8') as stream:
+                    image = _IMAGE.search(stream.read(1 << 16))
+                    beside = os.path.join(os.path.dirname(path), image.group(1)) if image else ''
+                    found |= {os.path.realpath(beside)} if os.path.isfile(beside) else set()
+    return found
+
+
+@lru_cache(maxsize=None)
+def _own():
+    """Return a digest of this package: its Python modules but for the report, and its programs that keep the time."""
+    root, paths = Path(__file__).resolve().parents[1], []
+    for name in _OWN_FOLDERS:
+        paths += sorted(path for path in (root / name).rglob('*.py') if 'report' not in path.parts)
+    content = [[str(path.relative_to(root)), digest(str(path))] for path in paths]
+    with contextlib.suppress(Exception):  # where no workspace is sourced there is none
+        from move_base_abstract_ros.lockstep.binary import find_shim
+        from move_base_abstract_ros.loopback import find_executable
+        content += [[name, digest(find_executable(name))] for name in _PARTS]
+        content += [['shim', digest(find_shim(os.environ))]]
+    return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+
+
+@lru_cache(maxsize=None)
+def digest(path):
+    """Return the digest of a file's content, '' if it cannot be read; each file is read once."""
+    return _look(path)
+
+
+def _look(path):
+    try:
+        with open_input(path) as stream:
+            return hashlib.sha256(stream.read()).hexdigest()
+    except ConfigurationError:
+        return ''
+
+
+@lru_cache(maxsize=None)
+def _stamp(path):
+    return _stat(path)
+
+
+def _stat(path):
+    try:
+        about = os.stat(path)
+    except OSError:
+        return None
+    return [about.st_mtime_ns, about.st_ctime_ns, about.st_ino, about.st_size]
+
+
+def told(made):
+    """Return what a worker is told of the files of of_trial(), as plain values."""
+    return {'host': socket.gethostname(), 'files': [[path, found, _stamp(path)] for path, found in sorted(made.items())
+                                                    if os.sep in path]}
+
+
+def check(files):
+    """Complain of files that are not what told() says. :raises ChangedError: naming the first."""
+    is_here = files['host'] == socket.gethostname()
+    for path, wanted, stamp in files['files']:
+        if is_here and stamp is not None and _stat(path) == stamp:
+            continue
+        if (is_here or os.path.exists(path)) and _look(path) != wanted:
+            where = 'since the experiment was started' if is_here else f'on {socket.gethostname()}'
+            raise ChangedError(f'{path} is another file {where}')
+
+
+def unseen(files):
+    """Return how many of the files cannot be compared on this computer, as they lie elsewhere."""
+    return 0 if files['host'] == socket.gethostname() else sum(
+        not os.path.exists(path) for path, _, _ in files['files'])
+
+
+def changed(before, now):
+    """Return in words what is another one in two of of_trial(): 'a.py, b.py and 3 more', or ''."""
+    names = sorted(os.path.basename(path) for path in {*before, *now} if before.get(path) != now.get(path))
+    more = len(names) - _MOST_NAMES
+    return ', '.join(names[:_MOST_NAMES]) + (f' and {more} more' if more > 0 else '')
+
+
+def name_of(made):
+    """Return the digest of a whole of_trial()."""
+    return hashlib.sha256(json.dumps(sorted(made.items())).encode('utf-8', 'surrogateescape')).hexdigest()[:16]
+
+
+def by_content(made):
+    """Return of_trial() without the folders that files lie in: a workspace may be moved."""
+    return sorted([os.path.basename(path), found] for path, found in made.items())
+
+
+def repositories(paths):
+    """Return [{folder, commit, dirty}] of the git repositories that files lie in; commit None: git cannot say it."""
+    roots = sorted(filter(None, {_root(os.path.dirname(path)) for path in paths if os.sep in path}))
+    words = ['git', '-c', 'core.fsmonitor=false', '--no-optional-locks', 'status', '--porcelain=v2', '--branch']
+    found = []
+    for root in roots:
+        commit, is_dirty = None, None
+        with contextlib.suppress(OSError, subprocess.SubprocessError):
+            said = subprocess.run([*words[:1], '-C', root, *words[1:]], stdin=subprocess.DEVNULL, check=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, timeout=_GIT_S).stdout
+            lines = said.decode('utf-8', 'replace').splitlines()
+            commit = next((line.split()[-1] for line in lines if line.startswith('# branch.oid ')), None)
+            is_dirty = any(not line.startswith('#') for line in lines)
+        found.append({'folder': root, 'commit': commit, 'dirty': is_dirty})
+    return found
+
+
+@lru_cache(maxsize=None)
+def _root(folder):
+    return next((str(one) for one in (Path(folder), *Path(folder).parents) if (one / '.git').exists()), None)
+
+
+def arguments_of(experiment, values):
+    """Return the words ARG:=VALUE of an experiment's args, filled in."""
+    return [f'{name}:={checks.filled(value, values)}' for name, value in experiment.args.items()]
+
+
+def forget():
+    """Look at everything anew; in one process it is looked at once."""
+    program_files.forget()
+    for known in (_of_launch, _of_node, _of_module, _of_word, _own, digest, _stamp, _root):
+        known.cache_clear()

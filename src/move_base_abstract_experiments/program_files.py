@@ -1,0 +1,140 @@
+"""Which files a program is made of: itself, the Python modules that it imports, the libraries that it links.
+
+Found by reading, without running anything but ldd. What the system has put into its own folders counts only where it is
+the program itself: a system that is updated is another matter than a program that its user has changed. What a program
+loads by a name that it computes (plugins) is not seen, but for the other modules of a Python package of which it
+imports one.
+"""
+import ast
+import os
+import re
+import shutil
+import subprocess
+import sys
+from functools import lru_cache
+
+from .warm_nodes import interpreter_of
+
+_SYSTEM = ('/usr/', '/lib/', '/lib64/', '/opt/ros/', '/bin/', '/sbin/', os.path.dirname(os.__file__) + os.sep)
+_RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space
+_EXTENDED = re.compile(r'^__extended_path = "([^"\n]+)"\.split', re.MULTILINE)  # the same, of packages
+_LINKED = re.compile(r'=> (/\S+) \(0x')
+_IMPORTERS = ('import_module', '__import__')
+_MOST_FILES = 5000
+_MOST_BYTES = 4 << 20  # of a source that is looked into
+_LDD_S = 20.0  # wall
+
+
+def is_of_system(path):
+    """Return whether a file is of the system, ROS's distribution or Python's library."""
+    return os.path.realpath(path).startswith(_SYSTEM) and '/usr/local/' not in path
+
+
+def files_of(path, folders=()):
+    """Return the real paths of the files that the program at a path is made of. folders: where its modules may lie."""
+    found = {os.path.realpath(path)}
+    with _Quiet(), open(path, 'rb') as stream:
+        begin = stream.read(_MOST_BYTES)
+        relay = _RELAY.search(begin)
+        if relay:
+            path = os.fsdecode(relay.group(1))
+            found.add(os.path.realpath(path))
+        if begin.startswith(b'\x7fELF'):
+            return found | linked_libraries((path,))
+        if path.endswith('.py') or interpreter_of(path) or begin.startswith(b'#!') and b'python' in begin[:200]:
+            return found | modules_of(path, folders)
+    return found
+
+
+def linked_libraries(paths):
+    """Return the libraries that binaries load when they start, but for those of the system."""
+    ldd = shutil.which('ldd')
+    if not ldd or not paths:
+        return set()
+    try:
+        said = subprocess.run([ldd, *paths], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.DEVNULL, check=False, timeout=_LDD_S).stdout
+    except (OSError, subprocess.TimeoutExpired):
+        return set()
+    return {os.path.realpath(one) for one in _LINKED.findall(said.decode('utf-8', 'replace')) if not is_of_system(one)}
+
+
+def modules_of(path, folders=()):
+    """Return the files of the modules that a script or module imports, and of what these import in turn."""
+    found, waiting = set(), [os.path.realpath(path)]
+    places = [os.path.dirname(os.path.realpath(path)), *folders, *python_path()]
+    while waiting and len(found) < _MOST_FILES:
+        here = waiting.pop()
+        if here in found:
+            continue
+        found.add(here)
+        beside = os.path.dirname(here)
+        for name in _imported(here):
+            for place in (beside, *places) if beside not in places else places:
+                files = files_of_module(place, name)
+                if files:
+                    waiting += [one for one in files if one not in found]
+                    break
+    return found
+
+
+def python_path():
+    """Return the folders in which programs of users find modules, but for those of the system."""
+    given = [*os.environ.get('PYTHONPATH', '').split(os.pathsep), *sys.path]
+    return [one for one in dict.fromkeys(given) if one and os.path.isdir(one) and not is_of_system(one + os.sep)]
+
+
+@lru_cache(maxsize=None)
+def _imported(path):
+    """Return the first parts of the names that a module imports; '' for a module of its own package."""
+    names = []
+    with _Quiet(), open(path, 'rb') as stream:
+        if not path.endswith(('.py', '.pyi')) and b'python' not in stream.readline(200):
+            return ()
+        stream.seek(0)
+        for node in ast.walk(ast.parse(stream.read(_MOST_BYTES))):
+            if isinstance(node, ast.Import):
+                names += [one.name for one in node.names]
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                names.append(node.module)
+            elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant) and getattr(
+                    node.func, 'attr', getattr(node.func, 'id', '')) in _IMPORTERS:
+                names.append(str(node.args[0].value))
+    return tuple(dict.fromkeys(name.partition('.')[0] for name in names))
+
+
+@lru_cache(maxsize=None)
+def files_of_module(place, name):
+    """Return the files of a module in a folder; of a package all modules, as some are imported by computed names."""
+    single, package = os.path.join(place, name + '.py'), os.path.join(place, name)
+    if not name or not os.path.isdir(package):
+        return (os.path.realpath(single),) if name and os.path.isfile(single) else ()
+    folders = [package]
+    with _Quiet(), open(os.path.join(package, '__init__.py'), encoding='utf-8') as stream:
+        for extended in _EXTENDED.findall(stream.read(_MOST_BYTES)):
+            folders += [os.path.join(one, name) for one in extended.split(';')]
+    found = []
+    for folder in folders:
+        for here, inner, files in os.walk(folder):
+            inner[:] = sorted(one for one in inner if one != '__pycache__' and not one.startswith('.'))
+            found += [os.path.realpath(os.path.join(here, one)) for one in sorted(files)
+                      if one.endswith(('.py', '.so'))]
+            if len(found) > _MOST_FILES:
+                break
+    return tuple(found)
+
+
+class _Quiet:
+    """Takes what cannot be read, or is no text of a program, as nothing."""
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, *_others):
+        return kind is not None and issubclass(kind, (OSError, ValueError, SyntaxError, RecursionError, MemoryError))
+
+
+def forget():
+    """Look at files anew; in one process they are looked at once."""
+    _imported.cache_clear()
+    files_of_module.cache_clear()

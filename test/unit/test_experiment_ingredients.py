@@ -1,0 +1,225 @@
+"""What a trial is made of: whatever of it changes, complete trials are no longer taken as the new program's."""
+import io
+import json
+import os
+import shutil
+import subprocess
+
+import pytest
+
+from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_experiments import (
+    bundle,
+    ingredients,
+    jobs,
+    outputs,
+    plan,
+    program_files,
+    resumed,
+    spec,
+    state,
+    tables,
+    trial,
+)
+from test_experiment_outputs import ABOUT, packed
+
+LAUNCH = """<launch>
+  <arg name="world"/> <arg name="algorithm" default="greedy"/>
+  <include file="$(dirname)/robots.launch"/>
+  <rosparam file="$(dirname)/$(arg algorithm).yaml"/>
+  <node pkg="walkers" type="coordinator.py" name="coordinator" args="--table $(find walkers)/table.csv"/>
+  <node pkg="walkers" type="unused.py" name="unused"/>
+  <param name="world" value="$(arg world)"/>
+</launch>"""
+FILES = {
+    'walkers/package.xml': '<package><name>walkers</name><version>1.0.0</version><description>x</description>'
+    '<maintainer email="a@example.org">a</maintainer><license>x</license></package>',
+    'walkers/coordinator.py': '#!/usr/bin/env python3\nimport beside\nfrom tools.main import run\n',
+    'walkers/unused.py': '#!/usr/bin/env python3\n', 'walkers/beside.py': 'import far\n', 'walkers/other.py': '',
+    'walkers/table.csv': '1', 'walkers/system.launch': LAUNCH, 'walkers/robots.launch': '<launch/>',
+    'walkers/greedy.yaml': 'gain: 1', 'walkers/world.yaml': 'image: world.pgm', 'walkers/world.pgm': 'P5',
+    'lib/tools/__init__.py': '', 'lib/tools/main.py': 'from . import part', 'lib/tools/part.py': '',
+    'lib/tools/by_name.py': '', 'lib/far.py': 'import_module("computed")', 'lib/computed.py': '', 'lib/never.py': '',
+    'measure.py': 'import statistics\nimport near\n', 'near.py': '', 'input.csv': ''}
+EXPERIMENT = """
+experiment: walk
+launch: $(find walkers)/system.launch
+args: {world: '{world}'}
+factors: {world: [walkers/world.yaml]}
+leave_out: [unused]
+metrics: measure:count
+inputs: [input.csv]
+"""
+MATTERS = ['walkers/coordinator.py', 'walkers/beside.py', 'walkers/table.csv', 'walkers/system.launch',
+           'walkers/robots.launch', 'walkers/greedy.yaml', 'walkers/world.yaml', 'walkers/world.pgm',
+           'lib/tools/__init__.py', 'lib/tools/main.py', 'lib/tools/part.py', 'lib/tools/by_name.py', 'lib/far.py',
+           'lib/computed.py', 'measure.py', 'near.py', 'input.csv']
+
+
+@pytest.fixture
+def workspace(tmp_path, monkeypatch):
+    """A package with programs, modules elsewhere, and an experiment; gives its folder."""
+    for name, text in FILES.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        path.chmod(0o755)
+    (tmp_path / 'walk.yaml').write_text(EXPERIMENT)
+    monkeypatch.setenv('ROS_PACKAGE_PATH', f"{tmp_path}:{os.environ.get('ROS_PACKAGE_PATH', '')}")
+    monkeypatch.setenv('PYTHONPATH', f"{tmp_path / 'lib'}:{os.environ.get('PYTHONPATH', '')}")
+    monkeypatch.setattr('roslaunch.substitution_args._rospack', None)  # it remembers packages
+    plan.forget()
+    yield tmp_path
+    plan.forget()
+
+
+def made_of(folder):
+    """Return what the experiment's first trial is made of, looked at anew."""
+    plan.forget()
+    experiment = spec.read(str(folder / 'walk.yaml'))
+    return plan.made_of(experiment, plan.trials(experiment)[0])
+
+
+@pytest.mark.parametrize('name', MATTERS)
+def test_whatever_a_trial_is_made_of_makes_it_another_one(workspace, name):
+    before = made_of(workspace)
+    assert made_of(workspace) == before
+    with open(workspace / name, 'a') as stream:
+        stream.write('\nmore: 2')
+    assert made_of(workspace) != before
+
+
+@pytest.mark.parametrize('name', ['walkers/other.py', 'walkers/unused.py', 'lib/never.py', 'walk.yaml'])
+def test_what_it_is_not_made_of_changes_nothing(workspace, name):
+    before = made_of(workspace)
+    with open(workspace / name, 'a') as stream:
+        stream.write('\n# changed')
+    assert made_of(workspace) == before
+
+
+def test_a_relay_and_a_link_lead_to_the_program(workspace):
+    source = workspace / 'walkers' / 'coordinator.py'
+    relay = workspace / 'relay'
+    relay.write_text(f"#!/usr/bin/python3\npython_script = '{source}'\nexec(compile(fh.read(), python_script, 'exec'))")
+    (workspace / 'link').symlink_to(relay)
+    files = program_files.files_of(str(workspace / 'link'))
+    assert {str(relay), str(source), str(workspace / 'walkers' / 'beside.py')} <= files
+
+
+@pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
+def test_libraries_that_a_binary_links_count_but_for_the_systems(tmp_path):
+    (tmp_path / 'far.c').write_text('int far(void) { return 1; }')
+    (tmp_path / 'near.c').write_text('int far(void); int near(void) { return far(); }')
+    (tmp_path / 'main.c').write_text('int near(void); int main(void) { return near(); }')
+    here = ['-L', str(tmp_path), f'-Wl,-rpath,{tmp_path}']
+    for words in (['-shared', '-fPIC', 'far.c', '-o', 'libfar.so'],
+                  ['-shared', '-fPIC', 'near.c', '-o', 'libnear.so', *here, '-lfar'],
+                  ['main.c', '-o', 'main', *here, '-lnear']):
+        subprocess.run(['cc', *words], cwd=tmp_path, check=True)
+    assert program_files.files_of(str(tmp_path / 'main')) == {
+        str(tmp_path / name) for name in ('main', 'libnear.so', 'libfar.so')}
+
+
+def test_a_command_is_made_of_the_programs_that_it_names(workspace):
+    (workspace / 'walk.yaml').write_text(
+        "experiment: c\ncommand: [rosrun, walkers, coordinator.py, '{seed}']\nparticipants: [/c]\n")
+    before = made_of(workspace)
+    (workspace / 'walkers' / 'beside.py').write_text('x = 1')
+    assert made_of(workspace) != before
+
+
+def job_of(folder):
+    experiment = spec.read(str(folder / 'walk.yaml'))
+    return jobs.make_job(experiment, plan.trials(experiment)[0])
+
+
+def test_a_file_that_changes_while_the_experiment_runs_fails_the_trials_that_follow(workspace, tmp_path):
+    job = json.loads(json.dumps(job_of(workspace)))
+    ingredients.check(job['files'])
+    os.utime(workspace / 'walkers' / 'beside.py')  # touched, but the same
+    ingredients.check(job['files'])
+    (workspace / 'walkers' / 'beside.py').write_text('x = 1')
+    with pytest.raises(ingredients.ChangedError, match='beside.py is another file since the experiment was started'):
+        ingredients.check(job['files'])
+    (tmp_path / 'trial').mkdir()
+    trial.carry_out(job, str(tmp_path / 'trial'))
+    about = json.loads((tmp_path / 'trial' / 'trial.json').read_text())
+    assert (about['status'], 'beside.py is another file' in about['error']) == ('failed', True)
+    assert (tmp_path / 'trial' / bundle.OUTPUTS).exists()
+
+
+def test_a_worker_elsewhere_with_other_files_says_so(workspace):
+    files = {**job_of(workspace)['files'], 'host': 'elsewhere'}
+    ingredients.check(files)
+    assert ingredients.unseen(files) == 0
+    (workspace / 'walkers' / 'beside.py').write_text('x = 1')
+    with pytest.raises(ingredients.ChangedError, match='beside.py is another file on '):
+        ingredients.check(files)
+    (workspace / 'walkers' / 'beside.py').unlink()
+    ingredients.check(files)
+    assert ingredients.unseen(files) == 1
+
+
+def resume(folder, keep_old):
+    """Return (ids that are to run, what is said, plan.json's content), as when an experiment goes on."""
+    plan.forget()
+    experiment = spec.read(str(folder / 'walk.yaml'))
+    chosen = plan.trials(experiment)
+    stream = io.StringIO()
+    with outputs.OutputFolder(folder / 'out') as out:
+        about = plan.describe(experiment, chosen, b'')
+        found = resumed.missing(experiment, chosen, out, about, keep_old, stream)
+        out.write('plan.json', tables.plan_text(about))
+        for one in found:
+            planned = next(each for each in about['trials'] if each['id'] == one.id)
+            out.put(packed([('trial.json', json.dumps({**ABOUT, **planned}).encode())]), 'w', 1)
+        tables.write(out, about)
+    return [one.id for one in found], stream.getvalue(), about
+
+
+def test_trials_of_another_program_run_again_or_stay_labelled(workspace):
+    (workspace / 'walk.yaml').write_text(EXPERIMENT + 'replications: 3\n')
+    first, said, _ = resume(workspace, False)
+    assert (len(first), said) == (3, '')
+    assert resume(workspace, False)[:2] == ([], '')
+    (workspace / 'walkers' / 'beside.py').write_text('x = 1')
+    kept, said, about = resume(workspace, True)
+    assert kept == []
+    assert said == 'experiment: beside.py, computed.py, far.py have changed: 3 trials are kept, labelled\n'
+    assert all('beside.py' in one['kept'] for one in about['trials'])
+    assert 'kept from before: beside.py' in (workspace / 'out' / 'trials.csv').read_text()
+    assert 'kept of another program: 3' in list(state.lines(workspace / 'out'))
+    again, said, about = resume(workspace, False)
+    assert (again, 'have changed: 3 trials run again (--keep-old keeps them, labelled)' in said) == (first, True)
+    assert not any(one.get('kept') for one in about['trials'])
+
+
+def test_rows_of_an_old_program_are_in_no_table_before_they_have_run_again(workspace, monkeypatch):
+    resume(workspace, False)
+    (workspace / 'walkers' / 'beside.py').write_text('x = 1')
+    monkeypatch.setattr(outputs.OutputFolder, 'put', lambda *_all: None)  # it is interrupted
+    resume(workspace, False)
+    assert len((workspace / 'out' / 'trials.csv').read_text().splitlines()) == 1
+    assert '0 of 1 trials complete' in next(state.lines(workspace / 'out'))
+
+
+def test_the_commit_and_whether_it_is_changed_are_in_the_provenance(workspace):
+    git = ['git', '-c', 'user.name=a', '-c', 'user.email=a@example.org', '-C', str(workspace)]
+    for words in (['init', '-q'], ['add', '.'], ['commit', '-qm', 'x']):
+        subprocess.run([*git, *words], check=True)
+    commit = subprocess.run([*git, 'rev-parse', 'HEAD'], check=True, stdout=subprocess.PIPE).stdout.decode().strip()
+    for is_dirty in (False, True):
+        plan.forget()
+        experiment = spec.read(str(workspace / 'walk.yaml'))
+        found = plan.describe(experiment, plan.trials(experiment), b'')['provenance']['sources']
+        assert {'folder': str(workspace), 'commit': commit, 'dirty': is_dirty} in found
+        (workspace / 'new').write_text('')
+
+
+def test_a_launch_file_that_is_not_here_is_no_error_before_the_check(workspace):
+    (workspace / 'walk.yaml').write_text(EXPERIMENT.replace('system.launch', 'none.launch'))
+    assert made_of(workspace)
+    with pytest.raises(ConfigurationError, match='none.launch'):
+        from move_base_abstract_experiments import sweep
+        experiment = spec.read(str(workspace / 'walk.yaml'))
+        sweep.check(experiment._replace(function=''), plan.trials(experiment))
