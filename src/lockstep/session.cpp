@@ -156,6 +156,12 @@ void LockstepSession::applyNote(Member& member, const wire::Note& note) {
     case wire::NoteKind::kStrict:
       is_strict_ = true;
       break;
+    case wire::NoteKind::kReads:
+    case wire::NoteKind::kWrites:
+      if (const std::string why = files_.add(member.name, note); !why.empty()) {
+        labels_.addNotRepeatable(why);
+      }
+      break;
   }
 }
 

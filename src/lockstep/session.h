@@ -18,6 +18,7 @@
 #include "round_log.h"
 #include "rounds.h"
 #include "router.h"
+#include "shared_files.h"
 #include "status.h"
 #include "wire.h"
 
@@ -145,6 +146,7 @@ class LockstepSession {
   StatusText text_;
   MessageList messages_;
   RunLabels labels_;
+  SharedFiles files_;
   std::vector<MemberId> granted_;     // of this round, in this order
   std::vector<MemberId> changed_;     // have a report or depart, in the order of arrival
   std::vector<PendingTurn> applied_;  // kept while mail points into them

@@ -1,7 +1,8 @@
 // The program's random numbers: a function of the seed, the node's name and how many have been
 // drawn.
+#include "chance.h"
+
 #include <fcntl.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -11,14 +12,12 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cstdarg>
 #include <random>
 #include <string>
 
 #include "followed.h"
 #include "node.h"
 #include "real.h"
-#include "recorder.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {
@@ -101,8 +100,16 @@ bool isEntropy(const char* path) {
   return path != nullptr && (strcmp(path, "/dev/urandom") == 0 || strcmp(path, "/dev/random") == 0);
 }
 
-/** @return a descriptor of a file with the run's own random bytes, a MiB of them; -1: the
- * machine's. */
+/** libc's generators start from the seed; the program may have them start from another number. */
+__attribute__((constructor)) void seedGenerators() {
+  if (sees() != Sees::kMachine) {
+    ::srandom(static_cast<unsigned>(numberFor("random")));
+    ::srand48(static_cast<long>(numberFor("drand48")));
+  }
+}
+
+}  // namespace
+
 int openEntropy(const char* path, int flags, const void* caller) {
   const Sees whose = isEntropy(path) ? sees() : Sees::kMachine;
   if (whose == Sees::kMachine) {
@@ -125,15 +132,6 @@ int openEntropy(const char* path, int flags, const void* caller) {
   return file;
 }
 
-/** libc's generators start from the seed; the program may have them start from another number. */
-__attribute__((constructor)) void seedGenerators() {
-  if (sees() != Sees::kMachine) {
-    ::srandom(static_cast<unsigned>(numberFor("random")));
-    ::srand48(static_cast<long>(numberFor("drand48")));
-  }
-}
-
-}  // namespace
 }  // namespace move_base_abstract::shim
 
 namespace shim = move_base_abstract::shim;
@@ -204,68 +202,6 @@ std::uint32_t arc4random_uniform(std::uint32_t bound) {
     return function(bound);
   }
   return bound < 2 ? 0 : static_cast<std::uint32_t>(number % bound);  // off by less than 2^-32
-}
-
-// ---- files of chance -------------------------------------------------------------------------
-
-#define MOVE_BASE_ABSTRACT_MODE(last)                             \
-  va_list rest;                                                   \
-  va_start(rest, last);                                           \
-  const auto mode = va_arg(rest, unsigned); /* if flags say so */ \
-  va_end(rest)
-
-int open(const char* path, int flags, ...) {
-  static auto* const function = shim::real<int(const char*, int, ...)>("open");
-  MOVE_BASE_ABSTRACT_MODE(flags);
-  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return file >= 0 ? file : function(path, flags, mode);
-}
-
-int open64(const char* path, int flags, ...) {
-  static auto* const function = shim::real<int(const char*, int, ...)>("open64");
-  MOVE_BASE_ABSTRACT_MODE(flags);
-  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return file >= 0 ? file : function(path, flags, mode);
-}
-
-int openat(int folder, const char* path, int flags, ...) {
-  static auto* const function = shim::real<int(int, const char*, int, ...)>("openat");
-  MOVE_BASE_ABSTRACT_MODE(flags);
-  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return file >= 0 ? file : function(folder, path, flags, mode);
-}
-
-int openat64(int folder, const char* path, int flags, ...) {
-  static auto* const function = shim::real<int(int, const char*, int, ...)>("openat64");
-  MOVE_BASE_ABSTRACT_MODE(flags);
-  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return file >= 0 ? file : function(folder, path, flags, mode);
-}
-
-int __open_2(const char* path, int flags) {
-  static auto* const function = shim::real<int(const char*, int)>("__open_2");
-  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return file >= 0 ? file : function(path, flags);
-}
-
-int __open64_2(const char* path, int flags) {
-  static auto* const function = shim::real<int(const char*, int)>("__open64_2");
-  const int file = shim::openEntropy(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return file >= 0 ? file : function(path, flags);
-}
-
-FILE* fopen(const char* path, const char* how) {
-  static auto* const function = shim::real<FILE*(const char*, const char*)>("fopen");
-  shim::noteBag(path, how, MOVE_BASE_ABSTRACT_CALLER);
-  const int file = shim::openEntropy(path, O_CLOEXEC, MOVE_BASE_ABSTRACT_CALLER);
-  return file >= 0 ? ::fdopen(file, "r") : function(path, how);
-}
-
-FILE* fopen64(const char* path, const char* how) {
-  static auto* const function = shim::real<FILE*(const char*, const char*)>("fopen64");
-  shim::noteBag(path, how, MOVE_BASE_ABSTRACT_CALLER);
-  const int file = shim::openEntropy(path, O_CLOEXEC, MOVE_BASE_ABSTRACT_CALLER);
-  return file >= 0 ? ::fdopen(file, "r") : function(path, how);
 }
 
 // ---- who one is ------------------------------------------------------------------------------

@@ -16,6 +16,8 @@
 #include <initializer_list>
 #include <map>
 #include <mutex>
+#include <set>
+#include <utility>
 
 #include "allocations.h"
 #include "node.h"
@@ -45,6 +47,7 @@ thread_local bool t_is_worker __attribute__((tls_model("initial-exec"))) = false
 struct Noticed {
   PlainMutex mutex;
   std::map<std::string, std::string> texts;  // by what was noticed
+  std::set<std::pair<wire::NoteKind, std::string>> files;
   bool has_joined = false;
 };
 
@@ -157,6 +160,7 @@ const std::string& seedText() {
 std::int64_t seed() { return std::atoll(seedText().c_str()); }
 
 void beginToFollow() {
+  const Inside inside;
   if (!isFollowing()) {
     following = Following::kYes;
     noticed().texts[kUnknownBefore] = kUnknownBefore;
@@ -179,6 +183,20 @@ void tellWhatWasNoticed() {
   noticed().has_joined = true;
   for (const auto& one : noticed().texts) {
     node().label(one.second);
+  }
+  for (const auto& [what, path] : noticed().files) {
+    node().append(wire::Note{what, path});
+  }
+}
+
+void noteFile(const std::string& path, bool reads, bool writes) {
+  const Inside inside;
+  const Lock lock(noticed().mutex);
+  for (const auto what : {wire::NoteKind::kReads, wire::NoteKind::kWrites}) {
+    const bool is_so = what == wire::NoteKind::kReads ? reads : writes;
+    if (is_so && noticed().files.emplace(what, path).second && noticed().has_joined) {
+      node().append(wire::Note{what, path});
+    }
   }
 }
 
@@ -207,6 +225,9 @@ bool isWorkerPool(const void* caller) {
 bool isProgramsOwn(const void* caller) {
   Dl_info info{};
   const char* const file = fileOf(beyondWrappers(caller), &info);
+  if (std::strstr(file, "roscpp_shim") != nullptr) {
+    return false;
+  }
   for (const char* folder :
        {"/usr/lib/x86_64", "/usr/lib/aarch64", "/lib/", "/lib64/", "/opt/ros/"}) {
     if (std::strncmp(file, folder, std::strlen(folder)) == 0) {

@@ -39,6 +39,9 @@ void tellWhatWasNoticed();
 /** @brief Label the run, once for each @p what, with the place that @p caller lies in. */
 void tell(const std::string& what, const void* caller);
 
+/** @brief Tell the time master of a file, by its full path, that the program has opened. */
+void noteFile(const std::string& path, bool reads, bool writes);
+
 /** @return whether code of roscpp, its console or its XML-RPC calls. */
 bool isRoscpps(const void* caller);
 /** @return whether a library of worker threads calls: they wait for each other in ways of their

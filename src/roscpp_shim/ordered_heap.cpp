@@ -141,7 +141,8 @@ OrderedHeap::Block OrderedHeap::allocate(std::size_t size, std::size_t alignment
   if (Free* const free = classes_[index].free) {
     classes_[index].free = free->next;
     kept_ -= bytesOf(index) >= kChunk && !free->is_discarded ? bytesOf(index) : 0;
-    block.address = free;
+    block = {free, free->is_discarded};
+    *free = {};  // what else is there are zeros, if it was discarded
   } else {
     block = {carve(index), true};
   }

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
@@ -261,15 +262,30 @@ void looks() {
   tell("looked", (Clock::now() - begin).count(), ros::Time::now().toNSec());
 }
 
-/** What is not followed, one of them. */
-void untold(const std::string& what) {
+/** A file that another node has too. */
+void file(const std::string& path, const std::string& how) {
+  if (how == "reads") {
+    tell("reads", std::ifstream(path).is_open());
+  } else if (how == "renames") {
+    std::ofstream(path + ".new") << "1\n";
+    tell("renames", std::rename((path + ".new").c_str(), path.c_str()));
+  } else if (how == "writes") {
+    tell("writes", std::ofstream(path, std::ios::app).is_open());
+  }
+}
+
+/** What is not followed: one of them, or each. */
+void untold(const std::string& what, ros::NodeHandle& own) {
   using namespace untold_sources;
-  for (const auto* all : {&machine(), &descriptors(), &maskedDescriptors(), &timers()}) {
-    const auto found = all->find(what);
-    if (found != all->end()) {
-      tell(what, found->second());
+  for (const auto* all :
+       {&machine(), &descriptors(), &maskedDescriptors(), &timers(), &others(), &system_()}) {
+    for (const auto& [name, source] : *all) {
+      if (what == "all" || what == name) {
+        tell(name, source());
+      }
     }
   }
+  file(own.param<std::string>("file", ""), own.param<std::string>("how", ""));
 }
 
 /** Where this program lies in memory. */
@@ -331,7 +347,7 @@ int main(int argc, char** argv) {
     tell("promised", promise.get_future().get());
     early.join();
   } else {
-    untold(what);
+    untold(what, own);
   }
   ros::Duration(1.0).sleep();
   own.setParam("done", true);

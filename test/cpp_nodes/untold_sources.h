@@ -6,15 +6,25 @@
 #include <poll.h>
 #include <semaphore.h>
 #include <signal.h>
+#include <spawn.h>
+#include <stdlib.h>
 #include <sys/epoll.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/select.h>
+#include <sys/shm.h>
+#include <sys/socket.h>
+#include <sys/sysinfo.h>
 #include <sys/time.h>
 #include <sys/timerfd.h>
 #include <sys/times.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <string>
@@ -116,6 +126,65 @@ inline const Sources& timers() {
        }},
       {"alarm", [] { return static_cast<int>(alarm(0)); }},
       {"ualarm", [] { return static_cast<int>(ualarm(0, 0)); }}};
+  return all;
+}
+
+/** What is shared with processes that take no part. */
+inline const Sources& others() {
+  static char shell[] = "true";
+  static char* const arguments[] = {shell, nullptr};
+  static const Sources all = {
+      {"popen", [] { return pclose(popen("true", "r")); }},
+      {"system", [] { return std::system("true"); }},
+      {"fork",
+       [] {
+         const pid_t child = fork();
+         return child == 0 ? (_exit(0), 0) : waitpid(child, nullptr, 0) != child;
+       }},
+      {"posix_spawn",
+       [] {
+         pid_t child = 0;
+         const int failed = posix_spawn(&child, "/bin/true", nullptr, nullptr, arguments, environ);
+         return failed != 0 || waitpid(child, nullptr, 0) != child;
+       }},
+      {"posix_spawnp",
+       [] {
+         pid_t child = 0;
+         const int failed = posix_spawnp(&child, shell, nullptr, nullptr, arguments, environ);
+         return failed != 0 || waitpid(child, nullptr, 0) != child;
+       }},
+      {"socket", [] { return close(socket(AF_INET, SOCK_DGRAM, 0)); }},
+      {"shm_open",
+       [] {
+         close(shm_open("/move_base_abstract_test", O_CREAT | O_RDWR, 0600));
+         return shm_unlink("/move_base_abstract_test");
+       }},
+      {"shmget",
+       [] { return shmctl(shmget(IPC_PRIVATE, 4096, IPC_CREAT | 0600), IPC_RMID, nullptr); }}};
+  return all;
+}
+
+/** What the system says of itself, and memory that is a file. */
+inline const Sources& system_() {
+  static const auto map = [](auto function) {
+    const int file = memfd_create("test", 0);
+    return ftruncate(file, 4096) != 0 ||
+           function(nullptr, 4096, PROT_READ, MAP_SHARED, file, 0) == MAP_FAILED;
+  };
+  static const Sources all = {{"mmap", [] { return map(&mmap); }},
+                              {"mmap64", [] { return map(&mmap64); }},
+                              {"getloadavg",
+                               [] {
+                                 double load = 0;
+                                 return getloadavg(&load, 1) != 1;
+                               }},
+                              {"sysinfo",
+                               [] {
+                                 struct sysinfo info;
+                                 return sysinfo(&info);
+                               }},
+                              {"/proc", [] { return !std::ifstream("/proc/uptime"); }},
+                              {"/sys", [] { return close(open("/sys/kernel", O_RDONLY)); }}};
   return all;
 }
 

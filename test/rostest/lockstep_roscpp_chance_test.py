@@ -4,7 +4,9 @@
 import errno
 import os
 import re
+import shutil
 import subprocess
+import tempfile
 import unittest
 
 import rostest
@@ -104,11 +106,34 @@ class LockstepRoscppChanceTest(unittest.TestCase):
                     for what in ('poll', 'ppoll', 'select', 'pselect', 'epoll_wait', 'epoll_pwait'))
         told.update((what, what + '() has the kernel wake the program by the wall clock')
                     for what in ('timerfd_create', 'timer_create', 'setitimer', 'alarm', 'ualarm'))
-        for what, why in told.items():
-            run = RUNS.run([chance(what)])
-            self.assertEqual(len(run.labels), 1, (what, run.labels))
-            self.assertRegex(run.labels[0], r"^'/chance': {} \(shim_chance\+0x[0-9a-f]+\)$".format(
-                re.escape(why)))
+        told.update((what, what + "() starts a process that takes no part: what it answers is the machine's")
+                    for what in ('popen', 'system', 'fork', 'posix_spawn', 'posix_spawnp'))
+        told.update((what, what + '() shares memory with other processes: what they write comes when it comes')
+                    for what in ('shm_open', 'shmget', 'mmap', 'mmap64'))
+        told.update((what, what + '() says how busy the machine is') for what in ('getloadavg', 'sysinfo'))
+        told['socket'] = 'socket() makes a connection: what comes over it comes when it comes'
+        told.update((what, 'a file in {} is opened: it says what is so on this machine, now'.format(what))
+                    for what in ('/proc', '/sys'))
+        told['mmap64'] = told['mmap']  # one function, where files are of 64 bits
+        run = RUNS.run([chance('all')])
+        labels = [re.fullmatch(r"'/chance': (.*) \(shim_chance\+0x[0-9a-f]+\)", label) for label in run.labels]
+        self.assertNotIn(None, labels, run.labels)
+        self.assertEqual(sorted(label.group(1) for label in labels), sorted(set(told.values())))
+
+    def test_a_file_that_another_participant_writes_is_labelled(self):
+        folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, folder)
+        path = os.path.join(folder, 'results')
+        others = {'reads': 'writes', 'writes': 'reads', 'renames': 'reads'}
+        for how, other in others.items():
+            run = RUNS.run([Program('one', own('shim_chance'), what='file', file=path, how=how),
+                            Program('two', own('shim_chance'), what='file', file=path, how=other)])
+            self.assertEqual(len(run.labels), 1, run.labels)
+            self.assertRegex(run.labels[0], "'/(one|two)' (reads|writes) {}, which '/(one|two)' (reads|writes): what "
+                                            'passes between them'.format(path))
+        run = RUNS.run([Program(name, own('shim_chance'), what='file', file=path + at, how=how)
+                        for name, at, how in (('one', '', 'reads'), ('two', '', 'reads'), ('three', '.3', 'writes'))])
+        self.assertEqual(run.labels, [])
 
     def test_strict_ends_the_run_with_the_first_label_and_its_program_with_an_error(self):
         script = Program('loop', WALL_LOOP, options=['--strict'])

@@ -90,6 +90,17 @@ TEST_F(OrderedHeapTest, zerosAreZeros) {
   }
 }
 
+TEST_F(OrderedHeapTest, aBlockThatHasGivenItsMemoryBackHoldsZeros) {
+  const std::size_t size = 65 * kMiB;
+  auto* const bytes = static_cast<char*>(get(size));
+  std::memset(bytes, 1, size);
+  heap_->release(bytes);
+  const auto again = heap_->allocate(size, 16);
+  EXPECT_EQ(again.address, bytes);
+  EXPECT_TRUE(again.is_zero);
+  EXPECT_EQ(std::count(bytes, bytes + size, '\0'), static_cast<long>(size));
+}
+
 TEST_F(OrderedHeapTest, whatIsSetAsideIsHandedOutAgainOnlyWhereItIsTooMuch) {
   void* const first = get(64);
   heap_->setAside(first);

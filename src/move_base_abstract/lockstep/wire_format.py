@@ -27,7 +27,8 @@ CONNECT_REMINDER_MS = 10000  # wall; it says so that often
 
 #: what a byte may say: name of the choice, (number, name) of its values
 CHOICES = {
-    'NoteKind': ((1, 'WAITS_FOR'), (2, 'NOT_REPEATABLE'), (3, 'DEGRADED'), (4, 'STRICT'), (5, 'TELLS')),
+    'NoteKind': ((1, 'WAITS_FOR'), (2, 'NOT_REPEATABLE'), (3, 'DEGRADED'), (4, 'STRICT'), (5, 'TELLS'),
+                 (6, 'READS'), (7, 'WRITES')),
     # what has any effect on a subscriber: no message, one that says something new, all; all, but not before it does
     # something anyway (LATER): it only puts them by
     'Hearing': ((0, 'NOTHING'), (1, 'NEWS'), (2, 'ALL'), (3, 'LATER')),

@@ -1,0 +1,199 @@
+// Files: of random bytes, of what the system says of itself, and those that other participants
+// have too. The time master compares what each reads and writes.
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdarg>
+#include <initializer_list>
+#include <string>
+
+#include "chance.h"
+#include "followed.h"
+#include "real.h"
+#include "recorder.h"
+#include "turn.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+bool isIn(const char* path, std::initializer_list<const char*> folders) {
+  for (const char* folder : folders) {
+    if (strncmp(path, folder, strlen(folder)) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool isOfSystem(const char* path) {
+  const bool is_harmless = isIn(path, {"/dev/null", "/dev/zero", "/dev/full", "/dev/std",
+                                       "/dev/tty", "/dev/pts/", "/dev/fd/"});
+  return isIn(path, {"/proc/", "/sys/", "/dev/"}) && !is_harmless;
+}
+
+/** @return the path without links and dots, also of a file that is not there; empty: not known. */
+std::string wholePath(const char* path) {
+  std::array<char, PATH_MAX> whole{};
+  if (::realpath(path, whole.data()) != nullptr) {
+    return whole.data();
+  }
+  const char* const slash = strrchr(path, '/');
+  const std::string folder = slash == nullptr ? "." : std::string(path, slash + 1);
+  return errno == ENOENT && ::realpath(folder.c_str(), whole.data()) != nullptr
+             ? std::string(whole.data()) + '/' + (slash == nullptr ? path : slash + 1)
+             : "";
+}
+
+/** @return what openat() is about, as far as it needs no folder. */
+const char* ofNoFolder(int folder, const char* path) {
+  return folder == AT_FDCWD || path == nullptr || *path == '/' ? path : nullptr;
+}
+
+/** @return as open() has it. */
+int flagsOf(const char* how) {
+  if (how == nullptr || strchr(how, '+') != nullptr) {
+    return O_RDWR | O_CLOEXEC;
+  }
+  return (*how == 'r' ? O_RDONLY : O_WRONLY) | O_CLOEXEC;
+}
+
+/** @brief A file is opened by the program, or by somebody in it. */
+class Opening {
+ public:
+  Opening(const char* path, int flags, const void* caller)
+      : path_(path), flags_(flags), caller_(caller) {
+    is_seen_ =
+        path != nullptr && !Turn::isInside() && !Turn::isInternal() && sees() != Sees::kMachine;
+    if (!is_seen_) {
+      return;
+    }
+    file_ = openEntropy(path, flags, caller);
+    if (file_ < 0 && isOfSystem(path) && isProgramsOwn(caller)) {
+      const std::string folder(path, strcspn(path + 1, "/") + 1);
+      tell("a file in " + folder + " is opened: it says what is so on this machine, now", caller);
+    }
+  }
+
+  /** @return whether it is open, as file(). */
+  bool isDone() const { return file_ >= 0; }
+  int file() const { return file_; }
+
+  /** @return @p result, after the machine's opening. */
+  int noted(int result) const {
+    note(result >= 0);
+    return result;
+  }
+  FILE* noted(FILE* result) const {
+    note(result != nullptr);
+    return result;
+  }
+
+ private:
+  /** A file that is not there has been looked for: another run may find it. */
+  void note(bool is_open) const {
+    const int access = flags_ & O_ACCMODE;
+    if (!is_seen_ || isRoscpps(caller_) || (!is_open && access != O_RDONLY)) {
+      return;
+    }
+    const int error = errno;
+    const Inside inside;
+    const std::string path = wholePath(path_);
+    if (!path.empty() &&
+        !isIn(path.c_str(), {"/usr/", "/lib", "/etc/", "/opt/", "/proc/", "/sys/", "/dev/"})) {
+      noteFile(path, access != O_WRONLY, access != O_RDONLY);
+    }
+    errno = error;
+  }
+
+  const char* path_;
+  int flags_;
+  const void* caller_;
+  bool is_seen_;
+  int file_ = -1;
+};
+
+/** @brief What was written under another name has this one now. @return @p result. */
+int tellRenamed(int result, const char* to, const void* caller) {
+  return Opening(to, O_WRONLY, caller).noted(result);
+}
+
+}  // namespace
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+
+#pragma GCC visibility push(default)
+extern "C" {
+
+#define MOVE_BASE_ABSTRACT_MODE(last)                             \
+  va_list rest;                                                   \
+  va_start(rest, last);                                           \
+  const auto mode = va_arg(rest, unsigned); /* if flags say so */ \
+  va_end(rest)
+
+int open(const char* path, int flags, ...) {
+  static auto* const function = shim::real<int(const char*, int, ...)>("open");
+  MOVE_BASE_ABSTRACT_MODE(flags);
+  const shim::Opening opening(path, flags, MOVE_BASE_ABSTRACT_CALLER);
+  return opening.isDone() ? opening.file() : opening.noted(function(path, flags, mode));
+}
+
+int open64(const char* path, int flags, ...) {
+  static auto* const function = shim::real<int(const char*, int, ...)>("open64");
+  MOVE_BASE_ABSTRACT_MODE(flags);
+  const shim::Opening opening(path, flags, MOVE_BASE_ABSTRACT_CALLER);
+  return opening.isDone() ? opening.file() : opening.noted(function(path, flags, mode));
+}
+
+int openat(int folder, const char* path, int flags, ...) {
+  static auto* const function = shim::real<int(int, const char*, int, ...)>("openat");
+  MOVE_BASE_ABSTRACT_MODE(flags);
+  const shim::Opening opening(shim::ofNoFolder(folder, path), flags, MOVE_BASE_ABSTRACT_CALLER);
+  return opening.isDone() ? opening.file() : opening.noted(function(folder, path, flags, mode));
+}
+
+int openat64(int folder, const char* path, int flags, ...) {
+  static auto* const function = shim::real<int(int, const char*, int, ...)>("openat64");
+  MOVE_BASE_ABSTRACT_MODE(flags);
+  const shim::Opening opening(shim::ofNoFolder(folder, path), flags, MOVE_BASE_ABSTRACT_CALLER);
+  return opening.isDone() ? opening.file() : opening.noted(function(folder, path, flags, mode));
+}
+
+int __open_2(const char* path, int flags) {
+  static auto* const function = shim::real<int(const char*, int)>("__open_2");
+  const shim::Opening opening(path, flags, MOVE_BASE_ABSTRACT_CALLER);
+  return opening.isDone() ? opening.file() : opening.noted(function(path, flags));
+}
+
+int __open64_2(const char* path, int flags) {
+  static auto* const function = shim::real<int(const char*, int)>("__open64_2");
+  const shim::Opening opening(path, flags, MOVE_BASE_ABSTRACT_CALLER);
+  return opening.isDone() ? opening.file() : opening.noted(function(path, flags));
+}
+
+FILE* fopen(const char* path, const char* how) {
+  static auto* const function = shim::real<FILE*(const char*, const char*)>("fopen");
+  shim::noteBag(path, how, MOVE_BASE_ABSTRACT_CALLER);
+  const shim::Opening opening(path, shim::flagsOf(how), MOVE_BASE_ABSTRACT_CALLER);
+  return opening.isDone() ? ::fdopen(opening.file(), "r") : opening.noted(function(path, how));
+}
+
+FILE* fopen64(const char* path, const char* how) {
+  static auto* const function = shim::real<FILE*(const char*, const char*)>("fopen64");
+  shim::noteBag(path, how, MOVE_BASE_ABSTRACT_CALLER);
+  const shim::Opening opening(path, shim::flagsOf(how), MOVE_BASE_ABSTRACT_CALLER);
+  return opening.isDone() ? ::fdopen(opening.file(), "r") : opening.noted(function(path, how));
+}
+
+int rename(const char* from, const char* to) {
+  static auto* const function = shim::real<int(const char*, const char*)>("rename");
+  return shim::tellRenamed(function(from, to), to, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+}  // extern "C"
+#pragma GCC visibility pop
