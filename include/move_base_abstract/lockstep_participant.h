@@ -10,6 +10,7 @@
 #include <ros/serialization.h>
 #include <ros/subscribe_options.h>
 #include <ros/time.h>
+#include <xmlrpcpp/XmlRpcValue.h>
 
 #include <cstdint>
 #include <functional>
@@ -249,6 +250,17 @@ class Participant {
    */
   void log(const std::string& robot, const std::string& kind, const std::string& values,
            std::uint32_t sub = 0);
+
+  /**
+   * @brief Set a parameter of ROS when the round is over; who gets it then, this node too, gets
+   * what the rounds have made of it. @throws ros::InvalidNameException
+   */
+  void setParam(const std::string& key, const XmlRpc::XmlRpcValue& value);
+  /** @brief The same for a deletion; of what is not there it has no effect. */
+  void deleteParam(const std::string& key);
+  /** @brief Whoever takes no part and sets @p key, or what is below it, labels the run from now on.
+   */
+  void asksForParam(const std::string& key);
 
   /** @brief Say why this run cannot be repeated exactly. */
   void label(const std::string& reason);

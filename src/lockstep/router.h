@@ -160,6 +160,8 @@ class MessageRouter {
   void act(const Action&, const wire::At&) {}  // taken out of the report before
   void act(const Action&, const wire::Rest&) {}
   void act(const Action&, const wire::Background&) {}
+  void act(const Action&, const wire::Parameter&) {}
+  void act(const Action&, const wire::Asks&) {}
 
   std::string_view keep(std::string_view text);
   LocalTopic& declare(MemberId id, std::uint32_t number, std::string_view name);

@@ -131,6 +131,10 @@ void LockstepSession::applyItem(MemberId id, Member& member, const wire::ReportI
     rounds_.rest(id);
   } else if (std::holds_alternative<wire::Background>(item)) {
     rounds_.background(id);
+  } else if (const auto* parameter = std::get_if<wire::Parameter>(&item)) {
+    applyParameter(member, *parameter);
+  } else if (const auto* asks = std::get_if<wire::Asks>(&item)) {
+    labelIf(parameters_.asks(member.name, asks->name));
   } else {
     if (std::holds_alternative<wire::Hears>(item)) {
       rounds_.hurry(id);

@@ -15,6 +15,7 @@
 #include "labels.h"
 #include "member.h"
 #include "message.h"
+#include "parameters.h"
 #include "round_log.h"
 #include "rounds.h"
 #include "router.h"
@@ -66,6 +67,12 @@ class LockstepSession {
   /** @return log lines since the last call, by time, round and (rank, sub, name, number). */
   std::vector<LockstepLogEntry> takeLog();
   std::vector<LockstepMessage> takeMessages();
+  /** @return what the ROS master is to be told before the output of the latest poll() is sent. */
+  std::vector<ParameterChange> takeParameters() { return parameters_.take(); }
+  /** @brief Somebody who takes no part has set or deleted a parameter of ROS. */
+  void parameterChangedOutside(const std::string& name);
+  /** @brief The ROS master has not taken what a participant has set or deleted. */
+  void parameterNotTaken(const ParameterChange& change);
 
   // ---- the gate: leaps wait for it, the present instant does not. See LockstepRounds. ----
   void pause();
@@ -116,6 +123,8 @@ class LockstepSession {
   void applyTurn(MemberId id, Member& member);
   void applyItem(MemberId id, Member& member, const wire::ReportItem& item);
   void applyNote(Member& member, const wire::Note& note);
+  void applyParameter(const Member& member, const wire::Parameter& item);
+  void labelIf(const std::string& why);
   void applyDeparture(MemberId id);
   void finishRound();
   void sendGrants(const std::vector<LockstepRounds::Grant>& grants);
@@ -147,6 +156,7 @@ class LockstepSession {
   MessageList messages_;
   RunLabels labels_;
   SharedFiles files_;
+  ParameterBook parameters_;
   std::vector<MemberId> granted_;     // of this round, in this order
   std::vector<MemberId> changed_;     // have a report or depart, in the order of arrival
   std::vector<PendingTurn> applied_;  // kept while mail points into them

@@ -44,7 +44,8 @@ class Row(NamedTuple):
 
 _WAIT = 'gives the turn away and ends at its instant'
 _LOOK = 'is counted, so that a loop that waits by looking goes on'
-_QUESTION = 'is asked after the others have done what they do at this instant'
+_MASTER = ('has parameters take effect with their rounds, and those who are there named in one order, after the others '
+           'have done what they do at this instant')
 _CLOCK = 'goes on with simulated time, for the program'
 _CHANCE = "follows from the run's seed and the node's name, for the program"
 _SORTED = 'sorts what the file system has in any order'
@@ -100,6 +101,10 @@ _ROWS = (
         'has calls from outside wait for the next grant', ('0a5516683f10',)),
     Row('rospy.impl.tcpros_service.ServiceProxy.call', LOCKSTEP,
         'calls participants through the time master', ('5a5320897053', 'd9e4cd94b92c',)),
+    Row('xmlrpc.client.ServerProxy._ServerProxy__request', LOCKSTEP, _MASTER),
+    Row('rospy.core._LockedServerProxy._ServerProxy__request', LOCKSTEP, _MASTER, ('0167df407a53',)),
+    Row('rospy.msproxy.MasterProxy.get_param_cached', LOCKSTEP,
+        'asks the ROS master each time: what that tells by itself comes by the wall clock', ('e537fa3e8378',)),
     Row('rospy.impl.simtime._set_rostime', LOCKSTEP,
         'does nothing: time comes with the grants, not on /clock', ('1d47ac6f2d40',)),
     Row('rospy.core.signal_shutdown', LOCKSTEP,
@@ -117,13 +122,6 @@ _ROWS = (
     Row('threading.Thread.is_alive', THREADS, "says no as soon as the thread's last turn is over"),
     Row('rospy.init_node', LAUNCHER, 'joins when the program has become a node', ('f5a98156fc52',)),
     Row('rospy.client.init_node', LAUNCHER, 'joins when the program has become a node', ('f5a98156fc52',)),
-    Row('rosgraph.masterapi.Master.getPublishedTopics', LAUNCHER, _QUESTION, ('5159177392d4',)),
-    Row('rosgraph.masterapi.Master.getTopicTypes', LAUNCHER, _QUESTION, ('a048b1f603ec',)),
-    Row('rosgraph.masterapi.Master.getSystemState', LAUNCHER, _QUESTION, ('de209b9ababb',)),
-    Row('rosgraph.masterapi.Master.lookupNode', LAUNCHER, _QUESTION, ('b510a150586a',)),
-    Row('rosgraph.masterapi.Master.lookupService', LAUNCHER, _QUESTION, ('f1d969aa9e51',)),
-    Row('rospy.get_published_topics', LAUNCHER, _QUESTION, ('6ffe855bb368',)),
-    Row('rospy.client.get_published_topics', LAUNCHER, _QUESTION, ('6ffe855bb368',)),
     Row('time.sleep', LAUNCHER, 'is told once where the program sleeps, and is simulated if --sleep says so'),
     Row('time.time', LAUNCHER, _CLOCK),
     Row('time.time_ns', LAUNCHER, _CLOCK),

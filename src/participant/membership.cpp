@@ -222,6 +222,7 @@ void Membership::handle(const wire::Member& frame) {
     const Lock lock(program_);
     members_[frame.id] = {name, std::string(frame.node_uri)};
     names_.insert(name);
+    gone_.erase(name);
   }
   program_.onMember(name);
 }
@@ -232,6 +233,9 @@ void Membership::handle(const wire::Gone& frame) {
   const auto found = members_.find(frame.id);
   if (found != members_.end()) {
     names_.erase(names_.find(found->second.name));
+    if (names_.count(found->second.name) == 0) {
+      gone_.insert(found->second.name);
+    }
     members_.erase(found);
   }
 }
@@ -298,6 +302,16 @@ void Membership::take(const wire::Found& item) { found_.insert(std::string(item.
 bool Membership::isMember(const std::string& name) {
   const Lock lock(program_);
   return names_.count(name) > 0;
+}
+
+std::set<std::string> Membership::present() {
+  const Lock lock(program_);
+  return {names_.begin(), names_.end()};
+}
+
+std::set<std::string> Membership::gone() {
+  const Lock lock(program_);
+  return gone_;
 }
 
 bool Membership::isMemberAt(const std::string& uri) {

@@ -134,6 +134,10 @@ class Membership {
   // ---- the members, this node among them. From any thread.
   bool isMember(const std::string& name);
   bool isMemberAt(const std::string& uri);
+  /** @return the names of those that take part. */
+  std::set<std::string> present();
+  /** @return the names of those that did. */
+  std::set<std::string> gone();
   std::string nameOf(std::uint32_t member);
   std::string uriOf(std::uint32_t member);
   /** @return whether roscpp alone carries @p topic: the time master has said so. */
@@ -179,6 +183,7 @@ class Membership {
   std::set<std::string> labels_;
   std::map<std::uint32_t, Other> members_;
   std::multiset<std::string> names_;  // of members
+  std::set<std::string> gone_;        // names of those that were
   bool has_knocked_ = false;
 
   // As WELCOME has said, before the first grant.

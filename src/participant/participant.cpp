@@ -1,5 +1,6 @@
 // The public face of a participant; core.cpp and topics.cpp do the work.
 #include <ros/init.h>
+#include <ros/names.h>
 
 #include <algorithm>
 #include <utility>
@@ -156,6 +157,21 @@ void Participant::log(const std::string& robot, const std::string& kind, const s
                       std::uint32_t sub) {
   core_->check("log");
   core_->append(wire::Log{sub, robot, kind, values});
+}
+
+void Participant::setParam(const std::string& key, const XmlRpc::XmlRpcValue& value) {
+  core_->check("setParam");
+  core_->append(wire::Parameter{ros::names::resolve(key), true, value.toXml()});
+}
+
+void Participant::deleteParam(const std::string& key) {
+  core_->check("deleteParam");
+  core_->append(wire::Parameter{ros::names::resolve(key), false, ""});
+}
+
+void Participant::asksForParam(const std::string& key) {
+  core_->check("asksForParam");
+  core_->append(wire::Asks{ros::names::resolve(key)});
 }
 
 void Participant::label(const std::string& reason) {

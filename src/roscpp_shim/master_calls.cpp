@@ -1,16 +1,21 @@
 // Calls of the ROS master and look-ups of names: they take wall time, while simulated time stands.
 // Questions about who is there are asked when nobody who takes part has anything left to do at the
-// instant: what is started by one launch file is there, whoever was slower.
+// instant: what is started by one launch file is there, whoever was slower; and the answer is in
+// the order of the names' bytes, whoever registered first.
 #include <XmlRpc.h>
 #include <netdb.h>
 #include <ros/master.h>
+#include <ros/this_node.h>
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string>
 
 #include "node.h"
+#include "parameters.h"
 #include "real.h"
+#include "registrations.h"
 #include "turn.h"
 #include "waits.h"
 
@@ -38,11 +43,9 @@ constexpr move_base_abstract::Nanoseconds kStep = 1'000'000;
 thread_local unsigned t_asked = 0;
 thread_local move_base_abstract::Nanoseconds t_asked_at = 0;
 
-/** @return whether one of the program's threads asks who is there. */
-bool asksWhoIsThere(const std::string& method) {
-  return !shim::Turn::isInside() && !shim::Turn::isInternal() &&
-         std::find(kQuestions.begin(), kQuestions.end(), method) != kQuestions.end() &&
-         shim::turn().enter();
+/** @return whether one of the program's threads calls, and has the turn. */
+bool isOfProgram() {
+  return !shim::Turn::isInside() && !shim::Turn::isInternal() && shim::turn().enter();
 }
 
 /** @brief Wait until nobody has anything left to do; who asks without end lets time go on. */
@@ -66,6 +69,59 @@ void awaitNextRound() {
   shim::turn().wait(wait);
 }
 
+/** @brief Answers who is there, after the others have done what they do at this instant. */
+class Question {
+ public:
+  Question(const XmlRpc::XmlRpcValue& request, const shim::AskMaster& ask)
+      : request_(request), ask_(ask) {}
+
+  /** @return whether the ROS master says yes to @p method. */
+  bool answer(const std::string& method, XmlRpc::XmlRpcValue& answer) {
+    awaitOthers();
+    const bool is_good = ask(method, answer);
+    if (shim::turn().enter()) {
+      awaitNextRound();
+    }
+    return is_good;
+  }
+
+ private:
+  bool ask(const std::string& method, XmlRpc::XmlRpcValue& answer) {
+    auto& membership = shim::node().membership();
+    const std::set<std::string> gone = membership.gone();
+    if (method == "lookupNode" && gone.count(request_[1]) > 0) {
+      return false;
+    }
+    XmlRpc::XmlRpcValue state, request;
+    request[0] = request_[0];
+    if (!ask_(method, request_, answer) || !ask_("getSystemState", request, state)) {
+      return false;
+    }
+    const shim::Registrations there(state, membership.present(), gone);
+    if (method == "getSystemState") {
+      answer = there.state();
+      tell(there.strangers());
+    } else if (method == "lookupNode") {
+      const std::string node = request_[1];
+      tell(there.isStranger(node) ? std::set<std::string>{node} : std::set<std::string>{});
+    } else if (method != "lookupService") {
+      answer = there.topics(answer, method == "getTopicTypes");
+      tell(there.strangers(answer));
+    }
+    return true;
+  }
+
+  static void tell(const std::set<std::string>& strangers) {
+    for (const std::string& node : strangers) {
+      shim::node().label(ros::this_node::getName() + " has asked the ROS master who is there: " +
+                         node + " does not take part, and is there or not by the wall clock");
+    }
+  }
+
+  const XmlRpc::XmlRpcValue& request_;
+  const shim::AskMaster& ask_;
+};
+
 }  // namespace
 
 namespace ros::master {
@@ -77,19 +133,28 @@ bool execute(const std::string& method, const XmlRpc::XmlRpcValue& request,
   static Execute* const function = shim::real<Execute>(
       "_ZN3ros6master7executeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN6XmlRpc11"
       "XmlRpcValueERSA_SD_b");
-  const bool asks = asksWhoIsThere(method);
-  if (asks) {
-    awaitOthers();
-  }
-  bool is_answered = false;
-  {
+  const bool is_question =
+      std::find(kQuestions.begin(), kQuestions.end(), method) != kQuestions.end();
+  if ((!is_question && !shim::Parameters::isAbout(method)) || !isOfProgram()) {
     const Standing standing;
-    is_answered = function(method, request, response, payload, wait_for_master);
+    return function(method, request, response, payload, wait_for_master);
   }
-  if (asks && shim::turn().enter()) {
-    awaitNextRound();
+  const shim::AskMaster ask = [&](const std::string& other, const XmlRpc::XmlRpcValue& question,
+                                  XmlRpc::XmlRpcValue& answer) {
+    XmlRpc::XmlRpcValue whole;
+    const Standing standing;
+    return function(other, question, whole, answer, wait_for_master);
+  };
+  const bool is_good = is_question ? Question(request, ask).answer(method, payload)
+                                   : shim::parameters().answer(method, request, payload, ask);
+  if (!is_good) {
+    payload.clear();  // as roscpp leaves it
   }
-  return is_answered;
+  response.clear();
+  response[0] = is_good ? 1 : -1;
+  response[1] = method;
+  response[2] = is_good ? payload : XmlRpc::XmlRpcValue(0);
+  return is_good;
 }
 
 }  // namespace ros::master

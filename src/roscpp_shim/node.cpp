@@ -16,6 +16,7 @@
 #include "exchange.h"
 #include "hearing.h"
 #include "move_base_abstract/lockstep_participant.h"
+#include "parameters.h"
 #include "real.h"
 #include "recorder.h"
 
@@ -131,6 +132,7 @@ void Node::exchange() {
     append(wire::Background{});  // to look for new topics: who else has nothing to do makes none
   }
   const Nanoseconds before = now();
+  parameters().reported();
   membership_.exchange(wish);
   // Nothing has come, and nothing else was asked for.
   if (is_resting && membership_.isPlainGrant() && wish.next > before) {

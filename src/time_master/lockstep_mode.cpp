@@ -79,6 +79,23 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
   }
   clock_ = std::make_unique<ClockPublisher>(clock, begin, parameters.master.max_clock_rate,
                                             parameters.master.repeat_rate);
+  server_ = std::make_unique<LockstepServer>(settings, ros::network::getHost(),
+                                             parameters.lockstep_port, listeners());
+  ros_master_ = std::make_unique<RosMasterWatch>();
+  try {
+    parameters_of_ros_.listen([this](const std::string& name) {
+      server_->with([&](LockstepSession& session) { session.parameterChangedOutside(name); });
+    });
+    setParameter(kAddressParameter, server_->address());
+  } catch (const std::runtime_error& error) {
+    // The ROS master may have died after it had told somebody: the run has begun, and ends in
+    // order.
+    ended_ = End{false, error.what()};
+  }
+  ROS_INFO("lockstep: participants are expected at %s", server_->address().c_str());
+}
+
+LockstepServer::Listeners LockstepMode::listeners() {
   LockstepServer::Listeners listeners;
   listeners.time = [this](Nanoseconds time) { clock_->set(time); };
   listeners.event = [this](const LockstepLogEntry& entry) {
@@ -90,17 +107,10 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
       message_bytes_->add(entry.type, entry.bytes);
     }
   };
-  server_ = std::make_unique<LockstepServer>(settings, ros::network::getHost(),
-                                             parameters.lockstep_port, std::move(listeners));
-  ros_master_ = std::make_unique<RosMasterWatch>();
-  try {
-    setParameter(kAddressParameter, server_->address());
-  } catch (const std::runtime_error& error) {
-    // The ROS master may have died after it had told somebody: the run has begun, and ends in
-    // order.
-    ended_ = End{false, error.what()};
-  }
-  ROS_INFO("lockstep: participants are expected at %s", server_->address().c_str());
+  listeners.parameters = [this](const std::vector<ParameterChange>& changes) {
+    return parameters_of_ros_.apply(changes);
+  };
+  return listeners;
 }
 
 LockstepMode::~LockstepMode() { finish("the time master ends"); }
@@ -111,6 +121,7 @@ bool LockstepMode::finish(const std::string& reason) {
   }
   finished_ = true;
   server_->finish(reason);
+  parameters_of_ros_.stop();
   logMessages();
   if (ros_master_->gone().empty()) {
     deleteParameter(kAddressParameter);

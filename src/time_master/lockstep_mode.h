@@ -15,6 +15,7 @@
 #include "event_log_writer.h"
 #include "lockstep_server.h"
 #include "message_bytes.h"
+#include "parameter_keeper.h"
 #include "parameters.h"
 #include "ros_master_watch.h"
 #include "time_mode.h"
@@ -54,6 +55,7 @@ class LockstepMode : public TimeMode {
     Nanoseconds time;
   };
 
+  LockstepServer::Listeners listeners();
   void logMessages();
   void sample(Nanoseconds wall, Nanoseconds time);
   void lookForEnd(const LockstepStatus& status);
@@ -65,6 +67,7 @@ class LockstepMode : public TimeMode {
   std::unique_ptr<EventLogWriter> event_log_;
   std::unique_ptr<MessageBytes> message_bytes_;
   std::unique_ptr<ClockPublisher> clock_;
+  ParameterKeeper parameters_of_ros_;
   std::unique_ptr<LockstepServer> server_;
   std::unique_ptr<RosMasterWatch> ros_master_;
   LockstepPhase phase_ = LockstepPhase::kWaitingForParticipants;  // at the latest look

@@ -169,12 +169,24 @@ void LockstepServer::arm(Nanoseconds due) {
 
 void LockstepServer::work() {
   const Nanoseconds wall = wallNow();
-  for (LockstepSession::Output& output : session_.poll(wall)) {
+  std::vector<LockstepSession::Output> outputs = session_.poll(wall);
+  tellOfParameters();
+  for (LockstepSession::Output& output : outputs) {
     send(output);
   }
   tellListeners();
   closeOverdue(wall);
   listenOrNot();
+}
+
+void LockstepServer::tellOfParameters() {
+  const std::vector<ParameterChange> changes = session_.takeParameters();
+  if (changes.empty()) {
+    return;
+  }
+  for (const ParameterChange& change : listeners_.parameters(changes)) {
+    session_.parameterNotTaken(change);
+  }
 }
 
 void LockstepServer::tellListeners() {

@@ -26,10 +26,13 @@ namespace move_base_abstract {
  */
 class LockstepServer {
  public:
-  /** @brief Called by the server's thread, with the session locked: they must not wait. */
+  /** @brief Called by the server's thread, with the session locked: they must not wait for others
+   * who wait for it. */
   struct Listeners {
     std::function<void(Nanoseconds)> time;               // simulated time, when it has changed
     std::function<void(const LockstepLogEntry&)> event;  // a line of the event log
+    // What was set and deleted, before the grants that follow from it; returns what was not taken.
+    std::function<std::vector<ParameterChange>(const std::vector<ParameterChange>&)> parameters;
   };
 
   /**
@@ -108,6 +111,7 @@ class LockstepServer {
   void sendMore(ConnectionId id, Connection& connection);
   void closeOverdue(Nanoseconds wall);
   void tellListeners();
+  void tellOfParameters();
 
   mutable std::mutex mutex_;
   LockstepSession session_;

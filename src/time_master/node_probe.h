@@ -32,15 +32,21 @@ class NodeProbe : private XmlRpc::XmlRpcClient {
   /** @return whether an answer came within @p limit [wall] and was a success; @p result has it. */
   bool call(const char* method, const XmlRpc::XmlRpcValue& request, std::chrono::milliseconds limit,
             XmlRpc::XmlRpcValue& result) {
+    XmlRpc::XmlRpcValue answer;
+    return ask(method, request, limit, answer) && accept(answer, result);
+  }
+
+  /** @return whether any answer came within @p limit [wall]; @p answer is as it came. */
+  bool ask(const char* method, const XmlRpc::XmlRpcValue& request, std::chrono::milliseconds limit,
+           XmlRpc::XmlRpcValue& answer) {
     if (!executeNonBlock(method, request)) {
       return false;
     }
     const auto deadline = WallClock::now() + limit;
-    XmlRpc::XmlRpcValue answer;
     while (WallClock::now() < deadline) {
       _disp.work(0.05);
       if (executeCheckDone(answer)) {
-        return accept(answer, result);
+        return true;
       }
     }
     return false;

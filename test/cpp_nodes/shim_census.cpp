@@ -23,9 +23,11 @@ int main(int argc, char** argv) {
   ros::NodeHandle node;
   ros::master::V_TopicInfo topics;
   ros::master::getTopics(topics);
-  const auto count = std::count_if(topics.begin(), topics.end(),
-                                   [](const auto& topic) { return isLink(topic.name); });
-  std::printf("%.9f %d topics\n", ros::Time::now().toSec(), static_cast<int>(count));
+  std::printf("%.9f topics", ros::Time::now().toSec());
+  for (const ros::master::TopicInfo& topic : topics) {
+    std::printf(isLink(topic.name) ? " %s" : "", topic.name.c_str());
+  }
+  std::printf("\n");
   ros::V_string nodes;
   ros::master::getNodes(nodes);
   std::printf("%.9f %d nodes\n", ros::Time::now().toSec(),

@@ -2,6 +2,7 @@
 """The start of a run: programs that wait for others before they are nodes, and questions about who is there."""
 
 import os
+import shutil
 import sys
 import tempfile
 import unittest
@@ -59,17 +60,37 @@ class WhoIsThereTest(unittest.TestCase):
     """Questions to the ROS master."""
 
     def test_what_is_started_at_one_instant_is_there_whoever_was_slower(self):
-        links = {'link_%d' % k: ['link.py', '/link_%d' % (k - 1) if k else '-', '/link_%d' % k] for k in range(LINKS)}
+        links = {'link_%d' % k: ['link.py', '/link_%d' % (k - 1) if k else '-', '/link_%d' % k]
+                 for k in reversed(range(LINKS))}  # in another order than that of their names
         links['link_3'].append('_slow:=0.3')  # by the wall
         runs = run_thrice(dict(links, census=['census.py'], counter=[find_executable('shim_census')], late=['late.py']),
                           until=5.0)
         assert_same(self, runs)
+        names = ' '.join('/link_%d' % k for k in range(LINKS))
         self.assertEqual(runs[0].printed('census'), [
-            '1.000000000 %d: %s' % (LINKS, ' '.join('/link_%d' % k for k in range(LINKS))),
-            '1.000000000 %d' % LINKS,
-            '2.240000000 late'])  # there from 2.234 s on; who asks all the time asks each 10 ms
+            '1.000000000 %d: %s' % (LINKS, names), '1.000000000 ' + names,
+            '/census /counter /late %s /time_master' % names, '2.240000000 late'])
+        # It is there from 2.234 s on; who asks all the time asks each 10 ms, in C++ each 1 ms.
         self.assertEqual(runs[0].printed('counter'), [
-            '1.000000000 %d topics' % LINKS, '1.000000000 %d nodes' % LINKS, '2.234000000 late'])
+            '1.000000000 topics ' + names, '1.000000000 %d nodes' % LINKS, '2.234000000 late'])
+
+    def test_who_takes_no_part_and_offers_something_is_labelled(self):
+        asks = ("import rosgraph\nimport rospy\nimport rosservice\nrospy.init_node('asker')\n"
+                'while not [name for name, kind in rospy.get_published_topics() if name == "/offered"]:\n'
+                '    rospy.sleep(1.0)\n'
+                "print([nodes for name, nodes in rosgraph.Master('/x').getSystemState()[0] if name == '/offered'])\n"
+                'print([name for name in rosservice.get_service_list() if "looks_on" in name])\n')
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, 'asker.py')
+            with open(path, 'w') as script:
+                script.write(asks)
+            run = run_programs({'asker': [path]}, until=1e9, onlookers=['/looks_on'], others={
+                '/offers': ([shutil.which('rostopic'), 'pub', '/offered', 'std_msgs/String', 'x'], 0)})
+        nodes, services = run.printed('asker')
+        self.assertEqual(services, '[]')
+        self.assertEqual(nodes, "[['/offers']]")
+        self.assertEqual(len(run.state.not_repeatable_because), 1, run.state)
+        self.assertIn('/asker has asked the ROS master who is there: /offers', run.state.not_repeatable_because[0])
 
 
 if __name__ == '__main__':

@@ -44,7 +44,9 @@ Report richReport() {
                   At{2},
                   Rest{},
                   Hears{7, Hearing::kNews},
-                  Background{}};
+                  Background{},
+                  Parameter{"/x", true, "<value>1</value>"},
+                  Asks{"/y"}};
   return report;
 }
 
@@ -169,7 +171,7 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
     return up(frame.substr(4));
   };
   const std::size_t items = 4 + 1 + 8 + 1 + 8 + 4;
-  EXPECT_NE(patched(Unserve{1}, items, '\x11').find("kind of item must be from 1 to 16, got 17"),
+  EXPECT_NE(patched(Unserve{1}, items, '\x13').find("kind of item must be from 1 to 18, got 19"),
             std::string::npos);
   EXPECT_NE(patched(Unserve{1}, items, '\0').find("got 0"), std::string::npos);
   EXPECT_NE(patched(Note{}, items + 1, '\x06').find("NOTE: what must be from 1 to 5, got 6"),

@@ -14,7 +14,7 @@ from collections import namedtuple
 #: one frame or item: its number on the wire, its name, its fields in their order
 Layout = namedtuple('Layout', 'number name fields')
 
-PROTOCOL = 4
+PROTOCOL = 5
 NEVER = 2 ** 63 - 1
 #: of a frame without its length field [bytes]; what is longer is refused before it is stored
 LARGEST_FRAME = 256 * 1024 * 1024
@@ -100,6 +100,10 @@ REPORT_ITEMS = (
     Layout(15, 'HEARS', ('u32 topic',  # that it subscribes to
                          'Hearing what')),
     Layout(16, 'BACKGROUND', ()),  # my wake-up is for those only who take no part: time does not go on for it alone
+    Layout(17, 'PARAMETER', ('text name',  # of ROS, resolved; set, or deleted, when the round is over
+                             'flag is_set',
+                             'text value')),  # as XML-RPC says it, <value>...</value>; empty where it is deleted
+    Layout(18, 'ASKS', ('text name',)),  # I have asked for this parameter, or for what is below it
 )
 
 #: what a grant contains; `topic` and `service` are the numbers of the participant that gets the grant

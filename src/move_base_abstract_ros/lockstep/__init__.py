@@ -8,6 +8,7 @@ import os
 import time
 from types import SimpleNamespace
 
+import rosgraph
 import rospy
 
 from move_base_abstract.lockstep.charge import make_charge
@@ -18,7 +19,10 @@ from .. import replaced
 from . import finish, fork, looks, threads, waits
 from .access import connect, is_lockstep
 from .links import repetition, sender
+from .master_calls import calls
+from .parameters import Parameters
 from .participant import Participant
+from .queries import Queries
 
 __all__ = ['Participant', 'is_lockstep', 'join', 'participant', 'repetition', 'sender']
 
@@ -39,7 +43,7 @@ def join(rank=None, own_threads=True):
     are taken over; locks are not). Returns when the clock has started, and waits for that as long as it takes. ``rank``
     orders messages of the same instant, lowest first; without it and without the private parameter ``lockstep_rank``
     nodes come after the robots, in the order of their names. ``own_threads=False`` leaves Python's threads and locks
-    alone: for a node without its own.
+    alone, and who is there is asked as ever: for a node without its own.
 
     :raises ConfigurationError: for a bad parameter, or if the time master leaves lockstep meanwhile.
     """
@@ -72,8 +76,16 @@ def take_part(name, uri, rank, own_threads=True):
     threads.install(joining, own_threads)
     finish.install(joining)
     fork.install(joining)
+    _follow_master_calls(joining, own_threads)
     _state.joined = joining
     return joining
+
+
+def _follow_master_calls(joining, asks):
+    """Have the ROS master told of parameters in the order of the rounds, and, if ``asks``, asked who is there."""
+    master = rospy.core.xmlrpcapi(rosgraph.get_master_uri())
+    joining.parameters = Parameters(joining, master)
+    calls.follow(joining, {**(Queries(joining, master).answers() if asks else {}), **joining.parameters.answers()})
 
 
 def node_is_there(joining):

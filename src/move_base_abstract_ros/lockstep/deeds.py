@@ -35,6 +35,7 @@ EVENTS = {
     'os.forkpty': 'forks: the child does not take part in lockstep',
     'builtins.input': 'waits for somebody to type',
 }
+_STARTS = ('subprocess.Popen', 'os.system', 'os.posix_spawn', 'os.exec', 'os.fork')
 _PROCESSOR = 'tells what the processor has worked, or the machine has to do'
 _WOKEN = 'has the kernel wake the program by the wall clock'
 _WATCHES = 'looks at a connection or a file, by the wall clock'
@@ -149,6 +150,8 @@ _IN_ORDER = {'os.listdir': _listing, 'os.scandir': _scanning}
 def _audit(event, arguments):
     if event in EVENTS:
         told.tell(own_frame(sys._getframe(1)), event, EVENTS[event])
+        if event in _STARTS and told.participant is not None:
+            told.participant.parameters.settle()  # the other process may look at them
     elif event == 'open':
         path = arguments[0]
         path = os.fsdecode(path) if isinstance(path, bytes) else path

@@ -20,7 +20,6 @@ from move_base_abstract.lockstep import wire
 from ..replaced import replaced
 from .access import secret
 from .connection import Closed, Connection
-from .queries import QUESTIONS
 from .waits import replaced_within
 
 _PORT_ARGUMENT = 8  # how many arguments of init_node come up to xmlrpc_port
@@ -53,8 +52,6 @@ class Early:
             'a service call', lambda: tcpros_service.ServiceProxy.call, call)))
         for function in (rospy.client.get_param, rospy.client.has_param):
             enter(replaced_within(function, lambda look, function=function: self._looking(function, look)))
-        for name in QUESTIONS:
-            enter(replaced(name, lambda ask, name=name: self._before(name, lambda: _named(name), ask)))
 
     def _before(self, what, present, original):
         def call(*args, **kwds):
@@ -135,11 +132,3 @@ class Early:
         connection = Connection(host, int(port), 1.0)
         connection.send(wire.hello(self._name, '', 0, False, 0, secret()) + wire.leave(reason))
         connection.close()
-
-
-def _named(name):
-    """Return what ``name`` stands for now."""
-    module, _, attribute = name.rpartition('.')
-    if module == 'rosgraph.masterapi.Master':
-        return getattr(rosgraph.Master, attribute)
-    return getattr(rospy.client, attribute)

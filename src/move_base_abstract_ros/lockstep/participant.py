@@ -61,6 +61,8 @@ class Participant:
         self._leave_seconds = 0.0  # wall
         self.names = {}
         self.uris = {}
+        self.gone = set()  # names of those that took part
+        self.parameters = None
         self.sub = 0
         self.microstep = 0
         self._round = 0
@@ -151,6 +153,8 @@ class Participant:
             self._leave_in_turn(reason)
             if self.scheduler.is_closed:
                 return
+        if self.parameters is not None and (self._is_interrupted or not (holds_turn and self._is_granted)):
+            self.parameters.flush()
         try:
             if holds_turn and self._is_granted:
                 self.connection.send(wire.report(self._round, True, wire.NEVER, 0, self._take_items()))
@@ -196,6 +200,10 @@ class Participant:
         elif not self.scheduler.is_closed:
             self.scheduler.from_outside(lambda: self._items.append(item))
 
+    def add_aside(self, item):
+        """The same, for what nobody waits for: a thread that does nothing else may still be one that looks."""
+        self._items.append(item)
+
     def tell_busy(self, round_number, where):
         """Say where the thread is that has the turn; from any thread."""
         try:
@@ -211,6 +219,16 @@ class Participant:
     def is_member(self, name):
         """Return whether the node ``name`` takes part (as far as this process has been told)."""
         return name in self.uris
+
+    @property
+    def there(self):
+        """The names of all that take part."""
+        return set(self.names.values()) - self.gone
+
+    @property
+    def is_told_to_end(self):
+        """Whether somebody has told the node to end, at some moment of the wall clock."""
+        return self._is_interrupted
 
     def knock(self):
         """Ask for a grant; from any thread."""
@@ -353,9 +371,13 @@ class Participant:
             number, name, uri = wire.read_frame(kind, body)
             self.names[number] = name
             self.uris[name] = uri
+            self.gone.discard(name)
             self.topics.drop_connections_to(name)
-        # GONE: what there is to do comes in a grant. Until its process has ended, at some moment of the wall clock,
-        # it is still to be told from nodes that do not take part.
+        elif kind == wire.GONE:
+            # What there is to do comes in a grant. Until its process has ended, at some moment of the wall clock,
+            # it is still to be told from nodes that do not take part.
+            number, = wire.read_frame(kind, body)
+            self.gone.add(self.names.get(number, ''))
 
     def _lost(self, reason):
         """The time master is gone, so that time will never move again: end the node."""

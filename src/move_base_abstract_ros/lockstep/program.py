@@ -22,11 +22,11 @@ from . import (
     garbage,
     objects,
     own_code,
-    queries,
     threads,
     turns,
     watchdog,
 )
+from .master_calls import calls
 from .told import told
 
 _NAME = '__name:='
@@ -95,6 +95,8 @@ class _Joining:
         rospy_start.prepare()
         for name in ('rospy.init_node', 'rospy.client.init_node'):
             replace(name, lambda init_node: lambda *args, **kwds: self._init_node(init_node, args, kwds))
+        calls.install()
+        calls.before = self.early.take_part
         self.early.install()
 
     def _init_node(self, init_node, args, kwds):
@@ -114,7 +116,6 @@ class _Joining:
             joined.be_strict()
         for follower in self._followers:
             follower.follow(joined)
-        queries.install(joined)
         if joined is not None and not address_layout.is_as_wanted(os.environ):
             joined.label(address_layout.LABEL)
         if joined is not None and not _is_one_hash():

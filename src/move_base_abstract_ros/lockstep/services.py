@@ -18,6 +18,7 @@ from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
 
 from ..replaced import replace
 from .links import creating_index
+from .master_calls import aside
 
 #: how the services end that rospy itself offers in each node; those do not count
 _OF_ROSPY = ('/get_loggers', '/set_logger_level')
@@ -154,7 +155,9 @@ class Services:
         services label nothing.)
         """
         if name.startswith(_TIME_MASTERS):
-            return call()
+            with aside():
+                return call()
+        self._participant.parameters.settle()  # the other node may look at them
         label = self._participant.label
         label('service {}, which was called, is offered by a node that does not take part'.format(name))
         asked = _Asked(call)
@@ -175,7 +178,8 @@ class Services:
         Those that take part, or did, are registered there at moments of the wall clock, which must not matter.
         """
         try:
-            code, _, (_, _, offered) = rospy.client.get_master().getSystemState()
+            with aside():
+                code, _, (_, _, offered) = rospy.client.get_master().getSystemState()
         except (OSError, ValueError):
             return False
         members = set(self._participant.names.values())

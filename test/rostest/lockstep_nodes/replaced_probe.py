@@ -23,7 +23,8 @@ from move_base_abstract_ros import replaced
 from move_base_abstract_ros.lockstep import program
 
 WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random',
-           'os', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc', 'asyncio')
+           'os', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc', 'asyncio',
+           'xmlrpc')
 FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, staticmethod, property)
 
 

@@ -1,0 +1,61 @@
+#include "parameters.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace move_base_abstract {
+namespace {
+
+/** @return the name as it is kept: no slash at its end, '' for all there are. */
+std::string_view trimmed(std::string_view name) {
+  while (!name.empty() && name.back() == '/') {
+    name.remove_suffix(1);
+  }
+  return name;
+}
+
+bool isBelow(std::string_view name, std::string_view above) {
+  return name.substr(0, above.size()) == above &&
+         (name.size() == above.size() || name[above.size()] == '/');
+}
+
+bool concerns(std::string_view one, std::string_view other) {
+  return isBelow(one, other) || isBelow(other, one);
+}
+
+std::string label(std::string_view name, std::string_view by) {
+  return "parameter " + std::string(name.empty() ? "/" : name) +
+         " was set or deleted by somebody who does not take part, and " + std::string(by) +
+         " asks for it";
+}
+
+}  // namespace
+
+void ParameterBook::change(std::string_view by, const wire::Parameter& item) {
+  changes_.push_back(
+      {std::string(by), std::string(item.name), std::string(item.is_set ? item.value : "")});
+}
+
+std::vector<ParameterChange> ParameterBook::take() { return std::exchange(changes_, {}); }
+
+std::string ParameterBook::asks(std::string_view by, std::string_view name) {
+  name = trimmed(name);
+  if (!asked_.try_emplace(std::string(name), by).second) {
+    return "";
+  }
+  const auto found = std::find_if(outside_.begin(), outside_.end(),
+                                  [&](const auto& set) { return concerns(set, name); });
+  return found == outside_.end() ? "" : label(*found, by);
+}
+
+std::string ParameterBook::changedOutside(std::string_view name) {
+  name = trimmed(name);
+  if (!outside_.emplace(name).second) {
+    return "";
+  }
+  const auto found = std::find_if(asked_.begin(), asked_.end(),
+                                  [&](const auto& asked) { return concerns(name, asked.first); });
+  return found == asked_.end() ? "" : label(name, found->second);
+}
+
+}  // namespace move_base_abstract

@@ -1,0 +1,43 @@
+// The part of a session that is about parameters of ROS.
+#include "session.h"
+
+namespace move_base_abstract {
+
+void LockstepSession::applyParameter(const Member& member, const wire::Parameter& item) {
+  if (item.name.empty() || item.name.front() != '/' || item.is_set == item.value.empty()) {
+    throw MessageRouter::BadAction(
+        quote(member.name) +
+        ": PARAMETER must have an absolute name, and a value where it is set, got name " +
+        quote(item.name) + " and a value of " + std::to_string(item.value.size()) + " bytes");
+  }
+  parameters_.change(member.name, item);
+}
+
+/**
+ * @brief What was set before the first round is there in every run, for all that is known. Who is
+ * told to end sets at once: that says something of the run only if it goes on.
+ */
+void LockstepSession::parameterChangedOutside(const std::string& name) {
+  if (!rounds_.started() || rounds_.ended()) {
+    return;
+  }
+  const std::string why = parameters_.changedOutside(name);
+  if (!why.empty() && interruption_.isActive()) {
+    interruption_.keep({Interruption::Label::Kind::kInput, 0, why});
+  } else {
+    labelIf(why);
+  }
+}
+
+void LockstepSession::parameterNotTaken(const ParameterChange& change) {
+  labelIf("the ROS master has not taken parameter " + change.name + " of " + change.by);
+}
+
+void LockstepSession::labelIf(const std::string& why) {
+  if (!why.empty()) {
+    labels_.addNotRepeatable(why);
+    poll_due_ = true;  // the run may be one that ends with its first label
+  }
+}
+
+}  // namespace move_base_abstract

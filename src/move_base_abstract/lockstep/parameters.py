@@ -1,0 +1,126 @@
+"""Parameters that a participant has set in its turn, as it sees them itself before the ROS master has them.
+
+Names are absolute; a parameter that is a dict contains those below it. What is here follows the ROS master's own rules
+(rosmaster.paramserver); a test compares them. Nothing here knows ROS.
+"""
+from collections import deque
+
+#: there is no such parameter
+MISSING = object()
+_DELETED = object()
+
+
+def parts_of(name):
+    """Return the words of an absolute name; none for the root."""
+    return [part for part in name.split('/') if part]
+
+
+class PendingParameters:
+    """What was set and deleted and has not been told yet, in this order."""
+
+    def __init__(self):
+        self._changes = deque()
+
+    def __bool__(self):
+        return bool(self._changes)
+
+    def set(self, name, value):
+        """A parameter is set to ``value``, which is not changed afterwards."""
+        self._changes.append((parts_of(name), value))
+
+    def delete(self, name):
+        """A parameter is deleted."""
+        self._changes.append((parts_of(name), _DELETED))
+
+    def first_is_told(self):
+        """The ROS master has the first of them, or is about to have it before anybody asks."""
+        self._changes.popleft()
+
+    def concern(self, name):
+        """Return whether any of them changes what ``name`` is."""
+        parts = parts_of(name)
+        return any(_is_below(parts, changed) or _is_below(changed, parts) for changed, _ in self._changes)
+
+    def seen(self, name, current):
+        """Return what ``name`` is after them; ``current`` is what it was before them. Either may be MISSING."""
+        parts = parts_of(name)
+        tree = {} if current is MISSING else _copied(current) if not parts else {}
+        if parts and current is not MISSING:
+            _set(tree, parts, _copied(current))
+        for changed, value in self._changes:
+            if value is _DELETED:
+                _delete(tree, changed)
+            elif changed:
+                _set(tree, changed, _copied(value))
+            else:
+                tree = _copied(value)
+        return _get(tree, parts)
+
+    def names(self, names):
+        """Return the names of all parameters after them; ``names``: before."""
+        there = [parts_of(name) for name in names]
+        for changed, value in self._changes:
+            there = [parts for parts in there if not _is_below(parts, changed)]
+            if value is not _DELETED:  # a parameter above it has become a dict
+                there = [parts for parts in there if not _is_below(changed, parts)]
+                there += [changed + below for below in _leaves(value)]
+        return ['/' + '/'.join(parts) for parts in there]
+
+
+def search(namespace, key, has):
+    """Return the name that the ROS master finds for ``key`` from ``namespace`` upwards, or None; ``has(name)``."""
+    if key.startswith('/'):
+        return key if has(key) else None
+    first = parts_of(key)[0]
+    above = parts_of(namespace)
+    for length in range(len(above), -1, -1):
+        if has('/' + '/'.join(above[:length] + [first])):
+            return '/' + '/'.join(above[:length] + [key])
+    return None
+
+
+def in_order(value):
+    """Return the value with its dicts in the order of their keys."""
+    if isinstance(value, dict):
+        return {key: in_order(value[key]) for key in sorted(value)}
+    return [in_order(item) for item in value] if isinstance(value, list) else value
+
+
+def _is_below(parts, above):
+    return parts[:len(above)] == above
+
+
+def _copied(value):
+    if isinstance(value, dict):
+        return {key: _copied(item) for key, item in value.items()}
+    return [_copied(item) for item in value] if isinstance(value, list) else value
+
+
+def _leaves(value):
+    """Return the words of what is no dict."""
+    if not isinstance(value, dict):
+        return [[]]
+    return [[key] + below for key, item in value.items() for below in _leaves(item)]
+
+
+def _set(tree, parts, value):
+    for part in parts[:-1]:
+        if not isinstance(tree.get(part), dict):
+            tree[part] = {}
+        tree = tree[part]
+    tree[parts[-1]] = value
+
+
+def _delete(tree, parts):
+    for part in parts[:-1]:
+        tree = tree.get(part) if isinstance(tree, dict) else None
+    if isinstance(tree, dict):
+        tree.pop(parts[-1], None)
+
+
+def _get(tree, parts):
+    for part in parts:
+        if not isinstance(tree, dict) or part not in tree:
+            return MISSING
+        tree = tree[part]
+    return tree

@@ -1,0 +1,144 @@
+"""Parameters of ROS, set and asked for by the thread that has the turn.
+
+What is set goes to the time master with the report, and to the ROS master when the round is over; this process sees it
+at once. So who asks gets what the rounds before have set, whoever was faster. Whatever others set labels the run, where
+a participant asks for it: the time master is told what is asked for.
+"""
+import xmlrpc.client
+from collections import deque
+
+import rosgraph
+import rospy.core
+
+from move_base_abstract.lockstep import wire
+from move_base_abstract.lockstep.parameters import MISSING, PendingParameters, in_order, search
+from move_base_abstract.lockstep.scheduler import TurnLost
+
+from .master_calls import aside
+
+_BEGIN, _END = '<value>', '</value>'
+#: what roslaunch notes of itself: its names have the machine's ports in them
+_OF_ROSLAUNCH = '/roslaunch/uris'
+
+
+class Parameters:
+    """Of one participant; for its thread that has the turn. ``master``: a proxy of the ROS master."""
+
+    def __init__(self, participant, master):
+        self._participant = participant
+        self._master = master
+        self._pending = PendingParameters()
+        self._untold = deque()  # the same as calls of the ROS master
+        self._asked = set()
+
+    def answers(self):
+        """Return {method: answer(ask, *arguments)}."""
+        return {'setParam': self._set, 'deleteParam': self._delete, 'getParam': self._get, 'hasParam': self._has,
+                'searchParam': self._search, 'getParamNames': self._names, 'subscribeParam': self._subscribe}
+
+    def settle(self):
+        """Have the ROS master know what was set in this turn: somebody who takes no part is about to look."""
+        scheduler = self._participant.scheduler
+        if self._untold and scheduler.is_mine():
+            try:
+                scheduler.wait_round()
+            except TurnLost:
+                self.flush()
+
+    def flush(self):
+        """Tell the ROS master at once: there is no round any more in which the time master would."""
+        if not self._untold:
+            return
+        # Not with the other proxy: a signal may have the calling thread end the node in the middle of a request of it.
+        master = rospy.core.xmlrpcapi(rosgraph.get_master_uri(), cache=False)
+        while self._untold:
+            method, *arguments = self._untold.popleft()
+            with aside():
+                getattr(master, method)(self._participant.names[0], *arguments)
+
+    # --- changes ----------------------------------------------------------------------------------------------------
+
+    def _set(self, _ask, caller, key, value):
+        name = _resolved(caller, key)
+        text = xmlrpc.client.dumps((value,))  # raises what the request would
+        (value,), _ = xmlrpc.client.loads(text)
+        self._pending.set(name, value)
+        self._report(wire.parameter(name, True, text[text.index(_BEGIN):text.rindex(_END) + len(_END)]),
+                     ('setParam', name, value))
+        return [1, 'parameter {} set'.format(name), 0]
+
+    def _delete(self, _ask, caller, key):
+        name = _resolved(caller, key)
+        if not self._is_set(name):
+            return [-1, 'parameter [{}] is not set'.format(name), 0]
+        self._pending.delete(name)
+        self._report(wire.parameter(name, False, ''), ('deleteParam', name))
+        return [1, 'parameter {} deleted'.format(name), 0]
+
+    def _report(self, item, call):
+        self._untold.append(call)
+
+        def told():
+            self._pending.first_is_told()
+            self._untold.popleft()
+            return item
+        self._participant.add_aside(told)
+
+    # --- questions --------------------------------------------------------------------------------------------------
+
+    def _ask(self, method, name):
+        """Return (code, value) of the ROS master; the time master knows that it was asked."""
+        self._note(name)
+        with aside():
+            code, _, value = getattr(self._master, method)(self._participant.names[0], name)
+        return code, value
+
+    def _note(self, name):
+        if name not in self._asked:
+            self._asked.add(name)
+            self._participant.add_aside(wire.asks(name))
+
+    def _value(self, name):
+        """Return what a parameter is for this process, or MISSING."""
+        code, value = self._ask('getParam', name)
+        return self._pending.seen(name, value if code == 1 else MISSING)
+
+    def _is_set(self, name):
+        if self._pending.concern(name):
+            return self._value(name) is not MISSING
+        return self._ask('hasParam', name) == (1, True)
+
+    def _get(self, _ask, caller, key):
+        name = _resolved(caller, key)
+        value = self._value(name)
+        if value is MISSING:
+            return [-1, 'Parameter [{}] is not set'.format(name), 0]
+        return [1, 'Parameter [{}]'.format(name), in_order(value)]
+
+    def _has(self, _ask, caller, key):
+        name = _resolved(caller, key)
+        return [1, name, self._is_set(name)]
+
+    def _search(self, ask, caller, key):
+        if not key or key.startswith('~'):
+            return ask()  # refused
+        found = search(caller, key, self._is_set)
+        if found is None:
+            return [-1, 'Cannot find parameter [{}] in an upwards search'.format(key), '']
+        return [1, 'Found [{}]'.format(found), found]
+
+    def _names(self, ask, _caller):
+        self._note('/')
+        code, message, names = ask()
+        if code == 1:
+            names = sorted(name for name in self._pending.names(names) if not name.startswith(_OF_ROSLAUNCH + '/'))
+        return [code, message, names]
+
+    def _subscribe(self, ask, caller, api, key):
+        self._participant.label('{} has the ROS master tell it of parameter {}: that comes at some moment of the '
+                                'wall clock'.format(self._participant.names[0], _resolved(caller, key)))
+        return ask()
+
+
+def _resolved(caller, key):
+    return rosgraph.names.resolve_name(key, caller)

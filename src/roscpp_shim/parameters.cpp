@@ -1,0 +1,189 @@
+#include "parameters.h"
+
+#include <ros/common.h>
+#include <ros/init.h>
+#include <ros/names.h>
+#include <ros/param.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "node.h"
+#include "real.h"
+#include "turn.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+const std::array<const char*, 7> kMethods = {"setParam",      "deleteParam", "getParam",
+                                             "hasParam",      "searchParam", "getParamNames",
+                                             "subscribeParam"};
+/** What roslaunch notes of itself: its names have the machine's ports in them. */
+constexpr const char* kOfRoslaunch = "/roslaunch/uris/";
+
+/** So many looks at one parameter, with no more simulated time [ns] between two than this, are a
+ * loop that waits for it. */
+constexpr unsigned kLooks = 100;
+constexpr Nanoseconds kStep = 1'000'000;
+
+XmlRpcValue requestOf(const XmlRpcValue& request, const std::string& name) {
+  XmlRpcValue made;
+  made[0] = request[0];
+  made[1] = name;
+  return made;
+}
+
+}  // namespace
+
+Parameters& parameters() {
+  static Parameters* const instance = new Parameters;  // threads use it until the process has gone
+  return *instance;
+}
+
+bool Parameters::isAbout(const std::string& method) {
+  return std::find(kMethods.begin(), kMethods.end(), method) != kMethods.end();
+}
+
+bool Parameters::answer(const std::string& method, const XmlRpcValue& request, XmlRpcValue& answer,
+                        const AskMaster& ask) {
+  Turn::self()->has_acted = true;  // a loop around it does more than look at its queue
+  if (method == "getParamNames") {
+    return names(request, answer, ask);
+  }
+  if (method == "searchParam") {
+    return search(request, answer, ask);
+  }
+  const std::string key = request[method == "subscribeParam" ? 2 : 1];
+  const std::string name = ros::names::resolve(key, false);
+  answer = 0;
+  if (!ros::ok() && method != "getParam" && method != "hasParam") {
+    return ask(method, request, answer);  // it is told to end: there may be no round any more
+  }
+  if (method == "setParam") {
+    const std::string text = request[2].toXml();
+    pending_.set(name, request[2]);
+    node().append(wire::Parameter{name, true, text});
+    return true;
+  }
+  if (method == "deleteParam") {
+    if (!isSet(name, request, ask)) {
+      return false;
+    }
+    pending_.erase(name);
+    node().append(wire::Parameter{name, false, ""});
+    return true;
+  }
+  look(name);
+  if (method == "hasParam") {
+    answer = isSet(name, request, ask);
+    return true;
+  }
+  return get(name, request, answer, ask);  // nobody is told of changes by the wall clock
+}
+
+/** @brief A loop that waits by asking for one parameter again and again lets time go on. */
+void Parameters::look(const std::string& name) {
+  Look& look = looks_[name];
+  const Nanoseconds now = node().now();
+  look.count = now <= look.at + kStep ? look.count + 1 : 1;
+  if (look.count > kLooks) {
+    Wait wait;
+    wait.until = now + kStep;
+    turn().wait(std::move(wait));
+  }
+  look.at = node().now();
+}
+
+bool Parameters::get(const std::string& name, const XmlRpcValue& request, XmlRpcValue& answer,
+                     const AskMaster& ask) {
+  note(name);
+  const bool is_there = ask("getParam", requestOf(request, name), answer);
+  if (!pending_.concern(name)) {
+    return is_there;
+  }
+  answer = pending_.seen(name, is_there ? answer : XmlRpcValue());
+  return answer.valid();
+}
+
+bool Parameters::isSet(const std::string& name, const XmlRpcValue& request, const AskMaster& ask) {
+  note(name);
+  XmlRpcValue answer;
+  if (pending_.concern(name)) {
+    return get(name, request, answer, ask);
+  }
+  return ask("hasParam", requestOf(request, name), answer) &&
+         answer.getType() == XmlRpcValue::TypeBoolean && static_cast<bool>(answer);
+}
+
+/** @brief From the namespace upwards, as rosmaster: it looks for the key's first word only. */
+bool Parameters::search(const XmlRpcValue& request, XmlRpcValue& answer, const AskMaster& ask) {
+  const std::string key = request[1];
+  if (key.empty() || key[0] == '~') {
+    return ask("searchParam", request, answer);  // refused
+  }
+  std::string space = key[0] == '/' ? "" : static_cast<std::string>(request[0]);
+  while (!space.empty() && space.back() == '/') {
+    space.pop_back();
+  }
+  const std::string first = key.substr(0, key.find('/', 1));
+  while (true) {
+    const std::string sought = key[0] == '/' ? key : space + "/" + first;
+    if (isSet(sought, request, ask)) {
+      answer = key[0] == '/' ? key : space + "/" + key;
+      return true;
+    }
+    if (space.empty()) {
+      return false;
+    }
+    space.erase(space.rfind('/'));
+  }
+}
+
+bool Parameters::names(const XmlRpcValue& request, XmlRpcValue& answer, const AskMaster& ask) {
+  note("/");
+  if (!ask("getParamNames", request, answer) || answer.getType() != XmlRpcValue::TypeArray) {
+    return false;
+  }
+  std::vector<std::string> found;
+  for (int k = 0; k < answer.size(); ++k) {
+    found.push_back(answer[k]);
+  }
+  found = pending_.names(found);
+  found.erase(std::remove_if(found.begin(), found.end(),
+                             [](const auto& name) { return name.rfind(kOfRoslaunch, 0) == 0; }),
+              found.end());
+  std::sort(found.begin(), found.end());
+  answer.clear();
+  answer.setSize(0);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    answer[static_cast<int>(k)] = found[k];
+  }
+  return true;
+}
+
+/** @brief The time master knows then that whoever else sets it labels the run. */
+void Parameters::note(const std::string& name) {
+  if (asked_.insert(name).second) {
+    node().append(wire::Asks{name});
+  }
+}
+
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+
+namespace ros::param {
+
+/** What roscpp would keep is told by the ROS master at some moment of the wall clock. */
+ROSCPP_DECL bool getImpl(const std::string& key, XmlRpc::XmlRpcValue& value, bool use_cache) {
+  using Get = bool(const std::string&, XmlRpc::XmlRpcValue&, bool);
+  static Get* const function = shim::real<Get>(
+      "_ZN3ros5param7getImplERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERN6XmlRpc11"
+      "XmlRpcValueEb");
+  return function(key, value, use_cache && !shim::takesPart());
+}
+
+}  // namespace ros::param

@@ -1,0 +1,69 @@
+// A program that writes on a board of parameters and reads it, in all ways there are.
+#include <ros/ros.h>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace {
+
+std::string of(const ros::NodeHandle& node, const std::string& key, bool is_cached) {
+  std::string value = "none";
+  if (is_cached) {
+    node.getParamCached(key, value);
+  } else {
+    node.getParam(key, value);
+  }
+  return value;
+}
+
+/** @brief What is set in this turn is seen by the program itself, though nobody else has it. */
+void writeAndRead(ros::NodeHandle& node, int count) {
+  const std::string mine = "board " + std::to_string(count);
+  node.setParam("/board/latest", mine);
+  node.setParam("/board/cpp/small", -1e-12 * count);
+  node.setParam("/board/cpp/list", std::vector<int>{count, 2});
+  double small = 0.0;
+  std::vector<int> list;
+  XmlRpc::XmlRpcValue tree;
+  const bool is_good = node.getParam("/board/cpp/small", small) && small == -1e-12 * count &&
+                       node.getParam("/board/cpp/list", list) && list.at(0) == count &&
+                       node.getParam("/board/cpp", tree) && tree.size() == 2 &&
+                       of(node, "/board/latest", false) == mine &&
+                       of(node, "/board/latest", true) == mine;
+  bool is_gone = true;
+  if (count % 5 == 0) {
+    is_gone = node.deleteParam("/board/cpp") && !node.deleteParam("/board/cpp") &&
+              !node.hasParam("/board/cpp/list");
+  }
+  if (!is_good || !is_gone) {
+    std::printf("%d: it does not see what it has set\n", count);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "board");
+  ros::NodeHandle node;
+  ros::Rate rate(10.0);
+  for (int count = 1; ros::ok() && count <= 20; ++count) {
+    std::string found = "none";
+    node.searchParam("board/latest", found);
+    std::printf("%.3f %s %s %d:", ros::Time::now().toSec(),
+                of(node, "/board/latest", false).c_str(), found.c_str(),
+                node.hasParam("/board/a") ? 1 : 0);
+    std::vector<std::string> names;
+    node.getParamNames(names);
+    for (const std::string& name : names) {
+      std::printf(name.rfind("/board", 0) == 0 ? " %s" : "", name.c_str());
+    }
+    std::printf("\n");
+    if (of(node, "/board/latest", false) != of(node, "/board/latest", true)) {
+      std::printf("what is cached is not what is there\n");
+    }
+    writeAndRead(node, count);
+    rate.sleep();
+  }
+  return 0;
+}
