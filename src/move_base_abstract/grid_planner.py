@@ -14,6 +14,7 @@ _FIELDS_BYTES = 64 * 1024 * 1024  # of one map's fields; the one that was used l
 _WAVES_BYTES = 32 * 1024 * 1024  # of those that can go on where they are: others have to start anew
 _WAVE_BYTES = 6  # a cell, of one that can go on
 _DIGITS = 6  # of corners: micrometres, which do not show how a rotated map's angle was rounded on its way
+_LEAST_RESOLUTION = 0.001  # m, of cells with corners in micrometres: much less than 1/256 of a cell
 _KEPT_WAYS = 10_000  # likewise
 
 _shared = weakref.WeakKeyDictionary()  # {OccupancyMap: {(radius, whether unknown is free): MapWays}}
@@ -28,6 +29,7 @@ class MapWays:
         cells = radius / self._map.resolution
         self.grid = PlanningGrid(blocked_cells(occupancy.cells, cells, unknown_is_free))
         self._reach = int(cells) + 1
+        self._digits = _DIGITS if self._map.resolution >= _LEAST_RESOLUTION else 2 * _DIGITS
         self._waves = max(2, _WAVES_BYTES // (_WAVE_BYTES * len(self.grid.free)))
         self._fields = OrderedDict()  # {cell of a goal: CostField}
         self._shorteners = {}  # {cell of a goal: the Shortener of its latest place}
@@ -71,7 +73,7 @@ class MapWays:
     def is_clear(self, points):
         """Return whether the straight pieces between ``points`` [(x, y), m] touch no cell where no centre may be."""
         places = [self.grid.place(*self._map.to_cells(x, y)) for x, y in points]
-        return None not in places and all(self.grid.sees(one, other) for one, other in zip(places, places[1:]))
+        return None not in places and all(self.grid.sees(one, other, 0) for one, other in zip(places, places[1:]))
 
     def _find(self, start, goal):
         grid = self.grid
@@ -85,7 +87,7 @@ class MapWays:
                 return None
             corners += tightened(grid, [free, *shortener.corners_from(free), goal])[1:-1]
         points = (self._map.from_cells(column / PARTS, row / PARTS) for column, row in corners)
-        return tuple((round(x, _DIGITS), round(y, _DIGITS)) for x, y in points)
+        return tuple((round(x, self._digits), round(y, self._digits)) for x, y in points)
 
     def _place(self, pose):
         return self.grid.place(*self._map.to_cells(pose.x, pose.y))

@@ -11,6 +11,9 @@ from .occupancy import OCCUPIED, UNKNOWN
 
 #: parts of a cell in which places are counted; even, so that a cell's centre is one
 PARTS = 256
+#: parts by which planned ways keep off cells that are not free, so that no rounding of a place brings them into one
+MARGIN = 1
+_OFF = MARGIN + 1  # parts; the least distance of a place from its cell's borders
 _HALF = PARTS // 2
 _PARTS_OF_8 = 8 * PARTS
 _EIGHTHS = (4, 2, 6, 1, 3, 5, 7)  # of a line
@@ -69,11 +72,11 @@ class PlanningGrid:
         self.steps = _allowed_steps(free)
         #: a number for each cell that anybody may overwrite
         self.scratch = np.zeros(free.size, np.int32)
-        corner = np.zeros(free.shape, bool)
-        corner[1:-1, 1:-1] = _convex_corners(free)
-        self._is_corner = memoryview(corner.ravel().view(np.uint8))
-        #: which cells lie diagonally outside of a corner of what is not free, [row, column]
-        self.corners = corner[1:-1, 1:-1]
+        #: by a cell's number: bit k says that it lies diagonally outside of a corner of what is not free, which lies at
+        #: the k-th diagonal one of STEPS
+        corners = _convex_corners(free)
+        self._corners_of = memoryview(corners.ravel())
+        self._corners = corners[1:-1, 1:-1]
         self._is_free = memoryview(self.free.view(np.uint8))
         # [column, row]: how many cells of the column south of the row are not free
         counts = np.zeros((columns, rows + 1), np.int32)
@@ -83,7 +86,7 @@ class PlanningGrid:
     def place(self, column, row):
         """Return the place (1/256 cells) of a point given in cells with fractions, or None off the grid.
 
-        It lies inside of the point's cell, never on its border.
+        It is the nearest one inside of the point's cell, at least two parts off its borders.
         """
         if not (0.0 <= column < self.columns and 0.0 <= row < self.rows):
             return None
@@ -104,7 +107,32 @@ class PlanningGrid:
 
     def is_corner(self, cell):
         """Return whether a cell lies diagonally outside of a corner of what is not free."""
-        return bool(self._is_corner[cell])
+        return self._corners_of[cell] != 0
+
+    def corners_within(self, places):
+        """Return the corners of what is not free in the box around ``places``: [corner, x and y], parts as of places.
+
+        And the place by each, as near as may be, at which a way bends around it, in a second array.
+        """
+        low = [max(min(values) // PARTS - 1, 0) for values in zip(*places)]
+        high = [max(values) // PARTS + 2 for values in zip(*places)]
+        window = self._corners[low[1]:high[1], low[0]:high[0]]
+        rows, columns = np.nonzero(window)
+        bits = window[rows, columns]
+        cells = np.stack((columns, rows), axis=1) + low
+        corners, bends = [], []
+        for number, step in enumerate(STEPS[4:]):
+            corners.append((cells[bits >> number & 1 != 0] * 2 + 1 + step) * _HALF)
+            bends.append(corners[-1] - np.multiply(step, _OFF))
+        return np.concatenate(corners), np.concatenate(bends)
+
+    def corner_at(self, place):
+        """Return towards which corner (+-1, +-1) of what is not free ``place`` is as near as may be, or None."""
+        parts = place[0] % PARTS, place[1] % PARTS
+        if not all(part in (_OFF, PARTS - _OFF) for part in parts):
+            return None
+        step = tuple(1 if part > _HALF else -1 for part in parts)
+        return step if self._corners_of[self.cell_of(place)] >> STEPS.index(step) - 4 & 1 else None
 
     def nearest_free(self, place, reach):
         """Return the number of the free cell nearest to ``place``, at most ``reach`` cells away, or None.
@@ -121,11 +149,12 @@ class PlanningGrid:
                     best = distance, cell
         return best[1] if best else None
 
-    def sees(self, one, other):
-        """Return whether each cell that the straight line between two places touches is free, ends and borders too.
+    def sees(self, one, other, margin=MARGIN):
+        """Return whether each cell within ``margin`` parts (0 or 1) of the straight line between two places is free.
 
-        A line through a corner touches all four cells there. Along each column of cells the line covers rows from its
-        lower to its upper end there; where it crosses into the next column is a fraction, compared without dividing.
+        With 0 that is each cell that the line touches, ends and borders too; a line through a corner touches all four
+        cells there. With 1 a square of twice that side goes along the line. Along each column of cells it covers rows
+        from its lower to its upper end there; where it crosses a border is a fraction, compared without dividing.
         """
         (x, y), (end_x, end_y) = sorted((one, other))
         for share in _EIGHTHS:  # a point of the line lies in a cell that it touches: most that are not clear show here
@@ -139,10 +168,14 @@ class PlanningGrid:
         if first == last:
             low, high = min(y, end_y) // PARTS, max(y, end_y) // PARTS
             return bool(self._counts[first * stride + high + 1] == self._counts[first * stride + low])
-        heights = np.empty(last - first + 2, np.int64)  # of the line at each column's borders, times width
-        heights[0], heights[-1] = y * width, end_y * width
-        heights[1:-1] = (np.arange(first + 1, last + 1) * PARTS - x) * height + y * width
-        low, high = (heights[:-1], heights[1:]) if height >= 0 else (heights[1:], heights[:-1])
+        # Of the line where columns meet, times width; its ends lie further off their cells' borders than the margin.
+        heights = (np.arange(first + 1, last + 1) * PARTS - x) * height + y * width
+        spread = margin * (width + abs(height))
+        low, high = np.empty(last - first + 1, np.int64), np.empty(last - first + 1, np.int64)
+        if height >= 0:
+            low[0], low[1:], high[:-1], high[-1] = y * width, heights - spread, heights + spread, end_y * width
+        else:
+            high[0], high[1:], low[:-1], low[-1] = y * width, heights + spread, heights - spread, end_y * width
         scale = PARTS * width
         columns = np.arange(first * stride, (last + 1) * stride, stride)
         above = self._counts[columns + high // scale + 1]
@@ -151,7 +184,7 @@ class PlanningGrid:
 
 def _inside(value):
     cell = int(value)
-    return cell * PARTS + min(max(int((value - cell) * PARTS), 1), PARTS - 1)
+    return cell * PARTS + min(max(int((value - cell) * PARTS + 0.5), _OFF), PARTS - _OFF)
 
 
 def _allowed_steps(free):
@@ -167,11 +200,12 @@ def _allowed_steps(free):
 
 
 def _convex_corners(free):
-    rows, columns = free.shape[0] - 2, free.shape[1] - 2
+    corners = np.zeros(free.shape, np.uint8)
+    inner = corners[1:-1, 1:-1]
+    rows, columns = inner.shape
 
     def shifted(dx, dy):
         return free[1 + dy:1 + dy + rows, 1 + dx:1 + dx + columns]
-    corner = np.zeros((rows, columns), bool)
-    for dx, dy in STEPS[4:]:
-        corner |= shifted(0, 0) & shifted(dx, 0) & shifted(0, dy) & ~shifted(dx, dy)
-    return corner
+    for number, (dx, dy) in enumerate(STEPS[4:]):
+        inner |= (shifted(0, 0) & shifted(dx, 0) & shifted(0, dy) & ~shifted(dx, dy)).astype(np.uint8) << number
+    return corners

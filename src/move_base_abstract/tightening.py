@@ -1,42 +1,51 @@
-"""Ways pulled tight: each corner gives way to the corners of what is not free that lie within its bend.
+"""Ways pulled tight: each bend gives way to the corners of what is not free that lie within it.
 
 Of a bend a - b - c both pieces are clear, so what keeps a from seeing c reaches in between a and c: a string along the
 bend is caught by the convex hull of the corners in the triangle. Whole numbers decide.
 """
-import numpy as np
-
-from .planning_grid import PARTS
 from .shortening import length_between
 
-_ROUNDS = 3
+_TRIES = 32  # for each bend that a way has at first; a few are enough
 
 
 def tightened(grid, places):
-    """Return ``places`` (1/256 cells, see PlanningGrid), from start to goal, with tighter bends. It is never longer."""
+    """Return ``places`` (1/256 cells, see PlanningGrid), from start to goal, pulled tight. It is never longer."""
     places = list(places)
-    for _ in range(_ROUNDS):
-        before = list(places)
-        index = 1
-        while index < len(places) - 1:
-            chain = _pulled(grid, *places[index - 1:index + 2])
+    tries = _TRIES * len(places)
+    index = 1
+    while index < len(places) - 1 and tries:
+        tries -= 1
+        chain = _pulled(grid, *places[index - 1:index + 2])
+        if chain == places[index:index + 1]:
+            index += 1
+        else:
             places[index:index + 1] = chain
-            index += max(1, len(chain))
-        if places == before:
-            break
+            index = max(1, index - 1)  # the piece before has changed
     return places
+
+
+def is_taut(grid, begin, bend, end):
+    """Return whether the way from ``begin`` to ``end`` bends around a corner, as near to it as may be."""
+    corner = grid.corner_at(bend)
+    if corner is None:
+        return False
+    towards = bend[0] + corner[0], bend[1] + corner[1]
+    sides = [_side(bend, one, *other) for one, other in ((begin, towards), (towards, end), (begin, end))]
+    return min(sides) > 0 or max(sides) < 0
 
 
 def _pulled(grid, begin, bend, end):
     """Return the places by which the way from ``begin`` to ``end`` is tight, on the side of ``bend``."""
+    if is_taut(grid, begin, bend, end):
+        return [bend]
     if grid.sees(begin, end):
         return []
     side = _side(begin, end, *bend)
     if side == 0:
         return [bend]
-    chain = _hull(begin, end, _corners_within(grid, begin, bend, end), 1 if side > 0 else -1)
-    way = [begin, *chain, end]
-    is_clear = all(grid.sees(one, other) for one, other in zip(way, way[1:]))
-    return chain if is_clear and _length(way) < _length([begin, bend, end]) else [bend]
+    way = _around(begin, end, _bends_within(grid, begin, bend, end, 1 if side > 0 else -1))
+    is_shorter = _length(way) < _length([begin, bend, end])
+    return way[1:-1] if is_shorter and all(grid.sees(*piece) for piece in zip(way, way[1:])) else [bend]
 
 
 def _length(places):
@@ -48,29 +57,32 @@ def _side(begin, end, x, y):
     return (end[0] - begin[0]) * (y - begin[1]) - (end[1] - begin[1]) * (x - begin[0])
 
 
-def _corners_within(grid, begin, bend, end):
-    """Return the places [(x, y)] of the corner cells in the triangle, its sides included."""
-    low = [min(values) // PARTS for values in zip(begin, bend, end)]
-    high = [max(values) // PARTS + 1 for values in zip(begin, bend, end)]
-    rows, columns = np.nonzero(grid.corners[low[1]:high[1], low[0]:high[0]])
-    x = (columns + low[0]) * PARTS + PARTS // 2
-    y = (rows + low[1]) * PARTS + PARTS // 2
-    sides = [_side(one, other, x, y) for one, other in ((begin, bend), (bend, end), (end, begin))]
-    inside = np.logical_or(np.min(sides, axis=0) >= 0, np.max(sides, axis=0) <= 0)
-    return list(zip(x[inside].tolist(), y[inside].tolist()))
+def _bends_within(grid, begin, bend, end, sign):
+    """Return the places [(x, y)] by the corners of what is not free in the triangle, sides included.
 
-
-def _hull(begin, end, points, sign):
-    """Return the inside of the convex chain from ``begin`` to ``end`` around ``points``, left (``sign`` 1) or right.
-
-    Points are taken in the order in which they lie along the line from begin to end; of equal ones the outer one first.
+    A corner may lie in the triangle and the place by it a part outside: what counts is the corner.
     """
-    dx, dy = end[0] - begin[0], end[1] - begin[1]
-    ordered = sorted((point for point in points if sign * _side(begin, end, *point) > 0), key=lambda point: (
-        point[0] * dx + point[1] * dy, -sign * _side(begin, end, *point)))
-    chain = [begin]
-    for point in [*ordered, end]:
-        while len(chain) > 1 and sign * _side(chain[-2], point, *chain[-1]) <= 0:
+    corners, bends = grid.corners_within((begin, bend, end))
+    x, y = corners.T
+    inside = (sign * _side(begin, bend, x, y) <= 0) & (sign * _side(bend, end, x, y) <= 0)
+    inside &= sign * _side(begin, end, *bends.T) > 0
+    return map(tuple, bends[inside].tolist())
+
+
+def _around(begin, end, points):
+    """Return the convex way from ``begin`` to ``end`` around ``points``, which lie on one side of their line."""
+    ordered = sorted([begin, end, *points])
+    hull = _chain(ordered)[:-1] + _chain(ordered[::-1])[:-1]
+    first = hull.index(begin)
+    hull = hull[first:] + hull[:first]
+    return hull if hull[-1] == end else hull[:1] + hull[:0:-1]
+
+
+def _chain(ordered):
+    """Return those of the points, which are sorted, that bound them on the right of their first and last one."""
+    chain = []
+    for point in ordered:
+        while len(chain) > 1 and _side(chain[-2], chain[-1], *point) <= 0:
             chain.pop()
         chain.append(point)
-    return chain[1:-1]
+    return chain

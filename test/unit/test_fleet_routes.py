@@ -22,7 +22,7 @@ from move_base_abstract.units import NS_PER_S
 S = NS_PER_S
 NO_PLAN = 'Failed to find a valid plan. Even after executing recovery behaviors.'
 START, GOAL = Pose2D(2.5, 5.5), Pose2D(8.5, 5.5)
-CORNERS = ((4.5, 1.5), (6.5, 1.5))
+CORNERS = ((4.992188, 1.992188), (6.007812, 1.992188))  # 2/256 of a cell off the wall's
 LIMITS = MotionLimits(2.0, 1.0, 1.0)
 
 
@@ -63,7 +63,7 @@ def test_a_robot_travels_the_route_to_the_nanosecond(law):
         assert fleet.distance('bot') == route.distance_at(fleet.now_ns)
     fleet.run()
     assert fleet.trace == [
-        TraceEntry(0, 'bot', 'departed', (8.5, 5.5, 0.0)), TraceEntry(0, 'bot', 'route', (4.5, 1.5, 6.5, 1.5)),
+        TraceEntry(0, 'bot', 'departed', (8.5, 5.5, 0.0)), TraceEntry(0, 'bot', 'route', (*CORNERS[0], *CORNERS[1])),
         TraceEntry(route.arrive_ns, 'bot', 'stands', (route.end.x, route.end.y, 0.0)),
         TraceEntry(route.arrive_ns, 'bot', 'ended', ('bot-1', 'SUCCEEDED', 'Goal reached.'))]
 
@@ -89,14 +89,14 @@ def test_without_routes_a_map_with_walls_stops_nobody():
 def test_a_newer_goal_counts_from_the_exact_place_on_the_route():
     fleet = fleet_on(area(WALL))
     fleet.send('bot', GOAL.x, GOAL.y)
-    fleet.run(5 * S)
+    fleet.run(9 * S // 2)
     here = fleet.pose('bot')
     fleet.send('bot', START.x, START.y)
-    assert fleet.distance('bot') == pytest.approx(math.dist((2.5, 5.5), (4.5, 1.5)) + here.x - 4.5)
+    assert fleet.distance('bot') == pytest.approx(math.dist((2.5, 5.5), CORNERS[0]) + here.x - CORNERS[0][0])
     fleet.run()
     states = [entry.values[1] for entry in fleet.trace if entry.kind == 'ended']
-    assert states == ['PREEMPTED', 'SUCCEEDED'] and here.y == 1.5 and 4.5 < here.x < 6.5
-    assert TraceEntry(5 * S, 'bot', 'stands', (here.x, here.y, here.yaw)) in fleet.trace
+    assert states == ['PREEMPTED', 'SUCCEEDED'] and here.y == CORNERS[0][1] and CORNERS[0][0] < here.x < CORNERS[1][0]
+    assert TraceEntry(9 * S // 2, 'bot', 'stands', (here.x, here.y, here.yaw)) in fleet.trace
     assert fleet.pose('bot') == START
 
 
@@ -138,7 +138,7 @@ def test_a_route_that_a_new_map_cuts_is_planned_again_at_that_instant():
                                                      'ended']
     assert {entry.time_ns for entry in fleet.trace[2:5]} == {3 * S}
     here = Pose2D(*fleet.trace[2].values)
-    assert fleet.trace[4].values[-2:] == (6.5, 10.5)
+    assert fleet.trace[4].values[-2:] == (6.007812, 10.007812)
     route = Route(here, GOAL, [fleet.trace[4].values[index:index + 2] for index in (0, 2)], LIMITS, depart_ns=3 * S)
     assert fleet.trace[-1].time_ns == route.arrive_ns and fleet.trace[-1].values[1] == 'SUCCEEDED'
 

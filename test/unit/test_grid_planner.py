@@ -73,7 +73,7 @@ def test_it_goes_straight_where_nothing_lies_between_and_round_the_end_of_a_wall
     ways = MapWays(the_map := occupancy(walled()), 0.0)
     assert ways.corners(Pose2D(1.2, 0.9), Pose2D(8.0, 1.1)) == ()
     corners = ways.corners(Pose2D(2.5, 5.5), Pose2D(8.5, 5.5))
-    assert corners == ((4.5, 1.5), (6.5, 1.5))
+    assert corners == ((4.992188, 1.992188), (6.007812, 1.992188))  # 2/256 of a cell off the wall's
     assert ways.corners(Pose2D(8.5, 5.5), Pose2D(2.5, 5.5)) == corners[::-1]
     assert the_map.width == 10
 
@@ -117,15 +117,16 @@ def test_of_two_equal_ways_it_is_the_one_whose_first_step_comes_first():
     blocked = np.zeros((9, 9), bool)
     blocked[3:6, 4] = True  # a wall with as long a way round in the north as in the south
     ways = MapWays(the_map := occupancy(blocked), 0.0)
-    assert ways.corners(Pose2D(1.5, 4.5), Pose2D(7.5, 4.5)) == ((3.5, 6.5), (5.5, 6.5))
+    assert ways.corners(Pose2D(1.5, 4.5), Pose2D(7.5, 4.5)) == ((3.992188, 6.007812), (5.007812, 6.007812))
     turned = MapWays(other := occupancy(blocked.T.copy()), 0.0)
-    assert turned.corners(Pose2D(4.5, 1.5), Pose2D(4.5, 7.5)) == ((6.5, 3.5), (6.5, 5.5))
+    assert turned.corners(Pose2D(4.5, 1.5), Pose2D(4.5, 7.5)) == ((6.007812, 3.992188), (6.007812, 5.007812))
     assert (the_map.width, other.width) == (9, 9)
 
 
 def test_it_keeps_the_radius_from_the_wall():
     ways = MapWays(the_map := occupancy(walled()), 1.0)
-    assert ways.corners(Pose2D(2.5, 5.5), Pose2D(8.5, 5.5)) == ((4.5, 0.5), (6.5, 0.5))
+    assert ways.corners(Pose2D(2.5, 5.5), Pose2D(8.5, 5.5)) == (
+        (3.992188, 1.992188), (4.992188, 0.992188), (6.007812, 0.992188), (7.007812, 1.992188))
     assert not ways.is_free(Pose2D(4.5, 5.5)) and ways.is_free(Pose2D(3.5, 5.5)) and the_map.width
 
 
@@ -196,7 +197,7 @@ def test_unknown_cells_are_free_or_not():
     cells = np.zeros((5, 9), np.int8)
     cells[:4, 4] = -1
     start, goal = Pose2D(1.5, 1.5), Pose2D(7.5, 1.5)
-    for allow_unknown, corners in ((True, ()), (False, ((3.5, 4.5), (5.5, 4.5)))):
+    for allow_unknown, corners in ((True, ()), (False, ((3.992188, 4.007812), (5.007812, 4.007812)))):
         check = MapCheck(OccupancyMap(cells, 1.0), allow_unknown)
         assert GridPlanner(check, 0.0).corners(start, goal) == corners
 
@@ -214,7 +215,7 @@ def test_plans_follow_the_corners_a_quarter_of_a_metre_apart():
     assert max(one.distance_to(other) for one, other in zip(plan, plan[1:])) <= 0.25 + 1e-12
     assert length_of(plan[0], [(pose.x, pose.y) for pose in plan[1:-1]], plan[-1]) == pytest.approx(
         length_of(start, ways.corners(start, goal), goal))
-    corner = next(pose for pose in plan if (pose.x, pose.y) == (4.5, 1.5))
+    corner = next(pose for pose in plan if (pose.x, pose.y) == (4.992188, 1.992188))
     assert corner.yaw == 0.0  # where it heads from there
     assert path_along(start, ways.corners(start, goal), goal) == plan
 

@@ -42,14 +42,17 @@ def test_values_that_no_map_has_are_occupied():
 
 def test_places_lie_inside_of_their_cells_and_off_the_grid_there_is_none():
     grid = PlanningGrid(np.zeros((3, 5), bool))
-    assert grid.place(0.0, 0.0) == (1, 1)
-    assert grid.place(4.9999999, 2.5) == (5 * PARTS - 1, 2 * PARTS + PARTS // 2)
+    assert grid.place(0.0, 0.0) == (2, 2)
+    assert grid.place(4.9999999, 2.5) == (5 * PARTS - 2, 2 * PARTS + PARTS // 2)
     assert grid.place(5.0, 1.0) is None and grid.place(-1e-9, 1.0) is None and grid.place(1.0, 3.0) is None
     assert grid.place(math.nan, 1.0) is None
     for column, row in ((0, 0), (4, 2), (3, 1)):
         place = column * PARTS + PARTS // 2, row * PARTS + PARTS // 2
         assert grid.place(column + 0.5, row + 0.5) == place
         assert grid.centre_of(grid.cell_of(place)) == place
+    for part in range(2, PARTS - 1):  # what is given to a micrometre is the same place again
+        assert {grid.place(round(3.0 + part / PARTS, 6) + shift, 1.5)[0] for shift in (-1e-6, 0.0, 1e-6)} == {
+            3 * PARTS + part}
 
 
 @given(BLOCKED)
@@ -83,10 +86,11 @@ def test_the_nearest_free_cell_of_equal_ones_is_the_southernmost_then_the_wester
 
 # ---- sight
 
-def touches(one, other, column, row):
-    """Return whether the straight piece between two places touches the cell, its border included."""
+def touches(one, other, column, row, margin=0):
+    """Return whether the straight piece between two places comes to the cell, its border and ``margin`` included."""
     low, high = sorted((one, other))
-    box = [(x * PARTS, y * PARTS) for x in (column, column + 1) for y in (row, row + 1)]
+    box = [(x, y) for x in (column * PARTS - margin, (column + 1) * PARTS + margin)
+           for y in (row * PARTS - margin, (row + 1) * PARTS + margin)]
     south, north = sorted((one[1], other[1]))
     if high[0] < box[0][0] or low[0] > box[3][0] or north < box[0][1] or south > box[3][1]:
         return False
@@ -94,16 +98,44 @@ def touches(one, other, column, row):
     return min(sides) <= 0 <= max(sides)
 
 
-@given(BLOCKED, st.data())
-def test_places_see_each_other_where_all_cells_on_the_line_are_free(blocked, data):
+@given(BLOCKED, st.integers(0, 1), st.data())
+def test_places_see_each_other_where_all_cells_near_the_line_are_free(blocked, margin, data):
     rows, columns = blocked.shape
-    inside = st.sampled_from((1, PARTS // 2, PARTS - 1)) | st.integers(1, PARTS - 1)
+    inside = st.sampled_from((2, PARTS // 2, PARTS - 2)) | st.integers(2, PARTS - 2)
     one, other = [(data.draw(st.integers(0, columns - 1)) * PARTS + data.draw(inside),
                    data.draw(st.integers(0, rows - 1)) * PARTS + data.draw(inside)) for _ in range(2)]
-    expected = not any(touches(one, other, column, row) and blocked[row, column]
+    expected = not any(touches(one, other, column, row, margin) and blocked[row, column]
                        for row, column in np.ndindex(blocked.shape))
     grid = PlanningGrid(blocked)
-    assert grid.sees(one, other) == grid.sees(other, one) == expected
+    assert grid.sees(one, other, margin) == grid.sees(other, one, margin) == expected
+
+
+@pytest.mark.parametrize('off, seen', [(0, [False, False]), (1, [True, False]), (2, [True, False]), (3, [True, True])])
+def test_a_line_that_passes_a_corner_within_a_part_is_seen_without_a_margin_only(off, seen):
+    blocked = np.zeros((9, 9), bool)
+    blocked[4, 4] = True  # its north-west corner is (4, 5); the line has half of ``off`` parts between them, each way
+    low = 2 * PARTS + PARTS // 2, 3 * PARTS + PARTS // 2 + off
+    high = low[0] + 4 * PARTS, low[1] + 4 * PARTS
+    assert [PlanningGrid(blocked).sees(low, high, margin) for margin in (0, 1)] == seen
+
+
+@given(BLOCKED)
+def test_ways_bend_two_parts_off_the_corners_of_what_is_not_free(blocked):
+    rows, columns = blocked.shape
+    grid = PlanningGrid(blocked)
+    padded = np.pad(blocked, 1, constant_values=True)
+    expected = []
+    for row, column in np.ndindex(blocked.shape):
+        for dx, dy in STEPS[4:]:
+            near = padded[row + 1, column + 1], padded[row + 1, column + 1 + dx], padded[row + 1 + dy, column + 1]
+            if not any(near) and padded[row + 1 + dy, column + 1 + dx]:
+                corner = (column + (dx > 0)) * PARTS, (row + (dy > 0)) * PARTS
+                bend = corner[0] - 2 * dx, corner[1] - 2 * dy
+                assert grid.corner_at(bend) == (dx, dy) and grid.is_corner(grid.cell_of(bend))
+                expected.append((*corner, *bend))
+    found = grid.corners_within(((1, 1), (columns * PARTS - 1, rows * PARTS - 1)))
+    assert sorted(map(tuple, np.hstack(found).tolist())) == sorted(expected)
+    assert grid.corner_at((2, 3)) is None
 
 
 def test_a_line_through_a_corner_touches_all_four_cells():
