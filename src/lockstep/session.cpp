@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kKeptGrant = 4096;  // bytes, to say what a silent one was told last
 constexpr Nanoseconds kMissingGap = 5 * kNanosecondsPerSecond;  // wall
+constexpr std::size_t kMostDepartures = 1000;                   // that are kept
 
 }  // namespace
 
@@ -174,6 +175,10 @@ void LockstepSession::applyDeparture(MemberId id) {
   if (!member.dead) {
     messages_.say(Level::kInfo,
                   text_.quoted(id) + " " + member.how + (rounds_.started() ? text_.at() : ""));
+  }
+  if (rounds_.started() && !rounds_.ended() && !ends_together_ &&
+      departures_.size() < kMostDepartures) {
+    departures_.push_back({member.name, rounds_.now(), member.dead});
   }
   const auto& last = settings_.end_with;
   if (rounds_.started() && std::find(last.begin(), last.end(), member.name) != last.end()) {
@@ -385,6 +390,7 @@ LockstepStatus LockstepSession::status() const {
   status.participants = text_.participants();
   status.not_repeatable = labels_.notRepeatable();
   status.degraded = labels_.degraded();
+  status.departures = departures_;
   status.reason = reason();
   status.ended_as_wished = ended_as_wished_;
   status.cut = cut_;

@@ -161,8 +161,9 @@ class LockstepSession {
   std::vector<MemberId> changed_;     // have a report or depart, in the order of arrival
   std::vector<PendingTurn> applied_;  // kept while mail points into them
   std::vector<MemberId> gone_;        // GONE is due after the next grants
-  std::string death_;                 // on_death says that the run ends with it
-  std::string left_;                  // end_with says that the run ends with who left
+  std::vector<LockstepStatus::Departure> departures_;  // while the run went on
+  std::string death_;                                  // on_death says that the run ends with it
+  std::string left_;  // end_with says that the run ends with who left
   bool ended_as_wished_ = false;
   Interruption interruption_;
   bool rested_ = false;         // ... when the first of them was told to end

@@ -41,6 +41,12 @@ struct LockstepStatus {
     std::size_t mail;  // waiting for its next grant
     bool owes;
   };
+  /** @brief Who has left or died while the run went on. */
+  struct Departure {
+    std::string name;
+    Nanoseconds time;  // simulated
+    bool died;         // its connection was lost, or it was dropped
+  };
   LockstepPhase phase;
   Nanoseconds time;  // simulated
   std::uint32_t microstep;
@@ -49,6 +55,7 @@ struct LockstepStatus {
   std::vector<Participant> participants;    // by rank, then name
   std::vector<std::string> not_repeatable;  // why; empty: the run is repeatable
   std::vector<std::string> degraded;        // why
+  std::vector<Departure> departures;        // in the order in which they were; the first ones
   std::string reason;                       // of deadlock, zero-delay loop and end: who and why
   bool ended_as_wished;                     // as end_when_idle, end_at or end_with say
   bool cut;      // ended from outside while there was something left to do: another run of the same

@@ -24,6 +24,7 @@ ALWAYS, START = 'each node of this package', 'a node of this package, while its 
 NODES = 'each node of this package, and each program by the launcher, when it starts'
 ROBOTS = 'move_base and fleet'
 LOCKSTEP, THREADS = 'lockstep.join', 'lockstep.join, unless own_threads=False'
+OR_FUNCTION = 'lockstep.join, or a trial of an experiment that is a function'
 LAUNCHER = 'the launcher of unmodified programs'
 OLD_LAUNCHER = 'the launcher of unmodified programs, before Python 3.11'
 LOOPS = 'the launcher of unmodified programs, when a program imports asyncio'
@@ -54,6 +55,7 @@ _TOLD = 'labels the run where the program calls it'
 _HEARS = 'tells the time master whether feedback has any effect on an action client'
 _NUMBERED = 'is hashed by number, so that sets of them have one order'
 _TASKS = 'makes tasks of coroutines in the order in which they are given'
+_UNCAUGHT = 'tells the event log of an exception that nobody catches'
 _LOCK = 'gives the turn away where another thread of the program holds it'
 
 _ROWS = (
@@ -109,8 +111,13 @@ _ROWS = (
         'does nothing: time comes with the grants, not on /clock', ('1d47ac6f2d40',)),
     Row('rospy.core.signal_shutdown', LOCKSTEP,
         'tells the time master first, where a signal or another node ends this one', ('1be84b9b1b33', '51e015a07699')),
+    Row('rospy.topics._SubscriberImpl._invoke_callback', LOCKSTEP, _UNCAUGHT, ('81c97c7de4c4',)),
+    Row('rospy.impl.tcpros_service.ServiceImpl.error_handler', LOCKSTEP, _UNCAUGHT, ('0c79cd978086',)),
+    Row('actionlib.simple_action_server.SimpleActionServer.__init__', LOCKSTEP, _UNCAUGHT),
+    Row('threading.excepthook', OR_FUNCTION, _UNCAUGHT),
     Row('threading._shutdown', LOCKSTEP, 'has the process leave in its last round'),
-    Row('sys.excepthook', LOCKSTEP, 'keeps quiet about the end of lockstep, which is no error of the program'),
+    Row('sys.excepthook', LOCKSTEP,
+        _UNCAUGHT + '; keeps quiet about the end of lockstep, which is no error of the program'),
     Row('threading._allocate_lock', THREADS, _LOCK),
     Row('threading.Lock', THREADS, _LOCK),
     Row('threading.RLock', THREADS, _LOCK),

@@ -3,6 +3,8 @@
 #include <cstring>
 #include <exception>
 
+#include "clock/json_text.h"
+
 namespace move_base_abstract::lockstep::internal {
 
 void advertise(Membership& membership, SharedTopic& topic, const ros::AdvertiseOptions& options) {
@@ -53,6 +55,12 @@ ros::SerializedMessage messageOf(std::string_view payload) {
   const boost::shared_array<std::uint8_t> bytes(new std::uint8_t[payload.size() + 1]);
   std::memcpy(bytes.get(), payload.data(), payload.size());
   return {bytes, payload.size()};
+}
+
+std::string uncaughtOf(const std::string& service) {
+  std::string values = "[\"std::exception\",";
+  appendJson(values, "the handler of service " + service);
+  return values + "]";
 }
 
 Handled handleCall(ros::ServiceCallbackHelper& helper, const std::string& service,

@@ -72,6 +72,9 @@ struct Handled {
   std::string error;  // what it has thrown
 };
 
+/** @return the values of the event `uncaught`: a handler of this service has thrown. */
+std::string uncaughtOf(const std::string& service);
+
 Handled handleCall(ros::ServiceCallbackHelper& helper, const std::string& service,
                    const std::string& caller, std::string_view request);
 

@@ -54,6 +54,7 @@ void Service::answer(std::uint32_t caller, std::uint32_t number, const std::stri
   if (!handled.error.empty()) {
     failure = "service " + name_ + " of " + core->name() + " failed: " + handled.error;
     ROS_ERROR("lockstep: %s", failure.c_str());
+    core->append(wire::Log{0, core->name(), "uncaught", uncaughtOf(name_)});
   }
   core->append(wire::Response{caller, number, handled.is_good,
                               handled.is_good ? handled.response : failure});

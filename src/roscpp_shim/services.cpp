@@ -24,6 +24,7 @@ namespace {
 using lockstep::internal::handleCall;
 using lockstep::internal::Handled;
 using lockstep::internal::Reply;
+using lockstep::internal::uncaughtOf;
 
 struct Service {
   std::uint32_t number = 0;
@@ -63,6 +64,8 @@ class MemberCall : public ros::CallbackInterface {
     const Handled handled = handleCall(*service_.helper, service_.name, caller_name_, request_);
     if (!handled.error.empty()) {
       ROS_ERROR("Exception thrown while processing service call: %s", handled.error.c_str());
+      node().append(
+          wire::Log{0, node().membership().name(), "uncaught", uncaughtOf(service_.name)});
       answer(false, handled.error);
       return Invalid;
     }

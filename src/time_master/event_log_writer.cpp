@@ -35,6 +35,18 @@ void appendJsonArray(std::string& out, const std::vector<std::string>& texts) {
   out += ']';
 }
 
+/** @brief Who went before the end; nothing where nobody did. */
+void appendDepartures(std::string& out,
+                      const std::vector<EventLogWriter::End::Departure>& departures) {
+  for (std::size_t index = 0; index < departures.size(); ++index) {
+    out += index == 0 ? ",\"departures\":[{\"node\":" : ",{\"node\":";
+    appendJson(out, departures[index].node);
+    out += ",\"time_ns\":" + std::to_string(departures[index].time_ns) +
+           ",\"died\":" + (departures[index].died ? "true}" : "false}");
+  }
+  out += departures.empty() ? "" : "]";
+}
+
 void appendCsv(std::string& out, std::string_view text) {
   if (text.find_first_of("\",") == std::string_view::npos) {
     out += text;
@@ -209,7 +221,9 @@ std::string EventLogWriter::finish(const End& end) {
     buffer_ += ",\"reason\":";
     appendJson(buffer_, end.reason);
     buffer_ += std::string(",\"by_fault\":") + (end.by_fault ? "true" : "false");
-    buffer_ += (end.cut_ns ? ",\"cut_ns\":" + std::to_string(*end.cut_ns) : "") + "}}\n";
+    buffer_ += end.cut_ns ? ",\"cut_ns\":" + std::to_string(*end.cut_ns) : "";
+    appendDepartures(buffer_, end.departures);
+    buffer_ += "}}\n";
   }
   writeOut();
   if (file_ && (fsync(fileno(file_.get())) != 0 && errno != EINVAL)) {

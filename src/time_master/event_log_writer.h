@@ -29,8 +29,15 @@ class EventLogWriter {
     std::vector<std::string> not_repeatable_because;
     std::vector<std::string> degraded_because;
     bool by_fault = false;  // neither as wished nor because somebody has asked for it
-    std::optional<std::int64_t>
-        cut_ns;  // simulated; where it was ended from outside, see LockstepStatus
+    std::optional<std::int64_t> cut_ns =
+        {};  // simulated; where it was ended from outside, see LockstepStatus
+    /** @brief Who left or died while the run went on, in this order. */
+    struct Departure {
+      std::string node;
+      std::int64_t time_ns;  // simulated
+      bool died;
+    };
+    std::vector<Departure> departures = {};
   };
 
   /**

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 #include "clock/shown_text.h"
 
@@ -16,6 +17,7 @@ constexpr const char* kAddressParameter = "/time_master/lockstep_address";
 constexpr Nanoseconds kLookGap = kNanosecondsPerSecond / 50;    // wall, between two work()s
 constexpr Nanoseconds kFlushGap = kNanosecondsPerSecond / 2;    // wall
 constexpr Nanoseconds kAchievedWindow = kNanosecondsPerSecond;  // wall
+constexpr std::string_view kUncaught = "uncaught";              // kind of an event
 constexpr int kSightings = 2;  // who subscribes to /clock in order to take part has time to join
 
 LockstepSettings sessionSettings(const NodeParameters& parameters, Nanoseconds begin) {
@@ -99,7 +101,7 @@ LockstepServer::Listeners LockstepMode::listeners() {
   LockstepServer::Listeners listeners;
   listeners.time = [this](Nanoseconds time) { clock_->set(time); };
   listeners.event = [this](const LockstepLogEntry& entry) {
-    if (event_log_) {
+    if (event_log_ && (!parameters_.event_log_of_ends || entry.kind == kUncaught)) {
       event_log_->add(entry.time, entry.robot, entry.kind, entry.values);
     }
     if (message_bytes_ &&
@@ -129,9 +131,12 @@ bool LockstepMode::finish(const std::string& reason) {
   if (event_log_) {
     const LockstepStatus status = server_->status();
     const std::string why = status.reason.empty() ? reason : status.reason;
-    const std::string error =
-        event_log_->finish({why, status.not_repeatable, status.degraded, ended_ && !ended_->good,
-                            status.cut ? std::make_optional(status.time) : std::nullopt});
+    EventLogWriter::End end{why, status.not_repeatable, status.degraded, ended_ && !ended_->good,
+                            status.cut ? std::make_optional(status.time) : std::nullopt};
+    for (const LockstepStatus::Departure& one : status.departures) {
+      end.departures.push_back({one.name, one.time, one.died});
+    }
+    const std::string error = event_log_->finish(end);
     if (!error.empty()) {
       ROS_ERROR("%s", error.c_str());
       event_log_failed_ = true;

@@ -231,9 +231,10 @@ struct NodeParameters {
   bool in_lockstep = false;  // mode at the start
   bool sim_time_factor_is_limit = false;  // whether /sim_time_factor counts in lockstep
   LockstepSettings lockstep;
-  int lockstep_port = 0;      // 0: any free one
-  std::string event_log;      // path, .jsonl or .csv; '': none
-  std::string message_bytes;  // path of a new file for what is sent; '': none
+  int lockstep_port = 0;           // 0: any free one
+  std::string event_log;           // path, .jsonl or .csv; '': none
+  bool event_log_of_ends = false;  // nothing in it but the end, and what says how nodes fared
+  std::string message_bytes;       // path of a new file for what is sent; '': none
 };
 
 /** @return the least number of seconds that is not before @p time [ns] when it is turned back. */
@@ -310,6 +311,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("sim_time_factor_is_limit", parameters.sim_time_factor_is_limit);
   reader.read("lockstep_port", parameters.lockstep_port);
   readOutputs(reader, parameters);
+  reader.read("event_log_of_ends", parameters.event_log_of_ends);
   std::string secret, secret_file;
   reader.read("lockstep_secret", secret);
   reader.read("lockstep_secret_file", secret_file);

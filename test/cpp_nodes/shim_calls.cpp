@@ -5,6 +5,7 @@
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
+#include <stdexcept>
 #include <string>
 
 namespace {
@@ -20,7 +21,12 @@ bool onTrigger(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& respons
   return true;
 }
 
-bool onRefuse(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&) { return false; }
+bool onRefuse(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response&) {
+  if (request.data != 0) {
+    throw std::runtime_error("it does not know what to do");
+  }
+  return false;
+}
 
 void runClient(ros::NodeHandle& node) {
   ros::Publisher publisher = node.advertise<std_msgs::String>("answers", 100);

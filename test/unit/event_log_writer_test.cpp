@@ -125,12 +125,14 @@ TEST(EventLogWriter, Csv) {
   const Folder folder;
   EventLogWriter log(folder / "a.csv", 5);
   log.add(-7, "a \"b\", c", "k", "[]");
-  EXPECT_EQ(log.finish({"over", {}, {"died"}, true}), "");
+  EXPECT_EQ(log.finish({"over", {}, {"died"}, true, {{"/a", 3, true}, {"/b", 4, false}}}), "");
   EXPECT_EQ(contents(folder / "a.csv"),
             "# {\"event_log\":1,\"start_ns\":5}\ntime_ns,robot,kind,values\n"
             "-7,\"a \"\"b\"\", c\",k,[]\n"
             "# {\"end\":{\"events\":1,\"repeatable\":true,\"not_repeatable_because\":[],"
-            "\"degraded_because\":[\"died\"],\"reason\":\"over\",\"by_fault\":true}}\n");
+            "\"degraded_because\":[\"died\"],\"reason\":\"over\",\"by_fault\":true,"
+            "\"departures\":[{\"node\":\"/a\",\"time_ns\":3,\"died\":true},"
+            "{\"node\":\"/b\",\"time_ns\":4,\"died\":false}]}}\n");
 }
 
 TEST(EventLogWriter, RefusesOtherEndingsAndPathsThatCannotBeWritten) {

@@ -198,6 +198,10 @@ TEST(Departure, DeathIsNamedWithWhatWasOwedAndDegradesTheRun) {
   EXPECT_EQ(pair.session.status().degraded,
             Texts{"'/a' died at 1 s: its connection was lost while it owed the report of round 1"});
   EXPECT_TRUE(pair.said("the run is degraded", LockstepMessage::Level::kWarn));
+  ASSERT_EQ(pair.session.status().departures.size(), 1U);
+  EXPECT_EQ(pair.session.status().departures[0].name, "/a");
+  EXPECT_EQ(pair.session.status().departures[0].time, kOne);
+  EXPECT_TRUE(pair.session.status().departures[0].died);
 }
 
 TEST(Departure, DeathCanEndTheRun) {

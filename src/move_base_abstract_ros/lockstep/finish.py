@@ -17,6 +17,7 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ..process_end import leave
 from ..replaced import replace
+from . import uncaught
 from .waits import replace_within
 
 _OWN_SIGNAL_SECONDS = 1.0  # wall; who ends all processes may have ended the time master first
@@ -50,6 +51,7 @@ def install(participant):
             if issubclass(kind, KeyboardInterrupt):
                 participant.interrupted('keyboard interrupt')
             if not issubclass(kind, TurnLost):
+                uncaught.tell(error, 'the main thread')
                 original(kind, error, trace)
         return _excepthook
 

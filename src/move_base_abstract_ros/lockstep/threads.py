@@ -14,7 +14,7 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
 from ..replaced import replace
-from . import pools
+from . import pools, uncaught
 from .callers import own_frame
 from .told import told
 from .waits import to_ns
@@ -77,7 +77,7 @@ def _starting(scheduler, start):
             pools.follow(self, scheduler)
             task = scheduler.spawn(self.name)
             self._lockstep_task = task
-            self.run = _in_turn(scheduler, task, self.run)
+            self.run = _in_turn(scheduler, task, uncaught.run_of(self))
         scheduler.start_thread(start, self)
     return _start
 

@@ -1,0 +1,114 @@
+"""What nobody catches is told: an exception in a callback, a handler or a thread is an event of the run.
+
+rospy, actionlib and Python itself show such an exception and go on, so that the process's exit code says nothing of it.
+The event log says it (``uncaught``), and with it who judges the run (``launching.ends``). What comes when the node is
+told to end, or the run is over, is no event any more.
+"""
+import os
+from types import SimpleNamespace
+
+import rospy
+
+from move_base_abstract.lockstep.scheduler import TurnLost
+
+from ..launching.ends import UNCAUGHT, words_of
+from ..replaced import replace
+from .own_code import is_library
+
+_state = SimpleNamespace(participant=None)
+
+
+def install(participant):
+    """Have the event log say from now on what nobody catches in this process."""
+    _state.participant = participant
+    replace('rospy.topics._SubscriberImpl._invoke_callback', _invoking)
+    replace('rospy.impl.tcpros_service.ServiceImpl.error_handler', _handling)
+    replace('actionlib.simple_action_server.SimpleActionServer.__init__', _executing)
+    replace('threading.excepthook', _in_threads)
+
+
+def tell(error, where):
+    """Have the event log say that nobody has caught ``error``, once; ``where``: what was called, in words."""
+    participant = _state.participant
+    if participant is None or participant.scheduler.is_closed or rospy.core.is_shutdown_requested():
+        return
+    if not isinstance(error, Exception) or isinstance(error, TurnLost) or hasattr(error, '_lockstep_told'):
+        return
+    error._lockstep_told = True
+    participant.log(rospy.get_name(), UNCAUGHT, [type(error).__name__, '{}, {}'.format(where, place_of(error))])
+
+
+def place_of(error):
+    """Return 'FILE, line N': the innermost place of the program's own code in an exception's traceback, else of any."""
+    found, trace = None, error.__traceback__
+    while trace is not None:
+        filename = trace.tb_frame.f_code.co_filename
+        if found is None or not is_library(filename) or is_library(found[0]):
+            found = (filename, trace.tb_lineno)
+        trace = trace.tb_next
+    return '{}, line {}'.format(os.path.basename(found[0]), found[1]) if found else 'an unknown place'
+
+
+class _Again:
+    """A callback that has been called, for rospy, which shows what it has raised under the callback's own name."""
+
+    def __init__(self, callback, error):
+        self._callback = callback
+        self._error = error
+
+    def __call__(self, *_):
+        raise self._error.with_traceback(self._error.__traceback__.tb_next)  # where the callback begins
+
+    def __str__(self):
+        return str(self._callback)
+
+
+def _invoking(invoke_callback):
+    def _invoke_callback(self, message, callback, arguments):
+        try:
+            if arguments is None:
+                callback(message)
+            else:
+                callback(message, arguments)
+        except Exception as error:
+            tell(error, 'a callback of {}'.format(self.resolved_name))
+            invoke_callback(self, message, _Again(callback, error), arguments)
+    return _invoke_callback
+
+
+def _handling(error_handler):
+    def _error_handler(self, error, *about):
+        tell(error, 'the handler of service {}'.format(self.resolved_name))
+        error_handler(self, error, *about)
+    return _error_handler
+
+
+def _executing(init):
+    def _init(self, *args, **kwds):
+        init(self, *args, **kwds)
+        if self.execute_callback:
+            self.execute_callback = _told(self.execute_callback, "an action's execute callback")
+    return _init
+
+
+def _told(function, where):
+    def call(*args):
+        try:
+            return function(*args)
+        except Exception as error:
+            tell(error, where)
+            raise
+    return call
+
+
+def _in_threads(excepthook):
+    def _excepthook(args):
+        if args.exc_value is not None:
+            tell(args.exc_value, words_of(args.thread))
+        excepthook(args)
+    return _excepthook
+
+
+def run_of(thread):
+    """Return a thread's ``run``, which tells while the thread still has its turn what nobody catches in it."""
+    return _told(thread.run, 'a callback of rospy.Timer' if isinstance(thread, rospy.Timer) else words_of(thread))
