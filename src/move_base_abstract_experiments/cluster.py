@@ -110,15 +110,15 @@ class Runner:
     """Runs jobs on a Client with its Workers.
 
     ``done(job, worker, outputs, problem, attempts)`` is called for each in the order they end. ``outputs``:
-    bytes, or None with a text in ``problem``. ``is_failure(outputs)``: whether a trial has failed, and is to run again.
-    ``look(runner)`` is called now and then.
+    bytes, or None with a text in ``problem``. ``again(outputs, job)``: the job by which a trial that has failed
+    is to run again, or None. ``look(runner)`` is called now and then.
     """
 
-    def __init__(self, client, watch, done, is_failure, look):
+    def __init__(self, client, watch, done, again, look):
         self._client = client
         self._watch = watch
         self._done = done
-        self._is_failure = is_failure
+        self._again = again
         self._look = look
         self._ended = queue.SimpleQueue()
         self._running = {}  # key: (job, future, attempts, losses)
@@ -170,8 +170,9 @@ class Runner:
         except Exception as error:  # KilledWorker, CancelledError, a worker that dies while it answers, WorkerError
             self._lost(job, attempts, losses, error)
         else:
-            if (outputs is None or self._is_failure(outputs)) and attempts < TRIES:
-                self._submit(job, attempts + 1, losses)
+            next_job = self._again(outputs, job) if attempts < TRIES else None
+            if next_job is not None:
+                self._submit(next_job, attempts + 1, losses)
             else:
                 self._done(job, worker, outputs, problem, attempts)
         finally:

@@ -18,10 +18,12 @@ from pathlib import Path
 
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract.shown import shown
+from move_base_abstract_ros.launching import ends
 
 from . import processes, run
 
 OUTPUT = 'function.txt'  # what a trial's function prints
+_LOOPBACK = f'{__package__}.warm_loopback'  # there if a function starts nodes by it
 _MOST_BYTES = 1 << 20
 _MOST_METRICS = 200
 _MOST_LABELS = 100
@@ -181,7 +183,9 @@ def checked(found, factors, known):
 
 
 def run_trial(job, folders):
-    """Run the trial that is a job's function; return {'metrics', 'labels', 'simulated_seconds'}.
+    """Run the trial that is a job's function; return {'metrics', 'labels', 'simulated_seconds', 'processes'}.
+
+    The last are fields of launching.ends.Process: of the function itself, and of nodes that it has started.
 
     :raises SimulatorError: if it failed.
     """
@@ -191,9 +195,12 @@ def run_trial(job, folders):
 
     def work():
         trial = FunctionTrial(job, folders)
+        uncaught = ends.note_threads()
         metrics = checked(load(job['trial_function'], job['modules'])(trial), job['factors'], ())
         return {'metrics': metrics, 'labels': [str(one)[:_LONGEST_LABEL] for one in trial.labels[:_MOST_LABELS]],
-                'simulated_seconds': _seconds(trial.simulated_seconds)}
+                'simulated_seconds': _seconds(trial.simulated_seconds),
+                'processes': [{'node': 'the function', 'takes_part': False, 'code': 0, 'shown': uncaught},
+                              *getattr(sys.modules.get(_LOOPBACK), 'ended', [])]}
     return call(work, job['time_limit'], os.path.join(folders.logs, OUTPUT), folders.files)
 
 

@@ -16,6 +16,7 @@ from move_base_abstract import event_log
 from move_base_abstract.event_log import EventLog, EventLogError
 from move_base_abstract.geometry import share_along
 from move_base_abstract.run_difference import MESSAGES
+from move_base_abstract_ros.launching import ends
 
 _NS_PER_S = 1e9  # dividing by it rounds once
 _NEAR = 1e-9  # m, by which one point must be nearer than another
@@ -39,6 +40,7 @@ class Summary(NamedTuple):
     reason: str
     by_fault: bool
     open_goals: int = 0  # of robots that were under way or stood with a goal when the run ended
+    ends: object = None  # launching.ends.Log
 
 
 class _Robot:
@@ -97,9 +99,12 @@ def summarise(path, starts=None):
         log = EventLog(stream, path)
         start_ns = log.start_ns
         robots, endings, last_ns = {}, {'reached': 0, 'failed': 0, 'last_ns': start_ns}, start_ns
+        told = ends.Log()
         for event in log:
             last_ns = event.time_ns
-            if event.kind not in MESSAGES:
+            if event.kind == ends.UNCAUGHT:
+                told.take(event)
+            elif event.kind not in MESSAGES:
                 _take(robots, endings, event, starts or {}, start_ns)
     if log.end is None:
         raise EventLogError(f'{path}: has no end record: the run did not end properly')
@@ -107,7 +112,8 @@ def summarise(path, starts=None):
     open_goals = sum(robot.state != 'idle' for robot in robots.values())
     for robot in robots.values():
         robot.be('idle', end_ns)
-    return _summary(robots, endings, log, start_ns, end_ns)._replace(open_goals=open_goals)
+    told.end(log.end)
+    return _summary(robots, endings, log, start_ns, end_ns)._replace(open_goals=open_goals, ends=told)
 
 
 def _take(robots, endings, event, starts, start_ns):

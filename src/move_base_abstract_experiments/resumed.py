@@ -7,6 +7,7 @@ import os
 
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.json_files import load_json_mapping
+from move_base_abstract_ros.launching import ends
 
 from . import ingredients, outputs, plan, trial
 
@@ -27,7 +28,7 @@ def missing(experiment, chosen, folder, about, keep_old, stream):
         programs.setdefault(name, made)
         planned[one.id]['program'] = name
         was = outputs.read_trial(folder.path, one.id)
-        if was is None or was['status'] != trial.COMPLETE:
+        if was is None or was['status'] != trial.COMPLETE or (was.get('crashes') and experiment.crashes != ends.ALLOW):
             found.append(one)
         elif was['made_of'] != planned[one.id]['made_of']:
             what = _what(programs, was['program'], name)

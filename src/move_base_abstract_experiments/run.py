@@ -5,6 +5,7 @@ started from here. Everything that was started is gone when run() returns.
 """
 import contextlib
 import fnmatch
+import itertools
 import json
 import os
 import re
@@ -14,6 +15,7 @@ import time
 from typing import NamedTuple
 
 from move_base_abstract.errors import SimulatorError
+from move_base_abstract_ros.launching import ends
 from move_base_abstract_ros.loopback import PACKAGE
 
 from . import launch_files, processes, ros_master, warm_nodes
@@ -68,10 +70,11 @@ class Folders(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """Where robots stood first as far as parameters say it, and the exit codes of nodes by their names."""
+    """Where robots stood first as far as parameters say it, how its processes ended, and why it failed, or None."""
 
     starts: dict  # {robot: (x, y)} [m]
-    codes: dict
+    processes: list  # of launching.ends.Process
+    problem: object
 
 
 class _Process(NamedTuple):
@@ -79,7 +82,9 @@ class _Process(NamedTuple):
     pid: int
     takes_part: bool
     is_required: bool
+    output: str  # path of the file of what it prints
     has_last_words: bool = True  # whether it may have something to do once the run is over
+    names: tuple = ()  # of the participants that it may be, if it is a command
 
 
 def make_folders(path):
@@ -93,7 +98,7 @@ def make_folders(path):
 def run(wanted, folders):
     """Run it to its end; return an Ended.
 
-    :raises SimulatorError: if it cannot be started, or does not come to its end.
+    :raises SimulatorError: if it cannot be started.
     """
     processes.adopt_orphans()
     processes.block_child_signal()
@@ -104,7 +109,7 @@ def run(wanted, folders):
         config, taking = _plan(wanted, folders)
         ros_master.set_parameters(uri, [(param.key, param.value) for param in config.params.values()])
         started = _start_all(config, taking, uri, wanted, folders)
-        ended = Ended(_starts(config), _await_end(master, started, wanted, folders))
+        ended = Ended(_starts(config), *_await_end(master, started, wanted, folders))
         _tell_bags(folders)
         return ended
     finally:
@@ -204,19 +209,21 @@ def _start_all(config, taking, uri, wanted, folders):
             raise RunError(f'{name} cannot be started: {error}') from None
         words.append('__log:=' + os.path.join(folders.logs, stem + '.log'))
         cwd = os.path.dirname(words[0]) if node.cwd == 'node' else folders.files
-        pid, _ = warm_nodes.start(words, setup_env(node, node.machine, uri), os.path.join(folders.logs, stem + '.txt'),
-                                  cwd, launcher, os.path.dirname(launcher), wanted.is_warm)
-        started.append(_Process(name, pid, name in taking, bool(node.required),
+        output = os.path.join(folders.logs, stem + '.txt')
+        pid, _ = warm_nodes.start(words, setup_env(node, node.machine, uri), output, cwd, launcher,
+                                  os.path.dirname(launcher), wanted.is_warm)
+        started.append(_Process(name, pid, name in taking, bool(node.required), output,
                                 (node.package, node.type) not in _WITHOUT_LAST_WORDS))
     for number, words in enumerate(words for words in (wanted.command, wanted.extra) if words):
-        pid = processes.execute(list(words), dict(os.environ), os.path.join(folders.logs, f'command_{number}.txt'),
-                                folders.files)
-        started.append(_Process('the command ' + shlex.quote(words[0]), pid, bool(wanted.command), False))
+        output = os.path.join(folders.logs, f'command_{number}.txt')
+        pid = processes.execute(list(words), dict(os.environ), output, folders.files)
+        started.append(_Process('the command ' + shlex.quote(words[0]), pid, bool(wanted.command), False, output,
+                                names=tuple(wanted.participants or ()) if wanted.command else ()))
     return started
 
 
 def _await_end(master, started, wanted, folders):
-    """Wait until the time master has ended, end everybody, return exit codes. :raises RunError: if it failed."""
+    """Wait until the time master has ended, end everybody; return (ends.Processes, why it failed or None)."""
     time_master = started[0]
     deadline = time.monotonic() + wanted.time_limit
     statuses, seen, problem = {}, set(), None
@@ -228,22 +235,44 @@ def _await_end(master, started, wanted, folders):
                 seen.add(process.pid)
                 problem = problem or _judge(process, statuses, folders)
         if master in statuses:
-            problem = problem or 'the ROS master ended'
+            problem = problem or f'the ROS master ended: {ends.described(processes.code_of(statuses[master]))}'
         if time.monotonic() > deadline:
             problem = problem or f'it was not over after {wanted.time_limit:g} s of wall time (time_limit)'
+    early = set(statuses)
+    shown = {one.pid: _shown_by(one.output) for one in started if not one.takes_part}
     if problem is None:
         if time_master.pid not in statuses:
             processes.end([time_master.pid], signal.SIGKILL, 1.0, statuses)
             statuses[time_master.pid] = 0
         code = processes.code_of(statuses[time_master.pid])
-        problem = None if code == 0 else f'the run did not end as wished: the time master ended with exit code {code}'
+        problem = None if code == 0 else 'the run did not end as wished: the time master: ' + ends.described(code)
     else:
         processes.end([time_master.pid], signal.SIGINT, _ONLOOKER_GRACE_S, statuses)
-    _end_others(started, statuses)
-    if problem is not None:
-        raise RunError(problem)
-    return {one.name: processes.code_of(statuses[one.pid]) for one in started
-            if one.pid in statuses and one.has_last_words}  # the others were killed
+    told = _end_others(started, statuses)
+    return [_ended(one, statuses, early, told, shown) for one in started], problem
+
+
+def _ended(one, statuses, early, told, shown):
+    """Return the ends.Process of a _Process that has ended, or was killed in vain."""
+    code = processes.code_of(statuses[one.pid]) if one.pid in statuses else None
+    return ends.Process(one.name, one.takes_part, code, one.pid in early, one.pid in told,
+                        _last_lines(one.output) if code else (), shown.get(one.pid, ()), names=one.names)
+
+
+def _last_lines(path):
+    """Return the last lines of a process's output."""
+    with contextlib.suppress(OSError), open(path, 'rb') as stream:
+        stream.seek(max(0, os.fstat(stream.fileno()).st_size - _END_RECORD_BYTES))
+        lines = stream.read().decode('utf-8', 'replace').splitlines()
+        return tuple([line for line in lines if line.strip()][-ends.LAST_LINES:])
+    return ()
+
+
+def _shown_by(path):
+    """Return the first lines of a process's output that show exceptions which nobody caught."""
+    with contextlib.suppress(OSError), open(path, encoding='utf-8', errors='replace') as stream:
+        return tuple(itertools.islice(filter(ends.shows_uncaught, stream), ends.LAST_LINES))
+    return ()
 
 
 def is_over(folders):
@@ -304,18 +333,22 @@ def _not_there_yet(statuses):
 
 
 def _end_others(started, statuses):
-    """End who looks on, politely, and give those who take part the time to end by themselves."""
+    """End who looks on, politely, and give those who take part the time to end by themselves.
+
+    Return who got a signal.
+    """
     onlookers = [one.pid for one in started if not one.takes_part and one.pid not in statuses]
     for pid in onlookers:
         processes.signal_group(pid, signal.SIGINT)
-    for one in started:
-        if not one.has_last_words and one.pid not in statuses:
-            processes.signal_group(one.pid, signal.SIGKILL)
+    killed = [one.pid for one in started if not one.has_last_words and one.pid not in statuses]
+    for pid in killed:
+        processes.signal_group(pid, signal.SIGKILL)
     taking = [one.pid for one in started if one.takes_part and one.pid not in statuses]
     processes.await_ends({*taking, *onlookers}, _OWN_END_S, statuses)
     left = [pid for pid in (*taking, *onlookers) if pid not in statuses]
     if left:
         processes.end(left, signal.SIGINT, 1.0, statuses)
+    return {*onlookers, *killed, *left}
 
 
 def _starts(config):

@@ -9,13 +9,14 @@ from typing import NamedTuple, Optional
 
 from move_base_abstract.bounded_yaml import load_yaml_file
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_ros.launching import ends
 
 from . import checks
 from .metric_names import BUILT_IN, Metric
 
 KEYS = ('experiment', 'launch', 'command', 'function', 'prepare', 'inputs', 'participants', 'leave_out', 'replace',
         'args', 'factors', 'replications', 'seed', 'until', 'record', 'metrics', 'primary', 'baseline',
-        'smallest_difference', 'at_limit', 'report', 'verify', 'time_limit', 'sleep')
+        'smallest_difference', 'at_limit', 'report', 'verify', 'time_limit', 'sleep', 'crashes')
 SYSTEMS = ('launch', 'command', 'function')  # one of them is run
 UNTIL = ('seconds', 'topic', 'idle')
 RECORD = ('messages', 'files', 'hashes', 'motion')
@@ -82,6 +83,7 @@ class Experiment(NamedTuple):
     verify: float
     time_limit: float  # s, wall
     sleep: str
+    crashes: str = ends.FAIL  # one of ends.POLICIES
 
     @property
     def metrics(self):
@@ -130,7 +132,8 @@ def checked(document, folder):
         **_metrics(given.get('metrics', {})), **_compared(given), report=_sections(given.get('report', [])),
         verify=float(checks.number('verify', given.get('verify', 0), 0, 1)),
         time_limit=float(checks.number('time_limit', given.get('time_limit', TIME_LIMIT_S), 1, 1e7)),
-        sleep=checks.one_of('sleep', given.get('sleep', 'wall'), ('wall', 'simulated')))
+        sleep=checks.one_of('sleep', given.get('sleep', 'wall'), ('wall', 'simulated')),
+        crashes=checks.one_of('crashes', given.get('crashes', ends.FAIL), ends.POLICIES))
     _check_together(experiment)
     return experiment
 

@@ -27,6 +27,9 @@ def lines(path):
     kept = sum(bool(one.get('kept')) for one in plan['trials'])
     if kept:
         yield f'kept of another program: {kept}'
+    crashed = sum(bool(about.get('crashes')) for about in found)
+    if crashed:
+        yield f'a node crashed in {crashed} trials'
     yield from _first([f"failed: {about['id']} {shown_text(about['configuration'])} replication "
                        f"{about['replication']}: {_line(about['error'])}" for about in failed])
     try:

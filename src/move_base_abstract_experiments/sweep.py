@@ -133,7 +133,7 @@ def _run_missing(experiment, chosen, missing, folder, workers, scheduler, stream
         def look(runner):
             progress.look(runner)
             tell(watch.told)
-        cluster.Runner(client, watch, done, is_failure, look).run(jobs.make_job(experiment, one) for one in missing)
+        cluster.Runner(client, watch, done, again, look).run(jobs.make_job(experiment, one) for one in missing)
 
 
 def _taken(folder, job, worker, content, problem, attempts):
@@ -160,13 +160,16 @@ def _import_report():
             importlib.import_module(name, __package__)
 
 
-def is_failure(content):
-    """Return whether the outputs of a trial say that it failed, or cannot be read."""
+def again(content, job):
+    """Return the job that runs a trial once more whose outputs (None: there are none) say that it failed, or None."""
+    if content is None:
+        return job
     try:
         with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
-            return json.load(archive.extractfile(archive.next()))['status'] != trial.COMPLETE
+            about = json.load(archive.extractfile(archive.next()))
+        return None if about['status'] == trial.COMPLETE else {**job, 'crashed_before': about['crashes']}
     except (OSError, EOFError, ValueError, LookupError, TypeError, AttributeError, tarfile.TarError):
-        return True
+        return job
 
 
 def failure(job, problem, attempts):
@@ -175,7 +178,8 @@ def failure(job, problem, attempts):
                                                                  'made_of', 'program')},
             'status': trial.FAILED, 'error': problem, 'metrics': {}, 'simulated_seconds': None, 'wall_seconds': None,
             'times_real_time': None, 'repeatable': False, 'labels': [], 'events': 0, 'log_sha256': None,
-            'verified': None, 'difference': None, 'robots': {}, 'worker': '', 'attempts': attempts}
+            'verified': None, 'difference': None, 'robots': {}, 'crashes': [], 'ends': [], 'worker': '',
+            'attempts': attempts}
 
 
 def _tell(folder, about, stream):

@@ -9,6 +9,7 @@ import traceback
 
 from move_base_abstract import run_difference
 from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract_ros.launching import ends
 
 from . import bundle, ended_by, functions, ingredients, launch_files, metrics, plan, run, spec, user_metrics
 
@@ -18,7 +19,6 @@ IDENTICAL, DIFFERENT = 'identical', 'different'
 _ERROR_LINE = re.compile(r'^(?!Traceback)\S*(Error|Exception)\b.*|.*\[ *(ERROR|FATAL)\].*|.*\bterminate called\b.*')
 _STAMP = re.compile(r'\x1b\[[0-9;]*m|\[[0-9]+\.[0-9]+(, *[0-9.]+)?\]:? ?')
 _LONGEST_ERROR = 300
-_LEAVER = re.compile(r"'([^']+)' left at ")
 
 
 def carry_out(job, path, problem=None):
@@ -27,7 +27,8 @@ def carry_out(job, path, problem=None):
              'replication': job['replication'], 'seed': job['seed'], 'status': FAILED, 'error': None, 'metrics': {},
              'simulated_seconds': None, 'wall_seconds': None, 'times_real_time': None, 'repeatable': False,
              'labels': [], 'events': 0, 'log_sha256': None, 'verified': None, 'difference': None, 'robots': {},
-             'ended_by': ended_by.ERROR, 'open_goals': None, 'made_of': job['made_of'], 'program': job['program']}
+             'ended_by': ended_by.ERROR, 'open_goals': None, 'crashes': [], 'ends': [],
+             'made_of': job['made_of'], 'program': job['program']}
     folders = None
     try:
         _check_version(job)
@@ -49,6 +50,9 @@ def carry_out(job, path, problem=None):
     except Exception as error:
         traceback.print_exc()
         about['error'] = _first_line(f'{type(error).__name__}: {error}', folders)
+    if about['status'] == COMPLETE and job.get('crashed_before'):  # it is one of those that came through
+        about['labels'] = [*about['labels'], f"its first attempt failed: {job['crashed_before'][0]}"]
+        about['repeatable'] = False
     launch_files.save_programs(path)
     try:
         bundle.pack(path, folders, job['record'][1], about, has_all_logs=about['status'] != COMPLETE)
@@ -95,16 +99,29 @@ def _run_first(job, folders, about):
     begin = time.monotonic()
     ended = run.run(wanted_of(job), folders)
     about['wall_seconds'] = round(time.monotonic() - begin, 6)
+    if ended.problem is not None:
+        _judge(job, about, ended.processes, ends.read_log(os.path.join(folders.own, run.LOG)), ended.problem)
     summary = _take_log(folders, about, ended.starts)
     about.update(metrics=dict(summary.metrics), simulated_seconds=summary.simulated_seconds,
                  ended_by=ended_by.of_run(summary.reason, summary.by_fault), open_goals=summary.open_goals)
     _tell_speed(about)
-    if summary.by_fault:
-        raise run.RunError(f'the run was ended by a fault: {summary.reason}')
-    leaver = _LEAVER.match(summary.reason)  # what others end with when the run is over says nothing
-    if leaver and ended.codes.get(leaver.group(1)):
-        raise run.RunError(f'{leaver.group(1)}, which is required, ended with exit code {ended.codes[leaver.group(1)]}')
+    _judge(job, about, ended.processes, summary.ends,
+           f'the run was ended by a fault: {summary.reason}' if summary.by_fault else None)
     about['status'] = COMPLETE
+
+
+def _judge(job, about, processes, log, problem=None):
+    """Tell how the processes of a run ended.
+
+    :raises RunError: for a problem, and for a crash that the experiment does not allow.
+    """
+    found = ends.judge(processes, log)
+    about.update(ends=[one.told for one in found], crashes=ends.crashes(found))
+    if about['crashes'] and job['crashes'] == ends.FAIL:
+        more = f" (and {len(about['crashes']) - 1} more)" if len(about['crashes']) > 1 else ''
+        raise run.RunError(about['crashes'][0] + more + (f'; {problem}' if problem else ''))
+    if problem is not None:
+        raise run.RunError(problem)
 
 
 def _take_log(folders, about, starts):
@@ -127,14 +144,18 @@ def _call(job, folders, about):
     answer = functions.run_trial(job, folders)
     about['wall_seconds'] = round(time.monotonic() - begin, 6)
     about['repeatable'] = True
+    log = ends.Log()
     if os.path.exists(os.path.join(folders.own, run.LOG)):
-        about['simulated_seconds'] = _take_log(folders, about, {}).simulated_seconds
+        summary = _take_log(folders, about, {})
+        about['simulated_seconds'], log = summary.simulated_seconds, summary.ends
     if answer['simulated_seconds'] is not None:
         about['simulated_seconds'] = answer['simulated_seconds']
     about['labels'] = about['labels'] + answer['labels']
-    about.update(metrics=answer['metrics'], status=COMPLETE, ended_by=ended_by.RETURNED,
+    about.update(metrics=answer['metrics'], ended_by=ended_by.RETURNED,
                  repeatable=about['repeatable'] and not answer['labels'])
     _tell_speed(about)
+    _judge(job, about, [ends.Process(**one) for one in answer['processes']], log)
+    about['status'] = COMPLETE
 
 
 def _measure(job, folders, about):
@@ -156,13 +177,21 @@ def _verify(job, path, folders, about, first):
         else:
             from move_base_abstract_ros.launching.conditions import CONDITIONS
             condition = next(one for one in CONDITIONS if one.name == job['verified_by'])
-            run.run(wanted_of(job)._replace(condition=condition, is_warm=False), again)
-            about['difference'] = compare(folders, again)
+            ended = run.run(wanted_of(job)._replace(condition=condition, is_warm=False), again)
+            about['difference'] = compare(folders, again) or _other_end(about, ended, again)
     except SimulatorError as problem:
         about['difference'] = f'the second run did not come to its end: {_first_line(str(problem), again)}'
     about['verified'] = IDENTICAL if about['difference'] is None else DIFFERENT
     if about['difference'] is not None:
         about['difference'] = f"{job['verified_by']}: {about['difference']}"
+
+
+def _other_end(about, ended, again):
+    """Return in which way a second run that went the same way did not end in the same one, or None."""
+    found = ends.crashes(ends.judge(ended.processes, ends.read_log(os.path.join(again.own, run.LOG))))
+    if found != about['crashes']:
+        return ' / '.join(', '.join(one) or 'no crash' for one in (about['crashes'], found))[:_LONGEST_ERROR]
+    return ended.problem
 
 
 def other_metrics(first, second):

@@ -16,6 +16,7 @@ from move_base_abstract_ros.loopback import Child, Loopback, LoopbackError
 from . import processes, ros_master, warm_nodes
 
 _POLL_S = 0.005  # wall
+ended = []  # fields of launching.ends.Process: nodes that had ended when their Loopback was closed
 
 
 @functools.lru_cache(maxsize=None)
@@ -26,6 +27,15 @@ def _launcher():
 
 class WarmLoopback(Loopback):
     """A Loopback whose master and Python nodes of this package are forks of this process."""
+
+    def close(self, keep_logs=False):
+        """As Loopback.close."""
+        for child in self._children[1:]:  # the first is the ROS master
+            code = child.process.poll()
+            if code is not None:
+                ended.append({'node': child.name, 'takes_part': True, 'code': code, 'was_early': True,
+                              'printed': child.last_lines().splitlines()})
+        super().close(keep_logs)
 
     @property
     def environment(self):

@@ -34,7 +34,7 @@ WRONG = """
 experiment: wrong
 launch: wrong.launch
 args: {what: '{what}'}
-factors: {what: [good, bad]}
+factors: {what: [good, bad, callback, killed]}
 until: {topic: /said}
 record: {messages: [/said]}
 metrics: wrong_metrics:count
@@ -45,12 +45,18 @@ LAUNCH = """<launch>
   <node pkg="sayings" type="say.py" name="say" required="true"><param name="what" value="$(arg what)"/></node>
 </launch>"""
 SAY = """#!/usr/bin/env python3
+import os
 import rospy
 from std_msgs.msg import String
 rospy.init_node('say')
 if rospy.get_param('~what') == 'bad':
     raise ValueError('this one is wrong')
 publisher = rospy.Publisher('/said', String, queue_size=1)
+if rospy.get_param('~what') == 'callback':
+    rospy.Timer(rospy.Duration(0.5), lambda event: {}['robot'])
+if rospy.get_param('~what') == 'killed':
+    rospy.sleep(0.5)
+    os.kill(os.getpid(), 9)
 for k in range(5):
     rospy.sleep(1.0)
     publisher.publish(str(k))
@@ -188,13 +194,30 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.assertEqual((code, "did you mean 'what'" in text, os.path.exists(self.path('mistaken'))), (2, True, False))
         code, text = Client(self.folder, file, 'out').end()
         self.assertEqual(code, 1, text)
-        good, bad = (outputs.read_trial(self.path('out'), one['id']) for one in records.read_plan(
+        good, bad, callback, killed = (outputs.read_trial(self.path('out'), one['id']) for one in records.read_plan(
             self.path('out'))['trials'])
         self.assertEqual((good['status'], good['error'], good['metrics'].get('said')), ('complete', None, 1))
         self.assertEqual(good['simulated_seconds'], 1.0)
         self.assertEqual((bad['status'], bad['attempts']), ('failed', 2))
         self.assertIn('ValueError: this one is wrong', bad['error'])
         self.assertTrue(os.path.isfile(self.path('out/trials/{}/logs/say.txt'.format(bad['id']))))
+        self.assertEqual((good['crashes'], {one['crashed'] for one in good['ends']}), ([], {False}))
+        for one, how in ((callback, 'KeyError in a callback of rospy.Timer, say.py, line 10'),
+                         (killed, 'ended by SIGKILL')):
+            crash = '/say crashed at 1.500000000 s: ' + how
+            self.assertEqual((one['status'], one['crashes']), ('failed', [crash]))
+            self.assertTrue(one['error'].startswith(crash), one['error'])
+        told, = (one for one in killed['ends'] if one['node'] == '/say')
+        self.assertEqual((told['signal'], told['at'], told['crashed']), ('SIGKILL', 1.5, True))
+        allowed = self.write('allowed.yaml', WRONG.replace('[good, bad, callback, killed]', '[callback]')
+                             + 'crashes: allow\n')
+        code, text = Client(self.folder, allowed, 'allowed').end()
+        self.assertEqual(code, 0, text)
+        about = outputs.read_trial(self.path('allowed'), records.read_plan(self.path('allowed'))['trials'][0]['id'])
+        self.assertEqual((about['status'], about['crashes']), ('complete', callback['crashes']))
+        code, text = Client(self.folder, self.write('allowed.yaml', WRONG.replace(
+            '[good, bad, callback, killed]', '[callback]')), 'allowed').end()
+        self.assertEqual((code, 'complete already' in text), (1, False), text)
 
     def test_a_command_is_run_as_well_as_a_launch_file(self):
         program = self.write('say.py', SAY.replace("'~what'", "'~what', ''"), 0o755)

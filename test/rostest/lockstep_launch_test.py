@@ -99,6 +99,33 @@ LEAVING = """<launch>
   <node pkg="study_of_others" type="leaves.py" name="leaves" required="true"/>
 </launch>
 """
+FATE = '<node pkg="study_of_others" type="fates.py" name="{0}" args="{0}" {1}/>'
+FATES = """<launch>
+  <node pkg="study_of_others" type="ticks.py" name="again" respawn="true" launch-prefix="sh -c 'exit 7'"/>
+  <node pkg="study_of_others" type="ticks.py" name="ticks"/>
+  <node pkg="move_base_abstract" type="move_base" name="move_base" ns="robot"/>
+  <node pkg="move_base_abstract" type="shim_calls" name="calls"/>
+  <node pkg="move_base_abstract" type="no_such_program" name="missing"/>
+  {}
+</launch>
+"""
+# What is said of each; nothing of those that are no crash.
+CRASHES = {
+    '/callback': r'at 3\.0+ s: KeyError in a callback of /ticks, fates.py, line \d+',
+    '/client': r'at \d\.\d+ s: AttributeError in a callback of /robot/move_base/(result|status), fates.py, line \d+',
+    '/server': r'at 1\.\d+ s: KeyError in an action\'s execute callback, fates.py, line \d+',
+    '/service': r'at 3\.0+ s: KeyError in the handler of service /service/ask, fates.py, line \d+',
+    '/calls': r'at 1\.0+ s: std::exception in the handler of service /refuse',
+    '/timer': r'at 3\.50+ s: KeyError in a callback of rospy.Timer, fates.py, line \d+',
+    '/thread': r'at 4\.0+ s: KeyError in a thread, fates.py, line \d+',
+    '/daemon': r'at 4\.0+ s: KeyError in thread pump, fates.py, line \d+',
+    '/raises': r'at 3\.0+ s: exit code 1; KeyError in the main thread, fates.py, line \d+',
+    '/wrapped': r'at 3\.0+ s: exit code 139 \(a shell says so of SIGSEGV\)',
+    '/exits': r'at 3\.0+ s: exit code 3', '/vanishes': r'at 3\.0+ s: exit code 4',
+    '/faults': r'at 3\.0+ s: ended by SIGSEGV', '/killed': r'at 3\.0+ s: ended by SIGKILL',
+    '/last_round': r'at \d+\.\d+ s: exit code 1; KeyError in the main thread, fates.py, line \d+',
+    '/again': r': exit code 7', '/looks_on': r': \[ERROR\] bad callback: <function .*>',
+    '/missing': r': it could not be started'}
 PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 
@@ -144,7 +171,7 @@ class LaunchTest(unittest.TestCase):
         with open(self.path('package.xml'), 'w') as stream:
             stream.write(PACKAGE)
         scripts = [os.path.join(HERE, 'unmodified', name) for name in
-                   ('answerer.py', 'asker.py', 'flags.py', 'leaves.py', 'ticks.py')]
+                   ('answerer.py', 'asker.py', 'fates.py', 'flags.py', 'leaves.py', 'ticks.py')]
         for path in [*scripts, os.path.join(HERE, os.pardir, os.pardir, 'tools', 'run_tests.py')]:
             shutil.copy(path, self.folder)
             os.chmod(self.path(os.path.basename(path)), 0o755)
@@ -320,6 +347,25 @@ class LaunchTest(unittest.TestCase):
         self.assertEqual(done.returncode, 1, done.stdout)
         self.assertIn('/early ended', done.stdout)
         self.assertIn('--onlooker /early', done.stdout)
+
+    def test_a_node_that_crashes_is_named_with_how_and_when(self):
+        nodes = [FATE.format(name, 'required="true"' if name == 'last_round' else '') for name in (
+            'callback', 'client', 'server', 'service', 'asks', 'timer', 'thread', 'daemon', 'raises', 'exits',
+            'vanishes', 'faults', 'killed', 'last_round', 'looks_on', 'shut_down', 'ends', 'waits')]
+        nodes.append(FATE.format('faults', 'launch-prefix="sh -c \'&quot;$@&quot;; exit $?\' sh"').replace(
+            'name="faults"', 'name="wrapped"'))
+        done = self.run_it('--onlooker', '/looks_on', self.file(FATES.format('\n'.join(nodes))))
+        said = dict(re.findall(r'^lockstep_launch: crash: (\S+) crashed ?(.*)$', done.stdout, re.MULTILINE))
+        for name in sorted({*CRASHES, *said}):
+            self.assertRegex(said.get(name, 'nothing'), '^{}$'.format(CRASHES.get(name, 'nothing')), done.stdout)
+        self.assertEqual(done.returncode, 3, done.stdout)
+
+    def test_a_crash_in_the_last_moment_counts_and_may_be_allowed(self):
+        for fate, words, code in (('raises', (), 3), ('raises', ('--crashes', 'allow'), 0), ('shut_down', (), 0)):
+            done = self.run_it('--end-when-idle', *words, self.file(TICKING.replace('{more}', FATE).replace(
+                '<node pkg="study_of_others" type="ticks.py" name="walk"/>', '').format(fate, '')))
+            self.assertEqual((done.returncode, 'lockstep_launch: crash: /raises' in done.stdout),
+                             (code, fate == 'raises'), done.stdout)
 
     def test_an_interrupt_ends_the_run_in_order(self):
         log = self.path('a.jsonl')

@@ -59,6 +59,10 @@ for x in (3.0, 8.0):
     for client in clients:
         client.wait_for_result()
 """
+BREAKS = SENDER + """took = {}
+clients[0].send_goal(goal, done_cb=lambda status, result: took['robot_1'])
+rospy.spin()
+"""
 
 
 class VerifyTest(OwnFolder, unittest.TestCase):
@@ -105,6 +109,18 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         folder = said.partition('logs and outputs are in ')[2].strip()
         self.assertEqual(sorted(os.listdir(folder)), ['1_plain', '2_again'])
         self.assertEqual(set(os.listdir(os.path.join(folder, '1_plain'))), {'events.jsonl', 'output.txt', 'ros_log'})
+
+    def test_a_system_that_crashes_is_not_called_identical(self):
+        self.write('breaks.py', BREAKS, 0o755)
+        file = self.write('breaks.launch', FLEET.replace('sender', 'breaks'))
+        code, said = self.verify('--runs', '2', file)
+        self.assertEqual(code, 5, said)
+        self.assertRegex(said, r"nodes crashed in the run 'plain', .*\n    /breaks crashed at [0-9.]+ s: KeyError "
+                               r'in a callback of /robot_1/move_base/\w+, breaks.py, line [0-9]+\n')
+        self.assertNotIn('identical', said)
+        code, said = self.verify('--runs', '2', '--crashes', 'allow', file)
+        self.assertEqual(code, 0, said)
+        self.assertRegex(said, r'but /breaks crashed at .* \(--crashes allow\)')
 
     def test_a_fleet_in_two_processes_does_the_same(self):
         code, said = self.verify('--conditions', 'plain,hash,split', self.write('fleet.launch', FLEET))

@@ -125,7 +125,7 @@ TEST(EventLogWriter, Csv) {
   const Folder folder;
   EventLogWriter log(folder / "a.csv", 5);
   log.add(-7, "a \"b\", c", "k", "[]");
-  EXPECT_EQ(log.finish({"over", {}, {"died"}, true, {{"/a", 3, true}, {"/b", 4, false}}}), "");
+  EXPECT_EQ(log.finish({"over", {}, {"died"}, true, {}, {{"/a", 3, true}, {"/b", 4, false}}}), "");
   EXPECT_EQ(contents(folder / "a.csv"),
             "# {\"event_log\":1,\"start_ns\":5}\ntime_ns,robot,kind,values\n"
             "-7,\"a \"\"b\"\", c\",k,[]\n"

@@ -30,6 +30,10 @@ def run(trial):
         return {'seed': 1}
     if trial.args['n'] == 5:
         os._exit(3)
+    if trial.args['n'] == 10:
+        worker = threading.Thread(target=lambda: {}['task'], name='worker')
+        worker.start()
+        worker.join()
     if trial.args['n'] == 7:
         trial.simulated_seconds = float('nan')
     if trial.args['n'] == 8:
@@ -61,7 +65,8 @@ def call(tmp_path, n):
 
 def test_a_function_is_called_in_its_folder_with_what_was_prepared(tmp_path):
     assert call(tmp_path, 1) == {'metrics': {'doubled': 2, 'prepared': 1, 'seeds': 7, 'none': None}, 'labels': [],
-                                 'simulated_seconds': 12.5}
+                                 'simulated_seconds': 12.5, 'processes': [
+                                     {'node': 'the function', 'takes_part': False, 'code': 0, 'shown': []}]}
     assert (tmp_path / 'files' / 'out.csv').read_text() == 'x'
     assert 'said by the function' in (tmp_path / 'logs' / 'function.txt').read_text()
 
@@ -72,6 +77,10 @@ def test_it_may_say_that_it_is_not_repeatable(tmp_path):
 
 def test_what_it_makes_of_its_labels_is_told_as_text(tmp_path):
     assert call(tmp_path, 8)['labels'] == ['8']
+
+
+def test_what_nobody_caught_in_its_threads_is_told(tmp_path):
+    assert call(tmp_path, 10)['processes'][0]['shown'] == ['KeyError in thread worker']
 
 
 def test_what_it_leaves_running_ends_with_it(tmp_path):

@@ -1,10 +1,14 @@
 """What a launch file becomes in lockstep: roslaunch's own configuration of it, with our launcher and a time master."""
+import contextlib
+import os
 import shlex
+import tempfile
 from typing import NamedTuple
 
 import rosgraph
 import roslaunch.config
 import roslaunch.core
+import rospkg
 from roslaunch import substitution_args
 
 from move_base_abstract import event_log
@@ -13,8 +17,8 @@ from move_base_abstract.errors import ConfigurationError
 from ..lockstep import recorders, report_delays
 from ..loopback import PACKAGE, find_executable
 from . import roles
+from .ends import TIME_MASTER
 
-TIME_MASTER = '/time_master'
 _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # of a run with another order, wall
 _NOT_COVERED = TIME_MASTER + '/not_covered'
 
@@ -89,6 +93,20 @@ def plan_of(config, wishes):
     if wishes.is_reversed:
         _reverse(config, [role.name for role in found if role.takes_part])
     return Plan(config, found, left_out, notes, [roles.name_of(node) for node in fleets], wishes.is_reversed)
+
+
+@contextlib.contextmanager
+def log_of_run(plan):
+    """Give the path of the event log of a Plan's run; if there is to be none, of one for a while that tells of ends."""
+    asked = _value(plan.config, TIME_MASTER + '/event_log', '')
+    if asked:
+        yield os.path.join(rospkg.get_ros_home(), asked)
+        return
+    with tempfile.TemporaryDirectory(prefix='move_base_abstract_ends_') as folder:
+        path = os.path.join(folder, 'ends.jsonl')
+        _set(plan.config, TIME_MASTER + '/event_log', path)
+        _set(plan.config, TIME_MASTER + '/event_log_of_ends', True)
+        yield path
 
 
 def name_anonymous_ones_alike():

@@ -1,27 +1,42 @@
 """Run a Plan: roslaunch's own parent, that ends a run in order and says how it ended."""
 import sys
+import threading
 import time
 
 import roslaunch.parent
+from roslaunch.core import is_machine_local
 
-from . import roles
+from . import ends, roles
 from .plan import TIME_MASTER
+from .sleeps import Sleeps
+from .watched import Watched
 
 _STATE_TIMEOUT = 5.0  # s, wall
 _EACH_TIMEOUT = 10.0  # s, wall, for a node to take part before the next one starts; it may wait for that one
-_LOOK_S = 0.02  # wall
+_BEFORE_ASKING_S = 1.0  # wall: at the end of a run participants may be gone before the time master is
+_LEAVERS_S = 2.0  # wall, that who has left before the end may take to end
+_LOOK_S = 0.01  # wall
 GOOD, BAD = 0, 1
 
 
 class Parent(roslaunch.parent.ROSLaunchParent):
-    """roslaunch's parent of a Plan. ``code`` is the exit code when spin() has returned, GOOD or BAD."""
+    """roslaunch's parent of a Plan.
 
-    def __init__(self, run_id, plan, **options):
+    ``code`` is the exit code when spin() has returned, GOOD or BAD; ends() then says how the processes ended.
+    """
+
+    def __init__(self, run_id, plan, log, **options):
+        """log: the path of the run's event log."""
         super().__init__(run_id, [], local_only=True, process_listeners=(), **options)
         self._plan = plan
+        self._log_path = log
         self._required = [roles.name_of(node) for node in plan.config.nodes if node.required]
+        self._watched = {}
+        self._waited_for = []
+        self._has_started = False
+        self._over = threading.Event()
+        self._sleeps = Sleeps()
         self.code = GOOD
-        self._ending = False
 
     def _init_runner(self):
         super()._init_runner()
@@ -47,46 +62,93 @@ class Parent(roslaunch.parent.ROSLaunchParent):
     def _start_pm(self):
         super()._start_pm()
         self.pm.add_process_listener(self)
-        kill_all = self.pm._post_run
+        register, kill_all = self.pm.register, self.pm._post_run
+
+        def watch(process):
+            register(process)
+            name = _name_of(process.name)
+            self._watched[name] = Watched(process, self._sleeps.hurry_when if name == TIME_MASTER else None)
 
         def end_in_order():
-            self._ending = True
+            for one in list(self._watched.values()):
+                one.look(is_early=True)
+            self._over.set()
+            self._sleeps.hurry()
             self._stop_time_master()
+            self._await_leavers()
+            for one in list(self._watched.values()):
+                one.is_told = one.look() is None
             kill_all()
+        self.pm.register = watch
         # Time stops before anybody goes; else those that are left would live on for as long as the wall clock pleases.
         self.pm._post_run = end_in_order
 
     def process_died(self, process_name, exit_code):
         """Hear from roslaunch that a process is gone; ``process_name`` ends in a number of roslaunch's."""
-        if self._ending:
+        if self._over.is_set():
             return
-        name = '/' + process_name.rpartition('-')[0]
+        name = _name_of(process_name)
+        self._watched[name].look(is_early=True)
         if name == TIME_MASTER:
             self.code = GOOD if exit_code == 0 else BAD
             self.pm.shutdown()
         elif name in self._required and exit_code:
             self.code = BAD
-        elif name in self._plan.participants and self._is_waited_for(name):
-            print('lockstep_launch: {} ended (exit code {}) before it took part, so that time never starts. If it is '
-                  'no node that goes on, leave it as an onlooker: --onlooker {}'.format(name, exit_code, name),
-                  file=sys.stderr)
-            self.code = BAD
-            self.pm.shutdown()
+        elif name in self._plan.participants and not self._has_started:
+            self._waited_for.append((name, exit_code))
+            if len(self._waited_for) == 1:
+                threading.Thread(target=self._look_for_waiting, daemon=True).start()
+
+    def _look_for_waiting(self):
+        """Complain of a participant that has gone and is waited for, in a thread of its own: nothing waits for this.
+
+        The time master is asked once the run cannot be about to end, and not again when time has started.
+        """
+        while not self._over.wait(_BEFORE_ASKING_S):
+            state = ask_state(_STATE_TIMEOUT)
+            if state is None:
+                continue
+            there = [one.name for one in state.participants]
+            gone = [one for one in self._waited_for if one[0] not in there]
+            if state.phase != 'waiting_for_participants':
+                self._has_started = True
+                return
+            if gone and not self._over.is_set():
+                name, exit_code = gone[0]
+                print('lockstep_launch: {} ended ({}) before it took part, so that time never starts. If it is no node '
+                      'that goes on, leave it as an onlooker: --onlooker {}'.format(
+                          name, 'exit code 0' if exit_code == 0 else ends.described(exit_code), name), file=sys.stderr)
+                self.code = BAD
+                self.pm.shutdown()
+                return
 
     def _stop_time_master(self):
         for name in self.pm.get_active_names():
-            if '/' + name.rpartition('-')[0] == TIME_MASTER:
+            if _name_of(name) == TIME_MASTER:
                 process = self.pm.get_process(name)
                 popen = process.popen
                 process.stop([])
                 if popen is not None and popen.returncode:
                     self.code = BAD
 
-    def _is_waited_for(self, name):
-        """Whether the time master still waits for the participants, and this one is not there."""
-        state = ask_state(_STATE_TIMEOUT)
-        return state is not None and state.phase == 'waiting_for_participants' and name not in [
-            one.name for one in state.participants]
+    def _await_leavers(self):
+        """Give who has left before the end, as its event log says, the time to end: its exit code counts."""
+        leavers = [self._watched[name] for name in ends.read_log(self._log_path).departures if name in self._watched]
+        deadline = time.monotonic() + _LEAVERS_S
+        while any(one.look(is_early=True) is None for one in leavers) and time.monotonic() < deadline:
+            time.sleep(_LOOK_S)
+
+    def ends(self):
+        """Return an ends.End of each process of the run, of those too that could not be started."""
+        names = [roles.name_of(node) for node in self.config.nodes if is_machine_local(node.machine)]
+        found = [self._watched[name].process(name, name in self._plan.participants) if name in self._watched
+                 else ends.Process(name, False, None, was_started=False) for name in names]
+        return ends.judge(found, ends.read_log(self._log_path))
+
+
+def _name_of(process_name):
+    """Return the node's name of a name of roslaunch's for its process, which ends in a number."""
+    return '/' + process_name.rpartition('-')[0]
 
 
 def ask_state(timeout):

@@ -14,10 +14,10 @@ from move_base_abstract.event_log import EventLog, EventLogError
 from move_base_abstract.own_files import OutputError
 
 from ..loopback import find_executable
-from . import findings
+from . import ends, findings
 from .conditions import CONDITIONS, every_core_busy, limit_for
 
-IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED = 0, 1, 2, 3, 4
+IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED, CRASHED = 0, 1, 2, 3, 4, 5
 _GRACE_S = 60.0  # wall, from the polite signal to SIGKILL: roslaunch ends its nodes meanwhile
 _OUTPUT_LINES = 15
 _MOST_BAG_BYTES = 1 << 30  # of the first run's bags that are kept, to be compared with the others' message by message
@@ -34,6 +34,7 @@ class Run(NamedTuple):
     wall: float  # s
     message_bytes: str  # path of a file with what participants have sent each other
     bags: dict  # {(node, number of its bag from 1 on): path}
+    crashes: list  # of its nodes, in words; they are allowed
 
     @property
     def labels(self):
@@ -98,11 +99,16 @@ class Verification:
         with every_core_busy() if condition.is_busy else contextlib.nullcontext():
             code = self._wait(command + self._words, environment, output)
         wall = time.monotonic() - begin
+        crashes = _crashes(output)
+        if code != 0 and crashes:
+            raise Unfinished("nodes crashed in the run '{}', so that nothing can be said of it; --crashes allow "
+                             'compares such runs, too:\n{}\nall that the nodes have said: {}'.format(
+                                 condition.name, '\n'.join('    ' + one for one in crashes), output), CRASHED)
         if code != 0:
             how = 'could not be started' if code == CANNOT else 'did not come to its end (exit code {})'.format(code)
             raise Unfinished("the run '{}' {}; its last lines:\n{}\nall of them: {}".format(
                 condition.name, how, _last_lines(output), output), CANNOT if code == CANNOT else UNFINISHED)
-        return Run(condition, log, output, _read_end(log), wall, message_bytes, _bags(output))
+        return Run(condition, log, output, _read_end(log), wall, message_bytes, _bags(output), crashes)
 
     def _wait(self, command, environment, output):
         with open(output, 'wb') as stream:
@@ -123,12 +129,18 @@ class Verification:
         self._say('{}: {} events, {} messages, {:.3f} s simulated, the whole run in {:.1f} s of wall time; {}'.format(
             run.condition.name, found.events, found.messages, simulated, run.wall,
             'called repeatable' if not run.labels else 'labelled'))
+        for crash in run.crashes:
+            self._say('  {}'.format(crash))
 
     def _is_like_the_first(self, run):
         first = self.runs[0]
         found = run_difference.compare(first.log, run.log, run.condition.with_messages)
-        if found.identical:
+        if found.identical and sorted(run.crashes) == sorted(first.crashes):
             return True
+        if found.identical:
+            self._say('different: nodes of {} and of {} crash in different ways, after equal events'.format(
+                first.condition.name, run.condition.name))
+            return False
         self._say('different: {} ({}) and {} ({})'.format(first.condition.name, first.condition.what,
                                                           run.condition.name, run.condition.what))
         tell = findings.bag_lines if found.difference is None else findings.event_lines
@@ -149,6 +161,8 @@ class Verification:
             len(self.runs), ', '.join(run.condition.name for run in self.runs), counts.events, counts.messages,
             self._told_of_bags()))
         self._say('not compared: other files that nodes write, and what they print')
+        for crash in self.runs[0].crashes:
+            self._say('but {} (--crashes allow)'.format(crash))
         labels = list(findings.label_lines(self.runs))
         for label in labels:
             self._say('but not called repeatable: {}'.format(label))
@@ -220,6 +234,11 @@ def _simulated(path):
         for event in EventLog(stream, path):
             first, last = event.time_ns if first is None else first, event.time_ns
     return 0.0 if first is None else (last - first) * 1e-9
+
+
+def _crashes(path):
+    """Return what lockstep_launch has said of crashes, in words."""
+    return [line[len(ends.LINE):] for line in findings.lines_of(path) if line.startswith(ends.LINE)]
 
 
 def _last_lines(path):

@@ -6,9 +6,11 @@
 Nodes that cannot take part are named and left to look on. It has a ROS master of its own on 127.0.0.1 unless told
 otherwise.
 
-Exit codes: 0 the run came to its end, or was ended by a signal; 1 it did not; 2 it cannot be run like this.
+Exit codes: 0 the run came to its end, or was ended by a signal; 1 it did not; 2 it cannot be run like this; 3 it did,
+but a node crashed.
 """
 import argparse
+import atexit
 import math
 import os
 import sys
@@ -18,9 +20,11 @@ from move_base_abstract.errors import SimulatorError
 from move_base_abstract.shown import shown, shown_text
 from move_base_abstract.temporary_folder import temporary_folder
 
+from ..launching import ends
 from ..loopback import Loopback, LoopbackError
+from ..process_end import leave
 
-_CANNOT = 2
+_CANNOT, _CRASHED = 2, 3
 
 
 def main(words=None):
@@ -34,7 +38,8 @@ def main(words=None):
     except (RLException, SimulatorError, LoopbackError) as error:
         print('lockstep_launch: {}'.format(error), file=sys.stderr)
         code = _CANNOT
-    sys.exit(code)
+    atexit._run_exitfuncs()
+    leave(code)  # taking all apart, as Python does it, would take a while
 
 
 def parse(words):
@@ -42,7 +47,7 @@ def parse(words):
     parser = argparse.ArgumentParser(
         prog='lockstep_launch', description='Run an unchanged launch file in lockstep.',
         usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
-        epilog='exit codes: 0 the run came to its end, 1 it did not, 2 it cannot be run like this')
+        epilog='exit codes: 0 the run came to its end, 1 it did not, 2 it cannot be run like this, 3 a node crashed')
     add_plan_options(parser)
     parser.add_argument('--event-log', metavar='PATH', help="file for the run's events, .jsonl or .csv")
     parser.add_argument('--log-messages', action='store_true', help='messages and calls are events too')
@@ -75,12 +80,14 @@ def add_plan_options(parser):
     parser.add_argument('--sleep', choices=('wall', 'simulated'), default='wall',
                         help='what sleeps of the wall clock take (default: %(default)s, while simulated time stands)')
     parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
+    parser.add_argument('--crashes', choices=ends.POLICIES, default=ends.FAIL,
+                        help='whether a node that crashes makes a failure of the run (default: %(default)s)')
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
 
 
 def words_of(options):
     """Return the words of a command line that say what add_plan_options has read, without the files."""
-    words = ['--sleep', options.sleep, '--seed', str(options.seed)]
+    words = ['--sleep', options.sleep, '--seed', str(options.seed), '--crashes', options.crashes]
     words += ['--until', repr(options.until)] if options.until else []
     words += ['--no-respawn'] if options.no_respawn else []
     for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
@@ -138,11 +145,23 @@ def _run(options, files):
             return 0
         run_id = rlutil.get_or_generate_uuid(None, False)
         configure_logging(run_id)
-        parent = runner.Parent(run_id, made, show_summary=False)
-        parent.start()
-        parent.spin()
-        _tell_bags(made, bags.written(notes))
-        return parent.code
+        with plan.log_of_run(made) as log:
+            parent = runner.Parent(run_id, made, log, show_summary=False)
+            parent.start()
+            parent.spin()
+            _tell_bags(made, bags.written(notes))
+            return _conclude(parent, options.crashes)
+
+
+def _conclude(parent, policy):
+    """Tell of crashes; return the exit code."""
+    crashed = [end for end in parent.ends() if end.crash is not None]
+    for end in crashed:
+        print(ends.LINE + shown_text(end.words), file=sys.stderr)
+        for line in end.last_lines:
+            print('    ' + shown_text(line), file=sys.stderr)
+    sys.stderr.flush()
+    return _CRASHED if crashed and policy == ends.FAIL and not parent.code else parent.code
 
 
 def _tell_bags(made, found):

@@ -7,7 +7,7 @@ Runs it in lockstep, as lockstep_launch does: twice as it is, then with every co
 delays, other hash seeds, other addresses, the fleet in two processes. Says `identical`, or the first difference.
 
 Exit codes: 0 identical, and called repeatable; 1 different; 2 it cannot be run like this; 3 a run did not come to its
-end; 4 identical, but labelled: not called repeatable, or degraded.
+end; 4 identical, but labelled: not called repeatable, or degraded; 5 a node crashed.
 """
 import argparse
 import math
@@ -83,7 +83,7 @@ def _parse(words):
         prog='verify', description='Verify that a launch file runs the same whatever the machine does.',
         usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
         epilog='exit codes: 0 identical, 1 different, 2 it cannot be run like this, 3 a run did not come to its end, '
-        '4 identical, but labelled')
+        '4 identical, but labelled, 5 a node crashed')
     lockstep_launch.add_plan_options(parser)
     which = parser.add_mutually_exclusive_group()
     which.add_argument('--runs', type=_count, metavar='N', help='the first N conditions only, 2 to {} (default: all)'

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""One program of a study that comes to the end which its argument names, or does not end though something went wrong."""
+import os
+import signal
+import sys
+import threading
+
+import actionlib
+import rospy
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from std_msgs.msg import Int32
+from std_srvs.srv import SetBool, Trigger
+
+DAY = 86400.0
+
+
+def at(tick, action):
+    """Have something done at a tick of the clock node, in a callback."""
+    rospy.Subscriber('/ticks', Int32, lambda message: action() if message.data == tick else None)
+
+
+def fail():
+    raise KeyError('robot_7')
+
+
+def client():
+    """Two goals; something is wrong with what is done when the second has ended."""
+    goals = actionlib.SimpleActionClient('/robot/move_base', MoveBaseAction)
+    goals.wait_for_server()
+    results = []
+
+    def done(status, result):
+        results.append(result)
+        if len(results) == 2:
+            rospy.loginfo('took %s', results[1].duration)
+    for x in (0.5, 1.0):
+        goal = MoveBaseGoal()
+        goal.target_pose.header.frame_id = 'map'
+        goal.target_pose.pose.position.x = x
+        goal.target_pose.pose.orientation.w = 1.0
+        goals.send_goal(goal, done_cb=done)
+        goals.wait_for_result()
+    rospy.spin()
+
+
+def server():
+    executed = actionlib.SimpleActionServer('failing', MoveBaseAction, lambda goal: fail(), False)
+    executed.start()
+    own = actionlib.SimpleActionClient('failing', MoveBaseAction)
+    own.wait_for_server()
+    own.send_goal_and_wait(MoveBaseGoal())
+    rospy.spin()
+
+
+def service():
+    rospy.Service('~ask', Trigger, lambda request: fail())
+    rospy.sleep(2.0)
+    try:
+        rospy.ServiceProxy('~ask', Trigger)()
+    except rospy.ServiceException:
+        rospy.spin()
+
+
+def asks():
+    rospy.wait_for_service('/refuse')
+    try:
+        rospy.ServiceProxy('/refuse', SetBool)(True)
+    except rospy.ServiceException:
+        rospy.spin()
+
+
+def ended_thread(**options):
+    threading.Thread(target=lambda: (rospy.sleep(3.0), fail()), **options).start()
+    rospy.spin()
+
+
+def shut_down():
+    at(3, lambda: rospy.signal_shutdown('all is done'))
+    rospy.sleep(DAY)
+
+
+def looks_on():
+    """It does not take part: after the error it says that it was made."""
+    said = rospy.Publisher('/seen', Int32, queue_size=1)
+    heard = []
+
+    def hear(message):
+        heard.append(message)
+        said.publish(message if len(heard) > 1 else fail())
+    rospy.Subscriber('/ticks', Int32, hear)
+    rospy.spin()
+
+
+def last_round():
+    """The run ends with it, and the error is the last that happens."""
+    rospy.sleep(30.0)
+    rospy.wait_for_message('/seen', Int32)
+    fail()
+
+
+FATES = {
+    'callback': lambda: (at(2, fail), rospy.spin()), 'client': client, 'server': server, 'service': service,
+    'asks': asks, 'timer': lambda: (rospy.Timer(rospy.Duration(2.5), lambda event: fail()), rospy.spin()),
+    'thread': lambda: ended_thread(), 'daemon': lambda: ended_thread(name='pump', daemon=True),
+    'raises': lambda: (rospy.sleep(2.0), fail()), 'exits': lambda: (rospy.sleep(2.0), sys.exit(3)),
+    'vanishes': lambda: (rospy.sleep(2.0), os._exit(4)), 'faults': lambda: (
+        rospy.sleep(2.0), os.kill(os.getpid(), signal.SIGSEGV)),
+    'killed': lambda: (rospy.sleep(2.0), os.kill(os.getpid(), signal.SIGKILL)),
+    'last_round': last_round, 'looks_on': looks_on, 'shut_down': shut_down, 'ends': lambda: rospy.sleep(2.0), 'waits': lambda: rospy.sleep(DAY)}
+
+
+def main():
+    words = rospy.myargv()
+    rospy.init_node('fate')
+    FATES[words[1]]()
+
+
+if __name__ == '__main__':
+    main()
