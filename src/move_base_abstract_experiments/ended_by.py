@@ -5,7 +5,7 @@ What a trial measured has another meaning if the limit of simulated time (`until
 import re
 
 SECONDS, TOPIC, IDLE, REQUIRED, RETURNED = 'seconds', 'topic', 'idle', 'required', 'returned'
-FAULT, TIME_LIMIT, ERROR, OTHER = 'fault', 'time_limit', 'error', 'other'
+FAULT, TIME_LIMIT, ERROR, CRASH, OTHER = 'fault', 'time_limit', 'error', 'crash', 'other'
 _END_NODE = '/experiment_end'  # stands for until: topic
 _LEFT = re.compile(r"'([^']+)' left at ")
 

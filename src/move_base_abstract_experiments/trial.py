@@ -118,6 +118,7 @@ def _judge(job, about, processes, log, problem=None):
     found = ends.judge(processes, log)
     about.update(ends=[one.told for one in found], crashes=ends.crashes(found))
     if about['crashes'] and job['crashes'] == ends.FAIL:
+        about['ended_by'] = ended_by.CRASH
         more = f" (and {len(about['crashes']) - 1} more)" if len(about['crashes']) > 1 else ''
         raise run.RunError(about['crashes'][0] + more + (f'; {problem}' if problem else ''))
     if problem is not None:

@@ -205,7 +205,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         for one, how in ((callback, 'KeyError in a callback of rospy.Timer, say.py, line 10'),
                          (killed, 'ended by SIGKILL')):
             crash = '/say crashed at 1.500000000 s: ' + how
-            self.assertEqual((one['status'], one['crashes']), ('failed', [crash]))
+            self.assertEqual((one['status'], one['crashes'], one['ended_by']), ('failed', [crash], 'crash'))
             self.assertTrue(one['error'].startswith(crash), one['error'])
         told, = (one for one in killed['ends'] if one['node'] == '/say')
         self.assertEqual((told['signal'], told['at'], told['crashed']), ('SIGKILL', 1.5, True))
