@@ -333,45 +333,6 @@ Nanoseconds LockstepSession::nextWake() const {
                                      interruption_.due()});
 }
 
-// ---- the gate --------------------------------------------------------------------------------
-
-void LockstepSession::pause() {
-  rounds_.pause();
-  poll_due_ = true;
-}
-
-void LockstepSession::resume() {
-  rounds_.resume();
-  keepEnd();
-  poll_due_ = true;
-}
-
-Nanoseconds LockstepSession::step(Nanoseconds duration) {
-  const Nanoseconds target = rounds_.step(duration);
-  keepEnd();
-  poll_due_ = true;
-  return target;
-}
-
-void LockstepSession::runUntil(Nanoseconds target) {
-  rounds_.runUntil(target);
-  keepEnd();
-  poll_due_ = true;
-}
-
-void LockstepSession::setLimit(double factor) {
-  rounds_.setLimit(factor);
-  poll_due_ = true;
-}
-
-/** @brief Time does not leap over end_at, whatever else the gate is told. */
-void LockstepSession::keepEnd() {
-  const Nanoseconds end = toNanoseconds(settings_.end_at);
-  if (end != 0 && !rounds_.paused() && rounds_.target().value_or(kNever) > end) {
-    rounds_.runUntil(end);
-  }
-}
-
 // ---- what is so ------------------------------------------------------------------------------
 
 std::vector<LockstepLogEntry> LockstepSession::takeLog() { return log_.take(); }

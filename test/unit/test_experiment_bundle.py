@@ -74,7 +74,8 @@ def test_outputs_that_cannot_be_taken_are_a_trial_that_failed(tmp_path, content)
         assert about['error'].startswith('its outputs cannot be taken: ')
         assert outputs.read_trial(folder.path, ID)['error'] == about['error']
         tables.write(folder, json.loads(json.dumps(PLAN)))
-    assert isinstance(sweep.is_failure(content), bool)
+    job = sweep.again(content, ABOUT)
+    assert job is None or job['id'] == ABOUT['id']
 
 
 def test_a_note_in_a_trials_folder_stays_and_ends_no_other_trial(tmp_path):
