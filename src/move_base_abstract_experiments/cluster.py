@@ -23,6 +23,7 @@ TRIES = 2  # of a trial that fails by itself
 LOSSES = 8  # of workers, before a trial counts as failed
 AHEAD = 2  # trials under way per thread of a worker
 _LOOK_S = 0.5  # wall
+_HTTP = '127.0.0.1:0'  # Dask serves pages in any case: without an address on all of the computer's
 _CONNECT_S = 30.0  # wall
 _STOP_S = 10.0  # wall
 
@@ -32,9 +33,10 @@ class ClusterError(SimulatorError):
 
 
 @contextlib.contextmanager
-def connected(workers, scheduler):
+def connected(workers, scheduler, has_dashboard=False):
     """Give (a Client, its Workers) of a cluster of ``workers`` processes here, or of the scheduler at an address.
 
+    has_dashboard: of a cluster here. Whoever has an account on this computer can look at it.
     :raises ClusterError: if there is none.
     """
     try:
@@ -49,6 +51,8 @@ def connected(workers, scheduler):
                      'distributed.deploy.lost-worker-timeout': f'{LOST_S:g}s',
                      'distributed.worker.daemon': False})
     _quiet()
+    if not has_dashboard:
+        dask.config.set({'distributed.scheduler.http.routes': [], 'distributed.worker.http.routes': []})
     own = None
     with contextlib.ExitStack() as stack:
         if scheduler is None:
@@ -56,7 +60,8 @@ def connected(workers, scheduler):
             with _ctrl_c_is_ours():
                 scheduler = own = LocalCluster(
                     n_workers=workers, threads_per_worker=1, processes=True, host='127.0.0.1',
-                    dashboard_address='127.0.0.1:0', worker_dashboard_address='127.0.0.1:0',
+                    dashboard_address=_HTTP, worker_dashboard_address=_HTTP,
+                    scheduler_kwargs={'dashboard': has_dashboard},
                     local_directory=folder, memory_limit=0, silence_logs=50,
                     security=True, protocol='tls://')  # other users of this computer stay out
             stack.callback(_close_all, scheduler)

@@ -54,6 +54,7 @@ def _parse(words):
     where = run.add_mutually_exclusive_group()
     where.add_argument('--workers', type=_count, default=None, metavar='N', help='processes here (default: one a core)')
     where.add_argument('--scheduler', metavar='ADDRESS', help='a running Dask scheduler, tcp://HOST:PORT')
+    run.add_argument('--dashboard', action='store_true', help="serve Dask's page on the workers, on 127.0.0.1")
     run.add_argument('--keep-old', action='store_true', help='keep complete trials whose program has changed since, '
                      'labelled; without it they run again')
     run.set_defaults(act=_run)
@@ -94,7 +95,7 @@ def _run(options):
     from . import sweep
     try:
         bad = sweep.run(options.file, options.output, options.workers or os.cpu_count() or 1, options.scheduler,
-                        keep_old=options.keep_old)
+                        keep_old=options.keep_old, has_dashboard=options.dashboard)
         try:
             _write_report(options.output)
         except SimulatorError as error:  # the trials are there all the same

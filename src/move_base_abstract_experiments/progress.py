@@ -20,10 +20,11 @@ class Progress:
         if complete:
             print(f'experiment: {complete} of {total} trials are complete already', file=stream, flush=True)
 
-    def begin(self, client):
-        """The workers are there."""
+    def begin(self, client, has_dashboard):
+        """The workers are there. has_dashboard: Dask serves its page on them."""
         address = client.scheduler_info().get('address', '')
-        link = getattr(client, 'dashboard_link', '') if client.scheduler_info().get('services') else ''
+        has_dashboard = has_dashboard and client.scheduler_info().get('services')
+        link = getattr(client, 'dashboard_link', '') if has_dashboard else ''
         print(f'experiment: Dask scheduler {address}' + (f', dashboard {link}' if link else ''), file=self._stream,
               flush=True)
         self._begin = time.monotonic()

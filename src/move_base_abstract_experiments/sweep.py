@@ -16,10 +16,12 @@ from .progress import Progress
 from .workers import told_workers
 
 
-def run(path, output, workers, scheduler, stream=sys.stdout, folder=None, keep_old=False):
+def run(path, output, workers, scheduler, stream=sys.stdout, folder=None, keep_old=False,
+        has_dashboard=False):
     """Run what is missing of the experiment in a file; return how many trials failed, or differ when run again.
 
     folder: where relative paths in it start, if not where it lies. keep_old: complete trials of another program stay.
+    has_dashboard: Dask's page on the workers is served, on 127.0.0.1.
     :raises SimulatorError: if it cannot be run. :raises KeyboardInterrupt: after all that was started has ended.
     """
     experiment = spec.read(path, folder)
@@ -34,7 +36,7 @@ def run(path, output, workers, scheduler, stream=sys.stdout, folder=None, keep_o
         folder.write('experiment.yaml', text)
         folder.write('plan.json', tables.plan_text(about))
         try:
-            _run_missing(experiment, chosen, missing, folder, workers, scheduler, stream)
+            _run_missing(experiment, chosen, missing, folder, (workers, scheduler, has_dashboard), stream)
         finally:
             tables.write(folder, about)
         return _tell(folder, about, stream)
@@ -119,15 +121,16 @@ def _check_launch(job):
                 raise checks.unknown(f'{key}: the node', name, names)
 
 
-def _run_missing(experiment, chosen, missing, folder, workers, scheduler, stream):
+def _run_missing(experiment, chosen, missing, folder, where, stream):
     progress = Progress(stream, len(chosen), len(chosen) - len(missing))
     if not missing:
         return
 
     def done(job, worker, content, problem, attempts):
         progress.count(_taken(folder, job, worker, content, problem, attempts))
-    with cluster.connected(min(workers, len(missing)), scheduler) as (client, watch), told_workers(folder) as tell:
-        progress.begin(client)
+    workers, scheduler, has_dashboard = where
+    with cluster.connected(min(workers, len(missing)), scheduler, has_dashboard) as (client, watch), told_workers(folder) as tell:
+        progress.begin(client, has_dashboard or scheduler is not None)
         threading.Thread(target=_import_report, name='report', daemon=True).start()
 
         def look(runner):
