@@ -233,12 +233,11 @@ class LaunchTest(unittest.TestCase):
             logs.append(events)
         self.assertEqual(log.end['not_repeatable_because'] + log.end['degraded_because'], [])
         self.assertEqual(*logs)
-        # Of the lines of one instant a log has those of the lower robot first.
         self.assertEqual(
             [(time_ns, robot, kind, without_goal(kind, json.loads(values)))
              for time_ns, robot, kind, values in logs[0]],
             [(entry.time_ns, entry.robot, entry.kind, without_goal(entry.kind, entry.values))
-             for entry in sorted(nearest_idle(5), key=lambda entry: (entry.time_ns, entry.robot))])
+             for entry in nearest_idle(5)])
 
     def test_who_takes_part_and_why_others_do_not(self):
         done = self.run_it('--list', self.file(KINDS))
@@ -382,8 +381,8 @@ class LaunchTest(unittest.TestCase):
         self.assertEqual(process.wait(GUARD), 0, rest)
         with open(log) as stream:
             end = json.loads(stream.readlines()[-1])['end']
-        self.assertTrue(end['repeatable'], end)
-        self.assertEqual(end['degraded_because'], [])
+        self.assertIn('cut_ns', end)  # another run may be told to end elsewhere
+        self.assertEqual(end['not_repeatable_because'] + end['degraded_because'], [])
         self.assertFalse(re.search('Traceback', rest), rest)
 
 
