@@ -129,7 +129,8 @@ def _run_missing(experiment, chosen, missing, folder, where, stream):
     def done(job, worker, content, problem, attempts):
         progress.count(_taken(folder, job, worker, content, problem, attempts))
     workers, scheduler, has_dashboard = where
-    with cluster.connected(min(workers, len(missing)), scheduler, has_dashboard) as (client, watch), told_workers(folder) as tell:
+    with cluster.connected(min(workers, len(missing)), scheduler, has_dashboard) as (client, watch), \
+            told_workers(folder) as tell:
         progress.begin(client, has_dashboard or scheduler is not None)
         threading.Thread(target=_import_report, name='report', daemon=True).start()
 

@@ -174,7 +174,7 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
   EXPECT_NE(patched(Unserve{1}, items, '\x13').find("kind of item must be from 1 to 18, got 19"),
             std::string::npos);
   EXPECT_NE(patched(Unserve{1}, items, '\0').find("got 0"), std::string::npos);
-  EXPECT_NE(patched(Note{}, items + 1, '\x06').find("NOTE: what must be from 1 to 5, got 6"),
+  EXPECT_NE(patched(Note{}, items + 1, '\x08').find("NOTE: what must be from 1 to 7, got 8"),
             std::string::npos);
   EXPECT_NE(patched(Response{}, items + 9, '\x02').find("ok must be from 0 to 1, got 2"),
             std::string::npos);
