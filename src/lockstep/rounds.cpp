@@ -26,6 +26,8 @@ void LockstepRounds::add(MemberId id, const std::string& name, std::int32_t rank
   MemberState& member = members_[id];
   member.name = name;
   member.rank = rank;
+  const auto& declared = settings_.idle_nodes;
+  member.waits_for_work = std::find(declared.begin(), declared.end(), name) != declared.end();
   places_.add(id, name);
   last_join_ = wall;
   if (started_) {
@@ -41,7 +43,7 @@ void LockstepRounds::gone(MemberId id) {
   member.present = false;
   setNext(id, member, kNever);
   member.foreseen.clear();
-  member.open = 0;
+  member.open = member.idle = 0;
   if (member.owes && rules_.dead_not_awaited) {
     member.owes = false;
     --owing_;
@@ -73,6 +75,7 @@ void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, N
   member.owes = false;
   --owing_;
   member.open = open;
+  member.idle = 0;
   member.background = false;
   // Beyond the end of simulated time nothing can be due.
   member.after_foreseen = next > kLastInstant ? kNever : next;
@@ -328,13 +331,19 @@ void LockstepRounds::becomeIdle() {
     return;
   }
   idle_ = true;
-  const bool stuck = rules_.deadlock_named && anyOpen();
+  const bool stuck = rules_.deadlock_named && isStuck();
   events_.push_back({stuck ? Event::Kind::kDeadlock : Event::Kind::kIdle});
 }
 
-bool LockstepRounds::anyOpen() const {
-  return std::any_of(members_.begin(), members_.end(),
-                     [](const auto& entry) { return entry.second.open > 0; });
+/** @brief Who waits for work is stuck only while an answer is owed, which it may be the one to
+ * give. */
+bool LockstepRounds::isStuck() const {
+  const bool is_owed = owed_ > 0 || !rules_.work_is_not_owed;
+  return std::any_of(members_.begin(), members_.end(), [is_owed](const auto& entry) {
+    const MemberState& member = entry.second;
+    return (member.open > 0 && !member.waits_for_work) ||
+           (member.open + member.idle > 0 && is_owed);
+  });
 }
 
 void LockstepRounds::watch(Nanoseconds wall) {

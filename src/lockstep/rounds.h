@@ -41,7 +41,7 @@ enum class LockstepPhase {
   kLimited,        // the speed limit holds the next leap back
   kPaused,         // the present instant is finished, and no leap is allowed
   kIdle,           // nobody wants to wake up ever
-  kDeadlock,       // idle, with application threads that wait without end
+  kDeadlock,       // the same, but somebody waits for what is owed to it, see isStuck()
   kZeroDelayLoop,  // too many microsteps at one instant; no more grants
   kEnded
 };
@@ -87,8 +87,10 @@ class LockstepRounds {
   struct MemberState {
     std::string name;
     std::int32_t rank = 0;
-    Nanoseconds next = kNever;  // simulated
-    std::uint32_t open = 0;     // application threads that wait without end
+    Nanoseconds next = kNever;    // simulated
+    std::uint32_t open = 0;       // application threads that wait without end for what is owed
+    std::uint32_t idle = 0;       // those that wait without end for work that may come
+    bool waits_for_work = false;  // it is declared: what it waits for is not owed to it
     bool knocked = false;
     bool present = true;  // false: it has gone, which counts when the round is over
     bool owes = false;    // the report of round `round`
@@ -121,6 +123,11 @@ class LockstepRounds {
   void rest(MemberId id);
   /** @brief Time does not go on for the wake-up alone that @p id has reported. */
   void background(MemberId id);
+  /** @brief So many of its threads wait for work that may come: no deadlock
+   * while no goal and no call is open. */
+  void idle(MemberId id, std::uint32_t threads);
+  /** @brief So many goals and calls of members have reached others, who have not answered. */
+  void setOwed(std::size_t answers) { owed_ = answers; }
 
   /**
    * @brief The report of its latest grant is in. @pre owes
@@ -207,7 +214,7 @@ class LockstepRounds {
   void moveTo(Nanoseconds to, Nanoseconds wall);
   Nanoseconds nextTime() const;
   void becomeIdle();
-  bool anyOpen() const;
+  bool isStuck() const;
   void refuseIfEnded(const char* call) const;
 
   LockstepSettings settings_;
@@ -220,6 +227,7 @@ class LockstepRounds {
   std::vector<MemberId> granted_;                   // of the latest round
   std::size_t owing_ = 0;
   std::size_t mail_waiting_ = 0;
+  std::size_t owed_ = 0;  // answers
   Nanoseconds time_;
   std::uint32_t microstep_ = 0;
   bool started_ = false;

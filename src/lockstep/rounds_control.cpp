@@ -104,6 +104,7 @@ double LockstepRounds::limit() const {
 }
 
 void LockstepRounds::background(MemberId id) { at(id).background = true; }
+void LockstepRounds::idle(MemberId id, std::uint32_t threads) { at(id).idle = threads; }
 
 /** @return when time goes on; kNever: nobody has a reason to wake up. */
 Nanoseconds LockstepRounds::nextTime() const {
@@ -138,7 +139,7 @@ LockstepPhase LockstepRounds::phase(Nanoseconds wall) const {
     });
     return working ? LockstepPhase::kRunning : LockstepPhase::kWaiting;
   }
-  if (idle_ && rules_.deadlock_named && anyOpen()) {
+  if (idle_ && rules_.deadlock_named && isStuck()) {
     return LockstepPhase::kDeadlock;
   }
   if (paused_) {

@@ -55,7 +55,7 @@ MessageRouter::LocalTopic& MessageRouter::declare(MemberId id, std::uint32_t num
   const auto index = static_cast<Index>(topics_.size());
   const auto [known, fresh] = topic_numbers_.try_emplace(kept, index);
   if (fresh) {
-    topics_.push_back({kept, {}, {}});
+    topics_.push_back({kept, {}, {}, OpenGoals::Part::kNone});
   }
   auto [local, first] =
       participant(id).topics.try_emplace(number, LocalTopic{known->second, false, {}});
@@ -100,6 +100,7 @@ void MessageRouter::act(const Action& by, const wire::Advertise& item) {
     stopAdvertising(by, local);
   }
   topic.publishers.push_back(publisher);
+  topic.part = OpenGoals::partOf(topic.name, publisher.type);
   local.md5 = publisher.md5;
   local.advertised = true;
   for (const Subscribed& subscriber : topic.subscribers) {
@@ -255,6 +256,7 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
   }
   const MailOrder order = place_(by.sender, item.sub, by.number);
   std::vector<MemberId> receivers;
+  bool is_received = false;
   for (const Subscribed& subscriber : topic.subscribers) {
     if ((item.target != 0 && item.target != subscriber.member) ||
         subscriber.hears == wire::Hearing::kNothing || !fit(local.md5, subscriber.md5)) {
@@ -263,9 +265,16 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
     post_(subscriber.member, {order, wire::Deliver{subscriber.topic, by.sender, item.payload},
                               false, subscriber.hears == wire::Hearing::kLater});
     ++messages_;
+    is_received = true;
     if (trace_) {
       receivers.push_back(subscriber.member);
     }
+  }
+  if (topic.part == OpenGoals::Part::kResult) {
+    goals_.answered(topic.name, item.payload);
+  } else if (topic.part == OpenGoals::Part::kGoal && is_received && rules_.goals_are_counted &&
+             awaitsResults(by.sender, topic.name)) {
+    goals_.sent(by.sender, topic.name, item.payload);
   }
   if (!receivers.empty()) {
     trace_({Delivery::Kind::kMessage, order, topic.name, by.sender, std::move(receivers),
@@ -280,6 +289,16 @@ std::string_view MessageRouter::typeOf(const Topic& topic, MemberId sender) {
     }
   }
   return {};
+}
+
+/** @return whether a member that sends a goal will hear of its end. */
+bool MessageRouter::awaitsResults(MemberId client, std::string_view goal_topic) const {
+  const auto result = topic_numbers_.find(OpenGoals::resultTopic(goal_topic));
+  if (result == topic_numbers_.end()) {
+    return false;
+  }
+  const auto& listeners = topics_[result->second].subscribers;
+  return router::findMember(listeners, client) != listeners.end();
 }
 
 std::string_view MessageRouter::topicName(MemberId id, std::uint32_t number) const {

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "goals.h"
 #include "rounds.h"
 #include "wire.h"
 
@@ -82,6 +83,7 @@ class MessageRouter {
   std::size_t openCalls() const { return calls_.size(); }
   /** @return how many wait to be told of services that nobody serves. */
   std::size_t watches() const;
+  const OpenGoals& goals() const { return goals_; }
 
  private:
   using Index = std::uint32_t;
@@ -103,6 +105,7 @@ class MessageRouter {
     std::string_view name;
     std::vector<Advertised> publishers;
     std::vector<Subscribed> subscribers;
+    OpenGoals::Part part = OpenGoals::Part::kNone;  // of an action
   };
   static std::string_view typeOf(const Topic& topic, MemberId sender);
   struct LocalTopic {
@@ -162,6 +165,7 @@ class MessageRouter {
   void act(const Action&, const wire::Background&) {}
   void act(const Action&, const wire::Parameter&) {}
   void act(const Action&, const wire::Asks&) {}
+  void act(const Action&, const wire::Idle&) {}
 
   std::string_view keep(std::string_view text);
   LocalTopic& declare(MemberId id, std::uint32_t number, std::string_view name);
@@ -174,6 +178,7 @@ class MessageRouter {
   void tellHearing(const Action& by, const Advertised& publisher, const Subscribed& subscriber);
   bool linked(const Topic& topic, MemberId publisher, MemberId subscriber) const;
   std::string_view definitionOf(const wire::Advertise& item);
+  bool awaitsResults(MemberId client, std::string_view goal_topic) const;
   void stopAdvertising(const Action& by, LocalTopic& local);
   void stopSubscribing(const Action& by, LocalTopic& local);
   void stopServing(const Action& by, Index service);
@@ -195,6 +200,7 @@ class MessageRouter {
   std::vector<Service> services_;
   std::map<std::pair<MemberId, std::uint32_t>, OpenCall> calls_;  // by caller and its number
   std::vector<Closing> closings_;
+  OpenGoals goals_;
   std::vector<std::string> warnings_;
   std::uint64_t messages_ = 0;
 };

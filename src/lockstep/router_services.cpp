@@ -179,6 +179,7 @@ std::size_t MessageRouter::watches() const {
 void MessageRouter::remove(MemberId id, std::uint64_t number) {
   const Action by{id, number};
   Participant& gone = participant(id);
+  goals_.remove(id);
   for (const auto& [own, local] : inOrder(gone.topics)) {
     stopAdvertising(by, gone.topics[own]);
     stopSubscribing(by, gone.topics[own]);

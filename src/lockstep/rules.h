@@ -38,6 +38,8 @@ struct LockstepRules {
   LOCKSTEP_RULE dead_cancels_calls = true;
   LOCKSTEP_RULE silence_named = true;
   LOCKSTEP_RULE deadlock_named = true;
+  LOCKSTEP_RULE work_is_not_owed = true;  // who waits for work is idle, while no goal is open
+  LOCKSTEP_RULE goals_are_counted = true;
   LOCKSTEP_RULE gate_pause = true;
   LOCKSTEP_RULE gate_target = true;
   LOCKSTEP_RULE gate_limit = true;

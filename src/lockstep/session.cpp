@@ -71,6 +71,7 @@ void LockstepSession::finishRound() {
     } else if (!left_.empty()) {
       endAsWished(left_);
     }
+    rounds_.setOwed(router_.goals().count() + router_.openCalls());
     sendGrants(rounds_.decide(wall_));
     sayGone();
     handleEvents();
@@ -136,6 +137,8 @@ void LockstepSession::applyItem(MemberId id, Member& member, const wire::ReportI
     applyParameter(member, *parameter);
   } else if (const auto* asks = std::get_if<wire::Asks>(&item)) {
     labelIf(parameters_.asks(member.name, asks->name));
+  } else if (const auto* idle = std::get_if<wire::Idle>(&item)) {
+    rounds_.idle(id, idle->count);
   } else {
     if (std::holds_alternative<wire::Hears>(item)) {
       rounds_.hurry(id);
@@ -300,12 +303,12 @@ void LockstepSession::handle(const LockstepRounds::Event& event) {
 void LockstepSession::handleStandstill(const LockstepRounds::Event& event) {
   using Kind = LockstepRounds::Event::Kind;
   if (event.kind == Kind::kIdle) {
-    messages_.say(Level::kDebug, "idle" + text_.at() + ": nobody wants to wake up");
+    messages_.say(Level::kDebug, text_.idle());
   } else {
     messages_.say(event.kind == Kind::kDeadlock ? Level::kWarn : Level::kError, reason());
   }
   if (settings_.end_when_idle && event.kind == Kind::kIdle) {
-    endAsWished("idle" + text_.at() + ": nobody wants to wake up");
+    endAsWished(text_.idle());
   } else if (settings_.end_when_idle && event.kind == Kind::kDeadlock) {
     end(reason());
   }
@@ -313,7 +316,7 @@ void LockstepSession::handleStandstill(const LockstepRounds::Event& event) {
 
 /** @return why nothing happens any more: of a deadlock, a zero-delay loop, the end. */
 std::string LockstepSession::reason() const {
-  return rounds_.ended() ? reason_ : text_.standstill(phase());
+  return rounds_.ended() ? reason_ : text_.standstill(phase(), router_.goals());
 }
 
 void LockstepSession::nameMissing() {

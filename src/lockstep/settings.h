@@ -25,11 +25,12 @@ struct LockstepSettings {
   OnDeath on_death = OnDeath::kGoOn;
   OnSilence on_silence = OnSilence::kWait;
   bool end_when_idle = false;
-  double end_at = 0.0;                // s simulated, start_time to 2147483647; 0: no end
-  std::vector<std::string> end_with;  // the run ends when one of these leaves, or dies
-  bool strict = false;                // the first label ends the run
-  bool log_messages = false;          // messages and calls between participants go into the log too
-  bool keeps_bytes = false;           // what was sent is in the lines for the log
+  double end_at = 0.0;                  // s simulated, start_time to 2147483647; 0: no end
+  std::vector<std::string> end_with;    // the run ends when one of these leaves, or dies
+  std::vector<std::string> idle_nodes;  // whose threads wait for work, whatever they wait for
+  bool strict = false;                  // the first label ends the run
+  bool log_messages = false;  // messages and calls between participants go into the log too
+  bool keeps_bytes = false;   // what was sent is in the lines for the log
   std::vector<std::string> excluded_topics;  // that do not go through the time master
   std::vector<std::string> not_covered;      // why the log does not say all: labels of the run
   std::string secret;                        // that a HELLO must have; empty: none

@@ -28,16 +28,33 @@ std::string StatusText::owed(const LockstepRounds::MemberState& member) const {
          (parts.empty() ? "" : " (" + joined(parts) + ")");
 }
 
-/** @return who has threads that wait without end, and what for. */
-std::string StatusText::stuck() const {
-  std::vector<std::string> names;
+/** @return whose threads wait without end, how many, and what for. */
+std::vector<std::string> StatusText::waiting() const {
+  std::vector<std::string> parts;
   for (const LockstepStatus::Participant& member : participants()) {
-    if (member.open > 0) {
-      names.push_back(quote(member.name) + " has " + countText(member.open, "waiting thread") +
+    const auto count = member.open + rounds_.find(member.id)->idle;
+    if (count > 0) {
+      parts.push_back(quote(member.name) + " has " + countText(count, "waiting thread") +
                       (member.waits_for.empty() ? "" : " (" + member.waits_for + ")"));
     }
   }
-  return joined(names);
+  return parts;
+}
+
+/** @return who has threads that wait without end, and what for; which goals nobody has answered. */
+std::string StatusText::stuck(const OpenGoals& goals) const {
+  std::vector<std::string> parts = waiting();
+  for (const auto& [goal, count] : goals.byAction()) {
+    parts.push_back(quoted(goal.first) + " has " + countText(count, "goal") + " open on " +
+                    goal.second);
+  }
+  return joined(parts);
+}
+
+std::string StatusText::idle() const {
+  const std::vector<std::string> parts = waiting();
+  return "idle" + at() + ": nobody wants to wake up" +
+         (parts.empty() ? "" : "; for work that may come wait: " + joined(parts));
 }
 
 std::string StatusText::latestRound() const {
@@ -127,10 +144,10 @@ std::vector<LockstepStatus::Participant> StatusText::participants() const {
   return participants;
 }
 
-std::string StatusText::standstill(LockstepPhase phase) const {
+std::string StatusText::standstill(LockstepPhase phase, const OpenGoals& goals) const {
   switch (phase) {
     case LockstepPhase::kDeadlock:
-      return "deadlock" + at() + ": nobody wants to wake up, but " + stuck();
+      return "deadlock" + at() + ": nobody wants to wake up, but " + stuck(goals);
     case LockstepPhase::kZeroDelayLoop:
       return "zero-delay loop" + at() + ": " + std::to_string(rounds_.microstep()) +
              " microsteps at one instant, the last of them by " + latestRound();

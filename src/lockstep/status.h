@@ -81,7 +81,9 @@ class StatusText {
   /** @return what the member owes: "the report of round 17 (3 messages, wake-up due)". */
   std::string owed(const LockstepRounds::MemberState& member) const;
   /** @return of a deadlock and a zero-delay loop: who and why; else ''. */
-  std::string standstill(LockstepPhase phase) const;
+  std::string standstill(LockstepPhase phase, const OpenGoals& goals) const;
+  /** @return that nobody has anything left to do, and whose threads wait for work. */
+  std::string idle() const;
   /** @brief A participant has gone before the start, which still waits for it: @p how it went. */
   void keepDeparture(const std::string& name, const std::string& how) { departures_[name] = how; }
   /** @return the names that the start waits for, and how many participants are there. */
@@ -95,7 +97,8 @@ class StatusText {
   std::vector<LockstepStatus::Participant> participants() const;
 
  private:
-  std::string stuck() const;
+  std::string stuck(const OpenGoals& goals) const;
+  std::vector<std::string> waiting() const;
   std::string describe(const wire::Deliver& item, MemberId id, const MessageRouter& router) const;
   std::string describe(const wire::CallIn& item, MemberId id, const MessageRouter& router) const;
   std::string describe(const wire::Answer& item, MemberId id, const MessageRouter& router) const;

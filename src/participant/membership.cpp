@@ -131,6 +131,9 @@ void Membership::report(const Wish& wish) {
       told_ = wish.waits;
       wire::append(items_, wire::Note{wire::NoteKind::kWaitsFor, told_});
     }
+    if (wish.idle > 0) {
+      wire::append(items_, wire::Idle{wish.idle});
+    }
     is_sent = link_.send(wire::encodeReport(head, items_));
     items_.clear();
     state_ = State::kReported;

@@ -56,8 +56,9 @@ class Program {
 /** @brief What a report says besides what was done. */
 struct Wish {
   Nanoseconds next = kNever;  // simulated
-  std::uint32_t open = 0;     // threads that wait without end
-  std::string waits;          // for what
+  std::uint32_t open = 0;     // threads that wait without end for what is owed to them
+  std::string waits = {};     // for what
+  std::uint32_t idle = 0;     // those that wait without end for work that may come
 };
 
 /** @brief How a call of a participant's service has ended. */

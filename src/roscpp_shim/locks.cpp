@@ -101,7 +101,7 @@ int takeByTurns(const void* lock, const std::function<int()>& attempt, Nanosecon
     }
     const auto is_over = [before = releases()] { return releases() != before; };
     const Nanoseconds left = until == kNever ? kNever : until - node().now();
-    if (awaitCondition(nullptr, is_over, left) == Woken::kTime) {
+    if (awaitCondition(nullptr, is_over, left, "a lock") == Woken::kTime) {
       return ETIMEDOUT;
     }
   }
@@ -137,7 +137,7 @@ int takeSemaphore(sem_t* semaphore, clockid_t clock, const timespec* deadline,
         return sem_getvalue(semaphore, &value) == 0 && value > 0;
       };
       const Nanoseconds left = until == kNever ? kNever : until - node().now();
-      if (awaitCondition(semaphore, is_over, left) == Woken::kTime) {
+      if (awaitCondition(semaphore, is_over, left, "a semaphore") == Woken::kTime) {
         errno = ETIMEDOUT;
         return -1;
       }
@@ -307,7 +307,7 @@ bool awaitFutex(__atomic_futex_unsigned_base* self, unsigned* word, unsigned val
   if (shim::ordered()) {
     const auto is_over = [word, value] { return __atomic_load_n(word, __ATOMIC_SEQ_CST) != value; };
     const auto lasts = has_end ? shim::remaining(clock, end) : move_base_abstract::kNever;
-    const shim::Woken woken = shim::awaitCondition(word, is_over, lasts);
+    const shim::Woken woken = shim::awaitCondition(word, is_over, lasts, "a future");
     if (woken != shim::Woken::kEnd) {
       return woken == shim::Woken::kReady;
     }

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "allocations.h"
 #include "exchange.h"
@@ -119,11 +120,13 @@ void Node::exchange() {
   if (has_timers_) {
     wish.next = std::min(wish.next, timers_.next());
   }
-  wish.open = static_cast<std::uint32_t>(open_.size());
-  wish.waits = wish.next == kNever ? waits() : "";
   if (areAddressesMixed()) {
     label(kMixed);
   }
+  const OpenWaits threads = turn().openWaits();
+  wish.open = static_cast<std::uint32_t>(open_.size() + threads.owed.size());
+  wish.idle = static_cast<std::uint32_t>(threads.work.size());
+  wish.waits = wish.next == kNever ? waits(threads) : "";
   const bool is_resting = turn().isResting() && membership_.hasTurn();
   if (is_resting) {
     append(wire::Rest{});
@@ -140,12 +143,15 @@ void Node::exchange() {
   }
 }
 
-std::string Node::waits() const {
-  std::string waits;
-  for (const std::string& what : open_) {
-    waits += (waits.empty() ? membership_.name() + " waits for " : ", ") + what;
+std::string Node::waits(const OpenWaits& threads) const {
+  std::vector<std::string> all(open_.begin(), open_.end());
+  all.insert(all.end(), threads.owed.begin(), threads.owed.end());
+  all.insert(all.end(), threads.work.begin(), threads.work.end());
+  std::string text;
+  for (const std::string& what : all) {
+    text += (text.empty() ? membership_.name() + " waits for " : ", ") + what;
   }
-  return waits;
+  return text;
 }
 
 bool Node::hasInput() {

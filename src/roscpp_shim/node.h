@@ -86,7 +86,7 @@ class Node : public lockstep::internal::Program {
   void onEnd() override;
   int busyThread() override { return turn().holder(); }
 
-  std::string waits() const;
+  std::string waits(const OpenWaits& threads) const;
   bool enterOutside(bool only_if_late);
 
   bool sleeps_simulated_ = false;

@@ -44,7 +44,7 @@ int takeByTurns(pthread_mutex_t* mutex, Nanoseconds lasts) {
     }
     const auto is_free = [mutex] { return ownerOf(*mutex) == 0; };
     const Nanoseconds left = until == kNever ? kNever : until - node().now();
-    if (awaitCondition(nullptr, is_free, left) == Woken::kTime) {
+    if (awaitCondition(nullptr, is_free, left, "a lock") == Woken::kTime) {
       return ETIMEDOUT;
     }
   }
@@ -71,6 +71,7 @@ int waitOn(pthread_cond_t* condition, pthread_mutex_t* mutex, Nanoseconds lasts)
   wait.object = condition;
   wait.until = lasts == kNever ? kNever : node().now() + lasts;
   wait.for_thread = lasts == kNever;
+  wait.what = "a condition";
   wait.unlock = [mutex] { pthread_mutex_unlock(mutex); };
   const Woken woken = turn().wait(std::move(wait));
   me.empty_polls = lasts > 0 ? 0 : me.empty_polls;
@@ -116,7 +117,7 @@ bool awaitEndOf(pthread_t thread, Nanoseconds lasts) {
   const auto task = turn().holds() ? turn().find(thread) : nullptr;
   const auto has_ended = [one = task.get()] { return one->is_done.load(); };
   return task == nullptr || has_ended() ||
-         awaitCondition(nullptr, has_ended, lasts) != Woken::kTime;
+         awaitCondition(nullptr, has_ended, lasts, "the end of a thread", task) != Woken::kTime;
 }
 
 void* runTask(void* task) { return turn().run(static_cast<Task*>(task)); }

@@ -36,9 +36,12 @@ struct Wait {
   bool at_rest = false;   // until nobody who takes part has anything left to do at this instant
   bool activity = false;  // until another thread has run,
   Nanoseconds activity_from = 0;  // and this instant has come; at once where a thread is waited for
-  Nanoseconds activity_by = kNever;  // if one has run: at the latest then
-  bool for_thread = false;           // it is another thread that must do something
-  std::function<void()> unlock;      // called when a signal can no longer be missed
+  Nanoseconds activity_by = kNever;     // if one has run: at the latest then
+  bool for_thread = false;              // it is another thread that must do something
+  std::function<void()> unlock;         // called when a signal can no longer be missed
+  const char* what = nullptr;           // of a wait without end for another thread: shown
+  bool is_owed = false;                 // that thread must do it; else it is work that may come
+  const struct Task* end_of = nullptr;  // it is the end of that one
 };
 
 enum class Woken { kReady, kTime, kEnd };
@@ -57,6 +60,7 @@ struct Task {
   std::atomic<bool> is_done{false};
   std::uint64_t seen_activity = 0;
   bool in_spinner = false;        // its waits for callbacks are without end
+  unsigned in_callbacks = 0;      // the callback of a callback, say
   bool has_acted = false;         // since its last wait for callbacks
   unsigned idle_polls = 0;        // waits for callbacks in a row that were in vain
   const void* poller = nullptr;   // whence it looked last,
@@ -70,6 +74,12 @@ struct Task {
   unsigned yields = 0;            // in a row
   bool sleeps_simulated = false;  // from when on that has been too long
   std::function<void*()> main;    // of a thread that has not begun
+};
+
+/** @brief What the program's threads wait for without end. */
+struct OpenWaits {
+  std::vector<std::string> owed;
+  std::vector<std::string> work;
 };
 
 /** @brief Marks that a thread runs roscpp's or this library's own code: nothing is intercepted. */
@@ -151,6 +161,8 @@ class Turn {
   /** @return the thread that has the turn, as gettid() says; 0: none. From any thread. */
   int holder();
 
+  /** @return what threads wait for others to do, as long as it takes. */
+  OpenWaits openWaits();
   /** @return whether a thread waits until nobody has anything left to do. */
   bool isResting();
   /** @return when the first of the threads wants to go on. */

@@ -114,10 +114,12 @@ class InCallbacks {
   explicit InCallbacks(Task& task)
       : task_(task), was_(task.in_spinner), has_acted_(task.has_acted) {
     task.in_spinner = false;
+    ++task.in_callbacks;
   }
   ~InCallbacks() {
     task_.in_spinner = was_;
     task_.has_acted = has_acted_;
+    --task_.in_callbacks;
   }
   InCallbacks(const InCallbacks&) = delete;
   InCallbacks& operator=(const InCallbacks&) = delete;
@@ -182,7 +184,8 @@ void countLook(unsigned* count, unsigned limit) {
   }
 }
 
-Woken awaitCondition(const void* object, std::function<bool()> is_over, Nanoseconds lasts) {
+Woken awaitCondition(const void* object, std::function<bool()> is_over, Nanoseconds lasts,
+                     const char* what, const Task* end_of) {
   Task& me = *Turn::self();
   if (lasts <= 0) {
     countLook(&me.empty_polls, kEmptyPolls);
@@ -195,6 +198,9 @@ Woken awaitCondition(const void* object, std::function<bool()> is_over, Nanoseco
   wait.is_over = std::move(is_over);
   wait.until = lasts == kNever ? kNever : node().now() + lasts;
   wait.for_thread = lasts == kNever;
+  wait.what = what;
+  wait.is_owed = end_of == nullptr;
+  wait.end_of = end_of;
   return turn().wait(std::move(wait));
 }
 

@@ -21,9 +21,11 @@ void sleepWall(Nanoseconds duration);
 
 /**
  * @brief Wait until @p is_over, for at most @p lasts simulated ns (kNever: without end).
- * For a thread that has the turn; a wait without length is a look.
+ * For a thread that has the turn; a wait without length is a look. @p what is shown of one without
+ * end; it is owed by another thread, if it is not the end of one, @p end_of.
  */
-Woken awaitCondition(const void* object, std::function<bool()> is_over, Nanoseconds lasts);
+Woken awaitCondition(const void* object, std::function<bool()> is_over, Nanoseconds lasts,
+                     const char* what, const Task* end_of = nullptr);
 
 }  // namespace move_base_abstract::shim
 

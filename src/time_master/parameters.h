@@ -280,6 +280,8 @@ inline void readEnd(ParameterReader& reader, NodeParameters& parameters) {
   reader.read("end_at", lockstep.end_at);
   reader.read("end_with", lockstep.end_with);
   lockstep.end_with = absoluteNames("end_with", lockstep.end_with);
+  reader.read("idle_nodes", lockstep.idle_nodes);
+  lockstep.idle_nodes = absoluteNames("idle_nodes", lockstep.idle_nodes);
   if (lockstep.end_at != 0.0) {
     checkRange("end_at", lockstep.end_at, parameters.master.start_time,
                1e-9 * TimeMaster::kLastInstant, " s, not before start_time, or 0 for no end");

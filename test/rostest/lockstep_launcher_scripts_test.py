@@ -225,5 +225,29 @@ class OutsideTest(unittest.TestCase):
                       'simulated time goes on until it does', run.state.not_repeatable_because)
 
 
+class EndTest(unittest.TestCase):
+    """What a run is called in which nothing is left to happen, and threads wait."""
+
+    def end_of(self, what):
+        run = run_programs({'waiter': ['waits_in_the_end.py', what]}, until=1000.0)
+        self.assertEqual(run.state.not_repeatable_because, [])
+        return run.state
+
+    def test_threads_that_wait_for_work_are_idle_and_so_is_who_waits_for_their_end(self):
+        state = self.end_of('jobs')
+        self.assertEqual((state.phase, state.time, state.reason), ('paused', 1000.0, ''))  # where it was to end
+
+    def test_a_call_that_waits_for_itself_is_a_deadlock(self):
+        state = self.end_of('itself')
+        self.assertEqual(state.phase, 'deadlock')
+        self.assertRegex(state.reason, "'/waiter' has 3 waiting threads .*the answer of service /serve.*line [0-9]+")
+
+    def test_a_goal_that_nobody_ends_is_a_deadlock_also_where_it_is_waited_for_by_an_event(self):
+        state = self.end_of('goal')
+        self.assertEqual(state.phase, 'deadlock')
+        self.assertRegex(state.reason, "by a condition or an event .*; '/waiter' has 1 goal open on /go|"
+                                       "by a condition or an event .*, '/waiter' has 1 goal open on /go")
+
+
 if __name__ == '__main__':
     rostest.rosrun('move_base_abstract', 'lockstep_launcher_scripts', __name__, sysargs=sys.argv)

@@ -55,6 +55,7 @@ class Run:
             records = [json.loads(line) for line in log]
         end = records[-1]['end']
         self.labels = end['not_repeatable_because']
+        self.reason = end['reason']
         self.code = code
         self.outputs = outputs
         self.parameters = parameters  # of the first program, when it had ended

@@ -181,6 +181,17 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.assertEqual(run.labels,
                          ["'/threads': a thread waits for another one in a way that lockstep does not follow"])
 
+    def test_threads_that_wait_for_work_are_idle_and_those_that_wait_for_each_other_are_stuck(self):
+        for what, reason in (
+                ('jobs', 'idle at 3 s: nobody wants to wake up; for work that may come wait: '
+                         "'/idle' has 3 waiting threads"),
+                ('locks', "deadlock at 2 s: nobody wants to wake up, but '/idle' has 3 waiting threads"),
+                ('promise', "deadlock at 1 s: nobody wants to wake up, but '/idle' has 1 waiting thread (/idle waits "
+                            'for a future)')):
+            run = RUNS.run([recorder(), Program('idle', own('shim_idle'), what=what)], end_when_idle=True)
+            self.assertIn(reason, run.reason)
+            self.assertEqual(run.labels, [])
+
     def test_programs_that_are_silent_say_where_they_are(self):
         programs = [Program('broods', own('shim_silent'), what='computes'),
                     Program('reads', own('shim_silent'), what='reads'), Program('brooder', BROODER)]

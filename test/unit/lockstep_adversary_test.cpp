@@ -181,6 +181,42 @@ void deadlock(const LockstepRules& rules, Checks& failed) {
         "deadlock");
 }
 
+/** @brief A thread that waits for work is idle, and no more so while a goal is open. */
+void idleThreads(const LockstepRules& rules, Checks& failed) {
+  const std::string begin(12, '\0');  // of an action's messages: a header, its frame, a stamp
+  const std::string goal = begin + std::string(12, '\0') + std::string("\1\0\0\0g", 5);
+  Stage stage(named({"/a", "/b"}), rules);
+  stage.join(1, "/a");
+  stage.join(2, "/b");
+  stage.grant(1);
+  stage.grant(2);
+  stage.report(1, kNever,
+               {wire::Idle{1}, wire::Advertise{1, 0, "/go/goal", "p/XActionGoal", "*", false, ""},
+                wire::Subscribe{2, 0, "/go/result", "*"}});
+  stage.report(2, kNever,
+               {wire::Subscribe{1, 0, "/go/goal", "*"},
+                wire::Advertise{2, 0, "/go/result", "p/XActionResult", "*", false, ""}});
+  stage.grant(1);
+  stage.grant(2);
+  stage.report(1, kNever, {wire::Idle{1}});
+  stage.report(2, kNever);
+  check(failed, stage.phase() == "idle", "waiting for work");
+  stage.frame(1, wire::Knock{});
+  stage.grant(1);
+  stage.report(1, kNever, {wire::Idle{1}, wire::Send{1, 0, 0, goal}});
+  stage.grant(2);
+  stage.report(2, kNever);
+  check(failed, stage.phase() == "deadlock", "open goal");
+  check(failed, stage.said("'/a' has 1 goal open on /go", LockstepMessage::Level::kWarn),
+        "open goal");
+  stage.frame(2, wire::Knock{});
+  stage.grant(2);
+  stage.report(2, kNever, {wire::Send{2, 0, 0, goal}});
+  stage.grant(1);
+  stage.report(1, kNever, {wire::Idle{1}});
+  check(failed, stage.phase() == "idle", "waiting for work");
+}
+
 void gates(const LockstepRules& rules, Checks& failed) {
   Stage stage(named({"/a"}), rules);
   stage.session.pause();
@@ -212,7 +248,7 @@ void limit(const LockstepRules& rules, Checks& failed) {
 Checks failedScenarios(const LockstepRules& rules) {
   Checks failed;
   for (const auto& scenario :
-       {zeroDelayLoop, replaced, lastWords, silence, deadlock, gates, limit}) {
+       {zeroDelayLoop, replaced, lastWords, silence, deadlock, idleThreads, gates, limit}) {
     scenario(rules, failed);
   }
   return failed;
@@ -287,6 +323,8 @@ INSTANTIATE_TEST_SUITE_P(
         RuleCase{"dead_cancels_calls", &Rules::dead_cancels_calls, {"cancelled call"}},
         RuleCase{"silence_named", &Rules::silence_named, {"silence"}},
         RuleCase{"deadlock_named", &Rules::deadlock_named, {"deadlock"}},
+        RuleCase{"work_is_not_owed", &Rules::work_is_not_owed, {"waiting for work"}},
+        RuleCase{"goals_are_counted", &Rules::goals_are_counted, {"open goal"}},
         RuleCase{"gate_pause", &Rules::gate_pause, {"pause"}},
         RuleCase{"gate_target", &Rules::gate_target, {"target"}},
         RuleCase{"gate_limit", &Rules::gate_limit, {"limit"}},

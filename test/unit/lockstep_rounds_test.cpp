@@ -1,4 +1,4 @@
-// When the event-driven clock moves: start, leaps, silence, standstill.
+// When the event-driven clock moves: start, leaps, silence.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -320,80 +320,6 @@ TEST(Silence, OfAnyLengthIsAllowedByALimitOfZero) {
   Stage stage(settings);
   stage.join(1, "/a");
   EXPECT_EQ(stage.session.nextWake(), kNever);
-}
-
-TEST(Standstill, DeadlockIsNamedOnceAndCanBeResolved) {
-  Alone alone(kNever);
-  alone.messages.clear();
-  alone.frame(1, wire::Knock{});
-  alone.grant(1);
-  alone.report(1, kNever, {wire::Note{wire::NoteKind::kWaitsFor, "a result"}}, 2);
-  alone.poll();
-  EXPECT_EQ(alone.phase(), "deadlock");
-  const std::string text =
-      "deadlock at 1 s: nobody wants to wake up, but '/a' has 2 waiting threads (a result)";
-  EXPECT_EQ(alone.session.status().reason, text);
-  EXPECT_EQ(std::count_if(alone.messages.begin(), alone.messages.end(),
-                          [&](const auto& message) { return message.text == text; }),
-            1);
-  alone.frame(1, wire::Knock{});
-  EXPECT_EQ(alone.point(1), "1000+2");
-  alone.report(1, 2 * kOne, {}, 2);
-  EXPECT_EQ(alone.point(1), "2000+0");
-}
-
-TEST(Standstill, IdleEndsTheRunIfSoConfigured) {
-  LockstepSettings settings = named({"/a"});
-  settings.end_when_idle = true;
-  Alone alone(kNever, settings);
-  EXPECT_EQ(alone.phase(), "ended");
-  EXPECT_EQ(alone.end[1], "idle at 1 s: nobody wants to wake up");
-  EXPECT_TRUE(alone.closed[1]);
-  EXPECT_TRUE(alone.session.status().ended_as_wished);
-}
-
-class EndWith : public Stage {
- public:
-  EndWith() : Stage(settings()) {
-    join(1, "/a");
-    join(2, "/b");
-    grant(1);
-    grant(2);
-  }
-
- private:
-  static LockstepSettings settings() {
-    LockstepSettings settings = named({"/a", "/b"});
-    settings.end_with = {"/b"};
-    return settings;
-  }
-};
-
-TEST(Standstill, TheRunEndsWithTheRoundInWhichANamedParticipantLeaves) {
-  EndWith stage;
-  stage.leave(2);
-  EXPECT_EQ(stage.phase(), "running");  // the other one's report of this round counts
-  stage.report(1, 2 * kOne, {wire::Log{0, "r", "done", "[]"}});
-  EXPECT_EQ(stage.phase(), "ended");
-  EXPECT_EQ(stage.end[1], "'/b' left at 1 s, and the run ends with it");
-  EXPECT_EQ(stage.session.takeLog().size(), 1U);
-  EXPECT_TRUE(stage.session.status().ended_as_wished);
-}
-
-TEST(Standstill, TheDeathOfANamedParticipantIsNoGoodEnd) {
-  EndWith stage;
-  stage.report(1, 2 * kOne);
-  stage.cut(2);
-  stage.poll();
-  EXPECT_EQ(stage.phase(), "ended");
-  EXPECT_FALSE(stage.session.status().ended_as_wished);
-}
-
-TEST(Standstill, AnotherParticipantThatLeavesEndsNothing) {
-  EndWith stage;
-  stage.leave(1);
-  stage.report(2, 2 * kOne);
-  EXPECT_EQ(stage.point(2), "2000+0");
 }
 
 }  // namespace

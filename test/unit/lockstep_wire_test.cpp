@@ -46,7 +46,8 @@ Report richReport() {
                   Hears{7, Hearing::kNews},
                   Background{},
                   Parameter{"/x", true, "<value>1</value>"},
-                  Asks{"/y"}};
+                  Asks{"/y"},
+                  Idle{3}};
   return report;
 }
 
@@ -171,7 +172,7 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
     return up(frame.substr(4));
   };
   const std::size_t items = 4 + 1 + 8 + 1 + 8 + 4;
-  EXPECT_NE(patched(Unserve{1}, items, '\x13').find("kind of item must be from 1 to 18, got 19"),
+  EXPECT_NE(patched(Unserve{1}, items, '\x14').find("kind of item must be from 1 to 19, got 20"),
             std::string::npos);
   EXPECT_NE(patched(Unserve{1}, items, '\0').find("got 0"), std::string::npos);
   EXPECT_NE(patched(Note{}, items + 1, '\x08').find("NOTE: what must be from 1 to 7, got 8"),

@@ -212,7 +212,7 @@ def test_waits_without_end_are_open_work_and_named():
     told = []
 
     def other():
-        program.scheduler.wait(waits_for='the end', is_open=False)
+        program.scheduler.wait(waits_for='the end', kind=None)
 
     def main():
         program.thread('other', other)

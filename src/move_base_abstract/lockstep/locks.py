@@ -8,6 +8,7 @@ from collections import deque
 from threading import TIMEOUT_MAX, get_ident
 
 from ..units import seconds_to_ns
+from . import open_waits
 from .scheduler import TurnLost, _make_lock
 from .wire import NEVER
 
@@ -76,6 +77,7 @@ class CooperativeLock:
     def _wait(self, timeout):
         task = Process.scheduler.current()
         wake_ns = _wake_ns(timeout)
+        kind, what = open_waits.of_lock(2) if wake_ns >= NEVER else (None, '')
         if self._waiting is None:
             self._waiting = deque()
         while not self._lock.acquire(False):
@@ -83,7 +85,7 @@ class CooperativeLock:
                 return False
             self._waiting.append(task)
             try:
-                Process.scheduler.wait(wake_ns, 'another thread')
+                Process.scheduler.wait(wake_ns, what, kind)
             except TurnLost:
                 return self._wait_in_the_end(timeout)
             finally:

@@ -41,6 +41,6 @@ class Looking:
         entry = (lambda: self._happened != seen, task)
         self._conditions.append(entry)
         try:
-            self._wait(task, wake_ns, 'what it looks at again and again', False)
+            self._wait(task, wake_ns, 'what it looks at again and again', None)
         finally:
             self._conditions.remove(entry)

@@ -18,6 +18,7 @@ from collections import deque
 from threading import get_ident
 
 from .loops import Looking
+from .open_waits import OWED
 from .task import Task, _make_lock, is_current, release
 from .wire import NEVER
 
@@ -103,19 +104,20 @@ class Scheduler(Looking):
 
     # --- waiting ----------------------------------------------------------------------------------------------------
 
-    def wait(self, wake_ns=NEVER, waits_for='', is_open=True):
+    def wait(self, wake_ns=NEVER, waits_for='', kind=OWED):
         """Give the turn away until :meth:`wake` or ``wake_ns`` [ns]; return False if time was up.
 
-        ``is_open``: a wait without end that is open work, named by the time master when nothing is left to happen.
+        ``kind``: what a wait without end is for (:mod:`.open_waits`), which the time master names when nothing is left
+        to happen; None: it is no matter.
 
         :raises TurnLost: if the participant leaves lockstep meanwhile.
         """
         task = self._tasks[get_ident()]
         task.looks = task.turns = task.idle_turns = task.is_looking = 0
         self._happened += 1
-        return self._wait(task, wake_ns, waits_for, is_open)
+        return self._wait(task, wake_ns, waits_for, kind)
 
-    def _wait(self, task, wake_ns, waits_for, is_open):
+    def _wait(self, task, wake_ns, waits_for, kind):
         task.is_waiting = True
         task.timed_out = False
         task.wake_token += 1
@@ -123,18 +125,20 @@ class Scheduler(Looking):
             self._sequence += 1
             heapq.heappush(self._sleepers, (wake_ns, self._sequence, task.wake_token, task))
         task.waits_for = waits_for
-        is_open = is_open and wake_ns >= NEVER
+        task.kind = kind if wake_ns >= NEVER else None
+        is_open = task.kind is not None
         if is_open:
             self._open.append(task)
         try:
             self._run(task)
         finally:
             task.is_waiting = False
+            task.kind = None
             if is_open:
                 self._open.remove(task)
         return not task.timed_out
 
-    def wait_until(self, condition, wake_ns=NEVER, waits_for=''):
+    def wait_until(self, condition, wake_ns=NEVER, waits_for='', kind=OWED):
         """Give the turn away until ``condition()`` holds or ``wake_ns`` [ns] has come; return what it says then.
 
         It is looked at whenever something has happened in this process.
@@ -146,7 +150,7 @@ class Scheduler(Looking):
             entry = (condition, task)
             self._conditions.append(entry)
             try:
-                self.wait(wake_ns, waits_for)
+                self.wait(wake_ns, waits_for, kind)
             finally:
                 self._conditions.remove(entry)
         return True
@@ -163,12 +167,12 @@ class Scheduler(Looking):
     def wait_round(self):
         """Give the turn away until the time master has granted another round, of this instant if nothing else is."""
         self._next_round.append(self.current())
-        self.wait(is_open=False)
+        self.wait(kind=None)
 
     def rest(self):
         """Give the turn away until nobody who takes part has anything left to do at this instant."""
         self._resting.append(self.current())
-        self.wait(is_open=False)
+        self.wait(kind=None)
 
     @property
     def is_resting(self):

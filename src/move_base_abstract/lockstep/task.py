@@ -8,7 +8,7 @@ _make_lock = threading._allocate_lock
 class Task:
     """What one thread waits for, and how it is let go."""
 
-    __slots__ = ('name', 'ident', 'parking', 'is_waiting', 'wake_token', 'timed_out', 'waits_for', 'is_open',
+    __slots__ = ('name', 'ident', 'parking', 'is_waiting', 'wake_token', 'timed_out', 'waits_for', 'kind',
                  'is_finished', 'is_worker', 'looks', 'turns', 'idle_turns',
                  'is_looking')
 
@@ -21,7 +21,7 @@ class Task:
         self.wake_token = 0
         self.timed_out = False
         self.waits_for = ''
-        self.is_open = False
+        self.kind = None  # of a wait without end: see open_waits
         self.is_finished = False
         self.is_worker = is_worker
         self.looks = 0  # since it has waited, sent, or looked away

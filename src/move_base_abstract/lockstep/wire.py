@@ -114,7 +114,7 @@ subscribe, unsubscribe = _item('SUBSCRIBE'), _item('UNSUBSCRIBE')
 serve, unserve = _item('SERVE'), _item('UNSERVE')
 send, call, response = _item('SEND'), _item('CALL'), _item('RESPONSE')
 log, note, watch, at = _item('LOG'), _item('NOTE'), _item('WATCH'), _item('AT')
-rest, hears, background = _item('REST'), _item('HEARS'), _item('BACKGROUND')
+rest, hears, background, idle = _item('REST'), _item('HEARS'), _item('BACKGROUND'), _item('IDLE')
 parameter, asks = _item('PARAMETER'), _item('ASKS')
 
 _hello = _writer('hello', FRAMES['HELLO'].fields)

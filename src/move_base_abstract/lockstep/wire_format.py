@@ -104,6 +104,7 @@ REPORT_ITEMS = (
                              'flag is_set',
                              'text value')),  # as XML-RPC says it, <value>...</value>; empty where it is deleted
     Layout(18, 'ASKS', ('text name',)),  # I have asked for this parameter, or for what is below it
+    Layout(19, 'IDLE', ('u32 count',)),  # so many of my threads wait without end for work that may come
 )
 
 #: what a grant contains; `topic` and `service` are the numbers of the participant that gets the grant

@@ -14,6 +14,7 @@ import types
 from importlib.machinery import PathFinder
 
 from move_base_abstract.lockstep.numbered import Numbered
+from move_base_abstract.lockstep.open_waits import WORK
 from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
 from move_base_abstract.lockstep.seen import UPTIME
 from move_base_abstract.lockstep.wire import NEVER
@@ -198,7 +199,7 @@ class _Selector:
             self._watch = self._watch or _Watch(self._selector, self._wake)
             self._watch.begin()
         try:
-            scheduler.wait(wake_ns, _WAITS_FOR)
+            scheduler.wait(wake_ns, _WAITS_FOR, WORK)
         except TurnLost:
             return self._in_the_end(timeout)
         finally:

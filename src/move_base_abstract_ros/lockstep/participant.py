@@ -8,7 +8,7 @@ from math import isfinite
 import rospy
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.lockstep import wire
+from move_base_abstract.lockstep import open_waits, wire
 from move_base_abstract.lockstep.charge import NoCharge
 from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_lock
 from move_base_abstract.units import NS_PER_S, seconds_to_ns
@@ -307,6 +307,9 @@ class Participant:
         if told != self._told:
             self._told = told
             self._items.append(wire.note(wire.NoteKind.WAITS_FOR, told))
+        owed, idle = open_waits.split(waits) if waits else ((), ())
+        if idle:
+            self._items.append(wire.idle(len(idle)))
         self._is_granted = self.is_starting = False
         if may_foresee and self.now_ns < next_ns < wire.NEVER and self._is_background():
             self._items.append(wire.background())
@@ -316,7 +319,7 @@ class Participant:
         if self._delay is not None:
             self._delay()
         try:
-            self.connection.send(wire.report(self._round, False, next_ns, len(waits), self._take_items()))
+            self.connection.send(wire.report(self._round, False, next_ns, len(owed), self._take_items()))
         except Closed as error:
             self._lost(str(error))
 

@@ -9,6 +9,7 @@ import time
 
 import rospy
 
+from move_base_abstract.lockstep.open_waits import WORK
 from move_base_abstract.lockstep.wire import NEVER
 
 from ..replaced import replace
@@ -93,7 +94,7 @@ def _waiting(scheduler, wait):
         if not scheduler.is_mine():
             wait(sentinels, change_notifier, timeout)
             return
-        scheduler.wait_until(lambda: not change_notifier.empty(), NEVER, 'the threads of a pool')
+        scheduler.wait_until(lambda: not change_notifier.empty(), NEVER, 'the threads of a pool', WORK)
         while not change_notifier.empty():
             change_notifier.get()
     return wait_for_updates

@@ -89,7 +89,7 @@ def _joining(scheduler, join):
             join(self, timeout)
             return
         wake_ns = NEVER if timeout is None else scheduler.now_ns + max(0, to_ns(timeout))
-        if scheduler.wait_until(lambda: task.is_finished, wake_ns, 'the end of thread {}'.format(self.name)):
+        if scheduler.wait_until(lambda: task.is_finished, wake_ns, 'the end of thread {}'.format(self.name), task):
             join(self)  # the rest of it, which is Python's, takes a moment of the wall clock
     return _join
 

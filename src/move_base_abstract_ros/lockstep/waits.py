@@ -109,7 +109,7 @@ class _Waits:
             raise rospy.ROSInitException('client code must call rospy.init_node() first')
         try:
             while not rospy.core.is_shutdown():
-                self._scheduler.wait(waits_for='the end', is_open=False)
+                self._scheduler.wait(waits_for='the end', kind=None)
         except TurnLost:
             until_shutdown()
         except KeyboardInterrupt:

@@ -1,0 +1,69 @@
+// A program that has nothing left to do: ~what says whether its threads wait for work, or for each
+// other.
+#include <ros/ros.h>
+
+#include <condition_variable>
+#include <csignal>
+#include <deque>
+#include <future>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace {
+
+/** Workers take jobs out of a queue, and main waits for their end, which nobody asks for. */
+void jobs() {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<int> work = {1, 2, 3};
+  const auto take = [&] {
+    while (true) {
+      std::unique_lock<std::mutex> lock(mutex);
+      changed.wait(lock, [&] { return !work.empty(); });
+      work.pop_front();
+      lock.unlock();
+      ros::Duration(1.0).sleep();
+    }
+  };
+  std::thread first(take);
+  std::thread second(take);
+  first.join();
+  second.join();
+}
+
+/** Two threads want two locks, each the other's. */
+void locks() {
+  std::mutex a;
+  std::mutex b;
+  const auto take = [](std::mutex& first, std::mutex& second) {
+    const std::lock_guard<std::mutex> has(first);
+    ros::Duration(1.0).sleep();
+    const std::lock_guard<std::mutex> wants(second);
+  };
+  std::thread one([&] { take(a, b); });
+  std::thread other([&] { take(b, a); });
+  one.join();
+  other.join();
+}
+
+/** What was promised does not come. */
+void promise() {
+  std::promise<int> promised;
+  promised.get_future().wait();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "idle", ros::init_options::NoSigintHandler);
+  std::signal(SIGINT, SIG_DFL);  // nothing else ends its threads
+  ros::NodeHandle own("~");
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  const std::map<std::string, void (*)()> all = {
+      {"jobs", &jobs}, {"locks", &locks}, {"promise", &promise}};
+  all.at(own.param<std::string>("what", ""))();
+  return 0;
+}
