@@ -304,19 +304,15 @@ void LockstepSession::handleStandstill(const LockstepRounds::Event& event) {
   using Kind = LockstepRounds::Event::Kind;
   if (event.kind == Kind::kIdle) {
     messages_.say(Level::kDebug, text_.idle());
-  } else {
-    messages_.say(event.kind == Kind::kDeadlock ? Level::kWarn : Level::kError, reason());
+    if (settings_.end_when_idle) {
+      endAsWished(text_.idle());
+    }
+    return;
   }
-  if (settings_.end_when_idle && event.kind == Kind::kIdle) {
-    endAsWished(text_.idle());
-  } else if (settings_.end_when_idle && event.kind == Kind::kDeadlock) {
+  messages_.say(event.kind == Kind::kDeadlock ? Level::kWarn : Level::kError, reason());
+  if (settings_.end_when_idle && event.kind == Kind::kDeadlock) {
     end(reason());
   }
-}
-
-/** @return why nothing happens any more: of a deadlock, a zero-delay loop, the end. */
-std::string LockstepSession::reason() const {
-  return rounds_.ended() ? reason_ : text_.standstill(phase(), router_.goals());
 }
 
 void LockstepSession::nameMissing() {

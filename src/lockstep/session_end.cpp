@@ -140,4 +140,9 @@ void LockstepSession::degrade(const std::string& why) {
   }
 }
 
+/** @return why nothing happens any more: of a deadlock, a zero-delay loop, the end. */
+std::string LockstepSession::reason() const {
+  return rounds_.ended() ? reason_ : text_.standstill(phase(), router_.goals());
+}
+
 }  // namespace move_base_abstract

@@ -27,6 +27,8 @@ LOCKSTEP, THREADS = 'lockstep.join', 'lockstep.join, unless own_threads=False'
 OR_FUNCTION = 'lockstep.join, or a trial of an experiment that is a function'
 LAUNCHER = 'the launcher of unmodified programs'
 OLD_LAUNCHER = 'the launcher of unmodified programs, before Python 3.11'
+NEW_LAUNCHER = 'the launcher of unmodified programs, from Python 3.13 on'
+SQLITE = 'the launcher of unmodified programs, when a program imports sqlite3'
 LOOPS = 'the launcher of unmodified programs, when a program imports asyncio'
 OLD_LOOPS = LOOPS + ', before Python 3.11'
 NEW_LOOPS = LOOPS + ', from Python 3.12 on'
@@ -56,6 +58,8 @@ _HEARS = 'tells the time master whether feedback has any effect on an action cli
 _NUMBERED = 'is hashed by number, so that sets of them have one order'
 _TASKS = 'makes tasks of coroutines in the order in which they are given'
 _UNCAUGHT = 'tells the event log of an exception that nobody catches'
+_CORES = 'says four on every computer'
+_SQLITE = "has the database's chance and dates be the run's"
 _LOCK = 'gives the turn away where another thread of the program holds it'
 
 _ROWS = (
@@ -170,6 +174,31 @@ _ROWS = (
     Row('select.epoll', LAUNCHER, _TOLD),
     Row('select.select', LAUNCHER, _TOLD),
     Row('_posixsubprocess.fork_exec', LAUNCHER, _TOLD),
+    Row('os.getpgrp', LAUNCHER, _TOLD),
+    Row('os.uname', LAUNCHER, _TOLD),
+    Row('os.sched_getaffinity', LAUNCHER, _TOLD),
+    Row('os.path.getmtime', LAUNCHER, _TOLD),
+    Row('os.path.getctime', LAUNCHER, _TOLD),
+    Row('os.path.getatime', LAUNCHER, _TOLD),
+    Row('shutil.disk_usage', LAUNCHER, _TOLD),
+    Row('socket.gethostname', LAUNCHER, _TOLD),
+    Row('socket.getfqdn', LAUNCHER, _TOLD),
+    Row('platform.node', LAUNCHER, _TOLD),
+    Row('getpass.getuser', LAUNCHER, _TOLD),
+    Row('uuid.getnode', LAUNCHER, _TOLD),
+    Row('threading.get_native_id', LAUNCHER, _TOLD),
+    Row('threading.active_count', LAUNCHER, _TOLD),
+    Row('threading.enumerate', LAUNCHER, _TOLD),
+    Row('rospy.msproxy.MasterProxy.__getitem__', LAUNCHER,
+        'labels the run where the program asks for what roslaunch makes anew for each run'),
+    Row('os.sched_yield', LAUNCHER, 'is a sleep of no length'),
+    Row('os.getrandom', LAUNCHER, _CHANCE),
+    Row('os.cpu_count', LAUNCHER, _CORES),
+    Row('os.process_cpu_count', NEW_LAUNCHER, _CORES),
+    Row('threading._newname', LAUNCHER, 'counts the threads that the program makes, without those of rospy'),
+    Row('logging._logRecordFactory', LAUNCHER, "dates records of the program's log by simulated time"),
+    Row('sqlite3.connect', SQLITE, _SQLITE),
+    Row('sqlite3.dbapi2.connect', SQLITE, _SQLITE),
     Row('pathlib._NormalAccessor.listdir', OLD_LAUNCHER, _SORTED),
     Row('pathlib._NormalAccessor.scandir', OLD_LAUNCHER, _SORTED),
     Row('asyncio.base_events.BaseEventLoop.time', LOOPS, _CLOCK),

@@ -117,7 +117,8 @@ bool awaitEndOf(pthread_t thread, Nanoseconds lasts) {
   const auto task = turn().holds() ? turn().find(thread) : nullptr;
   const auto has_ended = [one = task.get()] { return one->is_done.load(); };
   return task == nullptr || has_ended() ||
-         awaitCondition(nullptr, has_ended, lasts, "the end of a thread", task) != Woken::kTime;
+         awaitCondition(nullptr, has_ended, lasts, "the end of a thread", task.get()) !=
+             Woken::kTime;
 }
 
 void* runTask(void* task) { return turn().run(static_cast<Task*>(task)); }

@@ -3,7 +3,6 @@
 #include <ros/ros.h>
 
 #include <condition_variable>
-#include <csignal>
 #include <deque>
 #include <future>
 #include <map>
@@ -57,8 +56,7 @@ void promise() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "idle", ros::init_options::NoSigintHandler);
-  std::signal(SIGINT, SIG_DFL);  // nothing else ends its threads
+  ros::init(argc, argv, "idle");
   ros::NodeHandle own("~");
   ros::AsyncSpinner spinner(2);
   spinner.start();

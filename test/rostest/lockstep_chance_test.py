@@ -43,16 +43,16 @@ class FollowedTest(unittest.TestCase):
 
     def test_all_sources_say_the_same_in_each_run(self):
         self.assertEqual(self.runs[0].codes, {'sources': 0})
-        self.assertEqual(len(self.said), 10)
+        self.assertEqual(len(self.said), 12)
         assert_same(self, self.runs)
 
     def test_clocks_go_by_simulated_time_from_a_date_of_the_seed_on(self):
-        for said, gone in ((self.said[0], 0.0), (self.said[4], 2.5)):
+        for said, gone in ((self.said[0], 0.0), (self.said[5], 2.5)):
             date, up = 1577836800.0 + gone, 3600.0 + gone
             whole = [int(clock * 10 ** 9) for clock in (date, up, gone)]
             self.assertEqual(said, [date, whole[0], up, whole[1], up, whole[1], gone, whole[2], gone, whole[2], date,
                                     up, whole[2], up, date])
-        self.assertEqual(self.said[5], [
+        self.assertEqual(self.said[6], [
             (2020, 1, 1, 0, 0, 2), 2, '20', 'Wed Jan  1 00:00:02 2020', '2020', '02', '2020',
             '2020-01-01 00:00:02.500000+00:00', '2020-01-01 00:00:02.500000', 2, 500000, 2020, 0, '02e10b5e',
             'Wed, 01 Jan 2020 00:00:02 -0000'])
@@ -63,21 +63,30 @@ class FollowedTest(unittest.TestCase):
         drawn, names = [], []
         for run, name in ((self.runs[0], 'sources'), (seed_7, 'sources'), (other, 'other')):
             said = [ast.literal_eval(line) for line in run.printed(name)]
-            drawn += [said[2], said[6]]
-            names += said[3][:2] + said[7][:2]  # of temporary files
+            drawn += [said[2], said[7]]
+            names += said[3][:2] + said[8][:2]  # of temporary files
         self.assertEqual(ast.literal_eval(seed_7.printed('sources')[0])[0], 1577836807.0)
         self.assertEqual(len(set(names)), 12)
         # b'', the hash of a text; what is drawn from a generator that starts from the time is every program's then.
         few = {11: 1, 14: 1, 15: 4}
-        self.assertEqual([len(set(values)) for values in zip(*drawn)], [few.get(place, 6) for place in range(17)])
+        self.assertEqual([len(set(values)) for values in zip(*drawn)], [few.get(place, 6) for place in range(20)])
+
+    def test_threads_the_computer_and_dates_by_the_way_are_the_runs(self):
+        for said, count, second, rest in ((self.said[4], 1, '00', '000'), (self.said[9], 3, '02', '500')):
+            self.assertEqual(said[0], 'Thread-{}'.format(count))
+            self.assertTrue(said[1].startswith('Thread-{}'.format(count + 1)), said)
+            self.assertEqual(said[2:], [
+                4, '2020-01-01 00:00:{},{} said'.format(second, rest),
+                ('2020-01-01 00:00:' + second, '2020-01-01', '00:00:{}.{}'.format(second, rest),
+                 '2001-02-04 00:00:00', '2020-01-01'), 8, '<__main__.Clock object'])
 
     def test_folders_are_listed_by_name(self):
-        for said in (self.said[3], self.said[7]):
+        for said in (self.said[3], self.said[8]):
             names = ['a', 'ab', 'b', 'c']
             self.assertEqual(said[2:], [names, names, [said[0] + '/' + name for name in names], names, [names]])
 
     def test_waits_end_at_their_instants_and_loops_that_look_at_a_clock_go_on(self):
-        self.assertEqual(self.said[8], [
+        self.assertEqual(self.said[10], [
             'empty', '3602.750000', 'False', '3602.875000', '([], [], [])', '3602.937500', 'None', '3602.968750',
             '3.251', '3603.468750', '[(0.1, 3.474999904), (0.2, 3.575000047)]', '3603.668750',
             '(3.585000047, 1997, 3.587000047)', '3603.680750'])

@@ -82,6 +82,25 @@ class ExplorerTest(unittest.TestCase):
         self.assertEqual(len([warning for warning in run.logged('explorer', 'WARN') if text in warning]), 1)
 
 
+class RestlessTest(unittest.TestCase):
+    """Waits that take no time, and a thread that computes until it is told to stop."""
+
+    def test_sleeps_of_no_length_and_questions_to_the_master_let_time_go_on(self):
+        run = run_programs({'restless': ['restless.py', 'event,sleep,yield,parameter']}, until=20.0)
+        *said, asked = run.printed('restless')
+        self.assertEqual([line.split()[1] for line in said], ['event', 'sleep', 'yield', 'parameter'])
+        for number, line in enumerate(said, 2):
+            self.assertAlmostEqual(float(line.split()[0]), number, delta=0.02 * number)
+        self.assertLess(int(asked.split()[1]), 1000)  # a hundred steps of time
+        self.assertEqual(list(run.state.not_repeatable_because), [])
+
+    def test_a_thread_that_computes_until_it_is_told_to_stop_goes_on_with_a_label(self):
+        run = run_programs({'restless': ['restless.py', 'work']}, until=20.0)
+        self.assertEqual(run.codes, {'restless': 0}, run.outputs)
+        label, = run.state.not_repeatable_because
+        self.assertIn('restless.py, line 19, went round 10,000,000 times without a wait', label)
+
+
 class TalkingTest(unittest.TestCase):
     """What rospy does while it sends, also a line of the log, gives nobody else the turn."""
 

@@ -22,6 +22,7 @@ class ReplacedTest(unittest.TestCase):
         where = [replaced.LOCKSTEP, replaced.THREADS, replaced.LAUNCHER, replaced.LOOPS, replaced.NODES]
         where += [replaced.OLD_LOOPS] if sys.version_info < (3, 11) else []
         where += [replaced.NEW_LOOPS] if sys.version_info >= (3, 12) else []
+        where += [replaced.NEW_LAUNCHER] if sys.version_info >= (3, 13) else []
         cls.rows = {name for name, row in replaced.ROWS.items() if row.where in where}
 
     def test_each_row_is_replaced_and_nothing_else(self):

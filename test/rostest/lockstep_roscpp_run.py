@@ -32,8 +32,10 @@ def own(name):
 class Program:
     """A binary, its node name, its arguments and its private parameters."""
 
-    def __init__(self, name, path, *arguments, options=(), remaps=(), launcher=(), **parameters):
+    def __init__(self, name, path, *arguments, options=(), remaps=(), launcher=(), ends_by=signal.SIGINT,
+                 **parameters):
         self.name = name
+        self.ends_by = ends_by  # a signal; roscpp's own way, as Ctrl-C and roslaunch do, needs a thread that spins
         self.path = path
         self.arguments = list(arguments)
         self.launcher = list(launcher)  # in the place of ours
@@ -111,8 +113,8 @@ class Runs:
                 for burner in burners:
                     burner.kill()
                     burner.wait()
-            for child in children:
-                child.signal(signal.SIGINT)  # as Ctrl-C and roslaunch do; roscpp knows no SIGTERM
+            for child, program in zip(children, programs):
+                child.signal(program.ends_by)
             for child in children:
                 child.process.wait(GUARD)
             self.ros.end(master)

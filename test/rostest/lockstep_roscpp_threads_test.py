@@ -4,6 +4,7 @@
 import os
 import re
 import shutil
+import signal
 import tempfile
 import time
 import unittest
@@ -188,7 +189,8 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
                 ('locks', "deadlock at 2 s: nobody wants to wake up, but '/idle' has 3 waiting threads"),
                 ('promise', "deadlock at 1 s: nobody wants to wake up, but '/idle' has 1 waiting thread (/idle waits "
                             'for a future)')):
-            run = RUNS.run([recorder(), Program('idle', own('shim_idle'), what=what)], end_when_idle=True)
+            program = Program('idle', own('shim_idle'), ends_by=signal.SIGKILL, what=what)
+            run = RUNS.run([recorder(), program], end_when_idle=True)
             self.assertIn(reason, run.reason)
             self.assertEqual(run.labels, [])
 

@@ -1,10 +1,11 @@
 """What a program's own code asks for by names that are made in C is handed on, and nothing else is changed."""
 import ast
 import datetime
+import threading
 
 import pytest
 
-from move_base_abstract.lockstep.asked import ASK, HASHED, ask
+from move_base_abstract.lockstep.asked import ASK, FILE_TIME, HASHED, ask
 
 
 def run(text, **names):
@@ -34,6 +35,22 @@ def test_an_address_that_shows_is_handed_on(text):
                                   'd = {id(a): 1}; d[id(a)] = 2; d.pop(id(a))', 'd = {id(x): x for x in [a]}'])
 def test_an_address_that_is_compared_or_a_key_is_not(text):
     assert run(text, a=object(), b=object())[1] == []
+
+
+@pytest.mark.parametrize(('text', 'expected'), [
+    ('x = get_ident()', 1), ('import threading\nx = [threading.get_ident()]', 1),
+    ('d = {}; d[get_ident()] = 1; get_ident() in d', 0)])
+def test_the_address_of_a_thread_is_handed_on_as_any_other(text, expected):
+    assert run(text, get_ident=threading.get_ident)[1] == [threading.get_ident] * expected
+
+
+def test_times_of_files_are_handed_on():
+    seen = []
+    text = ("import os, pathlib\na = os.stat('.').st_mtime\nb = pathlib.Path('.').stat().st_ctime_ns\n"
+            "c = os.stat('.').st_size")
+    names = {FILE_TIME: lambda value: seen.append(value) or value}
+    exec(compile(ask(ast.parse(text)), 'text', 'exec'), names)
+    assert seen == [names['a'], names['b']]
 
 
 def test_names_of_the_program_stay_what_they_are():

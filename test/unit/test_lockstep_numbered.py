@@ -25,6 +25,24 @@ class Robot(*bases_of()):
         self.name = name
 
 
+class Pair(NamedTuple):
+    first: object
+    second: object
+
+
+@dataclass(frozen=True)
+class Frozen:
+    first: object
+    second: object
+
+
+KEPT = Robot()
+
+
+def print_():
+    pass
+
+
 def test_hashes_count_up_and_stay():
     robots = [Robot() for _ in range(5)]
     hashes = [hash(robot) for robot in reversed(robots)]
@@ -97,6 +115,14 @@ def test_it_goes_with_bases_of_all_kinds():
     assert made(made(), made(), object) is not None
 
 
+def test_an_object_is_shown_by_its_number_where_its_class_says_nothing_else():
+    one = Robot()
+    assert repr(one) == str(one) == '<{}.Robot object at 0x{:012x}>'.format(__name__, hash(one))
+    assert repr(made(__repr__=lambda self: 'me')()) == 'me'
+    assert repr(dataclass(made(__annotations__={'x': int}))(3)) == 'Made(x=3)'
+    assert repr(made(__eq__=lambda self, other: True)()).startswith('<')  # which cannot be hashed
+
+
 def test_slots_leave_no_room_for_a_number():
     kind = made(__slots__=('x',))
     assert not hasattr(kind(), '__dict__') and is_hashed_by_address(kind())
@@ -107,11 +133,14 @@ def test_slots_leave_no_room_for_a_number():
 
 
 @pytest.mark.parametrize('one', [object(), len, lambda: 0, threading.Lock(), threading.Thread(), [].append, int,
-                                 (1, object()), frozenset([len]), Robot().__str__])
+                                 (1, object()), frozenset([len]), Robot().__str__, Pair(1, len), Frozen(1, [].append),
+                                 ..., weakref.ref(print_)])
 def test_what_is_hashed_by_its_address(one):
     assert is_hashed_by_address(one)
 
 
-@pytest.mark.parametrize('one', [1, 2.5, 'a', (1, 'a'), frozenset('ab'), enum.Enum('E', 'a').a, True])
+@pytest.mark.parametrize('one', [1, 2.5, 'a', (1, 'a'), frozenset('ab'), enum.Enum('E', 'a').a, True,
+                                 Pair(1, Robot()), Frozen(1, Robot()),
+                                 Frozen('x', (1, 2)), weakref.ref(KEPT)])
 def test_what_is_not(one):
     assert not is_hashed_by_address(one)

@@ -7,7 +7,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2] / 'src'
 #: a private function of the module threading
 PRIVATE = re.compile(r'\bthreading\.(_[a-z]\w*)')
 #: they are put in place here, not called
-REPLACED = {'_allocate_lock', '_time', '_shutdown'}
+REPLACED = {'_allocate_lock', '_newname', '_time', '_shutdown'}
 
 
 def test_private_functions_of_threading_are_there_or_are_only_replaced():

@@ -5,10 +5,15 @@ what it stands for is handed to :data:`ASK`, which may return something else. Kn
 """
 import ast
 
-#: the names of what is called, to be found among the builtins: ``ASK(what)`` -> what, ``HASHED(value)`` -> value
-ASK, HASHED = '__lockstep_ask__', '__lockstep_hashed__'
+#: the names of what is called, to be found among the builtins: ``ASK(what)`` -> what, ``HASHED(value)`` -> value,
+#: ``FILE_TIME(value)`` -> value
+ASK, HASHED, FILE_TIME = '__lockstep_ask__', '__lockstep_hashed__', '__lockstep_file_time__'
 #: attributes whose values are handed on
-ATTRIBUTES = frozenset(('now', 'utcnow', 'today'))
+ATTRIBUTES = frozenset(('now', 'utcnow', 'today', 'get_ident'))
+#: those of what os.stat and its like return: when a file was written, looked at, changed
+FILE_TIMES = frozenset(('st_{}time{}'.format(which, unit) for which in 'mac' for unit in ('', '_ns')))
+#: functions that return an address
+_ADDRESSES = ('id', 'get_ident')
 #: methods to which an address may be given: nothing of it shows but whether it is the same
 _KEYED = frozenset(('add', 'discard', 'remove', 'get', 'pop', 'setdefault'))
 
@@ -23,10 +28,14 @@ class _Asking(ast.NodeTransformer):
 
     def visit_Attribute(self, node):  # noqa: N802
         self.generic_visit(node)
-        return _handed(ASK, node) if isinstance(node.ctx, ast.Load) and node.attr in ATTRIBUTES else node
+        if not isinstance(node.ctx, ast.Load):
+            return node
+        if node.attr in FILE_TIMES:
+            return _handed(FILE_TIME, node)
+        return _handed(ASK, node) if node.attr in ATTRIBUTES else node
 
     def visit_Name(self, node):  # noqa: N802
-        return _handed(ASK, node) if node.id == 'id' and isinstance(node.ctx, ast.Load) else node
+        return _handed(ASK, node) if node.id in _ADDRESSES and isinstance(node.ctx, ast.Load) else node
 
     def visit_Call(self, node):  # noqa: N802
         if isinstance(node.func, ast.Name) and node.func.id == 'hash' and len(node.args) == 1:
@@ -69,7 +78,7 @@ def _is_present_of_numpy(node):
 
 
 def _is_of_id(node):
-    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == 'id'
+    return isinstance(node, ast.Call) and getattr(node.func, 'id', getattr(node.func, 'attr', '')) in _ADDRESSES
 
 
 def _handed(name, node):

@@ -7,14 +7,16 @@ than look. That is told by the text:
 - Tests, and calls of what is known to tell something and to change nothing, look.
 - Other calls may compute, or look: ``while not self.ready(): pass``.
 - What stores in objects (``self.x = ...``, ``a[i] = ...``), deletes, counts (``n += 1``), or stores in a name that goes
-  into itself (``node = node.parent``), computes.
+  into itself (``node = node.parent``), computes. If nothing that it stores is what would end the loop, somebody else
+  is to end it (``while not self.stop: n += 1``), or never does.
 
 Knows Python's text only: no ROS, no threads, no clock.
 """
 import ast
 
-#: kinds of loops: turns may do nothing but look; the same, and they look at the time; each turn calls what may compute
-WAITS, TIMES, CALLS = 0, 1, 2
+#: kinds of loops: turns may do nothing but look; the same, and they look at the time; each turn calls what may compute;
+#: each turn computes, but not what would end the loop
+WAITS, TIMES, CALLS, COMPUTES = 0, 1, 2, 3
 #: the names of what loops call, to be found among the builtins: ``LOOK(kind, line)``, ``ACT(computes)``
 LOOK, ACT = '__lockstep_look__', '__lockstep_act__'
 
@@ -26,8 +28,9 @@ _METHODS = frozenset((
     'canTransform', 'can_transform', 'done', 'empty', 'endswith', 'format', 'frameExists', 'full', 'get',
     'get_comm_state', 'get_goal_status', 'get_goal_status_text', 'get_nowait', 'get_num_connections', 'get_result',
     'get_state', 'is_active', 'is_alive', 'is_new_goal_available', 'is_preempt_requested', 'is_set', 'is_shutdown',
-    'isSet', 'items', 'keys', 'locked', 'qsize', 'running', 'startswith', 'to_nsec', 'to_sec', 'total_seconds',
-    'values'))
+    'isSet', 'items', 'keys', 'locked', 'qsize', 'running', 'sched_yield', 'startswith', 'to_nsec', 'to_sec',
+    'total_seconds', 'values'))
+_WAITS = frozenset(('get', 'join', 'wait', 'wait_for_result', 'wait_for_server'))  # for 0 s
 _NOT_OF_ROSPY = frozenset(('Publisher', 'Subscriber', 'Service', 'ServiceProxy', 'Timer', 'set_param', 'delete_param',
                            'init_node', 'signal_shutdown', 'on_shutdown'))
 _TIMES = frozenset(('now', 'get_time', 'get_rostime'))
@@ -46,7 +49,7 @@ def instrument(tree):
 
 
 def kind_of(loop):
-    """Return what kind of waiting a ``while`` loop is, or None: each turn computes."""
+    """Return what kind of waiting a ``while`` loop is, or None: each turn computes what may end it."""
     return _Loop(loop).kind
 
 
@@ -60,7 +63,10 @@ class _Loop:
         self._times = False
         calls = self._calls_unknown(loop.test)
         is_idle = not _yields(loop.test) and self._block(loop.body)
-        self.kind = None if not is_idle else CALLS if calls else TIMES if self._times else WAITS
+        self.kind = CALLS if calls else TIMES if self._times else WAITS
+        if not is_idle:
+            self.kind = COMPUTES if _is_ended_by_others(loop) else None
+            self._acts = []
 
     def instrument(self):
         """Add the calls to the loop's text."""
@@ -114,6 +120,43 @@ class _Loop:
         calls = [part for part in ast.walk(node) if isinstance(part, ast.Call)]
         self._times = self._times or any(dotted(call.func)[-1:] and dotted(call.func)[-1] in _TIMES for call in calls)
         return not all(_is_known(call) for call in calls)
+
+
+def _is_ended_by_others(loop):
+    """Whether nothing that a loop stores, or calls a method of, is what its ends depend on."""
+    ends = [loop.test] + [part.test for part in _parts(loop.body) if isinstance(part, ast.If) and any(
+        isinstance(inner, (ast.Break, ast.Return, ast.Raise)) for inner in _parts(part.body))]
+    read = set().union(*map(_read, ends))
+    stored, handed = set(), set()
+    for part in _parts(loop.body):
+        if isinstance(getattr(part, 'ctx', None), (ast.Store, ast.Del)):
+            stored.add(_whole_name(part.value if isinstance(part, ast.Subscript) else part))
+        elif isinstance(part, ast.Call):
+            handed.update(map(_whole_name, [getattr(part.func, 'value', part.func), *part.args]))
+    is_own = any(_overlap(one, other) for one in read for other in stored) or read & handed
+    return bool(read) and not is_own
+
+
+def _parts(block):
+    """Yield all parts of statements, but not those of functions in them."""
+    for node in block:
+        yield node
+        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)):
+            yield from _parts(ast.iter_child_nodes(node))
+
+
+def _read(node):
+    """Return the names, dotted ones whole, that an expression reads."""
+    name = _whole_name(node)
+    return {name} if name else set().union(*map(_read, ast.iter_child_nodes(node)))
+
+
+def _whole_name(node):
+    return '.'.join(dotted(node))
+
+
+def _overlap(one, other):
+    return one and other and (one + '.').startswith(other + '.') or (other + '.').startswith(one + '.')
 
 
 def _heads(node):
@@ -175,7 +218,14 @@ def _is_known(call):
         return name[0] in _FUNCTIONS
     if name[:1] == ('rospy',):
         return name[-1] not in _NOT_OF_ROSPY
-    return isinstance(call.func, ast.Attribute) and call.func.attr in _METHODS
+    return isinstance(call.func, ast.Attribute) and (
+        call.func.attr in _METHODS or call.func.attr in _WAITS and _has_no_length(call))
+
+
+def _has_no_length(call):
+    """Whether a call of what may wait only looks: ``event.wait(0)``, ``queue.get(block=False)``."""
+    given = call.args[:1] + [keyword.value for keyword in call.keywords if keyword.arg in ('timeout', 'block')]
+    return any(isinstance(one, ast.Constant) and one.value is not None and not one.value for one in given)
 
 
 def dotted(node):

@@ -2,6 +2,9 @@
 
 #: so many looks in a row, without a wait, are a loop that waits for something by looking
 LOOKS = 1000
+#: simulated time that passes at such a loop if nothing else happens [ns]: where it looks at the time, and elsewhere
+TIME_STEP_NS = 1000000
+STEP_NS = 10000000
 
 
 class Looking:

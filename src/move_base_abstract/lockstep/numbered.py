@@ -1,7 +1,10 @@
 """Objects that are hashed by number, not by their address: sets of them are gone through in one order in every run."""
 import abc
+import dataclasses
+import sys
 import types
 import weakref
+from functools import lru_cache
 
 _HASHED_BY_ADDRESS = object.__hash__
 _METHODS = (types.MethodType, types.BuiltinMethodType, types.MethodWrapperType)
@@ -11,7 +14,8 @@ class Numbered:
     """A base of the program's classes: an object's hash is its number, from the first time that it is asked for.
 
     Numbers count up, so they repeat where the program does. Equality is not touched, and neither are classes that say
-    how they are compared or hashed. What a number needs is kept apart from the object, until that is gone.
+    how they are compared or hashed. Where Python shows an object by its address, it is shown by its number. What a
+    number needs is kept apart from the object, until that is gone.
     """
 
     __slots__ = ()
@@ -19,6 +23,9 @@ class Numbered:
     def __hash__(self):
         entry = _numbers.get(id(self))
         return entry.number if entry is not None else _number(self)
+
+    def __repr__(self):
+        return '<{0.__module__}.{0.__qualname__} object at 0x{1:012x}>'.format(type(self), Numbered.__hash__(self))
 
 
 class _Number(weakref.ref):
@@ -73,6 +80,21 @@ def is_hashed_by_address(one):
     by = kind.__hash__
     if by is Numbered.__hash__:
         return not kind.__weakrefoffset__
-    if kind in (tuple, frozenset):
+    if by in (tuple.__hash__, frozenset.__hash__):
         return any(is_hashed_by_address(part) for part in one)
-    return by is _HASHED_BY_ADDRESS or kind in _METHODS or isinstance(one, weakref.ref)
+    if by is float.__hash__:
+        return one != one and sys.version_info >= (3, 10)  # not a number
+    if isinstance(one, weakref.ref):
+        return one() is None or is_hashed_by_address(one())
+    return by is _HASHED_BY_ADDRESS or kind in _METHODS or any(
+        is_hashed_by_address(getattr(one, name)) for name in _hashed_fields(kind))
+
+
+@lru_cache(maxsize=None)
+def _hashed_fields(kind):
+    """Return the names of the fields of which a dataclass has made the hash of its objects; () of anything else."""
+    params = getattr(kind, '__dataclass_params__', None)
+    code = getattr(kind.__hash__, '__code__', None)
+    is_made = params is not None and code is not None and code.co_filename == '<string>'
+    return tuple(field.name for field in dataclasses.fields(kind) if (
+        field.compare if field.hash is None else field.hash)) if is_made else ()

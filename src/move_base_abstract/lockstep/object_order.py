@@ -12,11 +12,16 @@ BASES, ORDER = '__lockstep_bases__', '__lockstep_order__'
 
 #: functions and methods whose result depends on the order of what they are given
 _ORDERED = frozenset((
-    'chain', 'choice', 'combinations', 'cycle', 'deque', 'enumerate', 'extend', 'filter', 'format', 'islice', 'iter',
-    'list', 'map', 'max', 'min', 'OrderedDict', 'permutations', 'print', 'product', 'reduce', 'repr', 'sample', 'str',
-    'tuple', 'zip'))
-#: those for which a generator's order does not matter
-_UNORDERED = frozenset(('all', 'any', 'frozenset', 'len', 'set', 'sorted', 'sum'))
+    'Counter', 'DataFrame', 'DiGraph', 'Graph', 'Index', 'OrderedDict', 'Series', 'accumulate', 'add_edges_from',
+    'add_nodes_from', 'array', 'as_completed', 'asarray', 'batched', 'chain', 'choice', 'choices', 'combinations',
+    'combinations_with_replacement', 'compress', 'concatenate', 'cycle', 'deque', 'dict', 'dropwhile', 'dump', 'dumps',
+    'enumerate', 'extend', 'extendleft', 'filter', 'filterfalse', 'format', 'from_iterable', 'fromiter', 'fromkeys',
+    'groupby', 'hstack', 'islice', 'iter', 'join', 'linear_sum_assignment', 'list', 'map', 'max', 'mean', 'merge',
+    'min', 'nlargest', 'nsmallest', 'pairwise', 'permutations', 'print', 'product', 'reduce', 'repr', 'sample',
+    'shuffle', 'stack', 'starmap', 'str', 'subgraph', 'sum', 'takewhile', 'tee', 'tuple', 'vstack', 'writelines',
+    'writerows', 'zip', 'zip_longest'))
+#: those for which a generator's order does not matter; a sum of floats depends on it, in its last digit
+_UNORDERED = frozenset(('all', 'any', 'frozenset', 'fsum', 'len', 'set', 'sorted'))
 _METACLASSES = frozenset(('ABCMeta', 'type'))
 
 
@@ -60,11 +65,11 @@ class _Order(ast.NodeTransformer):
     def visit_Call(self, node):  # noqa: N802
         name = _last(node.func)
         self.generic_visit(node)
-        if name in _ORDERED:
-            node.args = [_seen(argument) for argument in node.args]
-        elif name in _UNORDERED and len(node.args) == 1 and isinstance(node.args[0], ast.GeneratorExp):
+        if _is_unordered(name, node):
             for generator in node.args[0].generators:
                 generator.iter = _unseen(generator.iter)
+        elif name in _ORDERED or _has_key(node):
+            node.args = [_seen(argument) for argument in node.args]
         elif name == 'pop' and isinstance(node.func, ast.Attribute) and not node.args:
             node.func.value = _seen(node.func.value)
         return node
@@ -82,9 +87,46 @@ class _Order(ast.NodeTransformer):
 
     def visit_Assign(self, node):  # noqa: N802
         self.generic_visit(node)
-        if any(isinstance(target, (ast.Tuple, ast.List)) for target in node.targets):
+        if any(isinstance(target, (ast.Tuple, ast.List)) or _is_slice(target) for target in node.targets):
             node.value = _seen(node.value)
         return node
+
+    def visit_AugAssign(self, node):  # noqa: N802
+        self.generic_visit(node)
+        if isinstance(node.op, ast.Add):  # to a list
+            node.value = _seen(node.value)
+        return node
+
+    def visit_YieldFrom(self, node):  # noqa: N802
+        self.generic_visit(node)
+        node.value = _seen(node.value)
+        return node
+
+    def visit_BinOp(self, node):  # noqa: N802
+        self.generic_visit(node)
+        if isinstance(node.op, ast.Mod) and isinstance(node.left, (ast.Constant, ast.JoinedStr)):  # a text
+            if isinstance(node.right, ast.Tuple):
+                node.right.elts = [_seen(part) for part in node.right.elts]
+            else:
+                node.right = _seen(node.right)
+        return node
+
+
+def _has_key(node):
+    """Whether a call sorts by a key: of equal keys that one comes first which came first."""
+    return any(keyword.arg == 'key' for keyword in node.keywords)
+
+
+def _is_unordered(name, node):
+    """Whether a call is handed one generator whose order does not matter."""
+    if len(node.args) != 1 or not isinstance(node.args[0], ast.GeneratorExp) or _has_key(node):
+        return False
+    counts = name == 'sum' and isinstance(node.args[0].elt, (ast.Constant, ast.Compare))
+    return counts or name in _UNORDERED
+
+
+def _is_slice(target):
+    return isinstance(target, ast.Subscript) and isinstance(target.slice, ast.Slice)
 
 
 def _seen(node):

@@ -33,6 +33,10 @@ class SeenClocks:
         """Return what a clock of this kind shows [ns] at the simulated time ``now_ns`` (0 before the run)."""
         return self._starts[kind] + now_ns + self._slept_ns
 
+    def start(self, kind):
+        """Return what a clock of this kind shows [ns] before the run."""
+        return self._starts[kind]
+
     def add_sleep(self, duration_ns):
         """So long [ns] was slept by the wall, while simulated time stood."""
         self._slept_ns += duration_ns

@@ -25,7 +25,8 @@ _MULTICAST = 1 << 40  # of a node of uuid.uuid1: no address of hardware
 def install(text, present_ns):
     """Seed the global generators, and have the program draw from the run's chance. ``text``: seed and name of the node.
 
-    ``present_ns(frame)`` [ns] is the date that the code of a frame sees; None: the machine's.
+    ``present_ns(frame)`` [ns] is the date that the code of a frame sees; None: the machine's. Return what draws bytes
+    for who calls it: ``draw(size)``.
     """
     number = zlib.crc32(text.encode('utf-8'))
     random.seed(number)  # noqa: TID251 - the generator of the program, not ours
@@ -33,10 +34,13 @@ def install(text, present_ns):
     replace('uuid.uuid1', lambda machine: _dated_identifier(machine, chance, present_ns))
     for name in ('os.urandom', 'random._urandom'):
         replace(name, lambda machine: lambda size, /: _or_else(chance.draw(size, sys._getframe(1)), machine, size))
+    replace('os.getrandom', lambda machine: lambda size, flags=0: _or_else(
+        chance.draw(size, sys._getframe(1)), machine, size, flags))
     replace('random.Random.seed', lambda seed: _seeding(seed, chance))
     replace('random.seed', lambda _seed: random._inst.seed)
     replace('tempfile._get_candidate_names', lambda machine: _naming(machine, chance))
     _seed_numpy(number)
+    return chance.draw_in_turn
 
 
 def _seed_numpy(number):
@@ -54,16 +58,18 @@ class _Chance:
         self._ordered = Entropy(text + '\nentropy')
         self._strays = Entropy(text + '\nstrays')
 
+    def draw_in_turn(self, size):
+        """Return so many bytes for the calling thread, whoever asks."""
+        return (self._ordered if told.is_ordered() else self._strays).draw(size)
+
     def draw(self, size, frame):
         """Return so many bytes for the code of a frame; None: those of the machine."""
         frame = asker(frame)
         if not sees_run(frame):
             return None
-        if told.is_ordered():
-            return self._ordered.draw(size)
-        if is_own(frame):
+        if not told.is_ordered() and is_own(frame):
             told.tell(frame, 'chance', _STRAY)
-        return self._strays.draw(size)
+        return self.draw_in_turn(size)
 
 
 def _or_else(drawn, machine, *given):

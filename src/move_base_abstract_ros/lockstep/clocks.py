@@ -4,12 +4,12 @@ import sys
 import time
 
 from move_base_abstract.lockstep import seen
+from move_base_abstract.lockstep.loops import TIME_STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
 from ..replaced import replace
 from .callers import asker, is_own, sees_run
-from .looks import TIME_STEP_NS
 from .told import told
 
 _STRAY = 'reads a clock in a thread that lockstep does not order'
@@ -58,6 +58,10 @@ class _Clocks:
         """Return what a clock of a kind shows [ns], without looking at it for the program."""
         participant = told.participant
         return self._clocks.read(kind, 0 if participant is None else participant.now_ns)
+
+    def start(self, kind):
+        """Return what a clock of a kind showed [ns] when nothing had been done yet."""
+        return self._clocks.start(kind)
 
     def _look(self, participant):
         if participant is None:

@@ -4,15 +4,23 @@ Other processes, connections and devices; the processor's and the machine's figu
 Only what the program's own code has done counts, not what ROS or Python's library do for themselves.
 """
 import builtins
+import getpass  # noqa: F401 - replaced by name, as the others
 import os
-import resource  # noqa: F401 - replaced by name, as those two
+import platform  # noqa: F401
+import resource  # noqa: F401
 import select  # noqa: F401
+import shutil  # noqa: F401
 import signal  # noqa: F401
+import socket  # noqa: F401
 import sys
+import threading
 import time
 import types
 
-from move_base_abstract.lockstep.asked import ASK, HASHED
+import rospy
+import rospy.msproxy  # noqa: F401 - replaced by name
+
+from move_base_abstract.lockstep.asked import ASK, FILE_TIME, HASHED
 from move_base_abstract.lockstep.numbered import Numbered, is_hashed_by_address
 
 from ..replaced import replace
@@ -38,10 +46,19 @@ EVENTS = {
 _STARTS = ('subprocess.Popen', 'os.system', 'os.posix_spawn', 'os.exec', 'os.fork')
 _PROCESSOR = 'tells what the processor has worked, or the machine has to do'
 _WOKEN = 'has the kernel wake the program by the wall clock'
+_NUMBER = 'is another number in another run'
+_COMPUTER = 'is another one on another computer'
+_WRITTEN = 'tells when a file was written, by the wall clock'
+_THREADS = 'counts threads of ROS, too, which come and go by the wall clock'
 _WATCHES = 'looks at a connection or a file, by the wall clock'
 #: functions that are told where the program's own code calls them
 CALLS = {
-    'os.getpid': 'is another number in another run', 'os.getppid': 'is another number in another run',
+    'os.getpid': _NUMBER, 'os.getppid': _NUMBER, 'os.getpgrp': _NUMBER, 'threading.get_native_id': _NUMBER,
+    'threading.active_count': _THREADS, 'threading.enumerate': _THREADS,
+    'socket.gethostname': _COMPUTER, 'socket.getfqdn': _COMPUTER, 'platform.node': _COMPUTER, 'os.uname': _COMPUTER,
+    'getpass.getuser': _COMPUTER, 'uuid.getnode': _COMPUTER, 'os.sched_getaffinity': _COMPUTER,
+    'shutil.disk_usage': _COMPUTER, 'os.path.getmtime': _WRITTEN, 'os.path.getctime': _WRITTEN,
+    'os.path.getatime': _WRITTEN,
     'os.times': _PROCESSOR, 'os.getloadavg': _PROCESSOR, 'resource.getrusage': _PROCESSOR,
     'signal.setitimer': _WOKEN, 'signal.alarm': _WOKEN, 'signal.sigtimedwait': _WOKEN,
     'select.poll': _WATCHES, 'select.epoll': _WATCHES,
@@ -58,6 +75,7 @@ def install():
     for name, why in CALLS.items():
         replace(name, lambda function, name=name, why=why: _telling(function, name, why))
     replace('select.select', _selecting)
+    replace('rospy.msproxy.MasterProxy.__getitem__', _asking_parameter)
     replace('_posixsubprocess.fork_exec', _spawning)
     replace('concurrent.futures._base.Future.__hash__', lambda _hash: Numbered.__hash__)
     for name in ('os.listdir', 'os.scandir'):
@@ -72,6 +90,7 @@ def install():
 def hand_on(clocks):
     """Have what the program's own code asks for in words of C come here."""
     setattr(builtins, ASK, _Asking(clocks).ask)
+    setattr(builtins, FILE_TIME, _file_time)
     setattr(builtins, HASHED, _hashed)
 
 
@@ -82,6 +101,19 @@ def _telling(function, name, why):
             told.tell(frame, name, why)
         return function(*args, **kwds)
     return call
+
+
+def _asking_parameter(getitem):
+    """Parameters that roslaunch makes anew for each run, and all of them together."""
+    def get(self, key):
+        name = rospy.resolve_name(key)
+        if name in ('/', '/run_id') or (name + '/').startswith('/roslaunch/'):
+            frame = sys._getframe(1)
+            while frame is not None and not is_own(frame):
+                frame = frame.f_back
+            told.tell(frame, 'rospy.get_param', 'of {}: roslaunch sets another one in each run'.format(name))
+        return getitem(self, key)
+    return get
 
 
 def _spawning(fork_exec):
@@ -174,6 +206,8 @@ class _Asking:
         if kind is types.BuiltinFunctionType:
             if what is _id:
                 told.tell(sys._getframe(1), 'id', _ADDRESS)
+            elif what is threading.get_ident:
+                told.tell(sys._getframe(1), 'threading.get_ident', _ADDRESS)
             elif is_moment(what):
                 return self._clocks.moment(what.__self__, what.__name__, sys._getframe(1))
         elif kind is type and what.__name__ == 'datetime64':  # of numpy, which knows the present by words
@@ -182,6 +216,12 @@ class _Asking:
 
 
 _id = id
+
+
+def _file_time(value):
+    if type(value) in (int, float):
+        told.tell(sys._getframe(1), 'os.stat', _WRITTEN)
+    return value
 
 
 def _hashed(value):

@@ -11,8 +11,8 @@ import signal
 import sys
 import threading
 import types
-from importlib.machinery import PathFinder
 
+from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.numbered import Numbered
 from move_base_abstract.lockstep.open_waits import WORK
 from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
@@ -22,7 +22,7 @@ from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
 from ..replaced import replace
 from .callers import is_own, own_frame
-from .looks import STEP_NS
+from .imports import when_imported
 from .told import told
 from .waits import replace_within, until_shutdown
 
@@ -40,28 +40,7 @@ def install(clocks, take_part):
 
     ``take_part(what)`` is called where a program that is no node yet waits, as of the watchdog.
     """
-    if 'asyncio' in sys.modules:
-        _install(clocks, take_part)
-    else:
-        sys.meta_path.insert(0, _WhenImported(lambda: _install(clocks, take_part)))
-
-
-class _WhenImported:
-    """Finds asyncio as Python does, and calls ``then()`` when it has been loaded."""
-
-    def __init__(self, then):
-        self._then = then
-
-    def find_spec(self, name, path=None, _target=None):
-        """As of importlib.abc.MetaPathFinder."""
-        if name != 'asyncio':
-            return None
-        sys.meta_path.remove(self)
-        spec = PathFinder.find_spec(name, path)
-        if spec is not None:
-            execute = spec.loader.exec_module
-            spec.loader.exec_module = lambda module: (execute(module), self._then())
-        return spec
+    when_imported('asyncio', lambda: _install(clocks, take_part))
 
 
 def _install(clocks, take_part):

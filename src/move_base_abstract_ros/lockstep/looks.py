@@ -12,15 +12,13 @@ import rospy.client
 import rospy.rostime
 import rospy.topics
 
+from move_base_abstract.lockstep.loops import STEP_NS, TIME_STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from .waits import replace_within
 
-#: simulated time that passes at such a loop if nothing else happens [ns]: where it looks at the time, and elsewhere
-TIME_STEP_NS = 1000000
-STEP_NS = 10000000
 #: for so many looks counts one at a parameter that has been looked at since the thread has waited
-AGAIN = 10
+AGAIN = 250
 _ROS = ('rospy.', 'actionlib.', 'tf2_ros.')
 
 

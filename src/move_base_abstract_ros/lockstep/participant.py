@@ -308,8 +308,7 @@ class Participant:
             self._told = told
             self._items.append(wire.note(wire.NoteKind.WAITS_FOR, told))
         owed, idle = open_waits.split(waits) if waits else ((), ())
-        if idle:
-            self._items.append(wire.idle(len(idle)))
+        self._items += [wire.idle(len(idle))] if idle else []
         self._is_granted = self.is_starting = False
         if may_foresee and self.now_ns < next_ns < wire.NEVER and self._is_background():
             self._items.append(wire.background())

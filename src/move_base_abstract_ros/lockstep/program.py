@@ -20,8 +20,10 @@ from . import (
     event_loops,
     finish,
     garbage,
+    identity,
     objects,
     own_code,
+    sqlite,
     threads,
     turns,
     watchdog,
@@ -58,7 +60,9 @@ def _watch(options, name, before_node):
     """Have the program see the run's time and chance, and be told where it sees something else."""
     seen = clocks.install(options.seed, options.sleep == 'simulated')
     watchdog.install(options.sleep, before_node.take_part, seen)
-    chance.install('{}:{}'.format(options.seed, name), seen.date_ns)
+    draw = chance.install('{}:{}'.format(options.seed, name), seen.date_ns)
+    identity.install(seen)
+    sqlite.install(seen, draw)
     deeds.install()
     deeds.hand_on(seen)
     event_loops.install(seen, before_node.take_part)

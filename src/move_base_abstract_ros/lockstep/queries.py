@@ -6,10 +6,10 @@ from the answer a round later: of two who ask at once neither sees what the othe
 
 Shown are participants, and of the others those that offer something: whose name labels the run.
 """
+from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.registrations import KNOWN, Registrations
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from .looks import STEP_NS
 from .master_calls import aside
 
 #: so many rounds bring links, what is latched on them, and an answer

@@ -3,21 +3,21 @@
 :mod:`own_code` has such loops call :class:`Turns` each time round. Whose turns do nothing but look gives the turn of
 its thread away after :data:`loops.LOOKS` of them in a row, exactly as those that look at rospy. One whose turns call
 something unknown may compute; after :data:`PATIENCE` in a row it is taken for one that waits, with a warning and a
-label.
+label. So is one that computes, but nothing that would end it, after :data:`LONG_PATIENCE`.
 """
 import builtins
 import sys
 
 import rospy
 
-from move_base_abstract.lockstep.instrument import ACT, CALLS, LOOK, TIMES
-from move_base_abstract.lockstep.loops import LOOKS
+from move_base_abstract.lockstep.instrument import ACT, CALLS, COMPUTES, LOOK, TIMES
+from move_base_abstract.lockstep.loops import LOOKS, STEP_NS, TIME_STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
-
-from .looks import STEP_NS, TIME_STEP_NS
 
 #: so many turns in a row, without a wait and without anything that is sent, of a loop that may compute
 PATIENCE = 1000000
+#: the same of a loop that computes in each turn, but nothing that would end it
+LONG_PATIENCE = 10000000
 
 
 def install():
@@ -51,9 +51,13 @@ class Turns:
                 self._end()
             return
         task = scheduler.turn()
-        if task.idle_turns >= LOOKS and kind != CALLS:
+        if kind == COMPUTES:
+            task.idle_turns = 0
+        elif task.idle_turns >= LOOKS and kind != CALLS:
             scheduler.look_away(TIME_STEP_NS if kind == TIMES else STEP_NS)
-        elif task.turns % LOOKS == 0 and self._waits(task.turns, sys._getframe(1).f_code.co_filename, line):
+            return
+        patience = LONG_PATIENCE if kind == COMPUTES else PATIENCE
+        if task.turns % LOOKS == 0 and self._waits(task.turns, patience, sys._getframe(1).f_code.co_filename, line):
             scheduler.look_away(STEP_NS)
 
     def act(self, computes):
@@ -65,15 +69,15 @@ class Turns:
             if computes:
                 task.turns = 0
 
-    def _waits(self, turns, filename, line):
+    def _waits(self, turns, patience, filename, line):
         """Return whether the loop is one that waits: it has been called that, or is called that now."""
         place = filename, line
         if place not in self._waiting:
-            if turns < PATIENCE:
+            if turns < patience:
                 return False
             self._waiting.add(place)
             text = ('the loop in {}, line {}, went round {:,} times without a wait; it is taken for one that waits by '
-                    'looking, and time goes on at it'.format(filename, line, PATIENCE))
+                    'looking, and time goes on at it'.format(filename, line, patience))
             rospy.logwarn('%s: %s', rospy.get_name(), text)
             self._participant.label('{}: {}'.format(rospy.get_name(), text))
         return True

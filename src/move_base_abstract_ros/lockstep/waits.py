@@ -12,6 +12,7 @@ import rospy.client
 import rospy.timer
 from rospy.impl import tcpros_service
 
+from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
@@ -100,8 +101,17 @@ class _Waits:
                 self._scheduler.wait(self._scheduler.now_ns + pause_ns)
             except TurnLost:
                 until_shutdown()
+        elif self._scheduler.is_mine():
+            self._look()
         if rospy.core.is_shutdown():
             raise rospy.ROSInterruptException('ROS shutdown request')
+
+    def _look(self):
+        """Sleep for no time: a loop of such sleeps waits by looking."""
+        try:
+            self._scheduler.look(STEP_NS)
+        except TurnLost:
+            pass  # lockstep is over
 
     def spin(self):
         """rospy.spin."""

@@ -3,11 +3,11 @@ import sys
 
 import rospy
 
+from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ..replaced import replace
 from .callers import own_frame
-from .looks import STEP_NS
 from .queries import settle
 from .told import told
 
@@ -24,6 +24,19 @@ def install(sleep, take_part, clocks):
     are those that the program sees.
     """
     replace('time.sleep', lambda wall_sleep: _Sleep(sleep, take_part, wall_sleep, clocks))
+    replace('os.sched_yield', lambda sched_yield: lambda: _look(sched_yield))
+
+
+def _look(sched_yield):
+    """A thread lets others go first: it is a sleep of no length."""
+    participant = told.participant
+    if participant is None or not participant.scheduler.is_mine():
+        sched_yield()
+        return
+    try:
+        participant.scheduler.look(STEP_NS)
+    except TurnLost:
+        sched_yield()
 
 
 class _Sleep:

@@ -6,11 +6,15 @@ import _posixsubprocess  # noqa: F401 - to be looked at, as those below
 import asyncio  # noqa: F401
 import concurrent.futures  # noqa: F401
 import gc  # noqa: F401
+import getpass  # noqa: F401
 import json
 import os
+import platform  # noqa: F401
 import resource  # noqa: F401
 import select  # noqa: F401
+import shutil  # noqa: F401
 import signal  # noqa: F401
+import socket  # noqa: F401
 import sys
 import tempfile  # noqa: F401
 import types
@@ -24,7 +28,7 @@ from move_base_abstract_ros.lockstep import program
 
 WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random',
            'os', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc', 'asyncio',
-           'xmlrpc')
+           'xmlrpc', 'getpass', 'platform', 'shutil', 'socket')
 FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, staticmethod, property)
 
 

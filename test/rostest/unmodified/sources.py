@@ -5,6 +5,8 @@ import datetime as dates
 import email.utils
 import glob
 import gzip
+import io
+import logging
 import os
 import pathlib
 import queue
@@ -13,6 +15,7 @@ import sched
 import secrets
 import select
 import shutil
+import sqlite3
 import tempfile
 import threading
 import time
@@ -55,7 +58,27 @@ def drawn():
     numbers.append(random.random())
     random.seed(os.urandom(8))
     numbers.append(random.random())
+    with sqlite3.connect(':memory:') as database:
+        numbers += database.execute('SELECT random(), hex(randomblob(4))').fetchone()
+    numbers.append(os.getrandom(8).hex())
     return [str(number) for number in numbers]
+
+
+def itself():
+    """What a program learns of its own threads, of the computer, and of dates by the way."""
+    stream = io.StringIO()
+    handler = logging.StreamHandler(stream)
+    handler.setFormatter(logging.Formatter('%(asctime)s %(message)s'))
+    log = logging.getLogger('mine')
+    log.propagate = False
+    log.handlers = [handler]
+    log.warning('said')
+    with sqlite3.connect(':memory:') as database:
+        database.execute("CREATE TABLE told (at DEFAULT current_timestamp, day DEFAULT (date('now')), what)")
+        database.execute("INSERT INTO told (what) VALUES (strftime('%H:%M:%f'))")
+        row = database.execute("SELECT at, day, what, datetime('2001-02-03', '+1 day'), date(at) FROM told").fetchone()
+    return [threading.Thread().name, threading.Thread(target=names).name, os.cpu_count(), stream.getvalue().strip(),
+            row, concurrent.futures.ThreadPoolExecutor()._max_workers, repr(Clock()).partition(' at ')[0]]
 
 
 def names():
@@ -112,12 +135,13 @@ def spin():
     return looked, steps, rospy.get_time()
 
 
-early = [seconds(), dated(), drawn(), names()]
+early = [seconds(), dated(), drawn(), names(), itself()]
 rospy.init_node('sources')
 said = rospy.Publisher('said', String, queue_size=100)
 rospy.Subscriber('said', String, lambda text: None)
 rospy.sleep(1.5)
-for line in early + [seconds(), dated(), drawn(), names(), waits(), seconds()]:
+later = [seconds(), dated(), drawn(), names(), itself(), waits(), seconds()]
+for line in early + later:
     said.publish(repr(line))
     print(repr(line))
     rospy.sleep(0.5)

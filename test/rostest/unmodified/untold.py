@@ -1,15 +1,19 @@
 #!/usr/bin/env python3
 """Do all that differs from run to run."""
+import getpass
 import multiprocessing
 import os
+import platform
 import resource
 import select
+import shutil
 import signal
 import socket
 import subprocess
 import sys
 import threading
 import time
+import uuid
 
 import numpy
 import rospy
@@ -79,7 +83,16 @@ WAYS = {
     'subprocess.Popen': lambda: subprocess.check_output(['date', '+%N']), 'os.fork': fork,
     'os.forkpty': fork_at_a_terminal,
     'os.posix_spawn': lambda: os.waitpid(os.posix_spawn('/bin/true', ['true'], {}), 0),
-    'socket.bind socket.connect': connect,
+    'socket.bind socket.connect': connect, 'os.getpgrp': lambda: os.getpgrp(),
+    'threading.get_native_id': lambda: threading.get_native_id(), 'threading.enumerate': lambda: threading.enumerate(),
+    'threading.active_count': lambda: threading.active_count(), 'socket.gethostname': lambda: socket.gethostname(),
+    'threading.get_ident': lambda: '%d' % threading.get_ident(), 'socket.getfqdn': lambda: socket.getfqdn('127.0.0.1'),
+    'platform.node': lambda: platform.node(), 'os.uname': lambda: os.uname(),
+    'getpass.getuser': lambda: getpass.getuser(), 'uuid.getnode': lambda: uuid.getnode(),
+    'os.sched_getaffinity': lambda: os.sched_getaffinity(0),
+    'shutil.disk_usage': lambda: shutil.disk_usage('/'), 'os.path.getmtime': lambda: os.path.getmtime('/'),
+    'os.path.getctime': lambda: os.path.getctime('/'), 'os.path.getatime': lambda: os.path.getatime('/'),
+    'os.stat': lambda: os.stat('/').st_mtime, 'rospy.get_param': lambda: rospy.get_param('/run_id', ''),
 }
 EARLY = ('os.getpid', 'open')  # before the program is a node
 
