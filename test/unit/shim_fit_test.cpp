@@ -87,7 +87,7 @@ TEST(ShimFit, looksAroundInThisProgramWhichHasNoRos) {
   EXPECT_TRUE(found.has_clocks);
   EXPECT_TRUE(found.roscpp.empty());
   EXPECT_EQ(found.missing.size(), 49U);  // all but libc's
-  EXPECT_EQ(found.missing.front(), "ros::start() (roscpp)");
+  EXPECT_EQ(found.missing.front(), "ros::init(int&, char**, string const&, unsigned) (roscpp)");
 }
 
 TEST(ShimFit, knowsAVersionByTheNameOfTheFileOrByItsPackage) {
