@@ -49,6 +49,13 @@ std::string wholePath(const char* path) {
              : "";
 }
 
+/** @return whether it is what rospack remembers of where packages are: the same for everybody. */
+bool isCacheOfPackages(const std::string& path) {
+  const std::size_t name = path.rfind('/') + 1;
+  return path.compare(name, 14, "rospack_cache_") == 0 ||
+         path.compare(name, 15, "rosstack_cache_") == 0;
+}
+
 /** @return what openat() is about, as far as it needs no folder. */
 const char* ofNoFolder(int folder, const char* path) {
   return folder == AT_FDCWD || path == nullptr || *path == '/' ? path : nullptr;
@@ -103,7 +110,7 @@ class Opening {
     const int error = errno;
     const Inside inside;
     const std::string path = wholePath(path_);
-    if (!path.empty() &&
+    if (!path.empty() && !isCacheOfPackages(path) &&
         !isIn(path.c_str(), {"/usr/", "/lib", "/etc/", "/opt/", "/proc/", "/sys/", "/dev/"})) {
       noteFile(path, access != O_WRONLY, access != O_RDONLY);
     }

@@ -230,7 +230,7 @@ def test_another_map_counts_from_the_release_on():
     fleet.run(2 * S)
     assert fleet.trace == []
     fleet.release('bot', 'door')
-    assert kinds(fleet) == [(2.0, 'released'), (2.0, 'departed', 8.5), (2.0, 'route', 4.5)]
+    assert kinds(fleet) == [(2.0, 'released'), (2.0, 'departed', 8.5), (2.0, 'route', 4.992188)]
     fleet.run()
     assert fleet.trace[-1].values[1] == 'SUCCEEDED'
 
