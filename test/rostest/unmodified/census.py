@@ -20,7 +20,7 @@ assert topics == [name for name, kind in ServerProxy(rosgraph.get_master_uri()).
                   if name.startswith('/link_')]
 assert rostopic.find_by_type('std_msgs/String') == topics
 names = rospy.get_param_names()
-assert names == sorted(names) and list(rospy.get_param('/')) == sorted(rospy.get_param('/'))
+assert names == sorted(names) and list(rospy.get_param('/time_master')) == sorted(rospy.get_param('/time_master'))
 while not [name for name, kind in rospy.get_published_topics() if name == '/late']:
     pass
 print('%.9f late' % rospy.get_time())
