@@ -1,4 +1,6 @@
 // The part of a session that is about parameters of ROS.
+#include <algorithm>
+
 #include "session.h"
 
 namespace move_base_abstract {
@@ -18,7 +20,10 @@ void LockstepSession::applyParameter(const Member& member, const wire::Parameter
  * told to end sets at once: that says something of the run only if it goes on.
  */
 void LockstepSession::parameterChangedOutside(const std::string& name) {
-  if (!rounds_.started() || rounds_.ended()) {
+  // Nodes that are told to end take their parameters back: when all have gone, that says nothing.
+  const bool anybody = std::any_of(members_.begin(), members_.end(),
+                                   [](const auto& entry) { return !entry.second.departing; });
+  if (!rounds_.started() || rounds_.ended() || !anybody) {
     return;
   }
   const std::string why = parameters_.changedOutside(name);

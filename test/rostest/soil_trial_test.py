@@ -201,7 +201,7 @@ class Trials(unittest.TestCase):
     def test_a_field_that_cannot_be_read_is_named(self):
         done = self.study('trial', '--field', 'csv:/no/such.csv', '--output', self.path('no_field'))
         self.assertEqual(done.returncode, 2)
-        self.assertIn('/no/such.csv: cannot be read as CSV', done.stdout)
+        self.assertIn('/no/such.csv: cannot be read', done.stdout)
         self.assertFalse(os.path.exists(self.path('no_field')))
 
     def test_a_python_without_what_the_study_needs_is_an_error_that_says_what_to_do(self):

@@ -260,6 +260,7 @@ class LockstepTest(LockstepCase):
     def test_clock_is_latched_in_order_capped_and_repeated_and_ends_at_the_newest_time(self):
         self.start(participants=['/a'], max_clock_rate=100.0, repeat_rate=10.0)
         client = self.join('/a')
+        self.clock.wait('the first time', lambda message: message.clock.to_nsec() == START)
         begin = time.monotonic()
         for _ in range(3000):
             grant = client.turn(next_ns=NEVER if _ == 2999 else START + _ * SECOND)
