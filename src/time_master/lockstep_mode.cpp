@@ -99,7 +99,13 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
 
 LockstepServer::Listeners LockstepMode::listeners() {
   LockstepServer::Listeners listeners;
-  listeners.time = [this](Nanoseconds time) { clock_->set(time); };
+  listeners.time = [this, is_first = true](Nanoseconds time) mutable {
+    if (is_first) {
+      parameters_of_ros_.remember();
+      is_first = false;
+    }
+    clock_->set(time);
+  };
   listeners.event = [this](const LockstepLogEntry& entry) {
     if (event_log_ && (!parameters_.event_log_of_ends || entry.kind == kUncaught)) {
       event_log_->add(entry.time, entry.robot, entry.kind, entry.values);

@@ -58,6 +58,47 @@ XmlRpc::XmlRpcValue subscription() {
 
 }  // namespace
 
+ParameterKeeper::ParameterKeeper() = default;
+
+ParameterKeeper::~ParameterKeeper() { stop(); }
+
+void ParameterKeeper::remember() {
+  XmlRpc::XmlRpcValue request;
+  request[0] = ros::this_node::getName();
+  request[1] = "/";
+  auto all = std::make_unique<XmlRpc::XmlRpcValue>();
+  if (masterProbe().call("getParam", request, kLimit, *all)) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    at_start_ = std::move(all);
+  }
+}
+
+/** @return whether @p value is what the parameter had at the start, and no participant set it
+ * since. */
+bool ParameterKeeper::isAsAtTheStart(const std::string& name, const XmlRpc::XmlRpcValue& value) {
+  using Value = XmlRpc::XmlRpcValue;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto concerns = [&name](const std::string& other) {
+    const std::size_t size = std::min(name.size(), other.size());
+    return name.compare(0, size, other, 0, size) == 0;
+  };
+  if (!at_start_ || std::any_of(changed_.begin(), changed_.end(), concerns)) {
+    return false;
+  }
+  Value at = *at_start_;
+  for (std::size_t begin = 1; begin < name.size();) {
+    const std::size_t end = std::min(name.find('/', begin), name.size());
+    const std::string part = name.substr(begin, end - begin);
+    if (at.getType() != Value::TypeStruct || !at.hasMember(part)) {
+      return value.getType() == Value::TypeStruct && value.size() == 0;  // it is deleted
+    }
+    const Value below = at[part];
+    at = below;
+    begin = end + 1;
+  }
+  return at == value;
+}
+
 /** roscpp waits for a call that is under way. */
 void ParameterKeeper::stop() {
   if (outside_) {
@@ -102,8 +143,9 @@ void ParameterKeeper::applySome(const std::vector<ParameterChange>& changes,
       refused->push_back(change);
       continue;
     }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    changed_.insert(change.name);
     if (change.value.empty()) {
-      const std::lock_guard<std::mutex> lock(mutex_);
       ++deleted_[change.name];
     }
     request[0][static_cast<int>(asked.size())] = call;
@@ -152,7 +194,7 @@ void ParameterKeeper::onUpdate(XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue
   }
   const bool is_deletion =
       request[2].getType() == XmlRpc::XmlRpcValue::TypeStruct && request[2].size() == 0;
-  if (!is_deletion || !isOwn(name)) {
+  if (!(is_deletion && isOwn(name)) && !isAsAtTheStart(name, request[2])) {
     outside_(name);
   }
 }

@@ -4,7 +4,9 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,8 +23,8 @@ class ParameterKeeper {
  public:
   using Listener = std::function<void(const std::string& name)>;
 
-  ParameterKeeper() = default;
-  ~ParameterKeeper() { stop(); }
+  ParameterKeeper();
+  ~ParameterKeeper();
   ParameterKeeper(const ParameterKeeper&) = delete;
   ParameterKeeper& operator=(const ParameterKeeper&) = delete;
 
@@ -34,17 +36,25 @@ class ParameterKeeper {
   void listen(Listener outside);
   /** @brief The listener is not called any more. */
   void stop();
+  /**
+   * @brief The run begins: what is as it is now was set before, however late the ROS master tells.
+   * (It tells a tenth of a second late, as a rule.)
+   */
+  void remember();
   /** @return those that the ROS master has not taken within 10 s of wall time. From any thread. */
   std::vector<ParameterChange> apply(const std::vector<ParameterChange>& changes);
 
  private:
   void onUpdate(XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& response);
   bool isOwn(const std::string& name);
+  bool isAsAtTheStart(const std::string& name, const XmlRpc::XmlRpcValue& value);
   void applySome(const std::vector<ParameterChange>& changes,
                  std::vector<ParameterChange>* refused);
 
   Listener outside_;
   std::mutex mutex_;
+  std::unique_ptr<XmlRpc::XmlRpcValue> at_start_;  // all parameters
+  std::set<std::string> changed_;                  // by apply()
   std::map<std::string, int> deleted_;  // by apply(), of which the ROS master is going to tell
 };
 

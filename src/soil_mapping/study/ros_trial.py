@@ -74,7 +74,9 @@ def _clock(spec, event_log):
     """Return the time master's parameters."""
     if spec.clock == 'scaled':
         return {'mode': 'scaled', 'factor': float(spec.factor)}
+    # It ends in the round in which the coordinator leaves: how long it goes on after that would be the wall clock's.
     return {'mode': 'lockstep', 'participants': ['/fleet', '/task_server', '/' + NODE], 'on_death': 'end',
+            'end_with': ['/' + NODE],
             'speed_limit': float(spec.limit), 'event_log': str(event_log)}
 
 
