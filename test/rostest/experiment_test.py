@@ -166,7 +166,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         for name, stamp in before.items():
             self.assertEqual(os.stat(self.path('killed/trials/{}/trial.json'.format(name))).st_mtime_ns, stamp)
         self.assertEqual(len(without_wall(self.path('whole/trials.csv'))), 5)
-        self.assertFalse(again.left())
+        wait_for(lambda: not again.left(), 'the end of all processes')
 
     def test_ctrl_c_and_sigterm_end_what_was_started(self):
         file = self.write('sweep.yaml', SWEEP)
