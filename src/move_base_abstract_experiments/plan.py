@@ -19,7 +19,7 @@ from .spec import configurations
 
 FORMAT = 1
 #: conditions under which a trial runs once more, in turn; they are those of `verify` that disturb no trial beside it
-CONDITIONS = ('addresses', 'delays', 'hash')
+CONDITIONS = ('addresses', 'delays', 'hash', 'order')
 FUNCTION_CONDITION = 'hash'  # of a function: in a Python that is started anew, with another hash seed
 _KEY_DIGITS = 6
 

@@ -12,6 +12,7 @@ from . import processes
 
 _START_S = 20.0  # wall
 _ALIVE_S = 0.5  # wall
+_REGISTERED_S, _LOOK_S = 10.0, 0.01  # wall
 
 
 class MasterError(SimulatorError):
@@ -57,3 +58,16 @@ def set_parameters(uri, parameters):
                 raise MasterError(f'a parameter cannot be set: {text}')
     except (OSError, TypeError, OverflowError, xmlrpc.client.Error) as error:
         raise MasterError(f'the parameters cannot be set: {error}') from None
+
+
+def await_registered(uri, pid, name, statuses):
+    """Wait until a ROS master knows the node ``name``, its process has ended, or 10 s of wall time are over.
+
+    It may wait for one that starts later. Into ``statuses`` go those of children that have ended (see processes).
+    """
+    master, deadline = xmlrpc.client.ServerProxy(uri), time.monotonic() + _REGISTERED_S
+    while pid not in statuses and time.monotonic() < deadline:
+        if master.lookupNode('/experiment', name)[0] == 1:
+            return
+        processes.reap(statuses)
+        time.sleep(_LOOK_S)

@@ -108,8 +108,9 @@ def run(wanted, folders):
         os.environ['ROS_MASTER_URI'] = uri
         config, taking = _plan(wanted, folders)
         ros_master.set_parameters(uri, [(param.key, param.value) for param in config.params.values()])
-        started = _start_all(config, taking, uri, wanted, folders)
-        ended = Ended(_starts(config), *_await_end(master, started, wanted, folders))
+        statuses = {}
+        started = _start_all(config, taking, uri, wanted, folders, statuses)
+        ended = Ended(_starts(config), *_await_end(master, started, wanted, folders, statuses))
         _tell_bags(folders)
         return ended
     finally:
@@ -179,8 +180,13 @@ def _wishes(plan, config, wanted, folders):
                        launcher=('--sleep', wanted.sleep, '--seed', str(wanted.seed)), forced=forced,
                        kept_out=kept_out, left_out=wanted.leave_out, replaced=wanted.replace,
                        environment=((bags.VARIABLE, notes), *(condition.environment if condition is not None else ())),
-                       is_reversed=condition is not None and condition.name == 'order',
+                       is_reversed=_is_reversed(wanted),
                        own_environment=own_environment)
+
+
+def _is_reversed(wanted):
+    """Return whether nodes start one after another, in the reverse order."""
+    return wanted.condition is not None and '--start-order' in wanted.condition.options
 
 
 def _tell_bags(folders):
@@ -189,8 +195,11 @@ def _tell_bags(folders):
     bags.add_to_log(os.path.join(folders.own, LOG), bags.written(os.path.join(folders.own, _BAG_NOTES)))
 
 
-def _start_all(config, taking, uri, wanted, folders):
-    """Start the time master and all nodes; return them as _Process objects, the time master first."""
+def _start_all(config, taking, uri, wanted, folders, statuses):
+    """Start the time master and all nodes; return them as _Process objects, the time master first.
+
+    Into ``statuses`` go those that have ended meanwhile.
+    """
     from roslaunch.core import setup_env
     from roslaunch.node_args import NodeParamsException, create_local_process_args
 
@@ -214,6 +223,8 @@ def _start_all(config, taking, uri, wanted, folders):
                                   os.path.dirname(launcher), wanted.is_warm)
         started.append(_Process(name, pid, name in taking, bool(node.required), output,
                                 (node.package, node.type) not in _WITHOUT_LAST_WORDS))
+        if _is_reversed(wanted) and name in taking:
+            ros_master.await_registered(uri, pid, name, statuses)
     for number, words in enumerate(words for words in (wanted.command, wanted.extra) if words):
         output = os.path.join(folders.logs, f'command_{number}.txt')
         pid = processes.execute(list(words), dict(os.environ), output, folders.files)
@@ -222,11 +233,11 @@ def _start_all(config, taking, uri, wanted, folders):
     return started
 
 
-def _await_end(master, started, wanted, folders):
+def _await_end(master, started, wanted, folders, statuses):
     """Wait until the time master has ended, end everybody; return (ends.Processes, why it failed or None)."""
     time_master = started[0]
     deadline = time.monotonic() + wanted.time_limit
-    statuses, seen, problem = {}, set(), None
+    seen, problem = set(), None
     while problem is None and time_master.pid not in statuses and not is_over(folders):
         if not processes.reap(statuses):
             processes.await_child(_LOOK_S)

@@ -233,18 +233,19 @@ class Experiments(OwnFolder, unittest.TestCase):
         one = plan.trials(experiment)[0]
         warm = jobs.WarmProcess()
         try:
-            logs = [self.log_of(warm.run(jobs.make_job(experiment, one, is_warm=is_warm)))
-                    for is_warm in (True, False, True)]
+            logs = [self.log_of(warm.run(jobs.make_job(experiment, one._replace(verified_by=again), is_warm=is_warm)),
+                                again) for is_warm, again in ((True, ''), (False, 'order'), (True, ''))]
         finally:
             warm.close()
         self.assertGreater(len(logs[0]), 1000)
         self.assertEqual(logs[0], logs[1])
         self.assertEqual(logs[0], logs[2])
 
-    def log_of(self, content):
+    def log_of(self, content, again):
         with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
             about = json.load(archive.extractfile('trial.json'))
-            self.assertEqual((about['status'], about['error']), ('complete', None))
+            self.assertEqual((about['status'], about['error'], about['verified']), (
+                'complete', None, 'identical' if again else None))
             return archive.extractfile('events.jsonl').read()
 
 

@@ -42,6 +42,26 @@ print(os.read(read, 1) == b'')
 """) == ['True']
 
 
+def test_a_node_is_waited_for_until_the_ros_master_knows_it_or_it_has_ended():
+    assert run("""
+from types import SimpleNamespace
+from move_base_abstract_experiments import ros_master
+answers = []
+def lookup(caller, name):
+    answers.append(name)
+    return (1 if name == '/there' and len(answers) > 2 else -1), '', ''
+ros_master.xmlrpc.client.ServerProxy = lambda uri: SimpleNamespace(lookupNode=lookup)
+processes.block_child_signal()
+statuses = {}
+ros_master.await_registered('', processes.fork(signal.pause), '/there', statuses)
+print(len(answers), statuses)
+first = processes.fork(lambda: sys.exit(3))
+ros_master.await_registered('', first, '/gone', statuses)
+print(processes.code_of(statuses[first]))
+processes.end_all_children()
+""") == ['3', '{}', '3']
+
+
 def test_an_interrupt_at_a_fork_is_not_lost():
     assert run("""
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it

@@ -3,6 +3,7 @@ import pytest
 
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract_experiments import checks, plan, spec
+from move_base_abstract_ros.launching import conditions  # noqa: TID251 - it knows no ROS
 
 BASE = {'experiment': 'x', 'launch': 'x.launch'}
 
@@ -107,6 +108,11 @@ def test_the_share_that_runs_twice_is_the_same_choice_each_time():
     assert len(chosen) == 5
     assert chosen == [one.id for one in plan.trials(experiment) if one.verified_by]
     assert {one.verified_by for one in plan.trials(experiment)} == {'', *plan.CONDITIONS}
+
+
+def test_trials_run_twice_under_all_conditions_of_verify_that_disturb_no_trial_beside_them():
+    assert set(plan.CONDITIONS) == {one.name for one in conditions.CONDITIONS if one.options or one.environment} - {
+        'split'}  # in which names differ
 
 
 def test_values_stand_in_arguments_as_a_launch_file_has_them():
