@@ -42,8 +42,8 @@ class ParametersTest(unittest.TestCase):
         self.assertEqual(run.printed('messenger'), ['seen for a program'])
 
     def test_what_is_set_by_hand_is_seen_and_labelled_where_it_is_asked_for(self):
-        # Asks on until the run is labelled, which ends it then.
-        run = run_programs({'waiter': [['--strict'], 'parameter_waiter.py', '/by_hand']}, until=1e9, others={
+        # It is set until the run is labelled, and asked for until it is not set any more.
+        run = run_programs({'waiter': ['parameter_waiter.py', '/by_hand']}, until=1e9, others={
             '/hand': ([sys.executable, BY_HAND, '/by_hand'], 0)})
         self.assertIn('it is there', run.printed('waiter'))
         labels = [label for label in run.state.not_repeatable_because if 'parameter' in label]
