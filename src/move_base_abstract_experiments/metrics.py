@@ -102,7 +102,7 @@ def summarise(path, starts=None):
         told = ends.Log()
         for event in log:
             last_ns = event.time_ns
-            if event.kind == ends.UNCAUGHT:
+            if event.kind in ends.KINDS:
                 told.take(event)
             elif event.kind not in MESSAGES:
                 _take(robots, endings, event, starts or {}, start_ns)

@@ -33,6 +33,7 @@ LOOPS = 'the launcher of unmodified programs, when a program imports asyncio'
 OLD_LOOPS = LOOPS + ', before Python 3.11'
 NEW_LOOPS = LOOPS + ', from Python 3.12 on'
 WARM = 'the warm process of an experiment, and what it forks'
+FUTURES = 'lockstep.join, when a program uses concurrent.futures'
 POOLS = 'lockstep.join, when a program uses multiprocessing.pool'
 
 
@@ -58,6 +59,7 @@ _HEARS = 'tells the time master whether feedback has any effect on an action cli
 _NUMBERED = 'is hashed by number, so that sets of them have one order'
 _TASKS = 'makes tasks of coroutines in the order in which they are given'
 _UNCAUGHT = 'tells the event log of an exception that nobody catches'
+_UNASKED = 'tells the event log of an exception of a job for which nobody asks'
 _CORES = 'says four on every computer'
 _SQLITE = "has the database's chance and dates be the run's"
 _LOCK = 'gives the turn away where another thread of the program holds it'
@@ -118,6 +120,15 @@ _ROWS = (
     Row('rospy.topics._SubscriberImpl._invoke_callback', LOCKSTEP, _UNCAUGHT, ('81c97c7de4c4',)),
     Row('rospy.impl.tcpros_service.ServiceImpl.error_handler', LOCKSTEP, _UNCAUGHT, ('0c79cd978086',)),
     Row('actionlib.simple_action_server.SimpleActionServer.__init__', LOCKSTEP, _UNCAUGHT),
+    Row('actionlib.simple_action_server.SimpleActionServer.register_goal_callback', LOCKSTEP, _UNCAUGHT),
+    Row('actionlib.simple_action_server.SimpleActionServer.register_preempt_callback', LOCKSTEP, _UNCAUGHT),
+    Row('concurrent.futures._base.Future.set_exception', FUTURES, _UNASKED),
+    Row('concurrent.futures._base.Future.result', FUTURES, _UNASKED),
+    Row('concurrent.futures._base.Future.exception', FUTURES, _UNASKED),
+    Row('concurrent.futures._base.Future.add_done_callback', FUTURES, _UNCAUGHT),
+    Row('multiprocessing.pool.ApplyResult._set', POOLS, _UNASKED),
+    Row('multiprocessing.pool.MapResult._set', POOLS, _UNASKED),
+    Row('multiprocessing.pool.ApplyResult.get', POOLS, _UNASKED),
     Row('threading.excepthook', OR_FUNCTION, _UNCAUGHT),
     Row('threading._shutdown', LOCKSTEP, 'has the process leave in its last round'),
     Row('sys.excepthook', LOCKSTEP,
@@ -129,6 +140,8 @@ _ROWS = (
     Row('threading._time', THREADS, "is simulated for time-outs of the program's threads"),
     Row('queue.time', THREADS, "is simulated for time-outs of the program's threads"),
     Row('threading.Thread.start', THREADS, 'has a new thread wait for its first turn'),
+    Row('_thread.start_new_thread', THREADS, "starts one of Python's threads for the program, which is followed"),
+    Row('_thread.start_new', THREADS, "starts one of Python's threads for the program, which is followed"),
     Row('threading.Thread.join', THREADS, _WAIT),
     Row('threading.Thread.is_alive', THREADS, "says no as soon as the thread's last turn is over"),
     Row('rospy.init_node', LAUNCHER, 'joins when the program has become a node', ('f5a98156fc52',)),
@@ -207,8 +220,9 @@ _ROWS = (
     Row('asyncio.selector_events.BaseSelectorEventLoop._write_to_self', LOOPS, 'wakes a loop that waits so'),
     Row('asyncio.unix_events._UnixSelectorEventLoop._handle_signal', LOOPS, 'labels the run'),
     Row('asyncio.events.TimerHandle.__init__', LOOPS, 'has of equal timers that one come first which was made first'),
-    Row('asyncio.tasks.Task', LOOPS, _NUMBERED),
-    Row('asyncio.futures.Future', LOOPS, _NUMBERED),
+    Row('asyncio.tasks.Task', LOOPS, _NUMBERED + '; ' + _UNASKED),
+    Row('asyncio.futures.Future', LOOPS, _NUMBERED + '; ' + _UNASKED),
+    Row('asyncio.base_events.BaseEventLoop.default_exception_handler', LOOPS, _UNCAUGHT),
     Row('asyncio.tasks.__sleep0', LOOPS, _LOOK),
     Row('asyncio.tasks.as_completed', LOOPS, _TASKS),
     Row('asyncio.tasks.wait', OLD_LOOPS, _TASKS),

@@ -4,6 +4,7 @@
 #include <ros/network.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
@@ -17,7 +18,8 @@ constexpr const char* kAddressParameter = "/time_master/lockstep_address";
 constexpr Nanoseconds kLookGap = kNanosecondsPerSecond / 50;    // wall, between two work()s
 constexpr Nanoseconds kFlushGap = kNanosecondsPerSecond / 2;    // wall
 constexpr Nanoseconds kAchievedWindow = kNanosecondsPerSecond;  // wall
-constexpr std::string_view kUncaught = "uncaught";              // kind of an event
+// Kinds of the events by which it is judged how nodes fared.
+constexpr std::array<std::string_view, 3> kOfEnds = {"uncaught", "unasked", "asked"};
 constexpr int kSightings = 2;  // who subscribes to /clock in order to take part has time to join
 
 LockstepSettings sessionSettings(const NodeParameters& parameters, Nanoseconds begin) {
@@ -107,7 +109,8 @@ LockstepServer::Listeners LockstepMode::listeners() {
     clock_->set(time);
   };
   listeners.event = [this](const LockstepLogEntry& entry) {
-    if (event_log_ && (!parameters_.event_log_of_ends || entry.kind == kUncaught)) {
+    if (event_log_ && (!parameters_.event_log_of_ends ||
+                       std::find(kOfEnds.begin(), kOfEnds.end(), entry.kind) != kOfEnds.end())) {
       event_log_->add(entry.time, entry.robot, entry.kind, entry.values);
     }
     if (message_bytes_ &&

@@ -9,13 +9,18 @@ from move_base_abstract_ros.launching.ends import Process  # noqa: TID251
 SHUT_DOWN = ('Traceback (most recent call last):', 'rospy.exceptions.ROSInterruptException: rospy shutdown')
 
 
-def log_of(tmp_path, departures=(), uncaught=()):
-    """Return the Log of a run in which nodes departed, [(name, died)], and nobody caught errors, [(name, text)]."""
+def log_of(tmp_path, departures=(), uncaught=(), of_jobs=()):
+    """Return the Log of a run in which nodes departed, [(name, died)], and nobody caught errors, [(name, text)].
+
+    of_jobs: further events, [(time_ns, kind, values)] of the node /a.
+    """
     path = tmp_path / 'events.jsonl'
     lines = [{'event_log': 1, 'start_ns': 1}]
     lines += [{'time_ns': 7, 'robot': name, 'kind': 'uncaught', 'values': [text, 'a place']} for name, text in uncaught]
-    lines.append({'end': {'events': len(uncaught), 'not_repeatable_because': [], 'degraded_because': [], 'departures': [
-        {'node': name, 'time_ns': 5 * 10 ** 9, 'died': died} for name, died in departures]}})
+    lines += [{'time_ns': at, 'robot': '/a', 'kind': kind, 'values': values} for at, kind, values in of_jobs]
+    gone = [{'node': name, 'time_ns': 5 * 10 ** 9, 'died': died} for name, died in departures]
+    lines.append({'end': {'events': len(uncaught) + len(of_jobs), 'not_repeatable_because': [], 'degraded_because': [],
+                          'departures': gone}})
     path.write_text(''.join(json.dumps(line) + '\n' for line in lines))
     return ends.read_log(str(path))
 
@@ -64,6 +69,15 @@ def test_what_nobody_caught_is_a_crash_though_the_node_went_on(tmp_path):
     shown = Process('/c', False, 0, shown=(line,))
     assert crash_of(log_of(tmp_path), shown) == ['/c crashed: [ERROR] bad callback: <function f>']
     assert crash_of(log_of(tmp_path), shown._replace(takes_part=True)) == []  # of those the log says it
+
+
+def test_a_job_for_which_somebody_asks_in_time_is_no_crash(tmp_path):
+    jobs = [(8, 'unasked', [1, 'KeyError', 'a job']), (9, 'unasked', [2, 'TypeError', 'a task']), (9, 'asked', [1])]
+    assert crash_of(log_of(tmp_path, of_jobs=jobs), Process('/a', True, 0)) == [
+        '/a crashed at 0.000000009 s: TypeError in a task']
+    assert crash_of(log_of(tmp_path, of_jobs=[*jobs, (10, 'asked', [2])]), Process('/a', True, 0)) == []
+    assert crash_of(log_of(tmp_path, uncaught=[('/a', 'KeyError')], of_jobs=jobs), Process('/a', True, 0)) == [
+        '/a crashed at 0.000000007 s: KeyError in a place (and 1 more)']
 
 
 def test_an_error_of_shutting_down_is_none_of_the_program(tmp_path):

@@ -21,6 +21,8 @@ TIME_MASTER = '/time_master'
 FAIL, ALLOW = 'fail', 'allow'
 POLICIES = (FAIL, ALLOW)  # what a crash does to a run: it fails, or it is told only
 UNCAUGHT = 'uncaught'  # kind of the events of exceptions that nobody catches
+UNASKED, ASKED = 'unasked', 'asked'  # of those that wait for somebody who asks for a job's outcome, and has asked
+KINDS = (UNCAUGHT, UNASKED, ASKED)  # of the events by which runs are judged
 LINE = 'lockstep_launch: crash: '  # begins the line that lockstep_launch says of each
 LAST_LINES = 12  # that are kept of what a process has printed
 _MOST_UNCAUGHT = 20  # kept of a node
@@ -59,14 +61,22 @@ class Log:
 
     def __init__(self):
         self.departures = {}  # {node: (time_ns, whether it died)}
-        self.uncaught = {}  # {node: [(time_ns, text)]}, the first ones
+        self._uncaught = {}  # {node: {number or None of each: (time_ns, text)}}, the first ones
         self.is_whole = False  # whether it has come to its end
 
     def take(self, event):
-        """Take an event of the kind UNCAUGHT."""
-        told = self.uncaught.setdefault(event.robot, [])
-        if len(told) < _MOST_UNCAUGHT:
-            told.append((event.time_ns, ' in '.join(map(str, json.loads(event.values)))))
+        """Take an event of one of the KINDS."""
+        told, values = self._uncaught.setdefault(event.robot, {}), json.loads(event.values)
+        number = values.pop(0) if event.kind != UNCAUGHT else -1 - len(told)  # those of jobs count from 1
+        if event.kind == ASKED:
+            told.pop(number, None)
+        elif len(told) < _MOST_UNCAUGHT:
+            told[number] = event.time_ns, ' in '.join(map(str, values))
+
+    @property
+    def uncaught(self):
+        """What nobody caught: {node: [(time_ns, text)]}, of each the first ones."""
+        return {node: list(told.values()) for node, told in self._uncaught.items() if told}
 
     def end(self, record):
         """Take the end record."""
@@ -82,7 +92,7 @@ def read_log(path):
         with event_log.open_text(path) as stream:
             events = EventLog(stream, path)
             for event in events:
-                if event.kind == UNCAUGHT:
+                if event.kind in KINDS:
                     log.take(event)
     except (OSError, EventLogError):
         return log

@@ -16,7 +16,7 @@ from move_base_abstract.lockstep.wire import MAX_RANK
 from move_base_abstract.parameter_table import Parameter, checked, integer
 
 from .. import replaced
-from . import finish, fork, looks, threads, uncaught, waits
+from . import finish, fork, looks, outcomes, threads, uncaught, waits
 from .access import connect, is_lockstep
 from .links import repetition, sender
 from .master_calls import calls
@@ -75,6 +75,7 @@ def take_part(name, uri, rank, own_threads=True):
     looks.install(joining)
     threads.install(joining, own_threads)
     uncaught.install(joining)
+    outcomes.install(joining)
     finish.install(joining)
     fork.install(joining)
     _follow_master_calls(joining, own_threads)

@@ -21,6 +21,7 @@ from move_base_abstract.lockstep.wire import NEVER
 from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
 from ..replaced import replace
+from . import outcomes
 from .callers import is_own, own_frame
 from .imports import when_imported
 from .told import told
@@ -52,6 +53,7 @@ def _install(clocks, take_part):
     replace('asyncio.events.TimerHandle.__init__', _in_order_of_creation)
     for name in ('asyncio.tasks.Task', 'asyncio.futures.Future'):
         replace(name, _numbered)
+    outcomes.follow_tasks()
     replace('asyncio.tasks.__sleep0', lambda _sleep: _sleep0)
     tasks = importlib.import_module('asyncio.tasks')
     replace_within(tasks.as_completed, _completing)
@@ -284,9 +286,13 @@ class _Watch:
 
 
 def _numbered(kind):
-    """Tasks and futures are hashed by number: asyncio cancels and counts them in the order of sets."""
+    """Tasks and futures are hashed by number: asyncio cancels and counts them in the order of sets.
+
+    They note what they end with, too.
+    """
     return type(kind.__name__, (Numbered, kind), {
-        '__slots__': (), '__module__': kind.__module__, '__qualname__': kind.__qualname__, '__doc__': kind.__doc__})
+        '__slots__': (), '__module__': kind.__module__, '__qualname__': kind.__qualname__, '__doc__': kind.__doc__,
+        **outcomes.methods_of(kind)})
 
 
 @types.coroutine

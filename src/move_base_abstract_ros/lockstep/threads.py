@@ -4,6 +4,7 @@ A thread that the application starts waits for its first turn. ``threading.Lock`
 Condition, Event, Semaphore, Barrier, Queue, joins) gives the turn away when an application thread must wait for
 another; time-outs are simulated time. Threads of rospy itself use the same locks as ever.
 """
+import itertools
 import queue
 import sys
 import threading
@@ -15,7 +16,7 @@ from move_base_abstract.lockstep.wire import NEVER
 
 from ..replaced import replace
 from . import pools, uncaught
-from .callers import own_frame
+from .callers import is_own, own_frame
 from .told import told
 from .waits import to_ns
 
@@ -24,6 +25,7 @@ _FOREIGN = ('rosgraph.', 'xmlrpc.', 'socketserver.', 'http.', 'logging.', 'move_
             'move_base_abstract_ros.outbox.')
 #: rospy's own threads are started here; rospy.spin, say, may well be the work of a thread of the application
 _ROSPY = 'rospy.impl.'
+_numbers = itertools.count(1)  # of threads without a name, which Python itself calls so
 
 
 def install(participant, own_threads):
@@ -66,6 +68,8 @@ def _starting_early(start, take_part):
 
 
 def _follow_threads(scheduler):
+    for name in ('_thread.start_new_thread', '_thread.start_new'):
+        replace(name, _starting_new)
     replace('threading.Thread.start', lambda start: _starting(scheduler, start))
     replace('threading.Thread.join', lambda join: _joining(scheduler, join))
     replace('threading.Thread.is_alive', lambda is_alive: _looking(scheduler, is_alive))
@@ -80,6 +84,17 @@ def _starting(scheduler, start):
             self.run = _in_turn(scheduler, task, uncaught.run_of(self))
         scheduler.start_thread(start, self)
     return _start
+
+
+def _starting_new(start_new_thread):
+    def _start_new_thread(function, args, kwargs=None):
+        if not is_own(sys._getframe(1)):
+            return start_new_thread(function, args, *([] if kwargs is None else [kwargs]))
+        thread = threading.Thread(target=function, name='Dummy-{}'.format(next(_numbers)), args=args,
+                                  kwargs=kwargs, daemon=True)
+        thread.start()
+        return thread.ident
+    return _start_new_thread
 
 
 def _joining(scheduler, join):

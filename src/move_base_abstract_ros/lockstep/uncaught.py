@@ -24,6 +24,9 @@ def install(participant):
     replace('rospy.topics._SubscriberImpl._invoke_callback', _invoking)
     replace('rospy.impl.tcpros_service.ServiceImpl.error_handler', _handling)
     replace('actionlib.simple_action_server.SimpleActionServer.__init__', _executing)
+    for what in ('goal', 'preempt'):
+        replace('actionlib.simple_action_server.SimpleActionServer.register_{}_callback'.format(what),
+                lambda register, what=what: _registering(register, "an action's {} callback".format(what)))
     replace('threading.excepthook', _in_threads)
 
 
@@ -32,10 +35,20 @@ def tell(error, where):
     participant = _state.participant
     if participant is None or participant.scheduler.is_closed or rospy.core.is_shutdown_requested():
         return
-    if not isinstance(error, Exception) or isinstance(error, TurnLost) or hasattr(error, '_lockstep_told'):
+    if not is_failure(error) or hasattr(error, '_lockstep_told'):
         return
     error._lockstep_told = True
     participant.log(rospy.get_name(), UNCAUGHT, [type(error).__name__, '{}, {}'.format(where, place_of(error))])
+
+
+def is_failure(error):
+    """Return whether an exception that nobody catches is one of the program: no end of the run, of a job or of itself.
+
+    ``sys.exit`` with an error is one: where it is caught by no main thread, it ends a callback and not the program.
+    """
+    if isinstance(error, SystemExit):
+        return error.code not in (None, 0)
+    return isinstance(error, Exception) and not isinstance(error, TurnLost)
 
 
 def place_of(error):
@@ -70,7 +83,7 @@ def _invoking(invoke_callback):
                 callback(message)
             else:
                 callback(message, arguments)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             tell(error, 'a callback of {}'.format(self.resolved_name))
             invoke_callback(self, message, _Again(callback, error), arguments)
     return _invoke_callback
@@ -87,15 +100,22 @@ def _executing(init):
     def _init(self, *args, **kwds):
         init(self, *args, **kwds)
         if self.execute_callback:
-            self.execute_callback = _told(self.execute_callback, "an action's execute callback")
+            self.execute_callback = told(self.execute_callback, "an action's execute callback")
     return _init
 
 
-def _told(function, where):
+def _registering(register, where):
+    def _register(self, cb):
+        register(self, None if cb is None else told(cb, where))
+    return _register
+
+
+def told(function, where):
+    """Return a function that tells what nobody has caught in another one; ``where``: what that is, in words."""
     def call(*args):
         try:
             return function(*args)
-        except Exception as error:
+        except BaseException as error:
             tell(error, where)
             raise
     return call
@@ -111,4 +131,4 @@ def _in_threads(excepthook):
 
 def run_of(thread):
     """Return a thread's ``run``, which tells while the thread still has its turn what nobody catches in it."""
-    return _told(thread.run, 'a callback of rospy.Timer' if isinstance(thread, rospy.Timer) else words_of(thread))
+    return told(thread.run, 'a callback of rospy.Timer' if isinstance(thread, rospy.Timer) else words_of(thread))

@@ -27,8 +27,8 @@ from move_base_abstract_ros import replaced
 from move_base_abstract_ros.lockstep import program
 
 WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random',
-           'os', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc', 'asyncio',
-           'xmlrpc', 'getpass', 'platform', 'shutil', 'socket')
+           'os', '_thread', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc',
+           'asyncio', 'xmlrpc', 'getpass', 'platform', 'shutil', 'socket')
 FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, staticmethod, property)
 
 

@@ -1,9 +1,13 @@
 #!/usr/bin/env python3
 """One program of a study that comes to the end which its argument names, or does not end though something went wrong."""
+import _thread
+import asyncio
 import os
 import signal
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
+from multiprocessing.pool import ThreadPool
 
 import actionlib
 import rospy
@@ -61,6 +65,88 @@ def service():
         rospy.spin()
 
 
+def called_back():
+    """An action whose goal and preempt callbacks are wrong; actionlib itself catches what the first raises."""
+    failing = actionlib.SimpleActionServer('called_back', MoveBaseAction, auto_start=False)
+    failing.register_goal_callback(lambda: (failing.accept_new_goal(), fail()))
+    failing.register_preempt_callback(fail)
+    failing.start()
+    own = actionlib.SimpleActionClient('called_back', MoveBaseAction)
+    own.wait_for_server()
+    own.send_goal(MoveBaseGoal())
+    rospy.sleep(1.0)
+    own.cancel_goal()
+    return failing, own
+
+
+def job():
+    rospy.sleep(1.0)
+    fail()
+
+
+async def task():
+    await asyncio.sleep(1.0)
+    fail()
+
+
+async def awaits(one):
+    await one
+
+
+def jobs():
+    """Twelve exceptions: of callbacks, and of jobs for which nobody asks how they end."""
+    executor = ThreadPoolExecutor(2)
+    kept = [executor.submit(job)]  # the first: it stays to the end
+    rospy.sleep(3.0)
+    executor.submit(job)
+    executor.submit(rospy.sleep, 0.5).add_done_callback(lambda future: fail())
+    pool = ThreadPool(1)
+    pool.apply_async(job)
+    pool.map_async(rospy.sleep, ['long'])
+    _thread.start_new_thread(job, ())
+    at(9, lambda: sys.exit(1))
+    kept.append(called_back())
+
+    async def main():
+        kept.append(asyncio.ensure_future(task()))
+        asyncio.ensure_future(awaits(asyncio.ensure_future(task())))
+        asyncio.get_running_loop().call_later(0.5, fail)
+        await asyncio.sleep(DAY)
+    asyncio.run(main())
+
+
+def asked():
+    """The same, but somebody asks, sooner or later."""
+    executor, pool, answers = ThreadPoolExecutor(3), ThreadPool(1), []
+    first, second, third = (executor.submit(job) for _ in range(3))
+    third.add_done_callback(lambda future: answers.append(future.exception()))
+    results = pool.apply_async(job), pool.apply_async(job, error_callback=answers.append)
+    _thread.start_new_thread(sys.exit, ())
+    rospy.sleep(5.0)
+    for ask in (first.result, results[0].get):
+        try:
+            ask()
+        except KeyError as error:
+            answers.append(error)
+    assert isinstance(second.exception(), KeyError) and len(answers) == 4
+
+    async def main():
+        one, other = asyncio.ensure_future(task()), asyncio.ensure_future(awaits(asyncio.ensure_future(task())))
+        await asyncio.sleep(3.0)
+        try:
+            await one
+        except KeyError:
+            pass
+        del one
+        await asyncio.wait([other])
+        assert isinstance(other.exception(), KeyError)
+        asyncio.get_running_loop().set_exception_handler(lambda loop, context: answers.append(context))
+        asyncio.get_running_loop().call_soon(fail)
+        asyncio.ensure_future(task())
+        await asyncio.sleep(DAY)
+    asyncio.run(main())
+
+
 def asks():
     rospy.wait_for_service('/refuse')
     try:
@@ -106,7 +192,7 @@ FATES = {
     'vanishes': lambda: (rospy.sleep(2.0), os._exit(4)), 'faults': lambda: (
         rospy.sleep(2.0), os.kill(os.getpid(), signal.SIGSEGV)),
     'killed': lambda: (rospy.sleep(2.0), os.kill(os.getpid(), signal.SIGKILL)),
-    'last_round': last_round, 'looks_on': looks_on, 'shut_down': shut_down, 'ends': lambda: rospy.sleep(2.0), 'waits': lambda: rospy.sleep(DAY)}
+    'jobs': jobs, 'asked': asked, 'last_round': last_round, 'looks_on': looks_on, 'shut_down': shut_down, 'ends': lambda: rospy.sleep(2.0), 'waits': lambda: rospy.sleep(DAY)}
 
 
 def main():
