@@ -9,13 +9,16 @@ from move_base_abstract import event_log, run_difference
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.event_log import EventLog
 
-from . import checks, jobs, outputs, plan, records, run, spec, temporary, trial
+from . import checks, jobs, outputs, plan, records, resumed, run, spec, temporary, trial
 
 SAME, DIFFERENT, FAILED = 0, 1, 1
+CHANGED = 3  # it is different, and so is what it is made of
 
 
 def rerun(output, name, until=0.0, speed=0.0, rviz=False, logs=None, stream=sys.stdout):
     """Run a trial of an experiment's folder again; return the exit code: 0 the same, 1 not, or it failed.
+
+    It is 3 if the trial is not the same, and neither is what it is made of, which is said first.
 
     until: simulated s from its start, 0: to its own end. speed: at most so many times real time, 0: no limit.
     """
@@ -24,13 +27,23 @@ def rerun(output, name, until=0.0, speed=0.0, rviz=False, logs=None, stream=sys.
     one = _find(plan.trials(experiment), name)
     if logs is not None and os.path.lexists(logs):
         raise ConfigurationError(f'--logs: {logs} is there already; must be a new folder')
+    was = records.read_trial(output, one.id)
+    if was is None:
+        raise _not_run(os.path.join(output, 'trials', one.id, 'trial.json'))
+    since = resumed.changed_since(output, experiment, one, was)
+    if since:
+        print(f'rerun: {since} changed since the trial was recorded: what comes out says what that changes, not '
+              'whether the trial repeats', file=stream, flush=True)
+    code = _run_and_compare(output, experiment, one, was, (until, speed, rviz, logs), stream)
+    return CHANGED if since and code == DIFFERENT else code
+
+
+def _run_and_compare(output, experiment, one, was, options, stream):
+    until, speed, rviz, logs = options
     if experiment.trial_function:
         if until or speed or rviz:
             raise ConfigurationError('--until, --speed and --rviz are of launch files and commands; a function runs as '
                                      'it is')
-        was = records.read_trial(output, one.id)
-        if was is None:
-            raise _not_run(os.path.join(output, 'trials', one.id, 'trial.json'))
         job = jobs.make_job(experiment, one._replace(verified_by=''))
         return _compare_function(_run(job, logs, stream), os.path.join(output, 'trials', one.id), was, stream)
     if until:

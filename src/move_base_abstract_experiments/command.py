@@ -45,8 +45,9 @@ def _ended_as_by_ctrl_c():
 def _parse(words):
     parser = argparse.ArgumentParser(
         prog='experiment', description='Run any system many times, on all cores, and say what came out.',
-        epilog='exit codes: 0 all trials are complete, 1 some failed or differ, 2 it cannot be run like this, '
-        '130 interrupted (Ctrl-C, SIGTERM, SIGHUP); what is complete stays, and the same command goes on')
+        epilog='exit codes: 0 all trials are complete, 1 some failed or differ, 2 it cannot be run like this, 3 a '
+        'trial that was run again differs, and so does what it is made of, 130 interrupted (Ctrl-C, SIGTERM, SIGHUP); '
+        'what is complete stays, and the same command goes on')
     verbs = parser.add_subparsers(dest='verb', metavar='run|status|rerun|report', required=True)
     run = verbs.add_parser('run', help='run the trials that are not complete')
     run.add_argument('file', metavar='FILE', help='the experiment, YAML')

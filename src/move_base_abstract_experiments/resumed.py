@@ -12,7 +12,7 @@ from move_base_abstract_ros.launching import ends
 from . import ingredients, outputs, plan, trial
 
 FILE = 'programs.json'
-_FILE_SAYS = "what the experiment's file says of them"
+_FILE_SAYS = "what the experiment's file says of them, or the version of Python,"
 
 
 def missing(experiment, chosen, folder, about, keep_old, stream):
@@ -20,7 +20,7 @@ def missing(experiment, chosen, folder, about, keep_old, stream):
 
     With keep_old these stay instead: in ``about``, plan.json's content, is said that they are of another program.
     """
-    programs, found, old = _read(folder), [], {}
+    programs, found, old = _read(folder.path), [], {}
     planned = {one['id']: one for one in about['trials']}
     for one in chosen:
         made = plan.ingredients_of(experiment, one)
@@ -46,6 +46,18 @@ def missing(experiment, chosen, folder, about, keep_old, stream):
     return [one for one in chosen if one.id in wanted]
 
 
+def changed_since(output, experiment, one, was):
+    """Return in words what a plan.Trial is made of that is another one than in ``was``, its trial.json; '' if nothing.
+
+    It ends with 'has' or 'have'.
+    """
+    if was['made_of'] == plan.made_of(experiment, one):
+        return ''
+    made, programs = plan.ingredients_of(experiment, one), _read(output)
+    name = ingredients.name_of(made)
+    return _what({**programs, name: made}, was['program'], name)
+
+
 def _what(programs, before, now):
     """Return in words what has changed from one of the programs to another, with 'has' or 'have'."""
     if before not in programs:
@@ -56,7 +68,7 @@ def _what(programs, before, now):
 
 def _read(folder):
     try:
-        found = load_json_mapping(os.path.join(folder.path, FILE))
+        found = load_json_mapping(os.path.join(folder, FILE))
     except (FileNotFoundError, ConfigurationError):
         return {}
     return {name: made for name, made in found.items() if isinstance(made, dict)}

@@ -8,7 +8,7 @@ import tarfile
 import pytest
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract_experiments import again, command, trial
+from move_base_abstract_experiments import again, command, ingredients, plan, spec, trial
 
 ID = '0001-ab12cd'
 
@@ -62,6 +62,31 @@ def folder(tmp_path):
     (tmp_path / 'plan.json').write_text(json.dumps({'format': 1, 'provenance': {}}))
     (tmp_path / 'experiment.yaml').write_text('{experiment: x, function: "model:run"}')
     return tmp_path
+
+
+@pytest.mark.parametrize('change, metrics, code, said', [
+    ('', {'a': 1}, again.SAME, ''), ('', {'a': 2}, again.DIFFERENT, ''),
+    ('x = 1', {'a': 1}, again.SAME, 'model.py has changed since the trial was recorded'),
+    ('x = 1', {'a': 2}, again.CHANGED, 'model.py has changed since the trial was recorded')])
+def test_that_the_program_has_changed_since_is_said_and_is_no_word_on_repeating(
+        folder, monkeypatch, change, metrics, code, said):
+    (folder / 'model.py').write_text('def run(args, seed):\n    return {"a": 1}\n')
+    plan.forget()
+    experiment = spec.read(str(folder / 'experiment.yaml'))
+    one, = plan.trials(experiment)
+    made = plan.ingredients_of(experiment, one)
+    (folder / 'programs.json').write_text(json.dumps({ingredients.name_of(made): made}))
+    (folder / 'trials' / one.id).mkdir(parents=True)
+    (folder / 'trials' / one.id / 'trial.json').write_text(json.dumps({
+        'format': 1, 'id': one.id, 'status': 'complete', 'metrics': {'a': 1}, 'labels': [],
+        'made_of': plan.made_of(experiment, one), 'program': ingredients.name_of(made)}))
+    with open(folder / 'model.py', 'a') as stream:
+        stream.write(change)
+    plan.forget()
+    monkeypatch.setattr(again, '_run', lambda job, logs, stream: outputs(metrics))
+    stream = io.StringIO()
+    assert again.rerun(str(folder), '1', stream=stream) == code
+    assert (said in stream.getvalue()) and ('since' in stream.getvalue()) == bool(change)
 
 
 def test_a_trial_that_has_not_run_cannot_be_run_again(folder, capsys):
