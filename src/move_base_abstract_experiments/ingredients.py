@@ -82,6 +82,16 @@ def _of_launch(launch, arguments, folder, left_out, replaced):
     return {**found, PARAMETERS: hashlib.sha256(json.dumps(values).encode('utf-8', 'surrogatepass')).hexdigest()}
 
 
+@lru_cache(maxsize=None)
+def parameters(launch, arguments, folder):
+    """Return ((name, value as text), ...) of a launch file's parameters; () where it is not here, or cannot be read."""
+    try:
+        config = launch_files.read([(launch_files.find(launch, folder), arguments)])
+    except ConfigurationError:
+        return ()
+    return tuple(sorted((key, repr(param.value)) for key, param in config.params.items()))
+
+
 def _split(text):
     from roslaunch.substitution_args import resolve_args
     try:
@@ -194,12 +204,6 @@ def check(files):
             raise ChangedError(f'{path} is another file {where}')
 
 
-def unseen(files):
-    """Return how many of the files cannot be compared on this computer, as they lie elsewhere."""
-    return 0 if files['host'] == socket.gethostname() else sum(
-        not os.path.exists(path) for path, _, _ in files['files'])
-
-
 def changed(before, now):
     """Return in words what is another one in two of of_trial(): 'a.py, b.py and 3 more', or ''."""
     names = sorted(os.path.basename(path) for path in {*before, *now} if before.get(path) != now.get(path))
@@ -247,5 +251,5 @@ def arguments_of(experiment, values):
 def forget():
     """Look at everything anew; in one process it is looked at once."""
     program_files.forget()
-    for known in (_of_launch, _of_node, _of_module, _of_word, _own, digest, _stamp, _root):
+    for known in (_of_launch, parameters, _of_node, _of_module, _of_word, _own, digest, _stamp, _root):
         known.cache_clear()

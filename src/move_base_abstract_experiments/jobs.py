@@ -9,7 +9,7 @@ import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the 
 
 from move_base_abstract.errors import SimulatorError
 
-from . import bundle, functions, ingredients, plan
+from . import bundle, elsewhere, functions, ingredients, plan
 from .warm_nodes import interpreter_of
 
 _END_S = 10.0  # wall
@@ -38,6 +38,7 @@ def make_job(experiment, one, **others):
             'crashes': experiment.crashes, 'is_warm': True,
             'made_of': plan.made_of(experiment, one),
             'program': ingredients.name_of(made), 'files': ingredients.told(made),
+            'look': elsewhere.told(experiment, plan.asked_of(experiment, one)),
             'version': plan.package_version(), **others}
 
 

@@ -122,11 +122,15 @@ def ingredients_of(experiment, trial):
     Launch files are read as for the first replication: the others differ in their seeds alone. Files that arguments
     name are those of the trial itself.
     """
-    first = values_of(trial._replace(replication=0, seed=experiment.seed))
-    made = ingredients.of_trial(
-        experiment, ingredients.arguments_of(experiment, first), checks.filled(experiment.launch, first),
-        [name for name in (experiment.function, experiment.trial_function, experiment.prepare) if name])
+    made = ingredients.of_trial(experiment, *asked_of(experiment, trial))
     return {**made, **ingredients.of_arguments(launch_arguments(experiment, trial), experiment.folder)}
+
+
+def asked_of(experiment, trial):
+    """Return (arguments, launch file, functions) of the first replication, as ingredients.of_trial() asks for them."""
+    first = values_of(trial._replace(replication=0, seed=experiment.seed))
+    return (ingredients.arguments_of(experiment, first), checks.filled(experiment.launch, first),
+            [name for name in (experiment.function, experiment.trial_function, experiment.prepare) if name])
 
 
 def made_of(experiment, trial):

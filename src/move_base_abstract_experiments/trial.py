@@ -11,7 +11,7 @@ from move_base_abstract import run_difference
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract_ros.launching import ends
 
-from . import bundle, ended_by, functions, ingredients, launch_files, metrics, plan, run, spec, user_metrics
+from . import bundle, elsewhere, ended_by, functions, ingredients, launch_files, metrics, plan, run, spec, user_metrics
 
 FORMAT = 1
 COMPLETE, FAILED = 'complete', 'failed'
@@ -32,7 +32,7 @@ def carry_out(job, path, problem=None):
     folders = None
     try:
         _check_version(job)
-        ingredients.check(job['files'])
+        unsure = _check_files(job)
         if problem is not None:
             raise ConfigurationError(problem)
         os.mkdir(os.path.join(path, 'run'))
@@ -43,7 +43,7 @@ def carry_out(job, path, problem=None):
             _measure(job, folders, about)
         if job['verified_by'] and not (job['trial_function'] and about['labels']):  # it says that it would differ
             _verify(job, path, folders, about, first)
-        _check_files_again(job, about)
+        _check_files_again(job, about, unsure)
     except (SimulatorError, OSError) as error:
         about['error'] = _first_line(str(error), folders)
         about['ended_by'] = ended_by.of_error(str(error), about['ended_by'])
@@ -82,17 +82,20 @@ def _check_version(job):
                                  f"{job['version']} where the experiment was started; allowed: the same")
 
 
-def _check_files_again(job, about):
-    """Complain of files that have changed while the trial ran; label it where some cannot be compared."""
+def _check_files(job):
+    """Complain of files that are others than when the experiment started; return labels for what is unsure."""
+    ingredients.check(job['files'])
+    return elsewhere.check(job)
+
+
+def _check_files_again(job, about, unsure):
+    """Complain of files that have changed while the trial ran; add the labels."""
+    about['labels'] = about['labels'] + unsure
     try:
         ingredients.check(job['files'])
     except ingredients.ChangedError:
         about['status'] = FAILED
         raise
-    unseen = ingredients.unseen(job['files'])
-    if unseen:
-        about['labels'] = [*about['labels'], f'{unseen} of its files lie elsewhere on the worker: whether they are the '
-                           'same is not known']
 
 
 def _run_first(job, folders, about):

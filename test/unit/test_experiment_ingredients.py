@@ -10,6 +10,7 @@ import pytest
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract_experiments import (
     bundle,
+    elsewhere,
     ingredients,
     jobs,
     outputs,
@@ -151,13 +152,72 @@ def test_a_file_that_changes_while_the_experiment_runs_fails_the_trials_that_fol
 def test_a_worker_elsewhere_with_other_files_says_so(workspace):
     files = {**job_of(workspace)['files'], 'host': 'elsewhere'}
     ingredients.check(files)
-    assert ingredients.unseen(files) == 0
     (workspace / 'walkers' / 'beside.py').write_text('x = 1')
     with pytest.raises(ingredients.ChangedError, match='beside.py is another file on '):
         ingredients.check(files)
     (workspace / 'walkers' / 'beside.py').unlink()
     ingredients.check(files)
-    assert ingredients.unseen(files) == 1
+
+
+@pytest.fixture
+def other_place(workspace, monkeypatch):
+    """The package once more, where the worker finds it; gives (the job, that folder, what its worker says)."""
+    (workspace / 'walkers' / 'binary').write_bytes(b'\x7fELF 1')
+    (workspace / 'walkers' / 'binary').chmod(0o755)
+    with open(workspace / 'walkers' / 'system.launch', 'w') as stream:
+        stream.write(LAUNCH.replace('coordinator.py', 'binary', 1).replace('</launch>', '<node pkg="walkers" '
+                                                                           'type="coordinator.py" name="c"/></launch>'))
+    plan.forget()
+    job = json.loads(json.dumps(job_of(workspace)))
+    other = shutil.copytree(workspace, workspace / 'other')
+    for name in ('ROS_PACKAGE_PATH', 'PYTHONPATH'):
+        monkeypatch.setenv(name, os.environ[name].replace(str(workspace), str(other), 1))
+    monkeypatch.setattr('roslaunch.substitution_args._rospack', None)
+    return job, other
+
+
+def test_a_worker_that_finds_the_same_programs_in_another_place_has_no_label(other_place):
+    assert elsewhere.check(other_place[0]) == []
+
+
+@pytest.mark.parametrize('name', ['walkers/coordinator.py', 'lib/tools/by_name.py', 'walkers/robots.launch',
+                                  'walkers/greedy.yaml', 'walkers/table.csv'])
+def test_a_worker_that_finds_another_program_in_another_place_complains(other_place, tmp_path, name):
+    job, other = other_place
+    with open(other / name, 'a') as stream:
+        stream.write('0\n' if name.endswith('yaml') else '\n')
+    ingredients.check(job['files'])  # those of who has started the experiment are as they were
+    (tmp_path / 'trial').mkdir()
+    trial.carry_out(job, str(tmp_path / 'trial'))
+    about = json.loads((tmp_path / 'trial' / 'trial.json').read_text())
+    other_file = name.rpartition('/')[2] + ' is another file'
+    what = 'the parameter /gain is another one' if name.endswith('yaml') else other_file
+    assert (about['status'], f'{what} on ' in about['error']) == ('failed', True)
+
+
+def test_what_only_one_side_has_or_was_built_apart_is_a_label(other_place):
+    job, other = other_place
+    (other / 'walkers' / 'binary').write_bytes(b'\x7fELF 2')
+    (other / 'lib' / 'tools' / 'more.py').write_text('')
+    (other / 'lib' / 'tools' / 'by_name.py').unlink()
+    apart, own, missing = elsewhere.check(job)
+    assert apart.startswith('built on the worker') and apart.endswith(': binary')
+    assert own.startswith('of its program only the worker has more.py (digest ')
+    assert missing == 'of its files the worker has no by_name.py'
+
+
+def test_programs_that_are_on_workers_only_are_told_by_their_digests(workspace, monkeypatch):
+    there = os.environ['ROS_PACKAGE_PATH']
+    monkeypatch.setenv('ROS_PACKAGE_PATH', '/nowhere')
+    plan.forget()
+    job = json.loads(json.dumps(job_of(workspace)))
+    monkeypatch.setenv('ROS_PACKAGE_PATH', there)
+    labels = []
+    for text in ('x = 1', 'x = 2', 'x = 2'):
+        (workspace / 'walkers' / 'beside.py').write_text(text)
+        labels += elsewhere.check(job)
+    assert len(labels) == 3 and labels[0] != labels[1] == labels[2]
+    assert all(label.startswith('of its program only the worker has ') for label in labels)
 
 
 def resume(folder, keep_old):
