@@ -130,6 +130,7 @@ _ROWS = (
     Row('multiprocessing.pool.MapResult._set', POOLS, _UNASKED),
     Row('multiprocessing.pool.ApplyResult.get', POOLS, _UNASKED),
     Row('threading.excepthook', OR_FUNCTION, _UNCAUGHT),
+    Row('sys.unraisablehook', LOCKSTEP, _UNCAUGHT),
     Row('threading._shutdown', LOCKSTEP, 'has the process leave in its last round'),
     Row('sys.excepthook', LOCKSTEP,
         _UNCAUGHT + '; keeps quiet about the end of lockstep, which is no error of the program'),

@@ -119,7 +119,8 @@ CRASHES = {
     '/timer': r'at 3\.50+ s: KeyError in a callback of rospy.Timer, fates.py, line \d+',
     '/thread': r'at 4\.0+ s: KeyError in a thread, fates.py, line \d+',
     '/daemon': r'at 4\.0+ s: KeyError in thread pump, fates.py, line \d+',
-    '/jobs': r'at 2\.0+ s: KeyError in a job whose outcome nobody has asked for, fates.py, line \d+ \(and 11 more\)',
+    '/jobs': r'at 2\.0+ s: KeyError in a job whose outcome nobody has asked for, fates.py, line \d+ \(and 12 more\)',
+    '/unsaved': r'at 3\.0+ s: KeyError in a function of rospy.on_shutdown, fates.py, line \d+',
     '/raises': r'at 3\.0+ s: exit code 1; KeyError in the main thread, fates.py, line \d+',
     '/wrapped': r'at 3\.0+ s: exit code 139 \(a shell says so of SIGSEGV\)',
     '/exits': r'at 3\.0+ s: exit code 3', '/vanishes': r'at 3\.0+ s: exit code 4',
@@ -350,8 +351,8 @@ class LaunchTest(unittest.TestCase):
 
     def test_a_node_that_crashes_is_named_with_how_and_when(self):
         nodes = [FATE.format(name, 'required="true"' if name == 'last_round' else '') for name in (
-            'callback', 'client', 'server', 'service', 'asks', 'timer', 'thread', 'daemon', 'jobs', 'asked', 'raises',
-            'exits', 'vanishes', 'faults', 'killed', 'last_round', 'looks_on', 'shut_down', 'ends', 'waits')]
+            'callback', 'client', 'server', 'service', 'asks', 'timer', 'thread', 'daemon', 'jobs', 'asked', 'unsaved',
+            'raises', 'exits', 'vanishes', 'faults', 'killed', 'last_round', 'looks_on', 'shut_down', 'ends', 'waits')]
         nodes.append(FATE.format('faults', 'launch-prefix="sh -c \'&quot;$@&quot;; exit $?\' sh"').replace(
             'name="faults"', 'name="wrapped"'))
         done = self.run_it('--onlooker', '/looks_on', self.file(FATES.format('\n'.join(nodes))))

@@ -65,6 +65,10 @@ def test_what_nobody_caught_is_a_crash_though_the_node_went_on(tmp_path):
     log = log_of(tmp_path, uncaught=[('/a', 'KeyError'), ('/a', 'TypeError')])
     assert crash_of(log, Process('/a', True, 0), Process('/b', True, 0)) == [
         '/a crashed at 0.000000007 s: KeyError in a place (and 1 more)']
+    log = log_of(tmp_path, [('/a', False)], [('/a', 'KeyError')])  # it went on for 5 s
+    assert crash_of(log, Process('/a', True, 0)) == ['/a crashed at 0.000000007 s: KeyError in a place']
+    assert crash_of(log, Process('/a', True, 3)) == [
+        '/a crashed at 0.000000007 s: KeyError in a place; exit code 3 at 5.000000000 s']
     line = '\x1b[31m[ERROR] [1700000000.5, 3.2]: bad callback: <function f at 0x7fb0>\x1b[0m'
     shown = Process('/c', False, 0, shown=(line,))
     assert crash_of(log_of(tmp_path), shown) == ['/c crashed: [ERROR] bad callback: <function f>']
@@ -90,9 +94,9 @@ def test_an_error_of_shutting_down_is_none_of_the_program(tmp_path):
 def test_a_command_stands_for_the_one_node_that_it_is(tmp_path):
     log = log_of(tmp_path, [('/a', True)], [('/a', 'KeyError')])
     assert crash_of(log, Process('the command x', True, 3, names=('/a',))) == [
-        'the command x crashed at 5.000000000 s: exit code 3; KeyError in a place']
+        'the command x crashed at 0.000000007 s: KeyError in a place; exit code 3 at 5.000000000 s']
     assert crash_of(log, Process('the command x', True, 0, names=('/a', '/b'))) == [
-        '/a crashed at 5.000000000 s: its connection was lost; KeyError in a place']
+        '/a crashed at 0.000000007 s: KeyError in a place; its connection was lost at 5.000000000 s']
 
 
 def test_the_time_masters_word_on_the_run_is_no_crash(tmp_path):

@@ -154,7 +154,9 @@ def _end_of(process, log):
     whys = [found] if found else []
     if uncaught:
         whys.append(uncaught[0] + (' (and {} more)'.format(len(uncaught) - 1) if len(uncaught) > 1 else ''))
-    if time_ns is None and caught:
+    if caught and (time_ns is None or caught[0][0] < time_ns):  # it went on for a while
+        if found and time_ns is not None:
+            whys = [whys[1], '{} at {:.9f} s'.format(found, time_ns * 1e-9)]
         time_ns = caught[0][0]
     code = process.code if is_early or not _is_ours(process.code) else None
     is_told = bool(whys) or bool(code)

@@ -61,6 +61,7 @@ def install(participant):
                 _fail('another node of its name has taken its place: {}'.format(reason))
             if str(reason).startswith(_INTERRUPTS) or not participant.scheduler.is_mine():
                 participant.interrupted(str(reason))
+            uncaught.follow_hooks()
             original(reason)
         return _signal_shutdown
 

@@ -236,7 +236,7 @@ def _serve(service, data):
         return 0, 'service cannot process request: {}'.format(error).encode('utf-8')
     except TurnLost:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # sys.exit ends the connection in rospy, so that the caller gets an error
         service.error_handler(error, *sys.exc_info())
         return 0, 'error processing request: {}'.format(error).encode('utf-8')
 

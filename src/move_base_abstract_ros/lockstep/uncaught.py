@@ -28,12 +28,24 @@ def install(participant):
         replace('actionlib.simple_action_server.SimpleActionServer.register_{}_callback'.format(what),
                 lambda register, what=what: _registering(register, "an action's {} callback".format(what)))
     replace('threading.excepthook', _in_threads)
+    replace('sys.unraisablehook', _ignored)
 
 
 def tell(error, where):
     """Have the event log say that nobody has caught ``error``, once; ``where``: what was called, in words."""
+    if not rospy.core.is_shutdown_requested():
+        _tell(error, where)
+
+
+def _tell_last(error, where):
+    """The same of what the node calls when it ends by itself, which is when many write down what came out."""
+    if not (_state.participant.is_told_to_end or isinstance(error, rospy.ROSInterruptException)):
+        _tell(error, where)
+
+
+def _tell(error, where):
     participant = _state.participant
-    if participant is None or participant.scheduler.is_closed or rospy.core.is_shutdown_requested():
+    if participant is None or participant.scheduler.is_closed:
         return
     if not is_failure(error) or hasattr(error, '_lockstep_told'):
         return
@@ -110,21 +122,36 @@ def _registering(register, where):
     return _register
 
 
-def told(function, where):
+def told(function, where, tell_it=tell):
     """Return a function that tells what nobody has caught in another one; ``where``: what that is, in words."""
     def call(*args):
         try:
             return function(*args)
         except BaseException as error:
-            tell(error, where)
+            tell_it(error, where)
             raise
     return call
+
+
+def follow_hooks():
+    """Tell what nobody catches in the functions that rospy is about to call as the node shuts down."""
+    hooks = rospy.core._client_shutdown_hooks
+    hooks[:] = [told(hook, 'a function of rospy.on_shutdown', _tell_last) for hook in hooks]
+
+
+def _ignored(hook):
+    def unraisablehook(args):
+        if 'atexit' in (args.err_msg or ''):  # others are of destructors
+            _tell_last(args.exc_value, 'a function of atexit')
+        hook(args)
+    return unraisablehook
 
 
 def _in_threads(excepthook):
     def _excepthook(args):
         if args.exc_value is not None:
-            tell(args.exc_value, words_of(args.thread))
+            is_ours = getattr(args.thread, 'name', '').startswith('lockstep_')
+            tell(args.exc_value, 'a callback' if is_ours else words_of(args.thread))
         excepthook(args)
     return _excepthook
 

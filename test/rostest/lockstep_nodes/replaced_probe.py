@@ -39,7 +39,8 @@ def contents():
         if name in WATCHED or name.split('.')[0] in WATCHED:
             for key, value in list(vars(module).items()):
                 add(found, '{}.{}'.format(name, key), value, name)
-    found['sys.excepthook'] = identity(sys.excepthook)
+    for name in ('excepthook', 'unraisablehook'):
+        found['sys.' + name] = identity(getattr(sys, name))
     return found
 
 

@@ -2,6 +2,7 @@
 """One program of a study that comes to the end which its argument names, or does not end though something went wrong."""
 import _thread
 import asyncio
+import atexit
 import os
 import signal
 import sys
@@ -94,7 +95,7 @@ async def awaits(one):
 
 
 def jobs():
-    """Twelve exceptions: of callbacks, and of jobs for which nobody asks how they end."""
+    """Thirteen exceptions: of callbacks, and of jobs for which nobody asks how they end."""
     executor = ThreadPoolExecutor(2)
     kept = [executor.submit(job)]  # the first: it stays to the end
     rospy.sleep(3.0)
@@ -105,6 +106,11 @@ def jobs():
     pool.map_async(rospy.sleep, ['long'])
     _thread.start_new_thread(job, ())
     at(9, lambda: sys.exit(1))
+    rospy.Service('~leave', Trigger, lambda request: sys.exit(1))
+    try:
+        rospy.ServiceProxy('~leave', Trigger)()
+    except rospy.ServiceException:
+        pass  # it is not waited for for ever
     kept.append(called_back())
 
     async def main():
@@ -142,9 +148,17 @@ def asked():
         assert isinstance(other.exception(), KeyError)
         asyncio.get_running_loop().set_exception_handler(lambda loop, context: answers.append(context))
         asyncio.get_running_loop().call_soon(fail)
-        asyncio.ensure_future(task())
+        answers.append(asyncio.ensure_future(task()))
         await asyncio.sleep(DAY)
     asyncio.run(main())
+
+
+def unsaved():
+    """It ends with 0, but what it calls at the end is wrong."""
+    atexit.register(fail)
+    rospy.on_shutdown(lambda: {}['results'])
+    at(2, lambda: rospy.signal_shutdown('all is done'))
+    rospy.spin()
 
 
 def asks():
@@ -192,7 +206,7 @@ FATES = {
     'vanishes': lambda: (rospy.sleep(2.0), os._exit(4)), 'faults': lambda: (
         rospy.sleep(2.0), os.kill(os.getpid(), signal.SIGSEGV)),
     'killed': lambda: (rospy.sleep(2.0), os.kill(os.getpid(), signal.SIGKILL)),
-    'jobs': jobs, 'asked': asked, 'last_round': last_round, 'looks_on': looks_on, 'shut_down': shut_down, 'ends': lambda: rospy.sleep(2.0), 'waits': lambda: rospy.sleep(DAY)}
+    'jobs': jobs, 'asked': asked, 'unsaved': unsaved, 'last_round': last_round, 'looks_on': looks_on, 'shut_down': shut_down, 'ends': lambda: rospy.sleep(2.0), 'waits': lambda: rospy.sleep(DAY)}
 
 
 def main():
