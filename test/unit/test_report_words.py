@@ -6,7 +6,7 @@ import random
 import pytest
 
 from experiment_folder import METRICS, write
-from move_base_abstract_experiments.report import effects, findings, how_ended, outcome, page
+from move_base_abstract_experiments.report import effects, findings, how_ended, outcome, page, picked
 from move_base_abstract_experiments.report.design import Factor
 from move_base_abstract_experiments.report.phrases import than_with_level, with_level
 from move_base_abstract_experiments.report.verdicts import verdict_of
@@ -145,6 +145,40 @@ def test_values_at_the_limit_of_time_have_no_mean_and_are_not_compared(tmp_path)
                             'auction and 15 of 30 trials with greedy; their values are lower bounds.')]
     assert [(each.method, math.isnan(each.value)) for each in effects.summary(found, found.metrics[0])] == [
         ('cut', True), ('t', False)]
+
+
+def test_a_combination_at_the_limit_is_left_out_of_the_mean_over_the_others_and_named(tmp_path):
+    """By hand: with 2 robots auction takes 1 s less and 2 s less, with 4 robots 3 s less and 4 s less: 2.5 s."""
+    less = {(2, 0): 1.0, (2, 1): 2.0, (4, 0): 3.0, (4, 1): 4.0, (8, 0): 900.0, (8, 1): 900.0}
+
+    def measure(configuration, replication):
+        robots, is_auction = configuration['robots'], configuration['method'] == 'auction'
+        is_cut = robots == 8 and not is_auction and replication == 1
+        return {'status': 'complete', 'ended_by': 'seconds' if is_cut else 'idle', 'metrics': {
+            'makespan_s': 100.0 * robots - is_auction * less[robots, replication]}}
+    found = read(tmp_path, LEVELS, 2, measure, metrics=BOUND, until={'seconds': 3600, 'idle': True})
+    difference = of_method(found)
+    assert (difference.estimate.value, difference.reference, len(difference.used)) == (-2.5, 300.0, 2)
+    text = next(text for _, text in told(found) if 'auction than with greedy' in text)
+    assert text.startswith('With 2 and 4 robots only: 2.5 s lower with auction')
+    assert 'It says nothing of 8 robots, where the limit of time ended trials.' in text
+
+
+@pytest.mark.parametrize(('whole', 'bounds', 'about', 'median'), [
+    ([100.0, 200.0, 300.0], [], 'lower_bound', 200.0),
+    ([100.0, 200.0, 300.0], [350.0, 350.0], 'lower_bound', 300.0),  # two of five are more than 300 in any case
+    ([100.0, 200.0, 300.0], [250.0, 350.0], 'lower_bound', None),  # 250 or more: may come before 300 or after it
+    ([100.0, 200.0], [350.0, 350.0, 350.0], 'lower_bound', None),  # the third of five is cut off itself
+    ([100.0, 200.0, 300.0], [350.0, 350.0], None, None), ([100.0, 200.0, 300.0], [250.0], 'value', 200.0)])
+def test_the_median_trial_is_named_if_it_is_known_which_one_it_is(tmp_path, whole, bounds, about, median):
+    values = [*whole, *bounds]
+    found = read(tmp_path, {}, len(values), lambda c, k: {
+        'status': 'complete', 'ended_by': 'seconds' if k >= len(whole) else 'idle', 'metrics': {
+            'makespan_s': values[k]}},
+        metrics={'makespan_s': {'better': 'lower', **({'at_limit': about} if about else {})}},
+        until={'seconds': 3600, 'idle': True})
+    assert [pick.value for pick in picked.picks(found, found.metrics[0]) if pick.role == 'median'] == (
+        [] if median is None else [median])
 
 
 def test_values_at_the_limit_are_compared_if_the_experiment_calls_them_values(tmp_path):

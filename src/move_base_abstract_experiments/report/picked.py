@@ -33,7 +33,8 @@ def primary_metric(experiment):
 def picks(experiment, metric):
     """Return the Picks of a metric, worst and median of each configuration; of equals the first of the plan.
 
-    The median one is the lower of the two in the middle.
+    The median one is the lower of the two in the middle. What the limit of time has cut off counts as more than all
+    that is whole where it is a lower bound; then the median is known as long as it is whole. Else there is none.
     """
     found = []
     for configuration in experiment.configurations:
@@ -41,13 +42,28 @@ def picks(experiment, metric):
                for place, trial in enumerate(experiment.trials) if trial.configuration == configuration.place]
         own = [each for each in own if not math.isnan(each[0])]
         if own:
-            own.sort(key=lambda each: each[:2])
-            worst = min(own, key=lambda each: (-math.inf if metric.better == 'lower' and endings.is_cut(
-                experiment, metric, each[2]) else -each[0] if metric.better == 'lower' else each[0], each[1]))
-            median = own[(len(own) - 1) // 2]
-            found += [Pick(configuration.place, role, trial, value)
-                      for role, (value, _, trial) in (('worst', worst), ('median', median))]
+            picked = ('worst', _worst(experiment, metric, own)), ('median', _median(experiment, metric, own))
+            found += [Pick(configuration.place, role, one[2], one[0]) for role, one in picked if one is not None]
     return found
+
+
+def _worst(experiment, metric, own):
+    """Return of (value, place, trial) the one of the worst; those that were cut off come first, if lower is better."""
+    return min(own, key=lambda each: (-math.inf if metric.better == 'lower' and endings.is_cut(
+        experiment, metric, each[2]) else -each[0] if metric.better == 'lower' else each[0], each[1]))
+
+
+def _median(experiment, metric, own):
+    """Return the one in the middle, or None where it is not known which one that is."""
+    cut = [endings.is_cut(experiment, metric, each[2]) for each in own]
+    if any(cut) and metric.at_limit not in endings.BOUNDS:
+        return None
+    ranked = sorted((math.inf if is_cut else each[0], each[1], each, is_cut) for each, is_cut in zip(own, cut))
+    middle = (len(own) - 1) // 2
+    _, _, median, is_cut = ranked[middle]
+    # What was cut off would have gone on beyond its bound: only if that lies above the middle is its place known.
+    is_known = not is_cut and all(each[0] >= median[0] for each, is_cut in zip(own, cut) if is_cut)
+    return median if is_known else None
 
 
 def event_log(experiment, trial):
