@@ -21,6 +21,7 @@ IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED, CRASHED = 0, 1, 2, 3, 4, 5
 _GRACE_S = 60.0  # wall, from the polite signal to SIGKILL: roslaunch ends its nodes meanwhile
 _OUTPUT_LINES = 15
 _MOST_BAG_BYTES = 1 << 30  # of the first run's bags that are kept, to be compared with the others' message by message
+_FLEETS = 'lockstep_launch: fleets: '
 _BAG = re.compile(r'lockstep_launch: bag of (\S+): (.*)')
 
 
@@ -67,7 +68,7 @@ class Verification:
         :raises Unfinished, OutputError, EventLogError: if that cannot be said.
         """
         for condition in (condition for condition in CONDITIONS if condition.name in names):
-            if condition.name == 'split' and self.runs and not _has_fleet(self.runs[0].output):
+            if condition.name == 'split' and self.runs and not self._can_split():
                 continue
             run = self._run(condition)
             self.runs.append(run)
@@ -79,6 +80,14 @@ class Verification:
             else:
                 _remove(run)
         return self._conclude()
+
+    def _can_split(self):
+        """Return whether the first run's fleets may run in two processes each, and be compared with it."""
+        fleets = _fleets(self.runs[0].output)
+        crashed = [crash for crash in self.runs[0].crashes if crash.partition(' ')[0] in fleets]
+        if crashed:
+            self._say('split: not run: in two processes a fleet has other names, and {}'.format(crashed[0]))
+        return bool(fleets) and not crashed
 
     def _run(self, condition):
         folder = os.path.join(self._folder, '{}_{}'.format(len(self.runs) + 1, condition.name))
@@ -246,6 +255,8 @@ def _last_lines(path):
     return '\n'.join('    ' + line for line in lines) or '    (it printed nothing)'
 
 
-def _has_fleet(path):
-    return any(line.startswith('lockstep_launch: fleets: ') for line in findings.lines_of(path))
+def _fleets(path):
+    """Return the names of the fleets of a run that could be in several processes."""
+    said = (line for line in findings.lines_of(path) if line.startswith(_FLEETS))
+    return [name for line in said for name in line[len(_FLEETS):].split(', ')]
 
