@@ -31,6 +31,11 @@ Connection* Connections::open(ConnectionId id) {
   return found == connections_.end() || found->second.close ? nullptr : &found->second;
 }
 
+MemberId Connections::memberOf(ConnectionId id) const {
+  const auto found = connections_.find(id);
+  return found == connections_.end() ? 0 : found->second.member;
+}
+
 ConnectionId Connections::silentStranger(Nanoseconds wall) const {
   return helloDue() <= wall && !hello_due_.empty() ? hello_due_.begin()->first : 0;
 }

@@ -46,6 +46,8 @@ class Connections {
 
   /** @return the connection, unless it is unknown or about to be closed. */
   Connection* open(ConnectionId id);
+  /** @return whose it is; 0: nobody's, or unknown. */
+  MemberId memberOf(ConnectionId id) const;
   bool contains(ConnectionId id) const { return connections_.count(id) != 0; }
 
   void send(ConnectionId id, std::string_view bytes);

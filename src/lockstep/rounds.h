@@ -169,6 +169,8 @@ class LockstepRounds {
   std::uint32_t microstep() const { return microstep_; }
   bool started() const { return started_; }
   bool ended() const { return ended_; }
+  /** @return how many owe a report. */
+  std::size_t owing() const { return owing_; }
   bool paused() const { return paused_; }
   /** @return whether it stands where every run of the same would: nobody has anything left to do,
    * or the target of a step or run is reached. */

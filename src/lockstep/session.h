@@ -59,6 +59,13 @@ class LockstepSession {
   /** @return of the connections that owe the round's report, the one granted last; 0: none. */
   ConnectionId lastAwaited();
 
+  /** @return whether a participant is at the other end, also if it is about to leave. */
+  bool takesPart(ConnectionId connection) const { return connections_.memberOf(connection) != 0; }
+  std::uint64_t rounds() const { return rounds_.rounds(); }
+  /** @return how many have not reported in the present round. */
+  std::size_t owing() const { return rounds_.owing(); }
+  bool ended() const { return rounds_.ended(); }
+
   Nanoseconds now() const { return rounds_.now(); }  // simulated
   std::uint32_t microstep() const { return rounds_.microstep(); }
   LockstepPhase phase() const { return rounds_.phase(wall_); }

@@ -61,6 +61,7 @@ _TASKS = 'makes tasks of coroutines in the order in which they are given'
 _UNCAUGHT = 'tells the event log of an exception that nobody catches'
 _UNASKED = 'tells the event log of an exception of a job for which nobody asks'
 _CORES = 'says four on every computer'
+_OWN_CORES = 'knows the cores that the program may use by itself, wherever the time master keeps it'
 _SQLITE = "has the database's chance and dates be the run's"
 _LOCK = 'gives the turn away where another thread of the program holds it'
 
@@ -188,6 +189,8 @@ _ROWS = (
     Row('select.epoll', LAUNCHER, _TOLD),
     Row('select.select', LAUNCHER, _TOLD),
     Row('_posixsubprocess.fork_exec', LAUNCHER, _TOLD),
+    Row('os.sched_setaffinity', LAUNCHER, _OWN_CORES),
+    Row('_imp.create_dynamic', LAUNCHER, _OWN_CORES),
     Row('os.getpgrp', LAUNCHER, _TOLD),
     Row('os.uname', LAUNCHER, _TOLD),
     Row('os.sched_getaffinity', LAUNCHER, _TOLD),

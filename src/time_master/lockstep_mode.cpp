@@ -83,8 +83,8 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
   }
   clock_ = std::make_unique<ClockPublisher>(clock, begin, parameters.master.max_clock_rate,
                                             parameters.master.repeat_rate);
-  server_ = std::make_unique<LockstepServer>(settings, ros::network::getHost(),
-                                             parameters.lockstep_port, listeners());
+  server_ = std::make_unique<LockstepServer>(
+      settings, ros::network::getHost(), parameters.lockstep_port, parameters.cores, listeners());
   ros_master_ = std::make_unique<RosMasterWatch>();
   try {
     parameters_of_ros_.listen([this](const std::string& name) {
@@ -292,6 +292,7 @@ void LockstepMode::describe(TimeState& state) {
   state.rounds = status.rounds;
   state.leaps = status.leaps;
   state.messages = status.messages;
+  state.cores = server_->cores();
   state.event_log = parameters_.event_log;
   state.event_log_error = event_log_ ? event_log_->error() : "";
 }

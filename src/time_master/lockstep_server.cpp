@@ -42,8 +42,9 @@ Nanoseconds wallNow() {
 }  // namespace
 
 LockstepServer::LockstepServer(const LockstepSettings& settings, const std::string& host, int port,
-                               Listeners listeners)
+                               CoresWish cores, Listeners listeners)
     : session_(settings, wallNow()),
+      cores_(cores),
       listeners_(std::move(listeners)),
       listener_(listenOn(host, port)),
       address_(host + ":" + std::to_string(portOf(listener_))),
@@ -93,6 +94,7 @@ void LockstepServer::finish(const std::string& reason) {
 }
 
 void LockstepServer::run() {
+  cores_.begin();
   std::array<epoll_event, 64> events;
   Nanoseconds stop_due = kNever;
   while (wallNow() < stop_due) {
@@ -116,7 +118,7 @@ void LockstepServer::run() {
       }
       stop_due = std::min(stop_due, wall + kFinishLimit);
     }
-    arm(std::min(stop_due, session_.nextWake()));
+    arm(std::min({stop_due, session_.nextWake(), cores_.due()}));
     last_awaited_ = session_.lastAwaited();
   }
 }
@@ -171,12 +173,22 @@ void LockstepServer::work() {
   const Nanoseconds wall = wallNow();
   std::vector<LockstepSession::Output> outputs = session_.poll(wall);
   tellOfParameters();
+  keepCores(wall);
   for (LockstepSession::Output& output : outputs) {
     send(output);
   }
   tellListeners();
   closeOverdue(wall);
   listenOrNot();
+}
+
+/** @brief While nobody works: what was decided is not sent yet. */
+void LockstepServer::keepCores(Nanoseconds wall) {
+  if (session_.ended()) {
+    cores_.end();
+  } else {
+    cores_.follow(session_.rounds(), session_.owing(), wall);
+  }
 }
 
 void LockstepServer::tellOfParameters() {
@@ -284,6 +296,10 @@ void LockstepServer::receive(ConnectionId id, Connection& connection, Nanosecond
     if (!connection.closing) {
       session_.received(id, {buffer_.data(), static_cast<std::size_t>(size)}, wall);
     }
+    if (!connection.process && session_.takesPart(id)) {
+      connection.process = processOf(connection.socket);
+      cores_.join(*connection.process);
+    }
     if (static_cast<std::size_t>(size) < buffer_.size()) {
       return;
     }
@@ -296,6 +312,9 @@ void LockstepServer::lose(ConnectionId id, Nanoseconds wall) {
 }
 
 void LockstepServer::forget(ConnectionId id) {
+  if (const auto found = connections_.find(id); found != connections_.end()) {
+    cores_.leave(found->second.process.value_or(0));
+  }
   connections_.erase(id);  // epoll forgets a closed descriptor by itself
   closing_.erase(std::remove(closing_.begin(), closing_.end(), id), closing_.end());
   exhausted_ = false;

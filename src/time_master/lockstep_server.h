@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "core_keeper.h"
 #include "lockstep/session.h"
 #include "sockets.h"
 
@@ -37,10 +39,11 @@ class LockstepServer {
 
   /**
    * @param host name or address to bind to; @param port 0: any free one.
+   * @param cores on which participants of this computer run.
    * @throws std::invalid_argument as LockstepSession does, std::runtime_error if it cannot listen.
    */
   LockstepServer(const LockstepSettings& settings, const std::string& host, int port,
-                 Listeners listeners);
+                 CoresWish cores, Listeners listeners);
   /** Ends the run, if nobody did; see finish(). */
   ~LockstepServer();
 
@@ -65,6 +68,12 @@ class LockstepServer {
     return session_.status();
   }
 
+  /** @return on which cores the participants of this computer run. */
+  std::string cores() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return cores_.text();
+  }
+
   Nanoseconds now() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return session_.now();
@@ -87,9 +96,10 @@ class LockstepServer {
   struct Connection {
     Descriptor socket;
     std::string unsent;
-    bool closing = false;       // the session has done with it: sent to the end, then closed
-    Nanoseconds close_due = 0;  // wall; of one that is closing
-    bool awaits_space = false;  // asked to be told when it takes bytes again
+    std::optional<pid_t> process;  // of a participant; 0: on another computer
+    bool closing = false;          // the session has done with it: sent to the end, then closed
+    Nanoseconds close_due = 0;     // wall; of one that is closing
+    bool awaits_space = false;     // asked to be told when it takes bytes again
   };
 
   void watch(int fd, std::uint64_t id, std::uint32_t events, int operation);
@@ -109,12 +119,14 @@ class LockstepServer {
   void forget(ConnectionId id);
   void send(LockstepSession::Output& output);
   void sendMore(ConnectionId id, Connection& connection);
+  void keepCores(Nanoseconds wall);
   void closeOverdue(Nanoseconds wall);
   void tellListeners();
   void tellOfParameters();
 
   mutable std::mutex mutex_;
   LockstepSession session_;
+  CoreKeeper cores_;
   Listeners listeners_;
   Descriptor listener_;
   const std::string address_;

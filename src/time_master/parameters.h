@@ -17,6 +17,7 @@
 
 #include "clock/shown_text.h"
 #include "clock/time_master.h"
+#include "lockstep/core_choice.h"
 #include "lockstep/rounds.h"
 #include "participant/run_secret.h"
 
@@ -231,7 +232,8 @@ struct NodeParameters {
   bool in_lockstep = false;  // mode at the start
   bool sim_time_factor_is_limit = false;  // whether /sim_time_factor counts in lockstep
   LockstepSettings lockstep;
-  int lockstep_port = 0;           // 0: any free one
+  int lockstep_port = 0;  // 0: any free one
+  CoresWish cores = CoresWish::kAuto;
   std::string event_log;           // path, .jsonl or .csv; '': none
   bool event_log_of_ends = false;  // nothing in it but the end, and what says how nodes fared
   std::string message_bytes;       // path of a new file for what is sent; '': none
@@ -295,6 +297,15 @@ inline void readOutputs(ParameterReader& reader, NodeParameters& parameters) {
   reader.read("not_covered", parameters.lockstep.not_covered);
 }
 
+inline void readCores(ParameterReader& reader, NodeParameters& parameters) {
+  reader.choose("cores",
+                {{"auto", CoresWish::kAuto},
+                 {"one", CoresWish::kOne},
+                 {"all", CoresWish::kAll},
+                 {"alternate", CoresWish::kAlternate}},
+                parameters.cores);
+}
+
 inline void readLockstepParameters(ParameterReader& reader, NodeParameters& parameters) {
   LockstepSettings& lockstep = parameters.lockstep;
   int max_microsteps = static_cast<int>(lockstep.max_microsteps);
@@ -312,6 +323,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("log_messages", lockstep.log_messages);
   reader.read("sim_time_factor_is_limit", parameters.sim_time_factor_is_limit);
   reader.read("lockstep_port", parameters.lockstep_port);
+  readCores(reader, parameters);
   readOutputs(reader, parameters);
   reader.read("event_log_of_ends", parameters.event_log_of_ends);
   std::string secret, secret_file;

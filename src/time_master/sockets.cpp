@@ -87,6 +87,12 @@ Descriptor listenLocally(const std::string& address) {
   return listener;
 }
 
+pid_t processOf(const Descriptor& socket) {
+  ucred peer{};
+  socklen_t size = sizeof(peer);
+  return getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 ? peer.pid : 0;
+}
+
 void tuneConnection(const Descriptor& socket) {
   const int fd = socket.get();
   setOption(fd, IPPROTO_TCP, TCP_NODELAY, 1);

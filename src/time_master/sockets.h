@@ -2,6 +2,8 @@
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_SOCKETS_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_SOCKETS_H
 
+#include <sys/types.h>
+
 #include <string>
 
 #include "descriptor.h"
@@ -27,6 +29,9 @@ int portOf(const Descriptor& socket);
  * @throws std::runtime_error if it cannot listen.
  */
 Descriptor listenLocally(const std::string& address);
+
+/** @return the process at the other end; 0: it is on another computer, or cannot be seen. */
+pid_t processOf(const Descriptor& socket);
 
 /** @brief Small frames go out at once; a computer that has lost its power is noticed. */
 void tuneConnection(const Descriptor& socket);

@@ -5,6 +5,7 @@ import struct
 import time
 
 from move_base_abstract.lockstep import wire
+from move_base_abstract.lockstep.own_cores import own_cores
 
 _HEAD = struct.Struct('<IB')
 _RECEIVE_BYTES = 1 << 16
@@ -23,6 +24,7 @@ class Connection:
 
         :raises OSError: if there is none at that address within ``timeout`` [s, wall].
         """
+        own_cores.remember()
         self._socket = _connect_locally(host, port) or _connect(host, port, timeout)
         # Recursive: a signal may have the main thread leave in the middle of sending.
         self._send_lock = _thread.RLock()
@@ -75,10 +77,12 @@ class Connection:
             pass
         if not at_exit:
             self._socket.close()
+            own_cores.restore()
 
     def forget(self):
         """Close it in this process only: another one, this one's parent, uses it."""
         self._socket.close()
+        own_cores.restore()
 
 
 def _connect_locally(host, port):

@@ -22,6 +22,7 @@ import rospy.msproxy  # noqa: F401 - replaced by name
 
 from move_base_abstract.lockstep.asked import ASK, FILE_TIME, HASHED
 from move_base_abstract.lockstep.numbered import Numbered, is_hashed_by_address
+from move_base_abstract.lockstep.own_cores import own_cores
 
 from ..replaced import replace
 from . import chance
@@ -72,6 +73,9 @@ _HARMLESS = ('/dev/null', '/dev/zero', '/dev/full', '/dev/tty', '/dev/stdin', '/
 
 def install():
     """Begin to watch; to be called before the program's first line, when its clocks are there."""
+    replace('os.sched_getaffinity', own_cores.seen)
+    replace('os.sched_setaffinity', own_cores.chosen)
+    replace('_imp.create_dynamic', own_cores.loading)
     for name, why in CALLS.items():
         replace(name, lambda function, name=name, why=why: _telling(function, name, why))
     replace('select.select', _selecting)
@@ -122,7 +126,8 @@ def _spawning(fork_exec):
         frame = sys._getframe(1)
         if frame.f_globals.get('__name__') != 'subprocess':
             told.tell(own_frame(frame), '_posixsubprocess.fork_exec', _PROCESS)
-        return fork_exec(*args)
+        with own_cores.lifted():
+            return fork_exec(*args)
     return call
 
 

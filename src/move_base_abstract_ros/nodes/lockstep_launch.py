@@ -53,6 +53,8 @@ def parse(words):
     parser.add_argument('--log-messages', action='store_true', help='messages and calls are events too')
     parser.add_argument('--speed-limit', type=_factor, default=None, metavar='F',
                         help='at most so many simulated seconds per wall second')
+    parser.add_argument('--cores', choices=('auto', 'one', 'all'), default=None,
+                        help='that the nodes run on (default: what is measured to be faster)')
     parser.add_argument('--end-when-idle', action='store_true', help='end when nobody has anything left to do')
     parser.add_argument('--use-master', action='store_true', help='use the ROS master of ROS_MASTER_URI, no own one')
     # From `verify`: conditions that must not matter.
@@ -132,7 +134,8 @@ def _run(options, files):
         plan.name_anonymous_ones_alike()
     parameters = {key: value for key, value in (
         ('event_log', options.event_log and os.path.abspath(options.event_log)), ('speed_limit', options.speed_limit),
-        ('message_bytes', options.message_bytes), ('log_messages', options.log_messages or None),
+        ('cores', options.cores), ('message_bytes', options.message_bytes),
+        ('log_messages', options.log_messages or None),
         ('end_when_idle', options.end_when_idle or None)) if value is not None}
     seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)
     with nullcontext() if options.list else temporary_folder(_say) as folder, bags.notes() as notes:

@@ -2,7 +2,8 @@
 
 replaced_probe.py NAME: the node's name. Prints a JSON line: names that have changed, names that the table says so.
 """
-import _posixsubprocess  # noqa: F401 - to be looked at, as those below
+import _imp  # noqa: F401 - to be looked at, as those below
+import _posixsubprocess  # noqa: F401
 import asyncio  # noqa: F401
 import concurrent.futures  # noqa: F401
 import gc  # noqa: F401
@@ -28,7 +29,7 @@ from move_base_abstract_ros.lockstep import program
 
 WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random',
            'os', '_thread', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc',
-           'asyncio', 'xmlrpc', 'getpass', 'platform', 'shutil', 'socket')
+           'asyncio', 'xmlrpc', 'getpass', '_imp', 'platform', 'shutil', 'socket')
 FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, staticmethod, property)
 
 

@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+"""On which cores of this computer a run goes on: who is kept on one, who is left alone, when it ends.
+
+The test itself takes part, over the socket for participants of this computer.
+"""
+
+import os
+import socket
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+import rosgraph
+import rostest
+from lockstep_raw_client import GUARD, RawClient
+
+from move_base_abstract_ros.lockstep.connection import Connection
+from move_base_abstract_ros.loopback import Loopback, find_executable
+
+OWN = os.sched_getaffinity(0)
+ROUNDS = 60  # `alternate` changes every 10 rounds
+STEP_NS = 10 ** 6
+COORDINATOR = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'lockstep_nodes', 'coordinator.py')
+ROBOTS, GOALS = 4, 60
+
+
+class LocalClient(RawClient):
+    """A participant whose process the time master can see."""
+
+    def __init__(self, address):
+        super().__init__(address)
+        self.socket.close()
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.connect('\0move_base_abstract/' + address)
+
+    def turns(self):
+        """Yield in the middle of each turn."""
+        while True:
+            grant = self.grant()
+            yield
+            self.report(grant, next_ns=grant.time_ns + STEP_NS)
+
+
+def wait_for(what, condition):
+    deadline = time.monotonic() + GUARD
+    while not condition():
+        if time.monotonic() > deadline:
+            raise AssertionError(f'not within {GUARD} s: {what}')
+        time.sleep(0.02)
+
+
+@unittest.skipIf(len(OWN) < 2, 'this computer lets the tests use one core only')
+class CoresTest(unittest.TestCase):
+    def setUp(self):
+        self.addCleanup(os.sched_setaffinity, 0, OWN)
+
+    def join(self, cores):
+        """Start a time master; return its Loopback, its Child and a participant that has said hello."""
+        ros = Loopback()
+        ros.__enter__()
+        self.addCleanup(ros.close)
+        child = ros.run('time_master', 'time_master', parameters={
+            'mode': 'lockstep', 'participants': ['/raw'], 'cores': cores})
+        master = rosgraph.Master('/test', master_uri=ros.uri)
+        wait_for('the address', lambda: master.hasParam('/time_master/lockstep_address'))
+        client = LocalClient(master.getParam('/time_master/lockstep_address'))
+        self.addCleanup(client.close)
+        return ros, child, client.hello('/raw')
+
+    def test_one_core_of_those_that_a_process_may_use_and_all_back_when_it_leaves(self):
+        ros, _child, client = self.join('one')
+        turns = client.turns()
+        next(turns)
+        one = os.sched_getaffinity(0)
+        self.assertEqual(len(one), 1)
+        self.assertLess(one, OWN)
+        self.assertIn(f'cores of this computer: one (core {min(one)})', self.why(ros))
+        sleeper = subprocess.Popen(['sleep', '600'])  # has the core of the thread that starts it
+        self.addCleanup(sleeper.wait)
+        self.addCleanup(sleeper.kill)
+        wait_for('a child has all cores', lambda: next(turns) or os.sched_getaffinity(sleeper.pid) == OWN)
+        client.leave()
+        client.close()
+        wait_for('all cores are back', lambda: os.sched_getaffinity(0) == OWN)
+
+    def test_a_thread_that_has_its_own_core_keeps_it_and_others_join_on_it(self):
+        asked, go_on, masks = threading.Event(), threading.Event(), []
+
+        def work():
+            os.sched_setaffinity(0, {min(OWN)})
+            asked.set()
+            go_on.wait()
+            masks.append(os.sched_getaffinity(0))
+        thread = threading.Thread(target=work)
+        thread.start()
+        self.addCleanup(thread.join)
+        self.addCleanup(go_on.set)
+        asked.wait()
+        _ros, _child, client = self.join('alternate')
+        for _turn, _number in zip(client.turns(), range(ROUNDS)):
+            pass
+        go_on.set()
+        thread.join()
+        self.assertEqual(masks, [{min(OWN)}])
+
+    def test_it_changes_while_the_run_goes_on_and_who_chooses_himself_is_left_alone(self):
+        _ros, _child, client = self.join('alternate')
+        turns, seen = client.turns(), []
+        for _turn, _number in zip(turns, range(ROUNDS)):
+            seen.append(frozenset(os.sched_getaffinity(0)))
+        self.assertEqual({len(cores) for cores in seen}, {1, len(OWN)})
+        other = {next(iter(OWN - min(seen, key=len)))}
+        os.sched_setaffinity(0, other)
+        for _turn, _number in zip(turns, range(ROUNDS)):
+            self.assertEqual(os.sched_getaffinity(0), other)
+
+    def test_at_the_end_of_the_run_all_is_given_back_before_it_is_told(self):
+        _ros, child, client = self.join('one')
+        next(client.turns())
+        self.assertEqual(len(os.sched_getaffinity(0)), 1)
+        child.process.terminate()
+        client.end()
+        self.assertEqual(os.sched_getaffinity(0), OWN)
+
+    def test_the_end_of_a_connection_gives_all_back_whoever_ends_it(self):
+        listener = socket.socket(socket.AF_UNIX)
+        self.addCleanup(listener.close)
+        listener.bind('\0move_base_abstract/127.0.0.1:0')  # port 0 is no time master's
+        listener.listen()
+        connection = Connection('127.0.0.1', 0, 1.0)
+        os.sched_setaffinity(0, {max(OWN)})
+        connection.close()
+        self.assertEqual(os.sched_getaffinity(0), OWN)
+
+    def test_the_log_is_the_same_on_one_core_on_all_and_while_that_changes(self):
+        logs = [self.log(cores) for cores in ('one', 'all', 'alternate', 'auto')]
+        self.assertGreater(logs[0].count(b'"ended"'), GOALS - 1)
+        self.assertEqual(set(logs), {logs[0]})
+
+    def log(self, cores):
+        """Return the event log (bytes) of a fleet and a coordinator."""
+        with Loopback() as ros:
+            path = os.path.join(ros.log_dir, 'events.jsonl')
+            clock = ros.run('time_master', 'time_master', parameters={
+                'mode': 'lockstep', 'participants': ['/fleet', '/coordinator'], 'event_log': path,
+                'end_with': ['/coordinator'], 'cores': cores})
+            ros.run('fleet', 'fleet', parameters={
+                'defaults': {'max_speed': 10.0}, 'robots': [{'name': f'robot_{i}'} for i in range(ROBOTS)]})
+            ros.set_param('/coordinator', {'robots': ROBOTS, 'goals': GOALS, 'seed': 1, 'patient': True})
+            ros.spawn('/coordinator', ['/usr/bin/python3', COORDINATOR, '__name:=coordinator'])
+            self.assertEqual(clock.process.wait(GUARD), 0)
+            with open(path, 'rb') as stream:
+                return stream.read()
+
+    @staticmethod
+    def why(ros):
+        return subprocess.run([find_executable('why')], env=ros.environment, stdout=subprocess.PIPE, text=True,
+                              timeout=GUARD, check=True).stdout
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_cores', CoresTest, sysargs=sys.argv)
