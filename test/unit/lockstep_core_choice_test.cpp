@@ -106,13 +106,13 @@ TEST(CoreChoice, AChangeOfTheWorkIsNoticed) {
 }
 
 TEST(CoreChoice, ARateOfEventsThatDiffersOverTheMissionDecidesNothing) {
-  // Rounds of many take longer than those of one; in the spans on one core there are more of them.
+  // Rounds of many take longer than those of one; in the spans on one core there are fewer of them.
   Machine machine([](std::uint64_t, std::size_t grants, bool) {
     return static_cast<Nanoseconds>(grants) * 100 * kMicrosecond;
   });
   for (int k = 0; k < 20'000; ++k) {
     const bool one = machine.choice.isOne();
-    const std::size_t grants = one && k % 2 == 0 ? 4 : (k % 20 == 0 ? 4 : 1);
+    const std::size_t grants = k % (one ? 20 : 2) == 0 ? 4 : 1;
     const auto cost = static_cast<Nanoseconds>(grants) * 100 * kMicrosecond;
     machine.wall += cost;
     machine.choice.add(grants, cost, machine.wall);
@@ -121,14 +121,14 @@ TEST(CoreChoice, ARateOfEventsThatDiffersOverTheMissionDecidesNothing) {
 }
 
 TEST(CoreChoice, OneInterruptionDecidesNothing) {
-  // Another process takes the core for 100 ms once, on all cores, in the first look.
+  // Another process takes the cores for a second once, in a span on all of them.
   bool is_taken = false;
   Machine machine([&](std::uint64_t round, std::size_t grants, bool one) {
     const bool taken = !one && !is_taken && round > 60;
     is_taken = is_taken || taken;
-    return work(round, grants, one) + (taken ? 100 * kMillisecond : 0);
+    return work(round, grants, one) + (taken ? kSecond : 0);
   });
-  machine.run(3 * kSecond);
+  machine.run(4 * kSecond);
   ASSERT_TRUE(is_taken);
   EXPECT_FALSE(machine.choice.keepsOne());
 }
