@@ -70,7 +70,7 @@ bench: deps-bench deps-test deps-study build  ## the measurements, as JSON lines
 	  $(PYTHON) bench/dense $(BENCH_ARGS) && $(PYTHON) bench/experiments $(BENCH_ARGS) && \
 	  $(PYTHON) bench/dense --one-core --kinds roscpp --agents 4 8 $(BENCH_ARGS) && \
 	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS) && \
-	  $(PYTHON) bench/world $(BENCH_ARGS)
+	  $(PYTHON) bench/world $(BENCH_ARGS) && '$(WS)/venv/bin/python' bench/plain $(BENCH_ARGS)
 
 experiment: deps-experiment build  ## a small experiment and its report in .ws/experiment, resumable; EXPERIMENT=FILE another one
 	@$(ENTER) rosrun move_base_abstract experiment run '$(or $(EXPERIMENT),config/experiments/patrol.yaml)' \

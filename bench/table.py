@@ -20,6 +20,7 @@ COLUMNS = {
               'switches_per_tick', 'simulated_s_per_cpu_s_time_master', 'simulated_s_per_cpu_s_fleet',
               'simulated_s_per_cpu_s_agent', 'repeatable'),
     'lockstep_ticks': ('ticks_per_s', 'wanted_per_s', 'over_reference', 'exact'),
+    'plain': ('what', 'tree', 'robots', 'goals', 'per_s', 'wanted_per_s', 'of_simpy', 'reading_us'),
     'world_part': ('part', 'robots', 'events', 'us_per_event', 'us_per_goal', 'over_none'),
     'world_plan': ('cells', 'new_ms', 'wanted_new_ms', 'known_ms', 'wanted_known_ms'),
     'world_fleet': ('part', 'robots', 'events_per_s', 'wanted_per_s', 'speed_up'),

@@ -97,14 +97,14 @@ def _quantiles_in(path, _mtime_ns, _size):
 class GoalDurations:
     """What :class:`Durations` mean for the goals of one robot, one after the other.
 
-    ``durations`` (:class:`Durations`, or what draws as they do; None: all goes by the law alone).
+    ``durations`` (:class:`Durations`, or what draws as they do). A robot that goes by the law alone has none.
     What is drawn holds for a goal, also where it goes on from another place or by another way: its overhead is waited
     for once, whether it fails is judged by the length of its first leg.
     """
 
-    def __init__(self, durations=None, seed=0, robot_name=''):
+    def __init__(self, durations, seed=0, robot_name=''):
         self._durations = durations
-        self._chance = None if durations is None else Chance(seed, robot_name)
+        self._chance = Chance(seed, robot_name)
         self._number = 0
         self._factor: Optional[float] = None
         self._ready_ns = 0
@@ -119,8 +119,6 @@ class GoalDurations:
 
     def paced(self, leg):
         """Return ``leg`` at the pace of its goal."""
-        if self._durations is None:
-            return leg
         if self._factor is None:
             overhead, self._factor = self._durations.draw(leg, self._uniform)
             self._ready_ns = leg.depart_ns + seconds_to_ns(overhead)
@@ -128,7 +126,7 @@ class GoalDurations:
 
     def failure_ns(self, leg):
         """Return at which instant [ns] of ``leg`` the robot fails, or None: it arrives."""
-        if self._durations is None or not self._durations.failures:
+        if not self._durations.failures:
             return None
         if self._fails is None:
             self._fails = self._uniform(Purpose.FAILURE) < along(self._durations.failures, leg.distance)

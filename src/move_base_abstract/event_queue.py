@@ -1,5 +1,6 @@
 """The one queue from which every event of a simulation comes."""
 import heapq
+import math
 
 
 class Event:
@@ -85,7 +86,8 @@ class EventQueue:
 
         ``keeps_going()``, of what comes of itself while nobody does anything: whether time goes on for it alone.
         """
-        self.ever_waits = self.ever_waits or keeps_going is not None
+        if keeps_going is not None:
+            self.ever_waits = True
         event = Event(action, telling, keeps_going)
         if len(self._heap) >= self._sweep_at:
             self._sweep()
@@ -98,7 +100,7 @@ class EventQueue:
 
     def _sweep(self):
         """Drop what has been cancelled: of far instants it would stay for long. The order stays, no two are equal."""
-        self._heap = [entry for entry in self._heap if entry[3].action is not None]
+        self._heap[:] = [entry for entry in self._heap if entry[3].action is not None]
         heapq.heapify(self._heap)
         self._sweep_at = max(_FEWEST_SWEPT, 2 * len(self._heap))
 
@@ -127,20 +129,26 @@ class EventQueue:
                 is_any = True
         return is_any
 
-    def run_until(self, now_ns, enter=lambda due_ns: None):
-        """Let all happen that is due at ``now_ns`` [ns] or before, in order, what is scheduled meanwhile included.
+    def run_until(self, until_ns, enter=lambda due_ns: None, instant_by_instant=False):
+        """Let all happen that is due at ``until_ns`` [ns] or before, in order, what is scheduled meanwhile included.
 
-        ``enter(due_ns)`` is called before each event.
+        ``enter(due_ns)`` is called before each event. The clock shows ``until_ns`` then, or ``instant_by_instant`` when
+        each is due; and with None for ``until_ns`` it goes on as long as the queue :meth:`is_busy`.
         """
-        while True:
-            due_ns = self.next_due_ns()
-            if due_ns is None or due_ns > now_ns:
+        heap, end_ns, entered_ns = self._heap, math.inf if until_ns is None else until_ns, None
+        while heap and heap[0][0] <= end_ns:
+            due_ns, robot_index, _, event = heap[0]
+            if event.action is None:  # cancelled
+                heapq.heappop(heap)
+                continue
+            if until_ns is None and self.ever_waits and due_ns != entered_ns and not self.is_busy():
                 return
-            _, robot_index, _, event = heapq.heappop(self._heap)
+            heapq.heappop(heap)
             action, event.action = event.action, None
+            entered_ns = due_ns
             enter(due_ns)
             try:
-                action(due_ns, now_ns)
+                action(due_ns, due_ns if instant_by_instant else until_ns)
             except Exception as error:
                 break_off = self._guards.get(robot_index)
                 if break_off is None:
@@ -189,7 +197,7 @@ class EventQueue:
 
     def shift(self, by_ns):
         """Move all that is due by ``by_ns`` [ns]; the order stays."""
-        self._heap = [(due_ns + by_ns, *rest) for due_ns, *rest in self._heap]
+        self._heap[:] = [(due_ns + by_ns, *rest) for due_ns, *rest in self._heap]
         for series in self._asleep:
             series.shift(by_ns)
 

@@ -8,6 +8,7 @@
 The robots are those of the nodes, with the same settings, and time is kept in the same integer nanoseconds.
 """
 import itertools
+from functools import partial
 
 from .arguments import as_float, as_ns, check_kind
 from .arrivals import check_task
@@ -21,7 +22,7 @@ from .outcome import BATTERY_EMPTY, ROBOT_REMOVED, ROBOT_RESET
 from .parameter_table import checked
 from .place_tasks import Rooms
 from .robot_parts import make_planner, make_robot_parts
-from .robot_trace import RobotTrace, TraceEntry
+from .robot_trace import RobotTrace, TraceEntry, as_entries
 from .scenario import Scenario, make_robot
 from .simulation import Simulation
 from .traffic import DeadlockPolicy, Traffic
@@ -38,7 +39,7 @@ class Fleet:
     """Robots on one event queue. At equal times: lower robot index first, then first scheduled, then users' calls.
 
     ``on_end(robot, goal_id, state, text, now_ns)``, if given, is called when a goal ends, and may send the next one.
-    With ``trace=None`` nothing is recorded; else each :class:`TraceEntry` is appended to that list. ``occupancy``
+    With ``trace=None`` nothing is recorded; else :attr:`trace` is a list that begins with these entries. ``occupancy``
     (OccupancyMap, its frame the global one) is the map of the robots with ``use_map``; ``planner`` is in the place of
     what the settings ask for. ``on_worked``: as ``on_end``, of tasks at places (:meth:`work`).
     """
@@ -46,7 +47,9 @@ class Fleet:
     def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=(), occupancy=None,
                  on_worked=None):
         self.simulation = Simulation(as_ns(start_ns, 'start_ns'))
-        self.trace = None if trace is None else list(trace)
+        self._trace = None if trace is None else list(trace)
+        self._rows = []  # of the trace, that nobody has read
+        self._record = None if trace is None else self._rows.append
         self.scenario = scenario
         self._on_end = on_end
         self._on_worked = on_worked
@@ -58,6 +61,14 @@ class Fleet:
         self._indices = itertools.count()
         for spec in scenario.robots:
             self._add(spec)
+
+    @property
+    def trace(self):
+        """All that has happened, a list of :class:`TraceEntry` objects, or None; what is new is put into it now."""
+        if self._rows:
+            self._trace += as_entries(self._rows)
+            self._rows.clear()
+        return self._trace
 
     @property
     def now_ns(self):
@@ -93,13 +104,14 @@ class Fleet:
 
         :raises ConfigurationError: for what is no goal: a text for a number, a robot that is not there.
         """
-        x, y, yaw = as_float(x, 'x'), as_float(y, 'y'), as_float(yaw, 'yaw')
+        if not type(x) is type(y) is type(yaw) is float:
+            x, y, yaw = as_float(x, 'x'), as_float(y, 'y'), as_float(yaw, 'yaw')
         check_kind(goal_id, str, 'goal_id')
         check_kind(frame, str, 'frame')
         member = self._member(name)
         goal_id = goal_id or '{}-{}'.format(name, next(member.goal_numbers))
         goal = GoalPose(frame, 0, (x, y), quaternion_of_yaw(yaw))
-        member.navigator.receive(goal_id, 0, goal, self.now_ns)
+        member.navigator.receive(goal_id, 0, goal, self.simulation.now_ns)
         return goal_id
 
     def cancel(self, name, goal_id=''):
@@ -207,13 +219,7 @@ class Fleet:
         :raises TimeError: if ``until_ns`` is past.
         """
         until_ns = None if until_ns is None else as_ns(until_ns, 'until_ns')
-        while True:
-            due_ns = self.simulation.next_due_ns()
-            if due_ns is None or (due_ns > until_ns if until_ns is not None else not self.simulation.queue.is_busy()):
-                break
-            self.simulation.advance(due_ns)
-        if until_ns is not None:
-            self.simulation.advance(until_ns)
+        self.simulation.run(until_ns)
         return self.now_ns
 
     def run_for(self, seconds):
@@ -251,17 +257,13 @@ class Fleet:
                 name))
         return battery
 
-    def _ended(self, robot, record, stamp_ns):
-        self._tell(self._on_end, robot, record, stamp_ns)
-
-    def _worked(self, robot, record, stamp_ns):
-        self._tell(self._on_worked, robot, record, stamp_ns)
-
     def _tell(self, listener, robot, record, stamp_ns):
+        """Tell ``listener``, if there is one, of an ending: when its own event is over, at the end of this instant."""
         if listener is not None:
-            # The goal's own event must be over before the next goal comes, so it comes at the end of this instant.
-            self.at(max(stamp_ns, self.now_ns), lambda fleet: listener(
-                robot, record.goal_id, record.state, record.text, fleet.now_ns))
+            simulation = self.simulation
+            now_ns = simulation.now_ns
+            simulation.queue.schedule(stamp_ns if stamp_ns > now_ns else now_ns, _USER_INDEX, partial(
+                _call, listener, robot, record, simulation))
 
 
 class _Member(NavigatorListener):
@@ -271,24 +273,23 @@ class _Member(NavigatorListener):
         settings = spec.settings
         self._fleet = fleet
         self._settings = settings
-        self._trace = RobotTrace(spec.name, None if fleet.trace is None else fleet.trace.append,
-                                 settings.values['log_motion'])
+        self._trace = RobotTrace(spec.name, fleet._record, settings.values['log_motion'])
         self.goal_numbers = itertools.count(1)
         values = settings.values
         self._map_check = None
         if occupancy is not None and values['use_map']:
             self._map_check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
         parts = make_robot_parts(settings, spec.name, index, fleet.simulation, self, self, _no_lookup,
-                                 planner or make_planner(settings, self._map_check), fleet.scenario.zones)
+                                 planner or make_planner(settings, self._map_check), fleet.scenario.zones,
+                                 remembered_legs=1)  # nobody here can ask for the past
         self.robot, self._ledger, self.navigator, self.condition = (
             parts.robot, parts.ledger, parts.navigator, parts.condition)
         self.worker = None
         self._trace.motion(self.robot, fleet.now_ns)
         self._traveller = fleet.traffic.join(self.navigator, settings.network, self._trace.note, self.warn)
         if fleet._rooms is not None:
-            self.worker = Worker(fleet._rooms, self.robot, values['seed'],
-                                 None if fleet.trace is None else fleet.trace.append,
-                                 lambda record, stamp_ns: fleet._worked(spec.name, record, stamp_ns),
+            self.worker = Worker(fleet._rooms, self.robot, values['seed'], fleet._record,
+                                 lambda record, stamp_ns: fleet._tell(fleet._on_worked, spec.name, record, stamp_ns),
                                  lambda: self.condition.is_out_of_order,
                                  None if self.condition.battery is None else self.condition.battery.load)
         self.condition.begin(fleet.now_ns)
@@ -318,14 +319,16 @@ class _Member(NavigatorListener):
 
     def departed(self, robot, goal, now_ns):
         self._trace.departed(goal, now_ns, robot.leg.corners)
-        self._moved(now_ns)
+        if self.worker is not None:
+            self.worker.tasks.moved(now_ns)
         if self._traveller is not None:
             self._traveller.departed(robot.leg, now_ns)
 
     def stands(self, robot, now_ns):
         try:
             self._trace.stands(robot.pose_at(now_ns), now_ns)
-            self._moved(now_ns)
+            if self.worker is not None:
+                self.worker.tasks.moved(now_ns)
         finally:  # its places are its own, whatever goes wrong with the rest
             if self._traveller is not None:
                 self._traveller.stands(now_ns)
@@ -333,10 +336,6 @@ class _Member(NavigatorListener):
     def abandons(self, now_ns):
         if self._traveller is not None:
             self._traveller.abandons(now_ns)
-
-    def _moved(self, now_ns):
-        if self.worker is not None:
-            self.worker.tasks.moved(now_ns)
 
     def broken_off(self, now_ns):
         if self._traveller is not None:
@@ -369,7 +368,11 @@ class _Member(NavigatorListener):
 
     def publish_result(self, record, stamp_ns):
         self._trace.ended(record, stamp_ns)
-        self._fleet._ended(self.robot.name, record, stamp_ns)
+        self._fleet._tell(self._fleet._on_end, self.robot.name, record, stamp_ns)
+
+
+def _call(listener, robot, record, simulation, _due_ns, _now_ns):
+    listener(robot, record.goal_id, record.state, record.text, simulation.now_ns)
 
 
 def _no_lookup(frame_id, _stamp_ns):

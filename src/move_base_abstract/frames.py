@@ -1,6 +1,6 @@
 """The frames in which a goal may be given (REP 105: map -> odom -> base_link)."""
 from .errors import FrameError, TimeError
-from .geometry import Pose2D
+from .geometry import Pose2D, yaw_of_quaternion
 
 
 class RobotFrames:
@@ -23,7 +23,7 @@ class RobotFrames:
 
     def is_fixed(self, frame_id):
         """Return whether the frame never moves, so that a stamp does not matter."""
-        return frame_id in (self.global_frame, self.odom_frame)
+        return frame_id == self.global_frame or frame_id == self.odom_frame
 
     def locate(self, frame_id, stamp_ns, now_ns):
         """Return the pose of ``frame_id`` in the global frame at ``stamp_ns`` [ns; 0 = now].
@@ -40,6 +40,17 @@ class RobotFrames:
         except (FrameError, TimeError) as error:
             raise FrameError("Failed to transform the goal pose from '{}' into the '{}' frame: {}".format(
                 frame_id, self.global_frame, error)) from None
+
+    def place(self, goal, now_ns):
+        """Return where the :class:`GoalPose` ``goal`` is in the global frame, at its stamp or now.
+
+        :raises FrameError: as of :meth:`locate`. :raises ValueError: if it is no place.
+        """
+        x, y = goal.position
+        if self.is_fixed(goal.frame_id):
+            return Pose2D(0.0 + x, 0.0 + y, 0.0 + yaw_of_quaternion(goal.quaternion))  # as composed: never -0.0
+        place = self.locate(goal.frame_id, goal.stamp_ns, now_ns)
+        return place.compose(Pose2D(x, y, yaw_of_quaternion(goal.quaternion)))
 
     @staticmethod
     def _check_name(frame_id):

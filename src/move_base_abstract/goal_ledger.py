@@ -38,6 +38,8 @@ class GoalLedger:
         self._keep_ns = keep_ns
         self._records = []
         self._current = None
+        #: the record of the goal that is being worked on, or None
+        self.active = None
         self._last_cancel_ns = 0
         # A cancel may overtake its goal on another socket. Upstream forgets it after some seconds of ROS time, which
         # at a high speed is no time at all; here it is remembered by number, not by age.
@@ -46,31 +48,26 @@ class GoalLedger:
         self.is_silent = False
         self._untold = []
 
-    @property
-    def active(self):
-        """The record of the goal that is being worked on, or None."""
-        if self._current is not None and not self._current.state.is_terminal:
-            return self._current
-        return None
-
     def records(self, now_ns):
         """Return the records that the status topic shows at ``now_ns`` [ns], oldest first."""
-        return [record for record in self._records if not self._is_stale(record, now_ns)]
-
-    def _is_stale(self, record, now_ns):
-        return (record is not self._current and record.ended_ns is not None
-                and record.ended_ns + self._keep_ns < now_ns)
+        current, since_ns = self._current, now_ns - self._keep_ns
+        return [record for record in self._records
+                if record is current or record.ended_ns is None or record.ended_ns >= since_ns]
 
     def receive(self, goal_id, stamp_ns, now_ns):
         """Take a goal in and return its record if it is to be worked on now, else None.
 
         The goal that was active is ended by this. ``stamp_ns`` [ns] 0 and an empty ``goal_id`` mean: not given.
         """
-        if goal_id and self._is_duplicate(goal_id, now_ns):
-            return None
-        self._records = self.records(now_ns)
+        records = self.records(now_ns)
+        if goal_id:
+            for record in records:
+                if record.goal_id == goal_id:
+                    self._take_again(record, now_ns)
+                    return None
+        self._records = records
         record = GoalRecord(goal_id or self._new_id(now_ns), stamp_ns or now_ns)
-        self._records.append(record)
+        records.append(record)
         if record.goal_id in self._early_cancels:
             del self._early_cancels[record.goal_id]
             self._end(record, Outcome(GoalState.RECALLED), now_ns)
@@ -84,37 +81,34 @@ class GoalLedger:
         self._accept(record, now_ns)
         return record
 
-    def _is_duplicate(self, goal_id, now_ns):
-        """Whether the list holds the goal already; one that was cancelled before it came is recalled."""
-        for record in self.records(now_ns):
-            if record.goal_id != goal_id:
-                continue
-            if record.state is GoalState.RECALLING:
-                self._early_cancels.pop(goal_id, None)
-                self._end(record, Outcome(GoalState.RECALLED), now_ns)
-            elif record.ended_ns is not None:
-                record.ended_ns = now_ns
-            return True
-        return False
+    def _take_again(self, record, now_ns):
+        """The list holds the goal already; one that was cancelled before it came is recalled."""
+        if record.state is GoalState.RECALLING:
+            self._early_cancels.pop(record.goal_id, None)
+            self._end(record, Outcome(GoalState.RECALLED), now_ns)
+        elif record.ended_ns is not None:
+            record.ended_ns = now_ns
 
     def _accept(self, record, now_ns):
         try:
             if self.active is not None:
-                self._end(self._current, REPLACED, now_ns)
+                self._end(self.active, REPLACED, now_ns)
         finally:  # a goal that is neither active nor at its end would be lost
             if self._current is not None and self._current.ended_ns is not None:
                 self._current.ended_ns = now_ns
-            self._current = record
+            self._current = self.active = record
             record.state, record.text = GoalState.ACTIVE, TEXT_ACCEPTED
         self._publish_status()
 
     def finish(self, outcome, stamp_ns):
         """End the active goal with ``outcome`` at ``stamp_ns`` [ns]. Without an active goal this does nothing."""
         if self.active is not None:
-            self._end(self._current, outcome, stamp_ns)
+            self._end(self.active, outcome, stamp_ns)
 
     def _end(self, record, outcome, stamp_ns):
         record.state, record.text, record.ended_ns = outcome.state, outcome.text, stamp_ns
+        if record is self.active:
+            self.active = None
         if self.is_silent:
             self._untold.append(record)
             return
@@ -165,7 +159,7 @@ class GoalLedger:
     def clear(self):
         """Forget all goals and cancels, ended or not, without a word to anybody."""
         self._records = []
-        self._current = None
+        self._current = self.active = None
         self._last_cancel_ns = 0
         self._early_cancels.clear()
 
@@ -176,7 +170,7 @@ class GoalLedger:
         """
         for record in self._records:
             record.ended_ns = now_ns
-        self._current = None
+        self._current = self.active = None
         self._last_cancel_ns = 0
 
     def _remember_cancel(self, goal_id, stamp_ns, now_ns):

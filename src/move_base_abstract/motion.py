@@ -49,6 +49,20 @@ class Tolerances:
                 raise ValueError('{} tolerance must be >= 0 {}, got {!r}'.format(name, unit, value))
 
 
+def trip(distance, max_speed, acceleration):
+    """Return (highest speed [m/s], how long speeding up takes [s], how long all takes [s]) of a :class:`SpeedProfile`.
+
+    A robot that asks for nothing else needs none.
+    """
+    if math.isinf(acceleration):
+        return max_speed, 0.0, distance / max_speed if distance > 0.0 and max_speed > 0.0 else 0.0
+    product = acceleration * distance
+    # The product of two tiny numbers is 0, and a robot that never starts would be there at once.
+    peak = min(max_speed, math.sqrt(product) if product else math.sqrt(acceleration) * math.sqrt(distance))
+    ramp = peak / acceleration
+    return peak, ramp, 0.0 if distance <= 0.0 or peak <= 0.0 else distance / peak + ramp
+
+
 @dataclass(frozen=True)
 class SpeedProfile:
     """Travel over ``distance`` [m] from rest to rest: accelerate, cruise, decelerate.
@@ -68,18 +82,8 @@ class SpeedProfile:
     seconds: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
-        peak = self._peak()
-        ramp = 0.0 if math.isinf(self.acceleration) else peak / self.acceleration
-        seconds = 0.0 if self.distance <= 0.0 or peak <= 0.0 else self.distance / peak + ramp
+        peak, ramp, seconds = trip(self.distance, self.max_speed, self.acceleration)
         self.__dict__.update(peak_speed=peak, ramp_seconds=ramp, seconds=seconds)  # past the class being frozen
-
-    def _peak(self):
-        if math.isinf(self.acceleration):
-            return self.max_speed
-        product = self.acceleration * self.distance
-        # The product of two tiny numbers is 0, and a robot that never starts would be there at once.
-        peak = math.sqrt(product) if product else math.sqrt(self.acceleration) * math.sqrt(self.distance)
-        return min(self.max_speed, peak)
 
     def covered(self, elapsed):
         """Return the distance [m] covered ``elapsed`` [s] after the start, clamped to the trip."""
@@ -135,34 +139,49 @@ class Leg:
     """
 
     __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance',
-                 '_profile', '_course', '_first_turn', '_last_turn', '_drive_ns', '_last_turn_ns', '_turn_rate')
+                 '_limits', '_kept_profile', '_course', '_first_turn', '_last_turn', '_drive_ns', '_last_turn_ns')
 
     #: none: it is straight, see :class:`.route.Route`
     corners = ()
 
     def __init__(self, start, goal, limits, tolerances=Tolerances(), depart_ns=0):
-        gap = start.distance_to(goal)
-        self.distance = max(0.0, gap - tolerances.xy)
-        self._course = start.bearing_to(goal) if self.distance > 0.0 else start.yaw
+        dx, dy = goal.x - start.x, goal.y - start.y
+        gap = math.hypot(dx, dy)
+        self.distance = gap - tolerances.xy if gap > tolerances.xy else 0.0
+        self._course = math.atan2(dy, dx) if self.distance > 0.0 else start.yaw
+        self.start = start
+        self._limits = limits
+        self._kept_profile = None
+        self.depart_ns = depart_ns
+        seconds = trip(self.distance, limits.max_speed, limits.acceleration)[2]
+        if limits.turn_rate == math.inf and tolerances.yaw == 0.0:  # as of most: no turn is ever under way
+            self.end = self._end_pose(goal, gap, goal.yaw)
+            self._drive_ns = depart_ns
+            self._last_turn_ns = self.arrive_ns = depart_ns + seconds_to_ns(seconds)
+            return
         self._first_turn = normalize_angle(self._course - start.yaw)
         self._last_turn = turn_within(normalize_angle(goal.yaw - self._course), tolerances.yaw)
-        self._profile = SpeedProfile(self.distance, limits.max_speed, limits.acceleration)
-        self._turn_rate = limits.turn_rate
-        self.start = start
-        self.end = self._end_pose(start, goal, gap, tolerances)
-        self.depart_ns = depart_ns
+        self.end = self._end_pose(goal, gap, goal.yaw if tolerances.yaw == 0.0 else self._course + self._last_turn)
         self._drive_ns = depart_ns + seconds_to_ns(abs(self._first_turn) / limits.turn_rate)
-        self._last_turn_ns = self._drive_ns + seconds_to_ns(self._profile.seconds)
+        self._last_turn_ns = self._drive_ns + seconds_to_ns(seconds)
         self.arrive_ns = self._last_turn_ns + seconds_to_ns(abs(self._last_turn) / limits.turn_rate)
 
-    def _end_pose(self, start, goal, gap, tolerances):
-        yaw = goal.yaw if tolerances.yaw == 0.0 else self._course + self._last_turn
+    def _end_pose(self, goal, gap, yaw):
+        start = self.start
         if self.distance <= 0.0:
             return Pose2D(start.x, start.y, yaw)
         share = self.distance / gap
         if share == 1.0:
-            return Pose2D(goal.x, goal.y, yaw)
+            return goal if yaw is goal.yaw else Pose2D(goal.x, goal.y, yaw)
         return Pose2D(start.x + share * (goal.x - start.x), start.y + share * (goal.y - start.y), yaw)
+
+    @property
+    def _profile(self):
+        """How fast it drives: made when somebody asks for what lies between its ends."""
+        if self._kept_profile is None:
+            limits = self._limits
+            self._kept_profile = SpeedProfile(self.distance, limits.max_speed, limits.acceleration)
+        return self._kept_profile
 
     @property
     def duration_ns(self):
@@ -206,13 +225,13 @@ class Leg:
         if now_ns >= self.arrive_ns:
             return self.end
         if now_ns < self._drive_ns:
-            turned = math.copysign(self._turn_rate * (now_ns - self.depart_ns) / NS_PER_S, self._first_turn)
+            turned = math.copysign(self._limits.turn_rate * (now_ns - self.depart_ns) / NS_PER_S, self._first_turn)
             return Pose2D(self.start.x, self.start.y, self.start.yaw + turned)
         if now_ns < self._last_turn_ns:
             covered = self.distance_at(now_ns)
             return Pose2D(self.start.x + covered * math.cos(self._course),
                           self.start.y + covered * math.sin(self._course), self._course)
-        turned = math.copysign(self._turn_rate * (now_ns - self._last_turn_ns) / NS_PER_S, self._last_turn)
+        turned = math.copysign(self._limits.turn_rate * (now_ns - self._last_turn_ns) / NS_PER_S, self._last_turn)
         return Pose2D(self.end.x, self.end.y, self._course + turned)
 
     def velocity_at(self, now_ns):
@@ -220,10 +239,10 @@ class Leg:
         if now_ns < self.depart_ns or now_ns >= self.arrive_ns:
             return 0.0, 0.0
         if now_ns < self._drive_ns:
-            return 0.0, math.copysign(self._turn_rate, self._first_turn)
+            return 0.0, math.copysign(self._limits.turn_rate, self._first_turn)
         if now_ns < self._last_turn_ns:
             return self._profile.speed((now_ns - self._drive_ns) / NS_PER_S), 0.0
-        return 0.0, math.copysign(self._turn_rate, self._last_turn)
+        return 0.0, math.copysign(self._limits.turn_rate, self._last_turn)
 
 
 def turn_within(turn, tolerance):

@@ -5,10 +5,9 @@ before the simulation's present.
 """
 from collections import deque
 
-from .durations import GoalDurations
 from .errors import FrameError
 from .faults import attempt_each, fault_outcome, guarded
-from .geometry import Pose2D, quaternion_fault, yaw_of_quaternion
+from .geometry import quaternion_fault
 from .goal_feedback import GoalFeedback
 from .navigator_listener import BadFramePolicy, GoalPose, NavigatorListener
 from .outcome import CANCELLED, CLOCK_RESTARTED, INVALID_QUATERNION, NO_CONTROL, NO_PLAN, REACHED, aborted
@@ -31,7 +30,7 @@ class Navigator:
         self.planner = planner
         self._bad_frame_policy = bad_frame_policy
         self._recovery_policy = recovery_policy
-        self._durations = durations or GoalDurations()
+        self._durations = durations  # GoalDurations, None: all goes by the law alone
         self._simulation = simulation
         self._ledger = ledger
         self._frames = frames
@@ -81,13 +80,13 @@ class Navigator:
         if self._ledger.is_silent:
             self._unheard.append(lambda at_ns: self.receive(goal_id, stamp_ns, goal, at_ns))
             return
-        was_active = self.is_active
-        record = self._ledger.receive(goal_id, stamp_ns, now_ns)
-        if record is None:
+        starts_from_idle = self._ledger.active is None
+        if self._ledger.receive(goal_id, stamp_ns, now_ns) is None:
             return
-        self._durations.next_goal()
+        if self._durations is not None:
+            self._durations.next_goal()
         self.goal_number += 1
-        self._starts_from_idle = not was_active
+        self._starts_from_idle = starts_from_idle
         self._forget_goal(now_ns)
         if self.robot.leg is not None:
             self.robot.stop(now_ns)
@@ -103,12 +102,14 @@ class Navigator:
         for refusal in self._refusals.values():
             self._end(refusal, now_ns)
             return
-        self._tell_followers(now_ns)
-        self._feedback.start(now_ns)
+        if self._followers:
+            self._tell_followers(now_ns)
+        if self._feedback.frequency:
+            self._feedback.start(now_ns)
         self._find_place(goal, now_ns)
 
     def _find_place(self, goal, now_ns):
-        """Bring the goal into the global frame; wait if its stamp has yet to come."""
+        """Bring the goal into the global frame, and go there if that is possible; wait if its stamp has yet to come."""
         if self.planner.lacking:
             self._bad_place(goal, self.planner.lacking, now_ns)
             return
@@ -116,14 +117,17 @@ class Navigator:
             self._try_at(goal.stamp_ns, goal, now_ns)
             return
         try:
-            place = self._frames.locate(goal.frame_id, goal.stamp_ns, now_ns)
-            pose = place.compose(Pose2D(goal.position[0], goal.position[1], yaw_of_quaternion(goal.quaternion)))
+            pose = self._frames.place(goal, now_ns)
         except FrameError as error:
             self._bad_place(goal, str(error), now_ns)
         except ValueError as error:
             self._end(aborted('The goal is not a place: {}'.format(error)), now_ns)
         else:
-            self._pursue(pose, now_ns)
+            self._target = pose
+            if self._starts_from_idle:
+                self._listener.stop_wheels()
+            self._listener.target(pose, now_ns)
+            self._travel(self.planner.corners(self.robot.pose_at(now_ns), pose), now_ns)
 
     def _moves(self, frame_id, now_ns):
         """Return whether the frame is known and may be elsewhere later."""
@@ -156,14 +160,6 @@ class Navigator:
             return False
         return True
 
-    def _pursue(self, pose, now_ns):
-        """Go to ``pose`` (global frame) if that is possible, else give up in the configured way."""
-        self._target = pose
-        if self._starts_from_idle:
-            self._listener.stop_wheels()
-        self._listener.target(pose, now_ns)
-        self._travel(self.planner.corners(self.robot.pose_at(now_ns), pose), now_ns)
-
     def _fail_to_plan(self, now_ns):
         refusal = self.planner.refusal_of_way(self.robot.pose_at(now_ns), self._target)
         if refusal:
@@ -179,14 +175,14 @@ class Navigator:
             self._waits_for_release = True
             return
         try:
-            leg = self.robot.depart(self._target, now_ns, corners, self._durations.paced)
+            leg = self.robot.depart(self._target, now_ns, corners, self._durations and self._durations.paced)
         except ValueError as error:
             self._end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
             return
         self._listener.departed(self.robot, self._target, now_ns)
         if self.robot.leg is not leg:  # who was told of it holds the robot, which has not moved
             return
-        failure_ns = self._durations.failure_ns(leg)
+        failure_ns = None if self._durations is None else self._durations.failure_ns(leg)
         if failure_ns is None:
             self._at(leg.arrive_ns, self._arrive)
         else:
@@ -195,7 +191,8 @@ class Navigator:
     def _arrive(self, due_ns, _now_ns):
         self.robot.stop(due_ns)
         self._listener.stands(self.robot, due_ns)
-        self._feedback.tell_last(due_ns)
+        if self._feedback.frequency:
+            self._feedback.tell_last(due_ns)
         self._end(REACHED, due_ns)
 
     def _fail_on_the_way(self, due_ns, _now_ns):
@@ -238,7 +235,8 @@ class Navigator:
         self._listener.held(self._holds, now_ns)
         leg = self.robot.leg
         if leg is not None:
-            self._durations.interrupted(leg, now_ns)
+            if self._durations is not None:
+                self._durations.interrupted(leg, now_ns)
             self._forget_events()
             self._halt(now_ns)
             self._waits_for_release = True
@@ -368,11 +366,13 @@ class Navigator:
 
     def _end(self, outcome, stamp_ns):
         self._forget_goal(stamp_ns)
-        self._feedback.stop()
+        if self._feedback.frequency:
+            self._feedback.stop()
         if outcome.stops_wheels:
             self._listener.stop_wheels()
         self._ledger.finish(outcome, stamp_ns)
-        self._tell_followers(stamp_ns)
+        if self._followers:
+            self._tell_followers(stamp_ns)
 
     def break_off(self, error):
         """Whatever the robot was about has ended in the exception ``error``: its goal, if any, ends with its text."""
@@ -383,11 +383,13 @@ class Navigator:
             (self._ledger.finish, fault_outcome(error), now_ns), (self._tell_followers, now_ns)))
 
     def _at(self, due_ns, action):
-        self._events = [event for event in self._events if event.action is not None]
+        if self._events:
+            self._events = [event for event in self._events if event.action is not None]
         self._events.append(self._simulation.queue.schedule(due_ns, self.robot.index, action))
 
     def _forget_goal(self, now_ns):
-        self._forget_events()
+        if self._events:
+            self._forget_events()
         self._target = None
         self._waits_for_release = False
         self._listener.abandons(now_ns)

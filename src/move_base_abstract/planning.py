@@ -68,7 +68,7 @@ class StraightLinePlanner:
 
     def reachable(self, goal):
         """Return whether ``goal`` can be reached at all."""
-        return self._bounds.contains(goal) and self.refusal(goal) is None
+        return self._bounds.contains(goal) and (self._map_check is None or self.refusal(goal) is None)
 
     def plan(self, start, goal):
         """Return the way from ``start`` to ``goal`` as a list of poses some 0.25 m apart, or [] where there is none."""

@@ -27,24 +27,27 @@ class RobotParts(NamedTuple):
     condition: Condition
 
 
-def make_robot_parts(settings, name, index, simulation, answers, listener, lookup, planner=None, zones=()):
+def make_robot_parts(settings, name, index, simulation, answers, listener, lookup, planner=None, zones=(),
+                     remembered_legs=64):
     """Return the RobotParts of the robot ``name``, which stands at the start of its ``settings`` (RobotSettings).
 
     ``answers`` has ``publish_status()``, ``publish_result(record, stamp_ns)`` and ``new_id(now_ns)``, as of GoalLedger;
     ``listener`` is a NavigatorListener; ``lookup(frame_id, stamp_ns)`` finds foreign frames, as of RobotFrames;
-    ``planner`` is in the place of that of :func:`make_planner` without a map. Feedback is not switched on: see
-    Navigator.set_feedback_frequency.
+    ``planner`` is in the place of that of :func:`make_planner` without a map; ``remembered_legs``: as of Robot.
+    Feedback is not switched on: see Navigator.set_feedback_frequency.
     """
     values = settings.values
     robot = Robot(index, name, settings.start, settings.limits, settings.tolerances, simulation.now_ns,
-                  CornerLaw(values['corners']), settings.phases)
+                  CornerLaw(values['corners']), settings.phases, remembered_legs)
     frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
                          settings.frame(values['robot_base_frame']), lookup)
     ledger = GoalLedger(answers.publish_status, answers.publish_result, answers.new_id,
                         seconds_to_ns(values['status_list_timeout']))
+    durations = None
+    if settings.durations is not None:
+        durations = GoalDurations(settings.durations, values['seed'], name)
     navigator = Navigator(robot, simulation, ledger, frames, listener, planner or make_planner(settings),
-                          settings.bad_frame_policy, settings.recovery,
-                          GoalDurations(settings.durations, values['seed'], name))
+                          settings.bad_frame_policy, settings.recovery, durations)
     simulation.queue.guard(index, navigator.break_off)
     failing = None
     if settings.failures is not None:

@@ -24,15 +24,26 @@ class TraceEntry(NamedTuple):
     values: Any
 
 
+def as_entries(rows):
+    """Return the rows that traces have recorded as :class:`TraceEntry` objects: what nobody reads need not be made."""
+    return (TraceEntry(row[0], row[1], row[2], row[3:]) for row in rows)
+
+
+def _nothing(_row):
+    pass
+
+
 class RobotTrace:
-    """Makes the entries of one robot and hands them to ``record(entry)``; None records nothing.
+    """Makes the entries of one robot and hands each to ``record`` as one tuple: (time_ns, robot, kind, *values).
+
+    None for ``record`` records nothing.
 
     ``with_motion``: also by which limits the robot travels, so that its legs can be computed again from the entries.
     """
 
     def __init__(self, robot_name, record=None, with_motion=False):
         self._robot_name = robot_name
-        self._record = record
+        self._record = record or _nothing
         self._with_motion = with_motion
 
     def motion(self, robot, now_ns):
@@ -45,13 +56,13 @@ class RobotTrace:
 
     def departed(self, goal, now_ns, corners=()):
         """The robot starts for ``goal`` (Pose2D), by ``corners`` [(x, y)]."""
-        self._add(now_ns, 'departed', goal.x, goal.y, goal.yaw)
+        self._record((now_ns, self._robot_name, 'departed', goal.x, goal.y, goal.yaw))
         if corners:
             self._add(now_ns, 'route', *(value for corner in corners for value in corner))
 
     def stands(self, pose, now_ns):
         """The robot arrived at ``pose`` (Pose2D), was stopped there or was placed there."""
-        self._add(now_ns, 'stands', pose.x, pose.y, pose.yaw)
+        self._record((now_ns, self._robot_name, 'stands', pose.x, pose.y, pose.yaw))
 
     def held(self, reasons, now_ns):
         """The robot is held for ``reasons``, or for none any more."""
@@ -79,11 +90,10 @@ class RobotTrace:
 
     def ended(self, record, stamp_ns):
         """A goal ended; ``record`` is the ledger's."""
-        self._add(stamp_ns, 'ended', record.goal_id, record.state.name, record.text)
+        self._record((stamp_ns, self._robot_name, 'ended', record.goal_id, record.state._name_, record.text))
 
     def _add(self, time_ns, kind, *values):
-        if self._record is not None:
-            self._record(TraceEntry(time_ns, self._robot_name, kind, values))
+        self._record((time_ns, self._robot_name, kind, *values))
 
 
 class TaskTrace:
@@ -95,7 +105,7 @@ class TaskTrace:
 
     def __init__(self, robot_name, record=None):
         self._robot_name = robot_name
-        self._record = record
+        self._record = record or _nothing
 
     def waits(self, record, place, now_ns):
         """The task waits for room at ``place``."""
@@ -114,5 +124,4 @@ class TaskTrace:
         self._add(stamp_ns, 'task_ended', record.goal_id, record.state.name, record.text)
 
     def _add(self, time_ns, kind, *values):
-        if self._record is not None:
-            self._record(TraceEntry(time_ns, self._robot_name, kind, values))
+        self._record((time_ns, self._robot_name, kind, *values))

@@ -14,7 +14,7 @@ def seconds_to_ns(seconds):
     if not math.isfinite(seconds):
         raise ValueError('seconds must be finite, got {!r}'.format(seconds))
     whole = math.floor(seconds)
-    return int(whole) * NS_PER_S + int(round((seconds - whole) * NS_PER_S))
+    return whole * NS_PER_S + int(round((seconds - whole) * NS_PER_S))
 
 
 def check_reachable(time_ns, what):

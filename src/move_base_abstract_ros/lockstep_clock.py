@@ -130,9 +130,10 @@ class LockstepClock:
         self._has_causal_rows = True
 
     def record(self, index):
-        """Return what takes the :class:`TraceEntry` of the robot with ``index``: the run's event log."""
-        def log(entry):
-            self.participant.log(entry.robot, entry.kind, entry.values, sub=0 if self._has_causal_rows else index)
+        """Return what takes the rows of a trace, of the robot with ``index``: the run's event log."""
+        def log(row):
+            _, robot, kind, *values = row
+            self.participant.log(robot, kind, tuple(values), sub=0 if self._has_causal_rows else index)
         return log
 
     # --- what the participant calls ---------------------------------------------------------------------------------

@@ -5,7 +5,6 @@ import time
 from move_base_abstract.goal_ledger import GoalLedger
 from move_base_abstract.msg import TimedTaskActionFeedback, TimedTaskActionGoal, TimedTaskActionResult
 from move_base_abstract.outcome import GoalState
-from move_base_abstract.robot_trace import TraceEntry
 from move_base_abstract.timed_task import TimedTaskRunner
 from move_base_abstract.units import NS_PER_S
 
@@ -69,7 +68,7 @@ class TaskServer:
 
     def _trace(self, time_ns, kind, *values):
         if self._record is not None:
-            self._record(TraceEntry(time_ns, self.ns.strip('/'), kind, values))
+            self._record((time_ns, self.ns.strip('/'), kind, *values))
 
 
 def pack_result(took_ns):

@@ -18,8 +18,8 @@ CORE = os.path.dirname(fleet_module.__file__)
 MACHINE = {'event_queue.py', 'simulation.py', 'faults.py', 'arguments.py', 'units.py', 'fleet.py', 'chance.py',
            'shown.py', 'alarm.py'}
 ENTRIES = {('navigator.py', 'receive'), ('navigator.py', 'release'), ('place_tasks.py', 'give_back'),
-           ('goal_ledger.py', 'receive'), ('goal_ledger.py', 'active'),
-           ('goal_ledger.py', 'finish'), ('place_tasks.py', 'take'), ('place_tasks.py', '_admit'),
+           ('goal_ledger.py', 'receive'), ('goal_ledger.py', 'finish'),
+           ('place_tasks.py', 'take'), ('place_tasks.py', '_admit'),
            ('place_tasks.py', '_look'), ('place_tasks.py', '_changed'), ('timed_task.py', 'shut_down'),
            ('traffic.py', '_happen'), ('failing.py', '_no'), ('failing.py', 'repair'), ('failing.py', '_forget'),
            ('battery.py', '_is_heard'), ('arrivals.py', 'check_task'),

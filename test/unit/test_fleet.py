@@ -1,5 +1,7 @@
 """The fleet in plain Python: whole traces, order of equal times, reset, add, remove."""
 import random
+import sys
+from collections import Counter
 
 import pytest
 
@@ -131,6 +133,39 @@ def test_one_robot_more_changes_nothing_for_the_others():
     alone = trace_of_r_0(1)
     assert len(alone) > 20
     assert trace_of_r_0(7) == alone
+
+
+def calls_for_each_goal(robots, goals):
+    """Return how many calls of Python functions a goal takes, from a robot's last goal to its next."""
+    def on_end(name, *_ended):
+        if next(left) > 0:
+            fleet.send(name, chance.uniform(0.0, 50.0), chance.uniform(0.0, 50.0))
+
+    fleet, chance, left = make_fleet(robots, on_end=on_end), random.Random(1), iter(range(goals, -robots, -1))
+    for name in fleet.names:
+        fleet.send(name, 10.0, 0.0)
+    calls = Counter()
+    sys.setprofile(lambda _frame, event, _argument: calls.update([event]))
+    try:
+        fleet.run()
+    finally:
+        sys.setprofile(None)
+    return calls['call'] / (goals + robots)
+
+
+def test_a_goal_takes_few_calls_whatever_the_number_of_robots():
+    few, many = calls_for_each_goal(1, 200), calls_for_each_goal(100, 2000)
+    assert few < 90 and many < few + 1
+
+
+def test_the_trace_is_one_list_whenever_it_is_read():
+    fleet = make_fleet(trace=[TraceEntry(0, 'r_0', 'stands', (0.0, 0.0, 0.0))])
+    trace = fleet.trace
+    fleet.send('r_0', 10.0, 0.0)
+    assert [entry.kind for entry in fleet.trace] == ['stands', 'departed']
+    fleet.run()
+    assert fleet.trace is trace and [entry.kind for entry in trace] == ['stands', 'departed', 'stands', 'ended']
+    assert all(type(entry) is TraceEntry for entry in trace)
 
 
 def test_without_a_trace_nothing_is_kept():

@@ -1,7 +1,9 @@
 """Poses, angles and quaternions: values, limits and the faults that move_base finds in a goal's orientation."""
 
+import copy
 import dataclasses
 import math
+import pickle
 
 import pytest
 from hypothesis import given
@@ -137,3 +139,12 @@ def test_a_quaternion_with_a_part_that_is_not_finite_is_told_from_other_faults(p
     ((2, 2), (2, 2), (7, 7), 0.0), ((1, 1), (3, 3), (3, 1), 0.5)])
 def test_where_a_straight_piece_is_nearest(begin, end, place, share):
     assert share_along(begin, end, *place) == pytest.approx(share)
+
+
+def test_poses_can_be_copied_and_sent_to_other_processes():
+    pose = Pose2D(1.0, -2.0, 3.0)
+    assert pickle.loads(pickle.dumps(pose)) == copy.deepcopy(pose) == copy.copy(pose) == pose
+
+
+def test_finite_values_whose_sum_is_not_are_a_pose():
+    assert Pose2D(1.7e308, 1.7e308).y == 1.7e308

@@ -5,7 +5,7 @@ from move_base_abstract.fleet import Fleet
 from move_base_abstract.geometry import quaternion_of_yaw
 from move_base_abstract.navigator import GoalPose, NavigatorListener
 from move_base_abstract.robot_parts import make_robot_parts
-from move_base_abstract.robot_trace import RobotTrace, TraceEntry
+from move_base_abstract.robot_trace import RobotTrace
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_ros.lockstep_clock import LockstepClock  # noqa: TID251 (knows no ROS)
 
@@ -126,10 +126,10 @@ def test_the_event_log_is_the_trace_of_the_plain_fleet(clock, participant):
 
 
 def test_rows_are_those_of_the_robots_or_in_the_order_in_which_they_happen(clock, participant):
-    entry = TraceEntry(0, 'robot_3', 'left', ('zone gate',))
-    clock.record(3)(entry)
+    row = (0, 'robot_3', 'left', 'zone gate')
+    clock.record(3)(row)
     clock.keep_causal_rows()
-    clock.record(3)(entry)
+    clock.record(3)(row)
     assert [row[-1] for row in participant.logged] == [3, 0]
 
 
