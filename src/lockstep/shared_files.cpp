@@ -1,5 +1,8 @@
 #include "shared_files.h"
 
+#include <initializer_list>
+#include <string_view>
+
 #include "clock/number_text.h"
 #include "clock/shown_text.h"
 
@@ -16,9 +19,32 @@ std::string otherThan(const std::string& name, const std::set<std::string>& name
   return "";
 }
 
+bool beginsWith(std::string_view text, std::initializer_list<std::string_view> beginnings) {
+  for (const std::string_view beginning : beginnings) {
+    if (text.substr(0, beginning.size()) == beginning) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/** @return whether a file is the same for everybody, or is told of in another way. */
+bool isHarmless(std::string_view path) {
+  constexpr std::string_view kMemory = "/dev/shm/";  // a folder as any
+  const std::string_view name = path.substr(path.rfind('/') + 1);
+  return (!beginsWith(path, {kMemory}) &&
+          beginsWith(path, {"/usr/", "/lib/", "/lib32/", "/lib64/", "/etc/", "/opt/", "/proc/",
+                            "/sys/", "/dev/"})) ||
+         beginsWith(name, {"rospack_cache_", "rosstack_cache_"}) ||  // where packages are
+         path.find("/__pycache__/") != std::string_view::npos;
+}
+
 }  // namespace
 
 std::string SharedFiles::add(const std::string& member, const wire::Note& note) {
+  if (isHarmless(note.text)) {
+    return "";
+  }
   const bool writes = note.what == wire::NoteKind::kWrites;
   File& file = files_[std::string(note.text)];
   (writes ? file.writers : file.readers).insert(member);

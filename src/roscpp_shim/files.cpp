@@ -14,6 +14,7 @@
 
 #include "chance.h"
 #include "followed.h"
+#include "lockstep/utf8.h"
 #include "real.h"
 #include "recorder.h"
 #include "turn.h"
@@ -32,7 +33,7 @@ bool isIn(const char* path, std::initializer_list<const char*> folders) {
 
 bool isOfSystem(const char* path) {
   const bool is_harmless = isIn(path, {"/dev/null", "/dev/zero", "/dev/full", "/dev/std",
-                                       "/dev/tty", "/dev/pts/", "/dev/fd/"});
+                                       "/dev/tty", "/dev/pts/", "/dev/fd/", "/dev/shm/"});
   return isIn(path, {"/proc/", "/sys/", "/dev/"}) && !is_harmless;
 }
 
@@ -49,11 +50,20 @@ std::string wholePath(const char* path) {
              : "";
 }
 
-/** @return whether it is what rospack remembers of where packages are: the same for everybody. */
-bool isCacheOfPackages(const std::string& path) {
-  const std::size_t name = path.rfind('/') + 1;
-  return path.compare(name, 14, "rospack_cache_") == 0 ||
-         path.compare(name, 15, "rosstack_cache_") == 0;
+/** @return the path as the time master takes it: a name may be any bytes, a text is UTF-8. */
+std::string asText(const std::string& path) {
+  if (isUtf8(path)) {
+    return path;
+  }
+  std::string text;
+  for (const char letter : path) {
+    std::array<char, 5> shown{letter};
+    if ((static_cast<unsigned char>(letter) & 0x80) != 0) {
+      snprintf(shown.data(), shown.size(), "\\x%02x", static_cast<unsigned char>(letter));
+    }
+    text += shown.data();
+  }
+  return text;
 }
 
 /** @return what openat() is about, as far as it needs no folder. */
@@ -110,9 +120,8 @@ class Opening {
     const int error = errno;
     const Inside inside;
     const std::string path = wholePath(path_);
-    if (!path.empty() && !isCacheOfPackages(path) &&
-        !isIn(path.c_str(), {"/usr/", "/lib", "/etc/", "/opt/", "/proc/", "/sys/", "/dev/"})) {
-      noteFile(path, access != O_WRONLY, access != O_RDONLY);
+    if (!path.empty()) {
+      noteFile(asText(path), access != O_WRONLY, access != O_RDONLY);
     }
     errno = error;
   }

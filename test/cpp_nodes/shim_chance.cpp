@@ -285,7 +285,8 @@ void untold(const std::string& what, ros::NodeHandle& own) {
       }
     }
   }
-  file(own.param<std::string>("file", ""), own.param<std::string>("how", ""));
+  file(own.param<std::string>("file", "") + (own.param("odd", false) ? "\xff" : ""),
+       own.param<std::string>("how", ""));
 }
 
 /** Where this program lies in memory. */

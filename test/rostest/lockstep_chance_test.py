@@ -16,7 +16,7 @@ from move_base_abstract_ros.loopback import find_executable
 
 #: what the line of a label has, where it is not the last part of the name
 SHOWN = {'subprocess.Popen': 'check_output', 'os.fork': 'child.start()',
-         'socket.connect': 'create_connection', 'id': 'id(rospy)',
+         'socket.connect': 'create_connection', 'ctypes.dlsym': 'CDLL(None).time', 'id': 'id(rospy)',
          'hash': 'hash(threading.Lock())', 'open': "open('/dev/urandom'", 'os.exec': 'os.execv',
          'builtins.input': 'input()'}
 LABEL = re.compile(r"'/\w+': /\w+: (a clock|\S+) in (\S+), line (\d+): ")
@@ -102,6 +102,16 @@ class LabelledTest(unittest.TestCase):
         self.assertEqual(sorted(name for name, _line in found), sorted(' '.join(names).split()))
         for name, line in found:
             self.assertIn(SHOWN.get(name, name.rpartition('.')[2] + '('), line)
+
+    def test_a_file_that_another_participant_writes_in_whatever_way_is_labelled(self):
+        with tempfile.TemporaryDirectory(prefix='lockstep_chance_') as folder:
+            os.mkdir(os.path.join(folder, '__pycache__'))
+            run = run_programs({what: ['shares.py', what, folder] for what in ('writes', 'reads')}, until=10.0)
+            self.assertEqual(run.codes, {'writes': 0, 'reads': 0}, run.outputs)
+            names = [re.sub(r"^'/(?:writes|reads)' (?:writes|reads) {}/(.+), which .+: what passes between them so is "
+                            'not in the order of simulated time$'.format(folder), r'\1', label)
+                     for label in run.state.not_repeatable_because]
+        self.assertEqual(sorted(names), ['copy', 'create', 'log', 'note', r'odd \xff', 'replace', 'save', 'store'])
 
 
 class ThreadsTest(unittest.TestCase):

@@ -77,8 +77,9 @@ class ToolsTest(unittest.TestCase):
         return [line for line in self.runs[0].printed(name) if not line.startswith('WARNING')]
 
     def test_all_runs_are_the_same(self):
-        # view_frames.py has `dot` draw its graph.
-        assert_same(self, self.runs, labelled=['/view_frames: subprocess.Popen in '])
+        # A bag is written by one node and read by another; view_frames.py has `dot` draw its graph.
+        assert_same(self, self.runs, labelled=[
+            "run.bag, which '/recorder' writes", '/view_frames: subprocess.Popen in '])
 
     def test_rostopic_pub_at_a_rate_and_echo(self):
         self.assertEqual(self.printed('echo'), ['data: 1.5', '---'] * 5)

@@ -19,7 +19,8 @@ RUNS = Runs()
 SECOND = 10 ** 9
 EPOCH = 1577836800 * SECOND  # 2020-01-01, for seed 0
 UPTIME = 3600 * SECOND
-WALL_LOOP = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'unmodified', 'wall_loop.py')
+WALL_LOOP, READS = (os.path.join(os.path.dirname(os.path.abspath(__file__)), 'unmodified', name)
+                    for name in ('wall_loop.py', 'shares.py'))
 LAYOUT = 'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT'
 
 
@@ -128,12 +129,19 @@ class LockstepRoscppChanceTest(unittest.TestCase):
         for how, other in others.items():
             run = RUNS.run([Program('one', own('shim_chance'), what='file', file=path, how=how),
                             Program('two', own('shim_chance'), what='file', file=path, how=other)])
-            self.assertEqual(len(run.labels), 1, run.labels)
-            self.assertRegex(run.labels[0], "'/(one|two)' (reads|writes) {}, which '/(one|two)' (reads|writes): what "
-                                            'passes between them'.format(path))
+            self.assert_shared(run, path)
+        odd = 'odd ' + os.fsdecode(b'\xff')  # a name may be any bytes; Python and C++ tell of it alike
+        run = RUNS.run([Program('one', own('shim_chance'), what='file', file=os.path.join(folder, odd[:-1]), odd=True,
+                                how='writes'), Program('two', READS, 'reads', folder)])
+        self.assert_shared(run, os.path.join(folder, r'odd \xff'))
         run = RUNS.run([Program(name, own('shim_chance'), what='file', file=path + at, how=how)
                         for name, at, how in (('one', '', 'reads'), ('two', '', 'reads'), ('three', '.3', 'writes'))])
         self.assertEqual(run.labels, [])
+
+    def assert_shared(self, run, path):
+        self.assertEqual(len(run.labels), 1, run.labels)
+        self.assertRegex(run.labels[0], "^'/(one|two)' (reads|writes) {}, which '/(one|two)' (reads|writes): what "
+                                        'passes between them'.format(re.escape(path)))
 
     def test_strict_ends_the_run_with_the_first_label_and_its_program_with_an_error(self):
         script = Program('loop', WALL_LOOP, options=['--strict'])

@@ -28,6 +28,7 @@ from ..replaced import replace
 from . import chance
 from .callers import is_own, own_frame
 from .clocks import is_moment
+from .files import files
 from .told import told
 
 _PROCESS = 'starts another process, which does not take part in lockstep by itself'
@@ -65,10 +66,17 @@ CALLS = {
     'select.poll': _WATCHES, 'select.epoll': _WATCHES,
 }
 _ADDRESS = 'tells an address, which differs from run to run'
-_DEVICES = ('/dev/', '/proc/')
+_DEVICES = ('/dev/', '/proc/', '/sys/')
 #: what lies there and says the same in each run, or is the program's own output
 _HARMLESS = ('/dev/null', '/dev/zero', '/dev/full', '/dev/tty', '/dev/stdin', '/dev/stdout', '/dev/stderr', '/dev/fd/',
              '/dev/shm/', '/dev/pts/')
+
+
+#: functions of the C library that a program gets by ctypes; here, as Python has them, they would be the run's
+_OF_C = frozenset((
+    'time', 'clock_gettime', 'clock_gettime64', 'gettimeofday', 'ftime', 'timespec_get', 'clock', 'times', 'nanosleep',
+    'clock_nanosleep', 'usleep', 'sleep', 'getrandom', 'getentropy', 'arc4random', 'arc4random_buf',
+    'arc4random_uniform', 'getpid', 'gettid', 'getrusage', 'syscall'))
 
 
 def install():
@@ -185,6 +193,7 @@ _IN_ORDER = {'os.listdir': _listing, 'os.scandir': _scanning}
 
 
 def _audit(event, arguments):
+    files.audit(event, arguments)
     if event in EVENTS:
         told.tell(own_frame(sys._getframe(1)), event, EVENTS[event])
         if event in _STARTS and told.participant is not None:
@@ -195,6 +204,9 @@ def _audit(event, arguments):
         if isinstance(path, str) and path.startswith(_DEVICES) and not path.startswith(_HARMLESS):
             told.tell(own_frame(sys._getframe(1)), 'open', 'of {}: what the machine says there differs from run to '
                       'run'.format(path))
+    elif event == 'ctypes.dlsym' and arguments[1] in _OF_C:
+        told.tell(own_frame(sys._getframe(1)), 'ctypes.dlsym', "{}() of the C library is the machine's, not the run's"
+                  .format(arguments[1]))
     elif event in ('tempfile.mkstemp', 'tempfile.mkdtemp'):
         chance.is_taken(arguments[0], sys._getframe(1))
 

@@ -28,6 +28,7 @@ from . import (
     turns,
     watchdog,
 )
+from .files import files
 from .master_calls import calls
 from .told import told
 
@@ -91,7 +92,7 @@ class _Joining:
         self._rank = options.rank
         self._is_node = False
         self._is_strict = options.strict
-        self._followers = [told, turns.install(), objects.install()]
+        self._followers = [told, files, turns.install(), objects.install()]
         self.early = early.Early(name, lambda name, uri: self._follow(lockstep.take_part(name, uri, self._rank)))
 
     def install(self):

@@ -11,6 +11,7 @@ from move_base_abstract.units import NS_PER_S
 
 from ..replaced import replace
 from .callers import own_frame
+from .files import files
 from .imports import when_imported
 
 _DATES = ('date', 'time', 'datetime', 'julianday', 'unixepoch')
@@ -32,6 +33,7 @@ def _connecting(connect, functions):
         made = connect(*args, **kwds)
         if own_frame(sys._getframe(1)) is not None:
             functions.give(made, connect)
+            files.connected(*args, **kwds)
         return made
     return connect_
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Do all that differs from run to run."""
+import ctypes
 import getpass
 import multiprocessing
 import os
@@ -93,6 +94,7 @@ WAYS = {
     'shutil.disk_usage': lambda: shutil.disk_usage('/'), 'os.path.getmtime': lambda: os.path.getmtime('/'),
     'os.path.getctime': lambda: os.path.getctime('/'), 'os.path.getatime': lambda: os.path.getatime('/'),
     'os.stat': lambda: os.stat('/').st_mtime, 'rospy.get_param': lambda: rospy.get_param('/run_id', ''),
+    'ctypes.dlsym': lambda: ctypes.CDLL(None).time(None),
 }
 EARLY = ('os.getpid', 'open')  # before the program is a node
 
