@@ -25,8 +25,9 @@ PURE = frozenset((
 ROOMS = {
     'src/clock': ((), True),
     'src/lockstep': (('clock/',), True),
-    'src/participant': (('clock/', 'lockstep/wire.h', 'move_base_abstract/'), False),
-    'src/roscpp_shim': (('lockstep/wire.h', 'move_base_abstract/lockstep_participant.h', 'participant/exchange.h',
+    'src/participant': (('clock/', 'lockstep/utf8.h', 'lockstep/wire.h', 'move_base_abstract/'), False),
+    'src/roscpp_shim': (('lockstep/utf8.h', 'lockstep/wire.h', 'move_base_abstract/lockstep_participant.h',
+                         'participant/exchange.h', 'participant/parameter_text.h',
                          'participant/membership.h'), False),
     'src/time_master': (('clock/', 'lockstep/', 'participant/local_address.h', 'participant/run_secret.h'), False),
     'include/move_base_abstract': ((), False),

@@ -254,6 +254,7 @@ class Participant {
   /**
    * @brief Set a parameter of ROS when the round is over; who gets it then, this node too, gets
    * what the rounds have made of it. @throws ros::InvalidNameException
+   * @throws Error for what XML-RPC cannot say: a value without a type, texts that are no UTF-8
    */
   void setParam(const std::string& key, const XmlRpc::XmlRpcValue& value);
   /** @brief The same for a deletion; of what is not there it has no effect. */

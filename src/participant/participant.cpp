@@ -7,6 +7,7 @@
 
 #include "core.h"
 #include "move_base_abstract/lockstep_participant.h"
+#include "parameter_text.h"
 
 namespace move_base_abstract::lockstep {
 
@@ -161,7 +162,14 @@ void Participant::log(const std::string& robot, const std::string& kind, const s
 
 void Participant::setParam(const std::string& key, const XmlRpc::XmlRpcValue& value) {
   core_->check("setParam");
-  core_->append(wire::Parameter{ros::names::resolve(key), true, value.toXml()});
+  const std::string name = ros::names::resolve(key);
+  const std::string text = internal::parameterText(value);
+  if (text.empty()) {
+    throw Error("lockstep: setParam of " + core_->name() + ": the value of " + name +
+                " must have a type, with all that is in it, and its texts must be UTF-8 without "
+                "control characters");
+  }
+  core_->append(wire::Parameter{name, true, text});
 }
 
 void Participant::deleteParam(const std::string& key) {

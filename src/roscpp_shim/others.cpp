@@ -12,6 +12,7 @@
 #include <string>
 
 #include "followed.h"
+#include "parameters.h"
 #include "real.h"
 #include "turn.h"
 
@@ -30,6 +31,7 @@ void tellUse(const char* what, const void* caller) {
 void tellProcess(const std::string& name, const void* caller) {
   tellUse((name + " starts a process that takes no part: what it answers is the machine's").c_str(),
           caller);
+  parameters().settle();
 }
 
 /** @brief Memory that other processes have too. Libraries of the system share what is nobody's

@@ -10,12 +10,14 @@
 #include <utility>
 
 #include "node.h"
+#include "participant/parameter_text.h"
 #include "real.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {
 namespace {
 
+namespace internal = lockstep::internal;
 using XmlRpc::XmlRpcValue;
 
 const std::array<const char*, 7> kMethods = {"setParam",      "deleteParam", "getParam",
@@ -63,7 +65,10 @@ bool Parameters::answer(const std::string& method, const XmlRpcValue& request, X
     return ask(method, request, answer);  // it is told to end: there may be no round any more
   }
   if (method == "setParam") {
-    const std::string text = request[2].toXml();
+    const std::string text = internal::parameterText(request[2]);
+    if (text.empty()) {
+      return ask(method, request, answer);  // refused
+    }
     pending_.set(name, request[2]);
     node().append(wire::Parameter{name, true, text});
     return true;
@@ -121,7 +126,8 @@ bool Parameters::isSet(const std::string& name, const XmlRpcValue& request, cons
 /** @brief From the namespace upwards, as rosmaster: it looks for the key's first word only. */
 bool Parameters::search(const XmlRpcValue& request, XmlRpcValue& answer, const AskMaster& ask) {
   const std::string key = request[1];
-  if (key.empty() || key[0] == '~') {
+  std::string why;
+  if (key.empty() || key[0] == '~' || !ros::names::validate(key, why)) {
     return ask("searchParam", request, answer);  // refused
   }
   std::string space = key[0] == '/' ? "" : static_cast<std::string>(request[0]);
@@ -162,6 +168,14 @@ bool Parameters::names(const XmlRpcValue& request, XmlRpcValue& answer, const As
     answer[static_cast<int>(k)] = found[k];
   }
   return true;
+}
+
+void Parameters::settle() {
+  if (!Turn::isInside() && !Turn::isInternal() && turn().enter() && !pending_.empty()) {
+    Wait wait;
+    wait.next_round = true;
+    turn().wait(std::move(wait));
+  }
 }
 
 /** @brief The time master knows then that whoever else sets it labels the run. */

@@ -54,7 +54,9 @@ class Parameters {
               XmlRpc::XmlRpcValue& answer, const AskMaster& ask);
   /** @brief What was set has been reported. */
   void reported() { pending_.clear(); }
-  bool hasPending() const { return !pending_.empty(); }
+  /** @brief Have the ROS master know what was set in this turn: a process that takes no part is
+   * about to begin, and may look. */
+  void settle();
 
  private:
   bool isSet(const std::string& name, const XmlRpc::XmlRpcValue& request, const AskMaster& ask);

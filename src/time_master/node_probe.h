@@ -17,7 +17,8 @@ namespace move_base_abstract {
 
 using WallClock = std::chrono::steady_clock;
 
-/** @brief One XML-RPC server; each object is good for one request. */
+/** @brief One XML-RPC server, and a connection to it, which is kept; after a request that failed no
+ * more are made. */
 class NodeProbe : private XmlRpc::XmlRpcClient {
  public:
   NodeProbe(const std::string& host, int port) : XmlRpcClient(host.c_str(), port, "/") {}

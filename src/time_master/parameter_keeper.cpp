@@ -151,8 +151,7 @@ void ParameterKeeper::applySome(const std::vector<ParameterChange>& changes,
     request[0][static_cast<int>(asked.size())] = call;
     asked.push_back(change);
   }
-  const bool is_answered = !asked.empty() &&
-                           masterProbe().ask("system.multicall", request, kLimit, answers) &&
+  const bool is_answered = !asked.empty() && tell(request, answers) &&
                            answers.getType() == XmlRpc::XmlRpcValue::TypeArray;
   for (std::size_t k = 0; k < asked.size(); ++k) {
     const bool is_there = is_answered && static_cast<int>(k) < answers.size();
@@ -167,6 +166,19 @@ void ParameterKeeper::applySome(const std::vector<ParameterChange>& changes,
       refused->push_back(asked[k]);
     }
   }
+}
+
+/** @brief Over one connection for all rounds; after a failure over a new one. */
+bool ParameterKeeper::tell(const XmlRpc::XmlRpcValue& calls, XmlRpc::XmlRpcValue& answers) {
+  if (!master_) {
+    master_ = std::make_unique<NodeProbe>(ros::master::getHost(),
+                                          static_cast<int>(ros::master::getPort()));
+  }
+  const bool is_answered = master_->ask("system.multicall", calls, kLimit, answers);
+  if (!is_answered) {
+    master_.reset();
+  }
+  return is_answered;
 }
 
 /** @return whether apply() has deleted it, which the ROS master tells once. */

@@ -18,6 +18,8 @@ class XmlRpcValue;
 
 namespace move_base_abstract {
 
+class NodeProbe;
+
 /** @brief Has the ROS master set what participants have set, and hears what anybody else sets. */
 class ParameterKeeper {
  public:
@@ -41,7 +43,7 @@ class ParameterKeeper {
    * (It tells a tenth of a second late, as a rule.)
    */
   void remember();
-  /** @return those that the ROS master has not taken within 10 s of wall time. From any thread. */
+  /** @return those that the ROS master has not taken within 10 s of wall time. From one thread. */
   std::vector<ParameterChange> apply(const std::vector<ParameterChange>& changes);
 
  private:
@@ -50,8 +52,10 @@ class ParameterKeeper {
   bool isAsAtTheStart(const std::string& name, const XmlRpc::XmlRpcValue& value);
   void applySome(const std::vector<ParameterChange>& changes,
                  std::vector<ParameterChange>* refused);
+  bool tell(const XmlRpc::XmlRpcValue& calls, XmlRpc::XmlRpcValue& answers);
 
   Listener outside_;
+  std::unique_ptr<NodeProbe> master_;  // of apply()
   std::mutex mutex_;
   std::unique_ptr<XmlRpc::XmlRpcValue> at_start_;  // all parameters
   std::set<std::string> changed_;                  // by apply()

@@ -2,6 +2,7 @@
 #include <ros/ros.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -41,11 +42,29 @@ void writeAndRead(ros::NodeHandle& node, int count) {
   }
 }
 
+/** @brief A program that takes no part sees what was set in this turn. */
+void start(ros::NodeHandle& node) {
+  node.setParam("/board/errand", 3);
+  node.setParam("/board/odd", "\x01");  // what XML cannot say is refused, as without lockstep
+  node.setParam("/board/nothing", XmlRpc::XmlRpcValue());
+  std::string found;
+  ros::param::search("/a", "\xff", found);
+  std::printf("%d %d\n", node.hasParam("/board/odd"), node.hasParam("/board/nothing"));
+  std::fflush(stdout);
+  if (std::system("rosparam get /board/errand") != 0) {
+    std::printf("there is none\n");
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "board");
   ros::NodeHandle node;
+  if (argc > 1) {
+    start(node);
+    return 0;
+  }
   ros::Rate rate(10.0);
   for (int count = 1; ros::ok() && count <= 20; ++count) {
     std::string found = "none";

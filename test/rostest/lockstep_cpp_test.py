@@ -15,6 +15,7 @@ import rosgraph
 import rospy
 import rostest
 from lockstep_roscpp_run import take_name
+from own_sockets import closed_connections
 from std_msgs.msg import Time
 from std_srvs.srv import Trigger
 
@@ -188,6 +189,34 @@ class LockstepCppTest(unittest.TestCase):
                                              '2750000000 waited', '2750000000 failed'])
             self.assertIn('service /wait of /server returned false', output(client))
             self.assertIn('a call of /nobody by /client failed: no participant offers it', output(client))
+
+    def test_parameters_are_set_with_the_round_and_over_one_connection(self):
+        count = 60
+        with Loopback() as ros:
+            master = self.start(ros, '/board', '/other', strict=True)
+            board = ros.run('lockstep_board', 'board', parameters=dict(count=count))
+            other = ros.run('lockstep_board', 'other', parameters=dict(looks=count + 1, asks='/by_hand'))
+            self.assert_ends(board)
+            said = [line for line in lines(board) if not line[0].isdigit()]
+            self.assertEqual([line.split(':')[0] for line in said], 7 * ['refused'], said)
+            self.assertIn('the value of /wall/nothing must have a type', said[0])
+            seen = [line for line in lines(board) if line[0].isdigit()]
+            self.assertEqual(seen, [self.board_at(k) for k in range(count)])
+            hand = rosgraph.Master('/hand', master_uri=ros.uri)
+            wait_for('the last question', lambda: hand.hasParam('/wall/has_asked'))
+            self.assertEqual(lines(other), [self.board_at(k) for k in range(count + 1)])
+            self.assertLess(closed_connections(ros.uri), count / 2)
+            hand.setParam('/not_asked_for', 1)
+            hand.setParam('/by_hand', 1)
+            self.assertEqual(other.process.wait(GUARD), 1, output(other))
+            self.assertIn('strict, and the run is not repeatable: parameter /by_hand was set or deleted by somebody '
+                          'who does not take part, and /other asks for it', output(other))
+            self.assertNotIn('/not_asked_for', output(master))
+
+    @staticmethod
+    def board_at(k):
+        """Return what all see after so many rounds."""
+        return '%d %d %s exact' % (NS + k * NS // 10, k, '<&> \u00e4' if k % 3 else '-')
 
     def test_the_others_go_on_when_one_is_killed(self):
         with Loopback() as ros:

@@ -40,6 +40,9 @@ class ParametersTest(unittest.TestCase):
     def test_a_program_that_is_started_sees_what_was_set(self):
         run = run_programs({'messenger': ['messenger.py', 'start']}, until=5.0)
         self.assertEqual(run.printed('messenger'), ['seen for a program'])
+        run = run_programs({'board': [find_executable('shim_board'), 'start']}, until=5.0)
+        self.assertEqual(run.printed('board'), ['0 0', '3'])
+        self.assertEqual(len(run.state.not_repeatable_because), 1, run.state)  # of the program
 
     def test_what_is_set_by_hand_is_seen_and_labelled_where_it_is_asked_for(self):
         # It is set until the run is labelled, and asked for until it is not set any more.

@@ -16,3 +16,10 @@ def listening_addresses(pid):
     process = psutil.Process(pid)
     connections = getattr(process, 'net_connections', process.connections)(kind='tcp')
     return {one.laddr.ip for one in connections if one.status == psutil.CONN_LISTEN}
+
+
+def closed_connections(uri):
+    """Return how many connections to a server were closed within the last minute, by their clients."""
+    port = int(uri.strip('/').rpartition(':')[2])
+    return sum(one.status == psutil.CONN_TIME_WAIT and one.raddr.port == port
+               for one in psutil.net_connections(kind='tcp'))
