@@ -22,7 +22,10 @@ from actionlib import GoalStatus, SimpleActionClient
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 from own_sockets import listening_addresses, pid_of
+from roslib.packages import find_node
 
+from move_base_abstract_ros.launching import plan
+from move_base_abstract_ros.lockstep import binary
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
 GUARD = 600.0
@@ -163,6 +166,17 @@ class LaunchFiles(unittest.TestCase):
             for name, given in sorted(arguments.items()):
                 command = ['/usr/bin/env', '-u', 'ROS_IP', find_executable(name), *given, '__name:=' + name]
                 child = ros.spawn('/' + name, command)
+                self.assertEqual(self._addresses(ros, name, child), {'127.0.0.1'}, name)
+
+    def test_programs_of_others_in_roscpp_listen_where_ros_ip_is(self):
+        variable, library = binary.loopback_only(os.environ)
+        made = plan.make_plan([(os.path.join(LAUNCH, 'simulator.launch'), [])], plan.Wishes({}))
+        self.assertEqual([dict(node.env_args).get(variable) for node in made.config.nodes_core], [library])
+        with Loopback() as ros:
+            for name, command in (
+                    ('rosout', ['/usr/bin/env', variable + '=' + library, *find_node('rosout', 'rosout')]),
+                    ('board', [find_executable('lockstep'), find_executable('shim_board')])):
+                child = ros.spawn('/' + name, [*command, '__name:=' + name])
                 self.assertEqual(self._addresses(ros, name, child), {'127.0.0.1'}, name)
 
     def _addresses(self, ros, name, child):

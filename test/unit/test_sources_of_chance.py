@@ -48,8 +48,8 @@ def literals(path, name):
 
 def test_each_function_that_the_library_stands_in_front_of_has_its_row():
     text = (ROOT / 'src' / 'roscpp_shim' / 'replaced.def').read_text(encoding='utf-8')
-    sources = [name for library, name in SHIM_ROW.findall(text)
-               if library.startswith('lib') or name in ('ros::WallTime::now()', 'ros::SteadyTime::now()')]
+    sources = [name for library, name in SHIM_ROW.findall(text) if name != 'bind()' and (
+        library.startswith('lib') or name in ('ros::WallTime::now()', 'ros::SteadyTime::now()'))]
     assert len(sources) > 70
     shown = [name for name in functions('C++') if name.endswith(')') and not name.startswith('syscall')]
     assert sorted(name for name in shown if '(' in name) == sorted(sources)
@@ -69,8 +69,8 @@ def test_each_name_of_python_has_its_row():
 def test_what_is_labelled_in_python_is_told_by_the_code():
     code = ''.join(path.read_text(encoding='utf-8') for path in sorted(LOCKSTEP.glob('*.py')))
     told = set(re.findall(r"told\.tell\(.*?, '([\w. ]+)'", code))
-    assert told == LABELLED | {'asyncio', 'open', 'ctypes.dlsym', 'select.select', '_posixsubprocess.fork_exec', 'tempfile', 'chance',
-                               'a clock'}
+    assert told == LABELLED | {'asyncio', 'open', 'ctypes.dlsym', 'select.select', '_posixsubprocess.fork_exec',
+                               'tempfile', 'chance', 'a clock'}
 
 
 @pytest.mark.parametrize('language', ['C++', 'Python'])

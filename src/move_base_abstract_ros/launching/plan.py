@@ -14,7 +14,7 @@ from roslaunch import substitution_args
 from move_base_abstract import event_log
 from move_base_abstract.errors import ConfigurationError
 
-from ..lockstep import recorders, report_delays
+from ..lockstep import binary, recorders, report_delays
 from ..loopback import PACKAGE, find_executable
 from . import roles
 from .ends import TIME_MASTER
@@ -80,15 +80,15 @@ def plan_of(config, wishes):
     notes += _split(config, fleets, wishes.parts)
     launcher = [find_executable('lockstep'), *wishes.launcher]
     found = []
-    for node in config.nodes:
-        if not roles.is_time_master(node):
-            role = roles.role_of(node, wishes.forced, wishes.kept_out, wishes.with_respawned)
-            found.append(role)
-            _prepare(node, role, launcher, wishes)
-            notes += _look_at_recorder(config, node, role)
+    for node in _others(config):
+        role = roles.role_of(node, wishes.forced, wishes.kept_out, wishes.with_respawned)
+        found.append(role)
+        _prepare(node, role, launcher, wishes)
+        notes += _look_at_recorder(config, node, role)
     if not any(role.takes_part for role in found) and not _named(config):
         raise ConfigurationError('no node of this launch file can take part in lockstep: {}'.format(
             '; '.join('{}: {}'.format(role.name, role.why) for role in found) or 'there is none'))
+    _keep_local([*config.nodes_core, *(node for node, role in zip(_others(config), found) if not role.takes_part)])
     notes += _add_time_master(config, found, wishes)
     if wishes.is_reversed:
         _reverse(config, [role.name for role in found if role.takes_part])
@@ -162,6 +162,21 @@ def _prepare(node, role, launcher, wishes):
         else:
             node.launch_prefix = roles.prefix_of(node, launcher)
             node.respawn = False
+
+
+def _others(config):
+    return [node for node in config.nodes if not roles.is_time_master(node)]
+
+
+def _keep_local(nodes):
+    """Have roscpp programs that take no part (rosout is one) listen on 127.0.0.1 where ROS_IP says so."""
+    try:
+        name, value = binary.loopback_only(os.environ)
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from None
+    for node in nodes:
+        if name not in dict(node.env_args):
+            node.env_args = [*node.env_args, (name, value)]
 
 
 def _look_at_recorder(config, node, role):

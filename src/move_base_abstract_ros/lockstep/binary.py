@@ -12,6 +12,7 @@ import sys
 from . import recorders
 
 SHIM = 'libmove_base_abstract_roscpp_shim.so'
+_LOOPBACK_ONLY = 'libmove_base_abstract_loopback_only.so'
 _ROSCPP = 'libroscpp.so'
 _PARTICIPANT = 'libmove_base_abstract_lockstep.so'
 _RANK = 'MOVE_BASE_ABSTRACT_LOCKSTEP_RANK'
@@ -58,11 +59,23 @@ def prepare(path, rank, sleep, environment):
         raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system lets nobody "
                          'preload a library into it'.format(path))
     result = dict(environment)
-    result[_PRELOAD] = ' '.join([find_shim(environment)] + result.get(_PRELOAD, '').split())
+    result[_PRELOAD] = _preloaded(SHIM, environment)
     if rank is not None:
         result[_RANK] = str(rank)
     result[_SLEEP] = sleep
     return result
+
+
+def loopback_only(environment):
+    """Return (name, value) by which a roscpp program that takes no part listens as ROS_IP says, if that is 127.0.0.1.
+
+    :raises ValueError: as :func:`find_shim`.
+    """
+    return _PRELOAD, _preloaded(_LOOPBACK_ONLY, environment)
+
+
+def _preloaded(library, environment):
+    return ' '.join([find_shim(environment, library)] + environment.get(_PRELOAD, '').split())
 
 
 def node_name(path, arguments, environment):
@@ -88,8 +101,8 @@ def _parameter(name):
         return None  # the program will find out, or fail, by itself
 
 
-def find_shim(environment):
-    """Return the path of the library to preload: in catkin's devel or install space.
+def find_shim(environment, library=SHIM):
+    """Return the path of a library to preload: in catkin's devel or install space.
 
     :raises ValueError: if it is in none of the places.
     """
@@ -99,11 +112,11 @@ def find_shim(environment):
     # Without an environment: PREFIX/lib/python3/dist-packages/move_base_abstract_ros/lockstep/binary.py
     folders.append(os.path.normpath(os.path.join(os.path.dirname(__file__), *[os.pardir] * 4)))
     for folder in folders:
-        path = os.path.join(folder, SHIM)
+        path = os.path.join(folder, library)
         if os.path.isfile(path):
             return path
     raise ValueError('{} is in none of {}; source the setup.sh of the workspace that has move_base_abstract'.format(
-        SHIM, ', '.join(folders)))
+        library, ', '.join(folders)))
 
 
 def links_to_roscpp(path):
