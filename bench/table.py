@@ -15,7 +15,7 @@ COLUMNS = {
     'experiments': ('what', 'wall_s', 'wanted_s', 'cpu_s', 'load', 'memory_mb_early', 'memory_mb_late'),
     'launcher': ('what', 'per_s', 'wanted_per_s', 'exact'),
     'launcher_start': ('plain_s', 'launched_s', 'added_s', 'wanted_added_s'),
-    'launcher_end': ('nodes', 'runs', 'end_s', 'longest_s', 'wanted_end_s'),
+    'launcher_end': ('nodes', 'runs', 'start_s', 'wanted_start_s', 'end_s', 'longest_s', 'wanted_end_s', 'cpu_s'),
     'dense': ('cores', 'agent', 'agents', 'rates', 'speed_up', 'wanted_speed_up', 'rounds_per_s', 'deliveries_per_s',
               'switches_per_tick', 'simulated_s_per_cpu_s_time_master', 'simulated_s_per_cpu_s_fleet',
               'simulated_s_per_cpu_s_agent', 'repeatable'),

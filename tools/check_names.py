@@ -13,7 +13,7 @@ SOURCE = pathlib.Path('src')
 
 
 def bound_names(tree):
-    """Return the names that a module binds at its top level, below if, try and with too."""
+    """Return the names that a module binds at its top level, below if, try and with too, and those of its __all__."""
     names, waiting = set(), list(tree.body)
     while waiting:
         node = waiting.pop()
@@ -24,8 +24,11 @@ def bound_names(tree):
         elif isinstance(node, (ast.If, ast.Try, ast.With, ast.For)):
             waiting += [child for child in ast.walk(node) if isinstance(child, ast.stmt) and child is not node]
         else:
-            names.update(child.id for child in ast.walk(node)
-                         if isinstance(child, ast.Name) and isinstance(child.ctx, ast.Store))
+            stored = [child.id for child in ast.walk(node)
+                      if isinstance(child, ast.Name) and isinstance(child.ctx, ast.Store)]
+            names.update(stored)
+            if stored == ['__all__'] and isinstance(node.value, ast.List):  # it may import them when they are asked for
+                names.update(one.value for one in node.value.elts)
     return names | {'__name__', '__file__', '__doc__'}
 
 

@@ -18,9 +18,9 @@ from pathlib import Path
 
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract.shown import shown
-from move_base_abstract_ros.launching import ends
+from move_base_abstract_ros.launching import ends, processes
 
-from . import processes, run
+from . import run
 
 OUTPUT = 'function.txt'  # what a trial's function prints
 _LOOPBACK = f'{__package__}.warm_loopback'  # there if a function starts nodes by it

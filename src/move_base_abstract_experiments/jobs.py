@@ -8,9 +8,9 @@ import tempfile
 import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the warm process has one
 
 from move_base_abstract.errors import SimulatorError
+from move_base_abstract_ros.launching.warm_nodes import interpreter_of
 
 from . import bundle, elsewhere, functions, ingredients, plan
-from .warm_nodes import interpreter_of
 
 _END_S = 10.0  # wall
 _BESIDE_S = 300.0  # wall, that a trial may take beside its runs: metrics, packing

@@ -11,12 +11,11 @@ import xml.etree.ElementTree
 from functools import lru_cache
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract_ros import replaced
+from move_base_abstract_ros.launching.look_ups import programs
 
 NAME = 'programs.json'
 _FIND = re.compile(r'\$\(find ([A-Za-z][\w-]*)\)')
 _MOST_INCLUDED = 1000
-_known = {}  # (package, type): path; of earlier trials too
 
 
 @lru_cache(maxsize=None)
@@ -86,33 +85,16 @@ def with_includes(path):
     return found
 
 
-def remember_programs():
-    """Have roslib's search for a node's program, in this process, begin with what was found before."""
-    replaced.replace('roslib.packages.find_node', _begin_with_known)
-
-
-def _begin_with_known(search):
-    def find_node(package, kind, rospack=None):
-        path = _known.get((package, kind))
-        if path is not None and os.access(path, os.X_OK):
-            return [path]
-        found = search(package, kind, rospack) if rospack is not None else search(package, kind)
-        if len(found) == 1:  # of several, whoever asks makes its own choice, or an error
-            _known[package, kind] = found[0]
-        return found
-    return find_node
-
-
 def save_programs(folder):
     """Write what was found into a trial's folder, for the warm process."""
     with open(os.path.join(folder, NAME), 'w', encoding='utf-8') as stream:
-        json.dump([[*key, path] for key, path in _known.items()], stream)
+        json.dump([[*key, path] for key, path in programs.items()], stream)
 
 
 def load_programs(folder):
     """Take what a trial has found."""
     try:
         with open(os.path.join(folder, NAME), encoding='utf-8') as stream:
-            _known.update({(package, kind): path for package, kind, path in json.load(stream)})
+            programs.update({(package, kind): path for package, kind, path in json.load(stream)})
     except (OSError, ValueError):
         pass  # a trial that ended before that

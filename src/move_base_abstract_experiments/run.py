@@ -15,10 +15,10 @@ import time
 from typing import NamedTuple
 
 from move_base_abstract.errors import SimulatorError
-from move_base_abstract_ros.launching import ends
+from move_base_abstract_ros.launching import ends, processes, ros_master, warm_nodes
 from move_base_abstract_ros.loopback import PACKAGE
 
-from . import launch_files, processes, ros_master, warm_nodes
+from . import launch_files
 
 LOG_MOTION, PARTICIPANTS = '/log_motion', '/time_master/participants'
 END_NODE, RECORDER_NODE = '/experiment_end', '/experiment_recorder'

@@ -17,8 +17,9 @@ import socket
 import sys
 
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract_ros.launching import look_ups, processes, warm_nodes
 
-from . import functions, launch_files, processes, temporary, warm_nodes
+from . import functions, launch_files, temporary
 
 _HASH_SEED = 'PYTHONHASHSEED'
 READY = b'ready\n'
@@ -40,7 +41,7 @@ def main(words):
         importlib.import_module(name)
     from . import trial  # noqa: F401 - for the forks
     launch_files.core()
-    launch_files.remember_programs()
+    look_ups.remember()
     replaced.look_up()
     warm_nodes.log_settings()
     _share()

@@ -4,18 +4,13 @@ This process has one thread until all are started: before rospy.init_node. The k
 """
 import functools
 import os
-import signal
-import subprocess
-import time
 
 from rosgraph.names import ns_join
 
 from move_base_abstract_ros import loopback
+from move_base_abstract_ros.launching import processes, ros_master, warm_nodes
 from move_base_abstract_ros.loopback import Child, Loopback, LoopbackError
 
-from . import processes, ros_master, warm_nodes
-
-_POLL_S = 0.005  # wall
 ended = []  # fields of launching.ends.Process: nodes that had ended when their Loopback was closed
 
 
@@ -70,33 +65,5 @@ class WarmLoopback(Loopback):
         return os.path.join(self.log_dir, f'{len(self._children):02d}{name.replace("/", "-")}.out')
 
     def _child(self, name, pid, log_path):
-        self._children.append(Child(name, _Forked(pid), log_path))
+        self._children.append(Child(name, processes.Forked(pid), log_path))
         return self._children[-1]
-
-
-class _Forked:
-    """What subprocess.Popen says of a process, of one that was forked."""
-
-    def __init__(self, pid):
-        self.pid = pid
-        self._code = None
-
-    def poll(self):
-        """Return its exit code, of a signal the negative number; None while it runs."""
-        if self._code is None:
-            try:
-                found, status = os.waitpid(self.pid, os.WNOHANG)
-            except ChildProcessError:  # somebody else has taken its status
-                found, status = self.pid, signal.SIGKILL
-            if found:
-                self._code = processes.code_of(status)
-        return self._code
-
-    def wait(self, timeout=None):
-        """Return its exit code at its end. :raises subprocess.TimeoutExpired: after so long [s, wall]."""
-        deadline = None if timeout is None else time.monotonic() + timeout
-        while self.poll() is None:
-            if deadline is not None and time.monotonic() > deadline:
-                raise subprocess.TimeoutExpired(f'process {self.pid}', timeout)
-            time.sleep(_POLL_S)
-        return self._code

@@ -32,7 +32,7 @@ SQLITE = 'the launcher of unmodified programs, when a program imports sqlite3'
 LOOPS = 'the launcher of unmodified programs, when a program imports asyncio'
 OLD_LOOPS = LOOPS + ', before Python 3.11'
 NEW_LOOPS = LOOPS + ', from Python 3.12 on'
-WARM = 'the warm process of an experiment, and what it forks'
+WARM = '`lockstep_launch`, and the warm process of an experiment and what it forks'
 FUTURES = 'lockstep.join, when a program uses concurrent.futures'
 POOLS = 'lockstep.join, when a program uses multiprocessing.pool'
 

@@ -263,7 +263,7 @@ class LaunchTest(unittest.TestCase):
                                      'move_base_abstract/move_base'), ('map_server', 'map_saver', '')):
             node = SimpleNamespace(package=package, type=kind, name='node', namespace='/', machine_name=None,
                                    respawn=False, launch_prefix=None)
-            with mock.patch.object(roles, '_program', lambda _node: None):
+            with mock.patch.object(roles, 'program_of', lambda _node: None):
                 role = roles.role_of(node)
             self.assertEqual(role.why, 'there is no program {}/{}{}'.format(package, kind, hint))
             self.assertLessEqual(len(role.why), MAX_LENGTH)  # it is told whole

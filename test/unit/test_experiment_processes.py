@@ -45,7 +45,7 @@ print(os.read(read, 1) == b'')
 def test_a_node_is_waited_for_until_the_ros_master_knows_it_or_it_has_ended():
     assert run("""
 from types import SimpleNamespace
-from move_base_abstract_experiments import ros_master
+from move_base_abstract_ros.launching import ros_master
 answers = []
 def lookup(caller, name):
     answers.append(name)

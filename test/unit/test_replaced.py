@@ -11,7 +11,8 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 SOURCES = os.path.join(ROOT, 'src')
 FOREIGN = re.compile(r'(rospy|actionlib|rosgraph|roslib|threading|time|queue|uuid|logging|sys|os|socket|random)(\.|$)')
 #: what a program is started with is set, not replaced; the rospy ones are what it reads of that when it is imported
-VALUES = ('sys.argv', 'sys.stdout', 'rospy.names._mappings', 'rospy.names._caller_namespace', 'rospy.names._caller_id')
+VALUES = ('sys.argv', 'sys.stdout', 'sys.__stdout__', 'sys.stderr', 'sys.__stderr__',
+          'rospy.names._mappings', 'rospy.names._caller_namespace', 'rospy.names._caller_id')
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from move_base_abstract.errors import ConfigurationError
 
 from ..lockstep import binary, recorders, report_delays
 from ..loopback import PACKAGE, find_executable
-from . import roles
+from . import core_file, roles
 from .ends import TIME_MASTER
 
 _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # of a run with another order, wall
@@ -65,7 +65,7 @@ def make_plan(files, wishes):
 
     :raises ConfigurationError: if the files cannot be run like this; :raises roslaunch.core.RLException: its own.
     """
-    config = roslaunch.config.load_config_default(files, None, verbose=False)
+    config = roslaunch.config.load_config_default(files, None, loader=core_file.Loader(), verbose=False)
     return plan_of(config, wishes)
 
 
@@ -93,6 +93,13 @@ def plan_of(config, wishes):
     if wishes.is_reversed:
         _reverse(config, [role.name for role in found if role.takes_part])
     return Plan(config, found, left_out, notes, [roles.name_of(node) for node in fleets], wishes.is_reversed)
+
+
+def scripts_of(plan):
+    """Return the paths of the Python programs of those who take part, sorted."""
+    scripts = {role.name for role in plan.roles if role.kind in ('rospy', 'itself')}
+    found = {roles.program_of(node) for node in plan.config.nodes if roles.name_of(node) in scripts}
+    return sorted(found - {None})
 
 
 @contextlib.contextmanager

@@ -57,7 +57,7 @@ def has_clock(node, kept=()):
     if node.package == PACKAGE or name_of(node) in kept or any(
             ns_join('/', old) == '/clock' for old, _new in node.remap_args):
         return False
-    path = _program(node)
+    path = program_of(node)
     return path is not None and programs.publishes_clock(path)
 
 
@@ -78,7 +78,7 @@ def _kind(node, name, forced, kept_out, with_respawned):
         return None, reason
     if _is_by_itself(node):
         return 'itself', ''
-    path = _program(node)
+    path = program_of(node)
     if path is None:
         return None, 'there is no program {}'.format(_without(node))
     kind, why = programs.kind_of(path)
@@ -86,7 +86,7 @@ def _kind(node, name, forced, kept_out, with_respawned):
 
 
 def _starts_recorder(node):
-    path = None if node.package == PACKAGE else _program(node)
+    path = None if node.package == PACKAGE else program_of(node)
     return path is not None and recorders.starts_recorder(path)
 
 
@@ -116,7 +116,8 @@ def _without(node):
     return '{}; ours: --replace {}={}/{}'.format(kind, kind, PACKAGE, own) if own else kind
 
 
-def _program(node):
+def program_of(node):
+    """Return the path of a roslaunch Node's program, or None."""
     try:
         found = packages.find_node(node.package, node.type)
     except Exception:  # roslaunch says it in its own words when it starts the node

@@ -1,8 +1,10 @@
 """Run a Plan: roslaunch's own parent, that ends a run in order and says how it ended."""
+import subprocess
 import sys
 import threading
 import time
 
+import roslaunch.nodeprocess
 import roslaunch.parent
 from roslaunch.core import is_machine_local
 
@@ -25,8 +27,8 @@ class Parent(roslaunch.parent.ROSLaunchParent):
     ``code`` is the exit code when spin() has returned, GOOD or BAD; ends() then says how the processes ended.
     """
 
-    def __init__(self, run_id, plan, log, **options):
-        """log: the path of the run's event log."""
+    def __init__(self, run_id, plan, log, warm=None, **options):
+        """log: the path of the run's event log. warm: the WarmClient that starts Python nodes, if there is one."""
         super().__init__(run_id, [], local_only=True, process_listeners=(), **options)
         self._plan = plan
         self._log_path = log
@@ -36,6 +38,8 @@ class Parent(roslaunch.parent.ROSLaunchParent):
         self._has_started = False
         self._over = threading.Event()
         self._sleeps = Sleeps()
+        if warm is not None:
+            roslaunch.nodeprocess.subprocess = _Starting(warm.popen)
         self.code = GOOD
 
     def _init_runner(self):
@@ -144,6 +148,16 @@ class Parent(roslaunch.parent.ROSLaunchParent):
         found = [self._watched[name].process(name, name in self._plan.participants) if name in self._watched
                  else ends.Process(name, False, None, was_started=False) for name in names]
         return ends.judge(found, ends.read_log(self._log_path))
+
+
+class _Starting:
+    """Stands for the module subprocess in roslaunch's class of processes."""
+
+    def __init__(self, popen):
+        self.Popen = popen
+
+    def __getattr__(self, name):
+        return getattr(subprocess, name)
 
 
 def _name_of(process_name):

@@ -21,6 +21,7 @@ from . import (
     finish,
     garbage,
     identity,
+    joining,  # here, before the names of the module time that it takes are others
     objects,
     own_code,
     sqlite,
@@ -39,22 +40,20 @@ _HASHES = 'texts are hashed in another way in each run, so that sets of them hav
 
 def run(kind, path, arguments, options):
     """Run the script or module with hooks; exits with its code."""
-    import move_base_abstract_ros.lockstep as lockstep
-
-    if not _has_master(lockstep):
+    if not _has_master():
         _execute(kind, path, arguments, _compile, lambda _source: {})
         return
     threads.replace_locks()
     own_code.install()
-    joining = _Joining(lockstep, options, node_name(kind, path, arguments))
-    _watch(options, binary.node_name(path, arguments, os.environ), joining.early)
-    joining.install()
+    entry = _Joining(options, node_name(kind, path, arguments))
+    _watch(options, binary.node_name(path, arguments, os.environ), entry.early)
+    entry.install()
     try:
         _execute(kind, path, arguments, own_code.compile_own, own_code.names_of_script)
     except SystemExit as error:
-        joining.early.program_has_ended(error.code if isinstance(error.code, int) else int(error.code is not None))
+        entry.early.program_has_ended(error.code if isinstance(error.code, int) else int(error.code is not None))
         raise
-    joining.early.program_has_ended(0)
+    entry.early.program_has_ended(0)
 
 
 def _watch(options, name, before_node):
@@ -75,11 +74,11 @@ def _compile(source, path):
     return compile(source, path, 'exec', dont_inherit=True)
 
 
-def _has_master(lockstep):
+def _has_master():
     """Whether lockstep is wanted; what cannot be asked is left to the program to find out."""
     try:
         import rosgraph
-        return rosgraph.Master('/lockstep').hasParam('/time_master/mode') and lockstep.is_lockstep()
+        return rosgraph.Master('/lockstep').hasParam('/time_master/mode') and joining.is_lockstep()
     except Exception:
         return False
 
@@ -87,13 +86,12 @@ def _has_master(lockstep):
 class _Joining:
     """Has the program take part when it calls rospy.init_node, or waits for others before that."""
 
-    def __init__(self, lockstep, options, name):
-        self._lockstep = lockstep
+    def __init__(self, options, name):
         self._rank = options.rank
         self._is_node = False
         self._is_strict = options.strict
         self._followers = [told, files, turns.install(), objects.install()]
-        self.early = early.Early(name, lambda name, uri: self._follow(lockstep.take_part(name, uri, self._rank)))
+        self.early = early.Early(name, lambda name, uri: self._follow(joining.take_part(name, uri, self._rank)))
 
     def install(self):
         """Stand before rospy.init_node."""
@@ -109,12 +107,12 @@ class _Joining:
         if self._is_node:
             return  # it has been called before
         self._is_node = True
-        joined = self._lockstep.participant()
+        joined = joining.participant()
         if joined is None:
             self.early.end()
-            self._follow(self._lockstep.join(self._rank))
+            self._follow(joining.join(self._rank))
         else:
-            self._lockstep.node_is_there(joined)
+            joining.node_is_there(joined)
 
     def _follow(self, joined):
         if joined is not None and self._is_strict:

@@ -6,8 +6,6 @@ import os
 import re
 from types import SimpleNamespace
 
-from rosgraph.names import ns_join
-
 PAST_LOCKSTEP = ('/clock', '/rosout', '/rosout_agg')
 _TIME_MASTERS = '/time_master/.*'
 _WITH_VALUE = 'xoObLl'  # short options whose value follows
@@ -103,6 +101,7 @@ def past_lockstep(arguments, namespace, excluded=()):
 
     :param excluded: topics that the time master does not count.
     """
+    from rosgraph.names import ns_join  # only here: the launcher of a binary needs none of it
     words = Words(arguments)
     past = [*PAST_LOCKSTEP, *(topic for topic in excluded if topic.startswith('/'))]
     if words.finds:

@@ -20,8 +20,7 @@ from move_base_abstract.errors import SimulatorError
 from move_base_abstract.shown import shown, shown_text
 from move_base_abstract.temporary_folder import temporary_folder
 
-from ..launching import ends
-from ..loopback import Loopback, LoopbackError
+from ..launching import ends, light_imports, warm_client
 from ..process_end import leave
 
 _CANNOT, _CRASHED = 2, 3
@@ -29,21 +28,37 @@ _CANNOT, _CRASHED = 2, 3
 
 def main(words=None):
     """Run the launch file and exit with the code."""
-    options, files = parse(sys.argv[1:] if words is None else words)
+    parser, options = _parse(sys.argv[1:] if words is None else words)
+    warm = None if options.list else warm_client.WarmClient(
+        os.path.dirname(os.path.abspath(sys.argv[0])), not options.use_master)
+    # Only now, beside the warm process: it takes a while.
+    with light_imports.light():
+        from ..launching import runner  # noqa: F401 - which imports all the others
+        from ..loopback import LoopbackError
+    from roslaunch.core import RLException
+    files = files_of(parser, options.command)
     sys.argv[1:] = []  # roslaunch would take arguments of its files from there
-    from roslaunch.core import RLException  # only now: it takes a while
     try:
-        with _ros_master(options.use_master):
-            code = _run(options, files)
+        with _ros_master(options.use_master, warm):
+            code = _run(options, files, warm)
     except (RLException, SimulatorError, LoopbackError) as error:
         print('lockstep_launch: {}'.format(error), file=sys.stderr)
         code = _CANNOT
-    atexit._run_exitfuncs()
+    _end_as_python(warm)
     leave(code)  # taking all apart, as Python does it, would take a while
 
 
-def parse(words):
-    """Return the options and the files, as roslaunch takes them, of a command line."""
+def _end_as_python(warm):
+    if warm is not None:
+        warm.close()
+    core = sys.modules.get('rospy.core')
+    if core is not None and not core.is_initialized():
+        atexit.unregister(core._ros_atexit)  # of what is no node there is nothing to tell; it would take 0.1 s
+    atexit._run_exitfuncs()
+
+
+def _parse(words):
+    """Return the parser, and the options of a command line."""
     parser = argparse.ArgumentParser(
         prog='lockstep_launch', description='Run an unchanged launch file in lockstep.',
         usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
@@ -63,8 +78,7 @@ def parse(words):
     parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
     parser.add_argument('--list', action='store_true', help='say who takes part, and start nothing')
-    options = parser.parse_args(words)
-    return options, files_of(parser, options.command)
+    return parser, parser.parse_args(words)
 
 
 def add_plan_options(parser):
@@ -126,10 +140,11 @@ def wishes_of(options, parameters, **others):
                   replaced=tuple(options.replace), with_respawned=options.no_respawn, **others)
 
 
-def _run(options, files):
+def _run(options, files, warm):
     from roslaunch import configure_logging, rlutil
 
-    from ..launching import bags, plan, runner
+    from ..launching import bags, look_ups, plan, runner
+    look_ups.remember()
     if not options.use_master:
         plan.name_anonymous_ones_alike()
     parameters = {key: value for key, value in (
@@ -146,10 +161,12 @@ def _run(options, files):
             _say(line)
         if options.list:
             return 0
+        if warm is not None:
+            warm.prepare(plan.scripts_of(made))
         run_id = rlutil.get_or_generate_uuid(None, False)
         configure_logging(run_id)
         with plan.log_of_run(made) as log:
-            parent = runner.Parent(run_id, made, log, show_summary=False)
+            parent = runner.Parent(run_id, made, log, warm, show_summary=False)
             parent.start()
             parent.spin()
             _tell_bags(made, bags.written(notes))
@@ -195,12 +212,13 @@ def _lines(made):
 
 
 @contextmanager
-def _ros_master(is_given):
+def _ros_master(is_given, warm):
     """Have this process, and what it starts, use a ROS master of its own on 127.0.0.1, unless one is given."""
     if is_given:
         yield
         return
-    with Loopback() as ros:
+    from ..launching.warm_master import WarmMaster
+    with WarmMaster(warm) as ros:
         os.environ.update(ROS_MASTER_URI=ros.uri, ROS_IP='127.0.0.1')
         os.environ.pop('ROS_HOSTNAME', None)
         yield

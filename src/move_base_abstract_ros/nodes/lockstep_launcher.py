@@ -17,7 +17,7 @@ import sys
 from move_base_abstract.lockstep.wire import MAX_RANK
 from move_base_abstract.shown import shown
 
-from ..lockstep import address_layout, program, recorders, shell_scripts
+from ..lockstep import address_layout, shell_scripts
 
 _PYTHON = re.compile(r'python[0-9.]*$')
 _WHOLE_NUMBER = re.compile(r'[+-]?[0-9]{1,18}\Z', re.ASCII)
@@ -30,20 +30,36 @@ def main():
     options, command = _parse(sys.argv[1:])
     try:
         is_new_layout = address_layout.choose(os.environ)
-        if not options.as_script:
+        if not options.as_script and not _is_binary(command[0]):
             _start_again(sys.argv[:len(sys.argv) - len(command)], command, is_new_layout)
         kind, path, arguments = find(command, options.as_script)
-        recorder = recorders.behind_front_end(path, arguments) if kind == 'script' else None
-        kind, path, arguments = ('binary', *recorder) if recorder else (kind, path, arguments)
+        kind, path, arguments = _behind_front_end(kind, path, arguments)
     except ValueError as error:
         sys.exit('lockstep: {}'.format(error))
+    # Only what this kind of program needs is imported: for a binary that is little, and takes a tenth of the time.
     if kind == 'binary':
         from ..lockstep import binary
         binary.execute(path, arguments, options)
     elif kind == 'shell':
         shell_scripts.execute(path, arguments, sys.argv[:len(sys.argv) - len(command)])
     else:
+        from ..lockstep import program
         program.run(kind, path, arguments, options)
+
+
+def _is_binary(word):
+    """Whether the program is a binary that is no Python: it does not matter to it with which Python this one runs."""
+    path = None if word == '-m' or _PYTHON.match(os.path.basename(word)) else _path(word)
+    return path is not None and kind_of(path) == 'binary'
+
+
+def _behind_front_end(kind, path, arguments):
+    """Return (kind, path, arguments) of the binary that a script is a front end of, or those of the script."""
+    if kind != 'script' or os.path.basename(path) != 'rosbag':
+        return kind, path, arguments
+    from ..lockstep import recorders
+    recorder = recorders.behind_front_end(path, arguments)
+    return ('binary', *recorder) if recorder else (kind, path, arguments)
 
 
 def _parse(words):
@@ -153,6 +169,16 @@ def find(command, is_script=False):
         raise ValueError("'{}' is neither a Python or shell script nor a binary; programs that it starts can be given "
                          'themselves'.format(path))
     return kind, path, command[1:]
+
+
+def script_of(words):
+    """Return the path of the Python script that words of a command line have the launcher run, or None."""
+    command = words[_own_words(words):]
+    try:
+        kind, path, _ = find(command) if command and command[0] != '-m' else (None, None, None)
+    except (ValueError, OSError):
+        return None
+    return path if kind == 'script' else None
 
 
 def _path(word):

@@ -1,4 +1,4 @@
-"""A ROS master of a trial's own: on a free port of 127.0.0.1, in a process forked from this one."""
+"""A ROS master of a run's own: on a free port of 127.0.0.1, in a process forked from this one."""
 import contextlib
 import os
 import select
@@ -35,12 +35,20 @@ def start(output):
 
 
 def _serve(read, write):
-    from rosmaster.master import Master
     os.close(read)
+
+    def tell(uri):
+        os.write(write, uri.encode())
+        os.close(write)
+    serve(tell)
+
+
+def serve(tell):
+    """Be a ROS master; ``tell(uri)`` is called when it is there."""
+    from rosmaster.master import Master
     master = Master(0)
     master.start()
-    os.write(write, master.uri.encode())
-    os.close(write)
+    tell(master.uri)
     with contextlib.suppress(KeyboardInterrupt):
         while master.ok():
             time.sleep(_ALIVE_S)

@@ -4,16 +4,24 @@ It is the same for our launcher of Python programs and for this package's own no
 for what this process was started with. Everything else is started as a program.
 """
 import builtins
+import contextlib
 import functools
+import importlib
 import os
+import re
 import sys
+import tempfile
 import types
 
 from . import processes
 
-_FIXED = ('PYTHON', 'LD_', 'MALLOC_', 'GLIBC_', 'OMP_', 'OPENBLAS_', 'MKL_', 'BLIS_', 'NUMEXPR_')
+_FIXED = ('PYTHON', 'LD_', 'MALLOC_', 'GLIBC_', 'OMP_', 'OPENBLAS_', 'MKL_', 'BLIS_', 'NUMEXPR_', 'LC_', 'LANG', 'TZ',
+          'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT')
 _HASH_SEED = 'PYTHONHASHSEED'
 _LOG_SETTINGS = 'ROS_PYTHON_LOG_CONFIG_FILE'
+_NODES = 'move_base_abstract_ros.nodes'
+_OWN_NODE = re.compile(rb"^start\('(\w+)'\)", re.MULTILINE)
+_LARGEST = 1 << 20  # bytes of a script that are looked at
 #: set for all nodes of a trial, warm or not: trials run side by side, and sums do not depend on the number of cores
 ONE_THREAD = {'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}
 #: what is imported before the fork: messages and libraries of others, and our own nodes
@@ -48,11 +56,45 @@ def is_fit(words, environment, launcher, own_folder):
     if python != sys.executable and not (python and os.path.realpath(python) == os.path.realpath(sys.executable) and (
             is_own or sys.prefix == sys.base_prefix)):
         return False
+    if getattr(sys.flags, 'safe_path', False) or not is_own and _is_shadowed(words[1:]):
+        return False
+    if any(environment.get(name, '1') != '1' for name in ONE_THREAD):
+        return False
     # Own nodes do not depend on it, and have none unless somebody asks; then it is that.
     own_seed = os.environ.get(_HASH_SEED, '')
     return environment.get(_HASH_SEED, own_seed) == own_seed and all(
         environment.get(name) == os.environ.get(name) for name in {*environment, *os.environ}
         if name.startswith(_FIXED) and name not in (_HASH_SEED, 'PYTHONUNBUFFERED', *ONE_THREAD))
+
+
+def _is_shadowed(words):
+    """Return whether the folder of the script that our launcher is to run has a module of a name that is imported here.
+
+    Python would take that one. words: of the launcher.
+    """
+    from ..nodes import lockstep_launcher
+    path = lockstep_launcher.script_of(words)
+    if path is None:
+        return False
+    folder = os.path.dirname(os.path.realpath(path))
+    names = {name.partition('.')[0] for name in sys.modules}
+    return any(entry.partition('.')[0] in names and (entry.endswith(('.py', '.so')) or os.path.isfile(
+        os.path.join(folder, entry, '__init__.py'))) for entry in os.listdir(folder))
+
+
+def import_for(path, own_folder):
+    """Import what the script at ``path`` imports first: of our own programs all, of others' their libraries of ROS."""
+    with contextlib.suppress(OSError), open(path, 'rb') as stream:
+        _import_for(stream.read(_LARGEST), os.path.dirname(path) == own_folder)
+
+
+def _import_for(text, is_own):
+    own = _OWN_NODE.search(text) if is_own else None
+    names = [f'{_NODES}.{own.group(1).decode()}'] if own else [
+        name for name in MODULES if re.search(rb'^[ \t]*(from|import)\b.*\b%b\b' % name.encode(), text, re.MULTILINE)]
+    for name in names:
+        with contextlib.suppress(Exception):  # the node itself will say it
+            importlib.import_module(name)
 
 
 def interpreter_of(path):
@@ -92,6 +134,17 @@ def _has_settings(folder):
     return any(os.path.exists(os.path.join(folder, 'python_logging' + end)) for end in ('.conf', '.yaml'))
 
 
+def be_or_start(words, environment, launcher):
+    """Be the program of a command line in this process, which is a fork, or where that is not the same, start it."""
+    environment = with_log_settings(environment)
+    if words[0] == launcher:
+        environment = {_HASH_SEED: os.environ[_HASH_SEED], **environment}  # else the launcher would start again
+    if is_fit(words, environment, launcher, os.path.dirname(launcher)):
+        become(words, environment)
+    else:
+        os.execvpe(words[0], words, environment)
+
+
 def become(words, environment):
     """Be the Python program of a command line, as if Python had been started with it."""
     import rospy.names
@@ -100,6 +153,9 @@ def become(words, environment):
     os.environ.update(environment)
     path = words[0]
     sys.argv = list(words)
+    if 'orig_argv' in vars(sys):  # from Python 3.10 on
+        vars(sys)['orig_argv'] = [sys.executable, *words]
+    tempfile.tempdir = None
     sys.path[0] = os.path.dirname(os.path.realpath(path))
     # What rospy read from the command line and the environment when it was imported.
     rospy.names._mappings = load_mappings(sys.argv)

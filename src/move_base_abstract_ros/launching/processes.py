@@ -1,0 +1,312 @@
+"""Processes of a run: forked from this one, gone when it is gone, in groups of their own.
+
+Who calls this has one thread. A child that is forked either becomes another program (exec) or goes on as a Python
+program that has all imported already.
+"""
+import atexit
+import contextlib
+import ctypes
+import gc
+import io
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import traceback
+
+PR_SET_PDEATHSIG, PR_SET_NAME, PR_SET_CHILD_SUBREAPER = 1, 15, 36
+_PR_SET_MM, _PR_SET_MM_ARG_END = 35, 9
+_LIBC = ctypes.CDLL(None, use_errno=True)
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # of mallopt(3)
+_MOST_TRIMMED, _MOST_MAPPED = 2 ** 30, 2 ** 25  # bytes; of the latter glibc takes no more
+_POLL_S = 0.05  # wall
+_SHORT_POLL_S = 0.005  # wall
+_ARGUMENTS = slice(45, 47)  # in /proc/PID/stat, behind the name: where the command line begins and ends in memory
+_KILL_ROUNDS = 200
+_TASKS = '/proc/self/task'
+
+
+def assert_one_thread():
+    """Raise RuntimeError if this process has a second thread: a fork would leave its locks as they are."""
+    count = len(os.listdir(_TASKS)) if os.path.isdir(_TASKS) else threading.active_count()
+    if count != 1:
+        raise RuntimeError(f'{count} threads at a fork; allowed: one ({[one.name for one in threading.enumerate()]})')
+
+
+def adopt_orphans():
+    """Have processes whose parent has gone become children of this one, so that none is left at the end."""
+    _LIBC.prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+
+def keep_memory():
+    """Have this process, and those that it forks, keep freed memory instead of giving it back each time.
+
+    For processes that end soon: numpy's temporary arrays else cost a page fault for each of their pages, again and
+    again, which is a third of the CPU time of a short trial. glibc's; another C library goes on as it likes.
+    """
+    mallopt = getattr(_LIBC, 'mallopt', lambda _parameter, _value: 0)
+    mallopt(_M_TRIM_THRESHOLD, _MOST_TRIMMED)
+    mallopt(_M_MMAP_THRESHOLD, _MOST_MAPPED)
+
+
+@contextlib.contextmanager
+def importing():
+    """Search for no garbage meanwhile, nor later in what there is then: what is imported stays."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
+def die_with(parent):
+    """Have the kernel end this process when its parent ends."""
+    _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    if os.getppid() != parent:
+        os._exit(1)
+
+
+def fork(body, output=None, cwd=None, new_session=False):
+    """Start a child that calls body() and ends with its exit code; return its process id.
+
+    ``output``: the path of a file for what it prints. The child leads a process group of its own.
+    """
+    assert_one_thread()
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    parent = os.getpid()
+    # What an interrupt raises within Python's own work around a fork is lost, and locks that it holds stay locked.
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
+    try:
+        pid = os.fork()
+        if pid and not new_session:
+            with contextlib.suppress(OSError):  # both do it, so that it is so for both
+                os.setpgid(pid, pid)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    if pid:
+        return pid
+    code = 1
+    try:
+        die_with(parent)
+        os.setsid() if new_session else os.setpgid(0, 0)
+        _take_defaults()
+        if output is not None:
+            _redirect(output)
+        if cwd is not None:
+            os.chdir(cwd)
+        code = _code_of(body)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        finish(code)
+    return pid  # never: finish does not return
+
+
+def execute(words, environment, output, cwd):
+    """Start a program; return its process id. What cannot be started says so in its output, and ends with 127."""
+    def become():
+        try:
+            os.execvpe(words[0], words, environment)
+        except OSError as error:
+            print(f'{words[0]}: cannot be started: {error.strerror}', file=sys.stderr)
+            sys.stderr.flush()
+            os._exit(127)
+    return fork(become, output, cwd)
+
+
+class Forked:
+    """What subprocess.Popen says of a process, of a child that was forked or adopted."""
+
+    def __init__(self, pid):
+        self.pid = pid
+        self.returncode = None
+        self._lock = threading.Lock()
+
+    def poll(self):
+        """Return its exit code, of a signal the negative number; None while it runs."""
+        with self._lock:
+            if self.returncode is None:
+                try:
+                    found, status = os.waitpid(self.pid, os.WNOHANG)
+                except ChildProcessError:  # somebody else has taken its status
+                    found, status = self.pid, signal.SIGKILL
+                if found:
+                    self.returncode = code_of(status)
+            return self.returncode
+
+    def wait(self, timeout=None):
+        """Return its exit code at its end. :raises subprocess.TimeoutExpired: after so long [s, wall]."""
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while self.poll() is None:
+            if deadline is not None and time.monotonic() > deadline:
+                raise subprocess.TimeoutExpired(f'process {self.pid}', timeout)
+            time.sleep(_SHORT_POLL_S)
+        return self.returncode
+
+
+def show_name(name, *words):
+    """Have this process shown by this name and these words (`ps`, /proc), as far as there is room for them."""
+    _LIBC.prctl(PR_SET_NAME, os.fsencode(name)[:15], 0, 0, 0)
+    with open('/proc/self/stat', 'rb') as stream:
+        begin, end = map(int, stream.read().rpartition(b')')[2].split()[_ARGUMENTS])
+    text = b'\0'.join(map(os.fsencode, words))[:end - begin - 1]
+    ctypes.memmove(begin, text.ljust(end - begin, b'\0'), end - begin)
+    # Where that is allowed. Else empty words follow.
+    _LIBC.prctl(_PR_SET_MM, _PR_SET_MM_ARG_END, ctypes.c_ulong(begin + len(text) + 1), 0, 0)
+
+
+def renew_outputs(environment):
+    """Make sys.stdout and sys.stderr anew for where they lead to now, as Python does at its start."""
+    is_buffered = not environment.get('PYTHONUNBUFFERED')
+    sys.stdout = sys.__stdout__ = _output(sys.stdout, 1, is_buffered)
+    sys.stderr = sys.__stderr__ = _output(sys.stderr, 2, is_buffered)
+
+
+def _output(old, number, is_buffered):
+    raw = io.FileIO(number, 'w', closefd=False)
+    raw.name = old.name
+    is_by_line = is_buffered and (raw.isatty() or (number == 2 and sys.version_info >= (3, 9)))
+    new = io.TextIOWrapper(io.BufferedWriter(raw) if is_buffered else raw, old.encoding, old.errors,
+                           line_buffering=is_by_line, write_through=not is_buffered)
+    new.mode = 'w'
+    return new
+
+
+def finish(code):
+    """End this process as Python itself does it at its end, but for taking all apart, which may take half a second.
+
+    A process that was forked from the frames of others cannot return.
+    """
+    core = sys.modules.get('rospy.core')
+    if core is not None and not core.is_initialized():
+        atexit.unregister(core._ros_atexit)  # of what is no node there is nothing to tell; it would take 0.1 s
+    try:
+        threading._shutdown()
+        atexit._run_exitfuncs()
+    except BaseException:
+        code = code or 1
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(Exception):
+            stream.flush()
+    os._exit(code)
+
+
+def end(pids, polite, grace, statuses):
+    """End children and all that they have left: by the signal ``polite``, and by SIGKILL after ``grace`` [s, wall].
+
+    Into ``statuses`` go {pid: exit status as of waitpid} of all children that have ended meanwhile.
+    """
+    for pid in pids:
+        signal_group(pid, polite)
+    await_ends(set(pids), grace, statuses)
+    for pid in pids:
+        signal_group(pid, signal.SIGKILL)
+    await_ends(set(pids) - set(statuses), grace, statuses)
+
+
+def await_ends(waiting, seconds, statuses):
+    """Wait until all of these have ended, at most so long [s, wall]; their statuses go into ``statuses``."""
+    deadline = time.monotonic() + seconds
+    while waiting - set(statuses):
+        if reap(statuses):
+            continue
+        left = deadline - time.monotonic()
+        if left <= 0.0:
+            break
+        await_child(min(left, _POLL_S))
+
+
+def await_child(seconds):
+    """Wait until a child has ended, or so long; SIGCHLD is blocked in this process (block_child_signal)."""
+    signal.sigtimedwait({signal.SIGCHLD}, seconds)
+
+
+def block_child_signal():
+    """Have SIGCHLD wait until it is asked for."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
+
+
+def reap(statuses):
+    """Take the statuses of all children that have ended; return whether there was one."""
+    found = False
+    while True:
+        try:
+            pid, status = os.waitpid(-1, os.WNOHANG)
+        except ChildProcessError:
+            return found
+        if pid == 0:
+            return found
+        statuses[pid] = status
+        found = True
+
+
+def end_all_children():
+    """Kill whatever children this process has, adopted ones too, until there is none."""
+    for _ in range(_KILL_ROUNDS):
+        for pid in _children():
+            signal_group(pid, signal.SIGKILL)
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        try:
+            while os.waitpid(-1, os.WNOHANG)[0]:
+                pass
+        except ChildProcessError:
+            return
+        time.sleep(0.005)
+
+
+def _children():
+    found = []
+    for task in os.listdir(_TASKS):
+        with contextlib.suppress(OSError), open(f'{_TASKS}/{task}/children') as stream:
+            found += [int(word) for word in stream.read().split()]
+    return found
+
+
+def signal_group(pid, number):
+    """Send a signal to the process group that a child leads, if there is one left. Never to this process's own."""
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        if os.getpgid(pid) == pid:
+            os.killpg(pid, number)
+        else:
+            os.kill(pid, number)
+
+
+def code_of(status):
+    """Return the exit code of a status of waitpid; of a signal its negative number."""
+    return -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
+
+
+def _take_defaults():
+    """Have signals as a program has them that was started anew."""
+    signal.set_wakeup_fd(-1)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number in (signal.SIGTERM, signal.SIGCHLD, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_SETMASK, set())
+
+
+def _redirect(output):
+    descriptor = os.open(output, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    for target, source in ((0, nothing), (1, descriptor), (2, descriptor)):
+        os.dup2(source, target)
+    os.close(descriptor)
+    os.close(nothing)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(line_buffering=True, write_through=True)
+
+
+def _code_of(body):
+    try:
+        body()
+    except SystemExit as error:
+        if error.code is None or isinstance(error.code, int):
+            return error.code or 0
+        print(error.code, file=sys.stderr)
+        return 1
+    return 0

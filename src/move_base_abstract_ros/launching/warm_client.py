@@ -1,0 +1,86 @@
+"""Starting Python nodes by the warm process (warm_process): sooner, and else as if they had been started.
+
+Where that process cannot be started, or is gone, nodes are started as ever.
+"""
+import os
+import socket
+import subprocess
+import sys
+
+from . import processes, request, warm_nodes
+
+_CODE = ('import sys; sys.path[0] = {!r}; from move_base_abstract_ros.launching.warm_process import main; '
+         'become = main({}, {!r}, {}); become and become()')
+_SPACE = ' ' * 4000  # of the command line, in which each fork shows its own
+_ANSWER_S = 30.0  # wall; then somebody has stopped it
+
+
+class WarmClient:
+    """A warm process. To be made in the main thread: the kernel ends it with that."""
+
+    def __init__(self, folder, has_master):
+        """folder: of this package's programs. has_master: whether it is to start a ROS master."""
+        self._folder = folder
+        self._socket, self._process = None, None
+        processes.adopt_orphans()
+        ours, its = socket.socketpair()
+        ours.settimeout(_ANSWER_S)
+        code = _CODE.format(folder, its.fileno(), os.path.join(folder, 'lockstep'), has_master)
+        environment = {'PYTHONHASHSEED': '0', **os.environ, **warm_nodes.ONE_THREAD}
+        try:
+            self._process = subprocess.Popen([sys.executable, '-c', code, _SPACE], env=environment,
+                                             pass_fds=[its.fileno()])
+            self._socket = ours
+        except OSError:
+            ours.close()
+        its.close()
+
+    def master(self):
+        """Return (processes.Forked, URI) of the ROS master, when it is there; None: there is none."""
+        answer = self._answer()
+        return None if answer is None else (processes.Forked(answer[0]), answer[1])
+
+    def prepare(self, paths):
+        """Say which scripts are going to be asked for, before the first popen(): what they import is imported once."""
+        try:
+            if self._socket is not None:
+                request.send(self._socket, request.Request(list(paths), {}, '', []))
+        except OSError:
+            self.close()
+
+    def popen(self, words, **how):
+        """As subprocess.Popen, as roslaunch calls it."""
+        if self._socket is not None and self._is_fit(words, how):
+            outputs = [number if stream is None else stream.fileno()
+                       for number, stream in ((1, how['stdout']), (2, how['stderr']))]
+            pid = self._answer(request.Request(list(words), how['env'], how['cwd'], outputs))
+            if pid is not None:
+                return processes.Forked(pid)
+        return subprocess.Popen(words, **how)
+
+    def _is_fit(self, words, how):
+        """Whether it is worth asking: a Python program of this package, and nothing that roslaunch complains of."""
+        streams = how['stdout'], how['stderr']
+        return (os.path.dirname(words[0]) == self._folder and os.access(words[0], os.X_OK)
+                and warm_nodes.interpreter_of(words[0]) and os.path.isdir(how['cwd'])
+                and all(stream is None or hasattr(stream, 'fileno') for stream in streams))
+
+    def _answer(self, asked=None):
+        """Ask, and return the answer, or None from the moment on that there is nobody to ask."""
+        if self._socket is None:
+            return None
+        try:
+            if asked is not None:
+                request.send(self._socket, asked)
+            return request.receive_answer(self._socket)
+        except (OSError, ValueError):
+            self.close()
+            return None
+
+    def close(self):
+        """End the warm process; nodes that it has started go on."""
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+            self._process.kill()
+            self._process.wait()

@@ -1,0 +1,123 @@
+"""The warm process of `lockstep_launch`: it has imported what Python nodes import, and becomes each of them by a fork.
+
+It forks twice, and who has started it adopts orphans: each node is that one's own child, whose status comes to where it
+is waited for, and which does not end with this process. What a fork cannot be like a Python of its own is started as a
+program, by the fork. This process has one thread, and ends with its client.
+"""
+import contextlib
+import gc
+import importlib
+import os
+import select
+import socket
+import sys
+
+from ..lockstep import address_layout
+from . import processes, request, ros_master
+
+_NODES = ('rospy', 'move_base_abstract_ros.lockstep.program', 'move_base_abstract_ros.nodes.lockstep_launcher')
+_NAME = 'lockstep_launch: the warm process, which Python nodes are forked from'
+
+
+def main(descriptor, launcher, has_master):
+    """Serve until the client has gone. In a fork this returns what that one is to call."""
+    processes.die_with(os.getppid())
+    if address_layout.choose(os.environ):  # once: with one layout of memory, as the launcher does it
+        with open('/proc/self/cmdline', 'rb') as stream:
+            os.execv(sys.executable, stream.read().split(b'\0')[:-1])
+    processes.show_name('python3', _NAME)
+    os.setsid()  # Ctrl-C is not for it
+    client = socket.socket(fileno=descriptor)
+    become = _fork_master(client) if has_master else None
+    return become or _serve(client, launcher)
+
+
+def _fork_master(client):
+    """Fork a ROS master, which says itself where it is. Return what the fork is to call; here None."""
+    importlib.import_module('rosmaster.master')
+    if _fork():
+        return None
+    os.setsid()
+    processes.show_name('rosmaster', 'rosmaster', '--core')
+    os.environ.update(ROS_IP='127.0.0.1')
+    os.environ.pop('ROS_HOSTNAME', None)
+    processes.die_with(os.getppid())
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for number in (0, 1, 2):
+        os.dup2(nothing, number)
+
+    def tell(uri):
+        request.answer(client, [os.getpid(), uri])
+        client.close()
+    return lambda: ros_master.serve(tell)
+
+
+def _serve(client, launcher):
+    """Fork for each request. Only forks read these: they all begin with the same memory, whoever was started before."""
+    for name in _NODES:
+        importlib.import_module(name)
+    from ..replaced import look_up
+    from . import warm_nodes
+    look_up()
+    warm_nodes.log_settings()
+    told = request.receive(client)
+    for path in told.words if told is not None else ():
+        warm_nodes.import_for(path, os.path.dirname(launcher))
+    gc.collect()
+    gc.freeze()  # so that no collection in a fork touches, and so copies, what there is now
+    while True:
+        select.select([client], [], [])
+        taken, take = os.pipe()
+        if _fork(taken):
+            os.close(take)
+            is_there = os.read(taken, 1)
+            os.close(taken)
+            if not is_there:
+                return None
+            continue
+        asked = request.receive(client)
+        if asked is None:
+            os._exit(0)
+        os.write(take, b'1')
+        request.answer(client, os.getpid())
+        client.detach()
+        _be_started(asked)
+        processes.show_name(os.path.basename(sys.executable if asked.words[0] == launcher else asked.words[0]),
+                            sys.executable, *asked.words)
+        return lambda: warm_nodes.be_or_start(asked.words, asked.environment, launcher)
+
+
+def _fork(*not_for_fork):
+    """Fork twice; return whether this is no fork. The second one goes on when it is an orphan."""
+    processes.assert_one_thread()
+    gate, opener = os.pipe()
+    first = os.fork()
+    if first:
+        os.waitpid(first, 0)
+        os.close(gate)
+        os.close(opener)
+        return True
+    if os.fork():
+        os._exit(0)
+    os.close(opener)
+    with os.fdopen(gate, 'rb') as stream:
+        stream.read()
+    for descriptor in not_for_fork:
+        os.close(descriptor)
+    return False
+
+
+def _be_started(asked):
+    """Be as a program that was just started: group, files, folder, outputs."""
+    os.setsid()
+    for target, output in zip((1, 2), asked.outputs):
+        os.dup2(output, target)
+    for name in os.listdir('/proc/self/fd'):
+        with contextlib.suppress(OSError):
+            if int(name) > 2:
+                os.close(int(name))
+    os.chdir(asked.cwd)
+    processes.renew_outputs(asked.environment)
+    multiprocessing = sys.modules.get('multiprocessing.process')
+    if multiprocessing is not None:
+        multiprocessing.ORIGINAL_DIR = asked.cwd
