@@ -55,13 +55,14 @@ def library(tmp_path_factory):
     path = tmp_path_factory.mktemp('lib')
     (path / 'lockstep').write_text(RELAY.format(sys.executable))
     (path / 'lockstep').chmod(0o755)
+    (path / 'uses.py').write_text('import actionlib\n')
     return path
 
 
 @pytest.fixture(scope='module')
 def warm(library):
     made = warm_client.WarmClient(str(library), False)
-    made.prepare([])
+    made.prepare([str(library / 'uses.py')])
     yield made
     made.close()
 
@@ -127,7 +128,6 @@ def test_its_end_is_that_of_a_program(folder, warm, text, code):
 
 
 def test_a_module_beside_the_program_is_its_own_whatever_is_imported_already(folder, warm):
-    (folder / 'user' / 'rosgraph.py').write_text('own = True')
     (folder / 'user' / 'actionlib.py').write_text('own = True')
     output, _, code, _ = run(warm.popen, folder, script(folder, 'import actionlib\nprint(actionlib.__file__)'))
     assert (output, code) == (str(folder / 'user' / 'actionlib.py') + '\n', 0)
