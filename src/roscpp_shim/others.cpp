@@ -11,6 +11,7 @@
 
 #include <string>
 
+#include "cores.h"
 #include "followed.h"
 #include "parameters.h"
 #include "real.h"
@@ -62,19 +63,26 @@ extern "C" {
 FILE* popen(const char* command, const char* how) {
   static auto* const function = shim::real<FILE*(const char*, const char*)>("popen");
   shim::tellProcess("popen()", MOVE_BASE_ABSTRACT_CALLER);
+  const shim::OwnCores cores;
   return function(command, how);
 }
 
 int system(const char* command) {
   static auto* const function = shim::real<int(const char*)>("system");
   shim::tellProcess("system()", MOVE_BASE_ABSTRACT_CALLER);
+  const shim::OwnCores cores;
   return function(command);
 }
 
 pid_t fork() {
   static auto* const function = shim::real<pid_t()>("fork");
   shim::tellProcess("fork()", MOVE_BASE_ABSTRACT_CALLER);
-  return function();
+  shim::OwnCores cores;
+  const pid_t child = function();
+  if (child == 0) {
+    cores.keep();
+  }
+  return child;
 }
 
 int posix_spawn(pid_t* process, const char* path, const posix_spawn_file_actions_t* actions,
@@ -84,6 +92,7 @@ int posix_spawn(pid_t* process, const char* path, const posix_spawn_file_actions
                     const posix_spawnattr_t*, char* const[], char* const[]);
   static auto* const function = shim::real<Spawn>("posix_spawn");
   shim::tellProcess("posix_spawn()", MOVE_BASE_ABSTRACT_CALLER);
+  const shim::OwnCores cores;
   return function(process, path, actions, attributes, arguments, environment);
 }
 
@@ -94,6 +103,7 @@ int posix_spawnp(pid_t* process, const char* file, const posix_spawn_file_action
                     const posix_spawnattr_t*, char* const[], char* const[]);
   static auto* const function = shim::real<Spawn>("posix_spawnp");
   shim::tellProcess("posix_spawnp()", MOVE_BASE_ABSTRACT_CALLER);
+  const shim::OwnCores cores;
   return function(process, file, actions, attributes, arguments, environment);
 }
 

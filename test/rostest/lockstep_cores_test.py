@@ -14,6 +14,7 @@ import unittest
 
 import rosgraph
 import rostest
+from lockstep_launcher_run import run_programs
 from lockstep_raw_client import GUARD, RawClient
 
 from move_base_abstract_ros.lockstep.connection import Connection
@@ -138,6 +139,13 @@ class CoresTest(unittest.TestCase):
         logs = [self.log(cores) for cores in ('one', 'all', 'alternate', 'auto')]
         self.assertGreater(logs[0].count(b'"ended"'), GOALS - 1)
         self.assertEqual(set(logs), {logs[0]})
+
+    def test_a_program_in_cpp_sees_its_own_cores_and_what_it_starts_has_them(self):
+        run = run_programs({'cores': [find_executable('shim_cores')]}, until=5.0, clock={'cores': 'one'})
+        alone, many = ' 1', f' {len(OWN)}'
+        self.assertEqual(run.printed('cores'), ['has' + alone] + [
+            what + many for what in ('sees', 'thread_sees', 'fork', 'system', 'popen', 'spawn')] + [
+            'has' + alone, 'chose' + many, 'chose' + alone])
 
     def log(self, cores):
         """Return the event log (bytes) of a fleet and a coordinator."""

@@ -1,0 +1,100 @@
+#include "cores.h"
+
+#include <pthread.h>
+
+#include <atomic>
+#include <cstddef>
+
+#include "real.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+using Get = int(pid_t, std::size_t, cpu_set_t*);
+using Set = int(pid_t, std::size_t, const cpu_set_t*);
+
+cpu_set_t own;
+std::atomic<bool> is_known{false};  // false as well when the program has chosen by itself
+
+int kernelGet(pid_t thread, std::size_t size, cpu_set_t* cores) {
+  static auto* const function = real<Get>("sched_getaffinity");
+  return function(thread, size, cores);
+}
+
+int kernelSet(pid_t thread, std::size_t size, const cpu_set_t* cores) {
+  static auto* const function = real<Set>("sched_setaffinity");
+  return function(thread, size, cores);
+}
+
+/** It is loaded before the program takes part. */
+__attribute__((constructor)) void remember() {
+  is_known = kernelGet(0, sizeof own, &own) == 0 && CPU_COUNT(&own) > 1;
+}
+
+/** @return whether these are not the own ones but the one core on which the run is kept. */
+bool isBound(const cpu_set_t& cores) {
+  cpu_set_t both;
+  CPU_AND(&both, &cores, &own);
+  return is_known && CPU_COUNT(&cores) == 1 && CPU_COUNT(&both) == 1;
+}
+
+/** @brief Who counts cores sees those that the process has by itself. */
+void show(std::size_t size, cpu_set_t* cores) {
+  if (size >= sizeof own && isBound(*cores)) {
+    *cores = own;
+  }
+}
+
+}  // namespace
+
+OwnCores::OwnCores() {
+  is_lifted_ = is_known && kernelGet(0, sizeof bound_, &bound_) == 0 && isBound(bound_) &&
+               kernelSet(0, sizeof own, &own) == 0;
+}
+
+OwnCores::~OwnCores() {
+  if (is_lifted_) {
+    kernelSet(0, sizeof bound_, &bound_);
+  }
+}
+
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+
+#pragma GCC visibility push(default)
+extern "C" {
+
+int sched_getaffinity(pid_t thread, size_t size, cpu_set_t* cores) {
+  const int result = shim::kernelGet(thread, size, cores);
+  if (result == 0) {
+    shim::show(size, cores);
+  }
+  return result;
+}
+
+int pthread_getaffinity_np(pthread_t thread, size_t size, cpu_set_t* cores) {
+  static auto* const function =
+      shim::real<int(pthread_t, size_t, cpu_set_t*)>("pthread_getaffinity_np");
+  const int result = function(thread, size, cores);
+  if (result == 0) {
+    shim::show(size, cores);
+  }
+  return result;
+}
+
+/** What the program chooses is its own. */
+int sched_setaffinity(pid_t thread, size_t size, const cpu_set_t* cores) {
+  shim::is_known = false;
+  return shim::kernelSet(thread, size, cores);
+}
+
+int pthread_setaffinity_np(pthread_t thread, size_t size, const cpu_set_t* cores) {
+  static auto* const function =
+      shim::real<int(pthread_t, size_t, const cpu_set_t*)>("pthread_setaffinity_np");
+  shim::is_known = false;
+  return function(thread, size, cores);
+}
+
+}  // extern "C"
+#pragma GCC visibility pop

@@ -1,0 +1,27 @@
+// The cores that this process may use by itself: the time master may keep it on one while it takes
+// part.
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_CORES_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_CORES_H
+
+#include <sched.h>
+
+namespace move_base_abstract::shim {
+
+/** @brief What the calling thread starts while this lives has the process's own cores. */
+class OwnCores {
+ public:
+  OwnCores();
+  ~OwnCores();
+  OwnCores(const OwnCores&) = delete;
+  OwnCores& operator=(const OwnCores&) = delete;
+  /** @brief Keep the own cores: this is the child of a fork. */
+  void keep() { is_lifted_ = false; }
+
+ private:
+  cpu_set_t bound_;
+  bool is_lifted_ = false;
+};
+
+}  // namespace move_base_abstract::shim
+
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_CORES_H
