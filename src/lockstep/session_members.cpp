@@ -296,7 +296,7 @@ void LockstepSession::die(MemberId id, const std::string& how) {
     messages_.say(Level::kWarn, why);
     return;
   }
-  if (interruption_.concerns(id)) {
+  if (interruption_.isActive()) {  // who knows no such signal dies of it
     interruption_.keep({Interruption::Label::Kind::kDied, id, why});
   } else {
     degrade(why);

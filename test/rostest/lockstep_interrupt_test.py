@@ -85,7 +85,8 @@ class InterruptTest(unittest.TestCase):
     def test_the_end_of_all_labels_nothing_and_is_a_beginning_of_the_same_log(self):
         everybody = [*ROLES, CPP, MASTER]
         runs = [self._ended(lambda system, order=order, number=number: system.signal(*order, number=number))
-                for order, number in ((everybody, INT), (everybody[::-1], INT), (everybody, TERM))]
+                for order, number in ((everybody, INT), (everybody[::-1], INT))]
+        runs.append(self._ended(self._terminate))
         runs.append(self._ended(lambda system: (system.signal(*everybody), system.signal(*everybody))))
         longest = max(runs, key=lambda run: len(run.all)).all
         for run in runs:
@@ -95,6 +96,13 @@ class InterruptTest(unittest.TestCase):
             self.assertEqual(run.end['degraded_because'], [])
             self.assertEqual(run.all, longest[:len(run.all)])
             self.assertNotIn('a last word', [event[2] for event in run.all])
+
+    @staticmethod
+    def _terminate(system):
+        """The program in C++ dies of it at once: it comes later than others are told."""
+        system.signal(*ROLES, number=TERM)
+        system.wait_for_output(MASTER, 'is told to end')
+        system.signal(CPP, MASTER, number=TERM)
 
     def test_who_ends_them_one_after_the_other_may_take_its_time(self):
         def end(system):

@@ -197,6 +197,25 @@ TEST(Interruption, LastWordsOfOneAreHeardWhenTheOthersStay) {
   EXPECT_EQ(three.labels(), Texts{"'/a' had input from outside at 2 s"});
 }
 
+TEST(Interruption, DeathOfAnotherMeanwhileDegradesTheRunOnlyIfItGoesOn) {
+  for (const bool goes_on : {true, false}) {
+    Three three;
+    three.stop(1);
+    three.cut(2);  // the signal was sent to it, too, and it knows none
+    three.cut(1);
+    three.report(3, 3 * kOne);
+    EXPECT_EQ(three.labels(), Texts{});
+    if (goes_on) {
+      three.pass(Interruption::kGrace);
+      ASSERT_EQ(three.labels().size(), 2U);
+      EXPECT_NE(three.labels()[0].find("'/b' died at 2 s"), std::string::npos);
+    } else {
+      three.stop(3);
+      EXPECT_EQ(three.labels(), Texts{});
+    }
+  }
+}
+
 TEST(Interruption, DeathOfOneThatWasToldToEndDegradesTheRunOnlyIfItGoesOn) {
   LockstepSettings settings = named({"/a", "/b", "/c"});
   settings.on_death = OnDeath::kEnd;
