@@ -22,6 +22,12 @@ struct PendingTurn {
   std::vector<wire::ReportItem> items;
 };
 
+/** @brief One of the turns that a participant has had by itself, with a lookahead. */
+struct WalkedTurn {
+  Nanoseconds at = 0;  // simulated
+  PendingTurn turn;
+};
+
 struct SessionMember {
   ConnectionId connection = 0;
   std::string name;
@@ -31,6 +37,7 @@ struct SessionMember {
   std::uint64_t actions = 0;         // so far
   PendingTurn turn;                  // none where `frame` is null
   std::deque<PendingTurn> foreseen;  // those that its latest report told beforehand
+  std::deque<WalkedTurn> walked;     // those that others may have turns before
   bool departing = false;            // goes when the round is over
   bool dead = false;                 // ... without having left
   std::string how;

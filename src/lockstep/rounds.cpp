@@ -14,6 +14,7 @@ constexpr Nanoseconds kLastInstant = TimeMaster::kLastInstant;
 LockstepRounds::LockstepRounds(const LockstepSettings& settings, const LockstepRules& rules)
     : settings_(checkedSettings(settings)),
       rules_(rules),
+      lookahead_(toNanoseconds(settings.lookahead)),
       places_(rules),
       time_(std::max<Nanoseconds>(1, toNanoseconds(settings.start_time))),
       paused_(settings.start_paused),
@@ -82,7 +83,7 @@ void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, N
   member.happened = foreseen.empty() ? std::nullopt : std::optional<std::uint32_t>(0);
   member.foreseen = std::move(foreseen);
   setNext(id, member, member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
-  if (next <= time_ && rules_.time_never_back) {
+  if (next <= (hasWindows() ? member.latest : time_) && rules_.time_never_back) {
     makeReady(id, member);
   }
 }
@@ -147,6 +148,9 @@ std::vector<LockstepRounds::Grant> LockstepRounds::decide(Nanoseconds wall) {
   if (!started_) {
     return mayStart(wall) ? start(wall) : std::vector<Grant>{};
   }
+  if (hasWindows()) {
+    return nextWindow(wall);
+  }
   if (ready_.empty()) {
     wakeResting();
   }
@@ -172,10 +176,11 @@ std::vector<LockstepRounds::Grant> LockstepRounds::start(Nanoseconds wall) {
   last_leap_ = wall;
   events_.push_back({Event::Kind::kStarted});
   std::vector<MemberId> ids;
-  for (const auto& [id, member] : members_) {
+  for (auto& [id, member] : members_) {
     ids.push_back(id);
+    member.ready = true;
   }
-  return grant(std::move(ids), wall);
+  return hasWindows() ? grantWindow(time_, wall) : grant(std::move(ids), wall);
 }
 
 std::vector<LockstepRounds::Grant> LockstepRounds::nextMicrostep(Nanoseconds wall) {
@@ -197,31 +202,49 @@ std::vector<LockstepRounds::Grant> LockstepRounds::nextMicrostep(Nanoseconds wal
     ready_.clear();
     return leap(wall);
   }
-  if (rules_.microstep_bound && microstep_ >= settings_.max_microsteps) {
-    zero_delay_loop_ = true;
-    events_.push_back({Event::Kind::kZeroDelayLoop});
+  if (isLoop()) {
     return {};
   }
   microstep_ += rules_.later_than_sent ? 1 : 0;
   return grant(std::move(ids), wall);
 }
 
+/** @brief Before one more round at the present instant. @return whether there were too many. */
+bool LockstepRounds::isLoop() {
+  if (rules_.microstep_bound && microstep_ >= settings_.max_microsteps) {
+    zero_delay_loop_ = true;
+    events_.push_back({Event::Kind::kZeroDelayLoop});
+  }
+  return zero_delay_loop_;
+}
+
 std::vector<LockstepRounds::Grant> LockstepRounds::leap(Nanoseconds wall) {
-  const Nanoseconds next = nextTime();
+  if (!goTo(nextTime(), wall)) {
+    return {};
+  }
+  std::vector<MemberId> ids;
+  for (auto due = due_.begin(); due != due_.end() && due->first <= time_; ++due) {
+    ids.push_back(due->second);
+  }
+  return grant(std::move(ids), wall);
+}
+
+/** @return whether time has come to @p next; else it may not go on so far as yet. */
+bool LockstepRounds::goTo(Nanoseconds next, Nanoseconds wall) {
   if (next == kNever) {
     becomeIdle();
   }
   if (paused_ && rules_.gate_pause) {
-    return {};
+    return false;
   }
   const bool to_target = target_ && next > *target_ && rules_.gate_target;
   const Nanoseconds to = to_target ? *target_ : next;
   if (to == kNever) {
-    return {};
+    return false;
   }
   held_by_limit_ = rules_.gate_limit && wall < leapWall(to);
   if (held_by_limit_) {
-    return {};
+    return false;
   }
   moveTo(to, wall);
   if (to_target) {
@@ -229,13 +252,8 @@ std::vector<LockstepRounds::Grant> LockstepRounds::leap(Nanoseconds wall) {
     target_reached_ = true;
     target_.reset();
     events_.push_back({Event::Kind::kTargetReached});
-    return {};
   }
-  std::vector<MemberId> ids;
-  for (auto due = due_.begin(); due != due_.end() && due->first <= to; ++due) {
-    ids.push_back(due->second);
-  }
-  return grant(std::move(ids), wall);
+  return !to_target;
 }
 
 void LockstepRounds::moveTo(Nanoseconds to, Nanoseconds wall) {
@@ -312,18 +330,6 @@ LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member,
           false,
           std::exchange(member.happened, std::nullopt),
           takeLater(member)};
-}
-
-/** @return whether the turn that the member is to have now is one that it has told already. */
-bool LockstepRounds::isForeseen(const MemberState& member) const {
-  return !member.ready && !member.owes && !member.foreseen.empty() &&
-         member.foreseen.front() <= time_;
-}
-
-void LockstepRounds::takeForeseen(MemberId id, MemberState& member) {
-  member.foreseen.pop_front();
-  ++*member.happened;
-  setNext(id, member, member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
 }
 
 void LockstepRounds::becomeIdle() {

@@ -34,6 +34,12 @@ struct LaterMail {
   std::string bytes;  // the item, written out: it may stay for many rounds
 };
 
+/** @brief What a member is handed at an instant of its own, with a lookahead. */
+struct Arrival {
+  Nanoseconds at;
+  std::string bytes;  // items, written out, in their order
+};
+
 enum class LockstepPhase {
   kWaitingForParticipants,
   kRunning,        // granted participants work
@@ -107,6 +113,11 @@ class LockstepRounds {
     std::deque<Nanoseconds> foreseen;       // turns that its latest report told, still to come
     Nanoseconds after_foreseen = kNever;    // its wake-up after these
     std::optional<std::uint32_t> happened;  // of these; nothing if it told none
+    // With a lookahead:
+    std::deque<Arrival> arrivals;  // that it has not been told, the earliest first
+    Nanoseconds latest = 0;        // instant of the latest turn that is known of it
+    Nanoseconds window_end = 0;    // it may go on by itself before that
+    Nanoseconds held_until = 0;    // not granted before all have come to this
   };
 
   /** @throws std::invalid_argument if a setting is out of its range. */
@@ -142,6 +153,18 @@ class LockstepRounds {
   /** @brief What is kept for the next grant of @p id is now a reason for one. */
   void hurry(MemberId id);
 
+  // ---- with a lookahead: windows (rounds_window.cpp) ----
+  bool hasWindows() const { return lookahead_ > 0; }
+  /** @return the earliest instant at which any member may do anything yet, or kNever. */
+  Nanoseconds windowBegin() const;
+  /** @brief Before report(): the last of the turns that it tells was at @p instant. */
+  void walked(MemberId id, Nanoseconds instant);
+  /** @brief Grant @p id nothing before all have come to @p instant. */
+  void holdUntil(MemberId id, Nanoseconds instant);
+  /** @brief now() is @p instant, and what is posted was sent then, until endInstant(). */
+  void beginInstant(Nanoseconds instant) { applied_ = instant; }
+  void endInstant();
+
   // ---- decisions ----
   /** @return whether nobody owes a report, so that actions may be applied and decide() called. */
   bool settled() const;
@@ -165,7 +188,7 @@ class LockstepRounds {
   void end();
 
   // ---- what is so ----
-  Nanoseconds now() const { return time_; }
+  Nanoseconds now() const { return applied_.value_or(time_); }
   std::uint32_t microstep() const { return microstep_; }
   bool started() const { return started_; }
   bool ended() const { return ended_; }
@@ -208,6 +231,16 @@ class LockstepRounds {
   std::vector<Grant> start(Nanoseconds wall);
   std::vector<Grant> nextMicrostep(Nanoseconds wall);
   std::vector<Grant> leap(Nanoseconds wall);
+  bool goTo(Nanoseconds next, Nanoseconds wall);
+  bool isLoop();
+  std::vector<Grant> nextWindow(Nanoseconds wall);
+  std::vector<Grant> grantWindow(Nanoseconds begin, Nanoseconds wall);
+  Grant grantIn(MemberId id, Nanoseconds end, Nanoseconds wall);
+  Nanoseconds windowEnd(Nanoseconds begin) const;
+  Nanoseconds nextOf(const MemberState& member) const;
+  bool restsAt(Nanoseconds begin) const;
+  Nanoseconds latest() const;
+  Nanoseconds present() const;
   std::vector<Grant> grant(std::vector<MemberId> ids, Nanoseconds wall);
   Grant grantOne(MemberId id, MemberState& member, Nanoseconds wall);
   bool isForeseen(const MemberState& member) const;
@@ -221,6 +254,10 @@ class LockstepRounds {
 
   LockstepSettings settings_;
   LockstepRules rules_;
+  const Nanoseconds lookahead_;
+  std::optional<Nanoseconds> applied_;  // the instant whose turns are being applied
+  std::vector<MemberId> posted_;        // to these at that instant
+  Nanoseconds window_end_ = 0;          // of the latest one
   std::map<MemberId, MemberState> members_;
   NamePlaces places_;
   std::set<std::pair<Nanoseconds, MemberId>> due_;  // of those that have a finite wake-up

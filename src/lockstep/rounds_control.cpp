@@ -61,7 +61,7 @@ void LockstepRounds::resume() {
 
 Nanoseconds LockstepRounds::step(Nanoseconds duration) {
   refuseIfEnded("step");
-  const Nanoseconds from = target_.value_or(time_);
+  const Nanoseconds from = target_.value_or(present());
   if (duration <= 0 || duration > kLastInstant - from) {
     refuse("step: duration must be more than 0 and at most " + secondsText(kLastInstant - from) +
            " from " + secondsText(from) + " on, got " + secondsText(duration));
@@ -74,8 +74,8 @@ Nanoseconds LockstepRounds::step(Nanoseconds duration) {
 
 void LockstepRounds::runUntil(Nanoseconds target) {
   refuseIfEnded("run_until");
-  if (target < time_ || target > kLastInstant) {
-    refuse("run_until: target must be from the present, " + secondsText(time_) + ", to " +
+  if (target < present() || target > kLastInstant) {
+    refuse("run_until: target must be from the present, " + secondsText(present()) + ", to " +
            secondsText(kLastInstant) + ", got " + secondsText(target));
   }
   paused_ = false;
@@ -108,6 +108,9 @@ void LockstepRounds::idle(MemberId id, std::uint32_t threads) { at(id).idle = th
 
 /** @return when time goes on; kNever: nobody has a reason to wake up. */
 Nanoseconds LockstepRounds::nextTime() const {
+  if (hasWindows()) {
+    return windowBegin();
+  }
   const auto counts = [this](const auto& due) { return !members_.at(due.second).background; };
   if (std::none_of(due_.begin(), due_.end(), counts)) {
     return kNever;

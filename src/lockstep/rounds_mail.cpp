@@ -1,4 +1,4 @@
-// What is kept for a member until its next grant.
+// What is kept for a member until its next grant, and what it has told beforehand.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -18,6 +18,12 @@ void LockstepRounds::post(MemberId id, Mail mail) {
     return;
   }
   MemberState& member = found->second;
+  if (hasWindows()) {
+    posted_.push_back(id);
+    member.mail.push_back(mail);
+    ++mail_waiting_;
+    return;
+  }
   if (mail.later && member.foreseen.empty()) {  // else its wake-ups are those of what it foresees
     postLater(id, member, mail);
     return;
@@ -61,6 +67,18 @@ std::string LockstepRounds::takeLater(MemberState& member) {
     items += mail.bytes;
   }
   return items;
+}
+
+/** @return whether the turn that the member is to have now is one that it has told already. */
+bool LockstepRounds::isForeseen(const MemberState& member) const {
+  return !member.ready && !member.owes && !member.foreseen.empty() &&
+         member.foreseen.front() <= time_;
+}
+
+void LockstepRounds::takeForeseen(MemberId id, MemberState& member) {
+  member.foreseen.pop_front();
+  ++*member.happened;
+  setNext(id, member, member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
 }
 
 }  // namespace move_base_abstract

@@ -80,6 +80,10 @@ void LockstepSession::finishRound() {
 }
 
 void LockstepSession::applyRound() {
+  if (rounds_.hasWindows()) {
+    applyWindow();
+    return;
+  }
   if (changed_.empty()) {
     return;
   }
@@ -99,11 +103,16 @@ void LockstepSession::applyRound() {
       applyDeparture(id);
     }
   }
+  changed_.clear();  // who is dropped for its report has departed in its turn
+  endOfTurns();
+}
+
+/** @brief All turns of a round, or of an instant of a window, are applied. */
+void LockstepSession::endOfTurns() {
   router_.finishRound();
   if (std::exchange(ends_together_, false)) {
     log_.dropRound();
   }
-  changed_.clear();  // who is dropped for its report has departed in its turn
   log_.closeRound();
   for (const std::string& warning : router_.takeWarnings()) {
     messages_.say(Level::kWarn, warning);
@@ -119,6 +128,7 @@ void LockstepSession::applyTurn(MemberId id, Member& member) {
   } catch (const MessageRouter::BadAction& error) {
     connections_.close(member.connection, error.what());
     die(id, std::string("it was dropped: ") + error.what());
+    member.walked.clear();
   }
   applied_.push_back(std::move(pending));
 }

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <memory>
 #include <set>
 #include <string>
 #include <string_view>
@@ -21,6 +23,7 @@
 #include "router.h"
 #include "shared_files.h"
 #include "status.h"
+#include "walked.h"
 #include "wire.h"
 
 namespace move_base_abstract {
@@ -129,6 +132,15 @@ class LockstepSession {
   void applyRound();
   void applyTurn(MemberId id, Member& member);
   void applyItem(MemberId id, Member& member, const wire::ReportItem& item);
+  void takeTurns(MemberId id, wire::Report report, const std::shared_ptr<const std::string>& bytes);
+  static void checkSets(const Member& member, const PendingTurn& turn);
+  void takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns);
+  void applyWindow();
+  void applyInstant(Nanoseconds at);
+  void applyGone();
+  void applySets(Nanoseconds until);
+  void endOfTurns();
+  Nanoseconds firstWalked() const;
   void applyNote(Member& member, const wire::Note& note);
   void applyParameter(const Member& member, const wire::Parameter& item);
   void labelIf(const std::string& why);
@@ -167,6 +179,7 @@ class LockstepSession {
   std::vector<MemberId> granted_;     // of this round, in this order
   std::vector<MemberId> changed_;     // have a report or depart, in the order of arrival
   std::vector<PendingTurn> applied_;  // kept while mail points into them
+  std::vector<WalkedSet> sets_;       // parameters that the ROS master has not been told
   std::vector<MemberId> gone_;        // GONE is due after the next grants
   std::vector<LockstepStatus::Departure> departures_;  // while the run went on
   std::string death_;                                  // on_death says that the run ends with it

@@ -108,7 +108,9 @@ void LockstepSession::endTogether() {
     }
     member.turn = PendingTurn();
     member.foreseen.clear();
+    member.walked.clear();
   }
+  sets_.clear();
   interruption_.finish();
   cut_ = cut_ || !rested_;
   ends_together_ = true;
@@ -129,7 +131,7 @@ void LockstepSession::goOnWithoutSome() {
 bool LockstepSession::goesOnWithout(MemberId id) const {
   return std::any_of(rounds_.members().begin(), rounds_.members().end(), [id](const auto& entry) {
     return entry.first != id && entry.second.present &&
-           (entry.second.owes || entry.second.next != kNever);
+           (entry.second.owes || entry.second.next != kNever || !entry.second.arrivals.empty());
   });
 }
 

@@ -238,13 +238,18 @@ void LockstepSession::takeReport(MemberId id, std::string_view frame) {
                                (state.owes ? std::to_string(state.round) : "none") + ", got " +
                                std::to_string(report.round));
   }
-  Foreseen foreseen = takeForeseen(report, bytes, rounds_.now());
-  rounds_.report(id, report.leaving ? kNever : report.next_ns, report.leaving ? 0 : report.open,
-                 wall_, std::move(foreseen.instants));
-  member.foreseen = std::move(foreseen.turns);
-  member.turn = {bytes, std::move(report.items)};
+  const bool is_last = report.leaving;
+  if (rounds_.hasWindows()) {
+    takeTurns(id, std::move(report), bytes);
+  } else {
+    Foreseen foreseen = takeForeseen(report, bytes, rounds_.now());
+    rounds_.report(id, is_last ? kNever : report.next_ns, is_last ? 0 : report.open, wall_,
+                   std::move(foreseen.instants));
+    member.foreseen = std::move(foreseen.turns);
+    member.turn = {bytes, std::move(report.items)};
+  }
   listChanged(id);
-  if (report.leaving) {
+  if (is_last) {
     if (interruption_.concerns(id)) {
       keepLeft(id);
     }

@@ -5,14 +5,36 @@
 
 namespace move_base_abstract {
 
-void LockstepSession::applyParameter(const Member& member, const wire::Parameter& item) {
+namespace {
+
+/** @throws MessageRouter::BadAction unless it says what is set, and to what. */
+void check(const std::string& by, const wire::Parameter& item) {
   if (item.name.empty() || item.name.front() != '/' || item.is_set == item.value.empty()) {
     throw MessageRouter::BadAction(
-        quote(member.name) +
+        quote(by) +
         ": PARAMETER must have an absolute name, and a value where it is set, got name " +
         quote(item.name) + " and a value of " + std::to_string(item.value.size()) + " bytes");
   }
+}
+
+}  // namespace
+
+void LockstepSession::applyParameter(const Member& member, const wire::Parameter& item) {
+  check(member.name, item);
   parameters_.change(member.name, item);
+}
+
+/** @throws wire::MalformedFrame if what @p turn sets is no parameter. */
+void LockstepSession::checkSets(const Member& member, const PendingTurn& turn) {
+  try {
+    for (const wire::ReportItem& item : turn.items) {
+      if (const auto* set = std::get_if<wire::Parameter>(&item)) {
+        check(member.name, *set);
+      }
+    }
+  } catch (const MessageRouter::BadAction& error) {
+    throw wire::MalformedFrame(error.what());
+  }
 }
 
 /**

@@ -44,6 +44,9 @@ LockstepSettings checkedSettings(LockstepSettings settings) {
     checked("end_at", settings.end_at, settings.start_time, 1e-9 * TimeMaster::kLastInstant,
             " s (or 0 for no end)");
   }
+  if (settings.lookahead != 0.0) {
+    checked("lookahead", settings.lookahead, 1e-6, 1000.0, " s (or 0 for none)");
+  }
   if (settings.silence_limit != 0.0) {
     checked("silence_limit", settings.silence_limit, 0.001, 86400.0,
             " s of wall time (or 0 for any)");

@@ -18,6 +18,8 @@ struct LockstepSettings {
   std::vector<std::string> participants;  // the clock starts when all of these are there
   double settle =
       2.0;  // wall s without a new participant until it starts where none is named, 0-3600
+  // s simulated, 1e-6 to 1000, that all takes from one participant to another; 0: none
+  double lookahead = 0.0;
   double limit = 0.0;  // simulated s per wall s at most, 0.01 to 1e6; 0: none
   bool start_paused = false;
   std::uint32_t max_microsteps = 100'000;  // at one instant, at least 1

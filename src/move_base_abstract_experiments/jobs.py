@@ -34,7 +34,7 @@ def make_job(experiment, one, **others):
             'participants': experiment.participants, 'leave_out': experiment.leave_out,
             'replace': sorted(experiment.replace.items()), 'until': experiment.until, 'record': experiment.record,
             'function': experiment.function, 'factors': list(experiment.factors), 'verified_by': one.verified_by,
-            'time_limit': experiment.time_limit, 'sleep': experiment.sleep,
+            'time_limit': experiment.time_limit, 'sleep': experiment.sleep, 'lookahead': experiment.lookahead,
             'crashes': experiment.crashes, 'is_warm': True,
             'made_of': plan.made_of(experiment, one),
             'program': ingredients.name_of(made), 'files': ingredients.told(made),

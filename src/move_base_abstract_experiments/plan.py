@@ -141,6 +141,7 @@ def made_of(experiment, trial):
                trial.seed, trial.verified_by, package_version(), platform.python_version(),
                [experiment.trial_function, function_arguments(experiment, trial)] if experiment.trial_function else '',
                experiment.prepare, ingredients.by_content(ingredients_of(experiment, trial))]
+    content += [{'lookahead': experiment.lookahead}] if experiment.lookahead else []
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode('utf-8', 'surrogateescape')).hexdigest()
 
 

@@ -16,7 +16,7 @@ from .metric_names import BUILT_IN, Metric
 
 KEYS = ('experiment', 'launch', 'command', 'function', 'prepare', 'inputs', 'participants', 'leave_out', 'replace',
         'args', 'factors', 'replications', 'seed', 'until', 'record', 'metrics', 'primary', 'baseline',
-        'smallest_difference', 'at_limit', 'report', 'verify', 'time_limit', 'sleep', 'crashes')
+        'smallest_difference', 'at_limit', 'report', 'verify', 'time_limit', 'sleep', 'lookahead', 'crashes')
 SYSTEMS = ('launch', 'command', 'function')  # one of them is run
 UNTIL = ('seconds', 'topic', 'idle')
 RECORD = ('messages', 'files', 'hashes', 'motion')
@@ -83,6 +83,7 @@ class Experiment(NamedTuple):
     verify: float
     time_limit: float  # s, wall
     sleep: str
+    lookahead: float = 0.0  # s, simulated, from one participant to another; 0: none
     crashes: str = ends.FAIL  # one of ends.POLICIES
 
     @property
@@ -133,9 +134,14 @@ def checked(document, folder):
         verify=float(checks.number('verify', given.get('verify', 0), 0, 1)),
         time_limit=float(checks.number('time_limit', given.get('time_limit', TIME_LIMIT_S), 1, 1e7)),
         sleep=checks.one_of('sleep', given.get('sleep', 'wall'), ('wall', 'simulated')),
+        lookahead=_lookahead(given.get('lookahead', 0)),
         crashes=checks.one_of('crashes', given.get('crashes', ends.FAIL), ends.POLICIES))
     _check_together(experiment)
     return experiment
+
+
+def _lookahead(value):
+    return float(value if value == 0 else checks.number('lookahead', value, 1e-6, 1000))
 
 
 def configurations(experiment):
@@ -313,6 +319,8 @@ def _check_together(experiment):
     if experiment.trial_function and (any(experiment.until) or experiment.record.messages or experiment.participants):
         raise ConfigurationError("'until', 'record.messages' and 'participants' are of a launch file or a command; "
                                  'a function ends by itself')
+    if experiment.trial_function and experiment.lookahead:
+        raise ConfigurationError("'lookahead' is of a launch file or a command; a function has no participants")
     if experiment.prepare and not experiment.trial_function:
         raise ConfigurationError("'prepare' goes with 'function'")
 

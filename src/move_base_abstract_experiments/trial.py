@@ -73,7 +73,8 @@ def wanted_of(job):
                       replace=tuple((tuple(old.split('/')), tuple(new.split('/'))) for old, new in job['replace']),
                       seed=job['seed'], sleep=job['sleep'], until=spec.Until(*job['until']),
                       record=spec.Record(*job['record']), time_limit=job['time_limit'], is_warm=job['is_warm'],
-                      speed_limit=job.get('speed_limit', 0.0), extra=tuple(job.get('extra', ())))
+                      speed_limit=job.get('speed_limit', 0.0), lookahead=job.get('lookahead', 0.0),
+                      extra=tuple(job.get('extra', ())))
 
 
 def _check_version(job):

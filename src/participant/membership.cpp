@@ -110,16 +110,42 @@ void Membership::end(const std::string& reason, bool as_wished) {
 
 void Membership::exchange(const Wish& wish) {
   if (hasTurn()) {
+    if (walk(wish)) {
+      return;
+    }
     report(wish);
   }
   awaitGrant();
+}
+
+/** @brief Begin the next turn of the window, if there is one. @return whether it has begun. */
+bool Membership::walk(const Wish& wish) {
+  if (must_report_ || is_background_ || program_.hasInput()) {
+    return false;
+  }
+  const Nanoseconds next = window_.next(wish.next, now_);
+  if (next == kNever) {
+    return false;
+  }
+  {
+    const Lock lock(program_);
+    if (isOver()) {
+      return false;
+    }
+    if (next != told_at_) {
+      told_at_ = next;
+      wire::append(items_, wire::At{next});
+    }
+  }
+  beginTurn({}, next, next == now_ ? microstep_ + 1 : 0);
+  return true;
 }
 
 void Membership::report(const Wish& wish) {
   delay_.wait();
   wire::Report head;
   head.round = round_;
-  head.next_ns = wish.next;
+  head.next_ns = std::min(wish.next, window_.firstArrival());
   head.open = wish.open;
   bool is_sent = true;
   {
@@ -134,6 +160,10 @@ void Membership::report(const Wish& wish) {
     if (wish.idle > 0) {
       wire::append(items_, wire::Idle{wish.idle});
     }
+    if (is_background_ && window_.firstArrival() == kNever) {
+      wire::append(items_, wire::Background{});
+    }
+    must_report_ = is_background_ = false;
     is_sent = link_.send(wire::encodeReport(head, items_));
     items_.clear();
     state_ = State::kReported;
@@ -181,7 +211,8 @@ void Membership::knockIfNeeded() {
 void Membership::readFrames() {
   try {
     for (auto frame = frames_.next(); frame && !isOver(); frame = frames_.next()) {
-      std::visit([this](const auto& decoded) { handle(decoded); }, wire::decodeFromMaster(*frame));
+      wire::MasterFrame decoded = wire::decodeFromMaster(*frame);
+      std::visit([this](auto& one) { handle(one); }, decoded);
     }
   } catch (const wire::MalformedFrame& error) {
     ROS_ERROR("lockstep: %s got a bad frame from the time master: %s", name().c_str(),
@@ -243,23 +274,40 @@ void Membership::handle(const wire::Gone& frame) {
   }
 }
 
-void Membership::handle(const wire::Grant& frame) {
+void Membership::handle(wire::Grant& grant) {
+  const bool has_window = window_.take(&grant);
   {
     const Lock lock(program_);
     if (isOver()) {
       return;  // another thread has left
     }
-    round_ = frame.round;
-    now_ = frame.time_ns;
-    microstep_ = frame.microstep;
-    is_plain_ = frame.items.empty() && !has_knocked_;
+    round_ = grant.round;
+    told_at_ = grant.time_ns;
+  }
+  const bool is_repeated = has_window && grant.time_ns == now_;
+  beginTurn(grant, grant.time_ns, is_repeated ? microstep_ + 1 : grant.microstep);
+}
+
+/** @brief ... with what was kept for @p now, and with what @p grant has besides. */
+void Membership::beginTurn(const wire::Grant& grant, Nanoseconds now, std::uint32_t microstep) {
+  const std::string kept = window_.arrived(now);
+  const auto first =
+      kept.empty() ? wire::Grant() : std::get<wire::Grant>(wire::decodeFromMaster(kept));
+  {
+    const Lock lock(program_);
+    now_ = now;
+    microstep_ = microstep;
+    ++turns_;
+    is_plain_ = first.items.empty() && grant.items.empty() && !has_knocked_;
     has_knocked_ = false;
     reader_ = ownThread();
     state_ = State::kTurn;
   }
   program_.setTime(now_);
-  for (const wire::GrantItem& item : frame.items) {
-    std::visit([this](const auto& decoded) { take(decoded); }, item);
+  for (const auto* items : {&first.items, &grant.items}) {
+    for (const wire::GrantItem& item : *items) {
+      std::visit([this](const auto& decoded) { take(decoded); }, item);
+    }
   }
   program_.onGranted();
 }
@@ -270,9 +318,16 @@ void Membership::handle(const wire::End& frame) { end(std::string(frame.reason),
 
 void Membership::append(const wire::ReportItem& item) {
   const Lock lock(program_);
-  if (!isOver()) {
-    wire::append(items_, item);
+  if (isOver()) {
+    return;
   }
+  if (std::holds_alternative<wire::Background>(item)) {
+    is_background_ = true;  // of the report, whichever it will be
+    return;
+  }
+  must_report_ = must_report_ || std::holds_alternative<wire::Rest>(item) ||
+                 std::holds_alternative<wire::Parameter>(item);
+  wire::append(items_, item);
 }
 
 void Membership::label(const std::string& reason) {

@@ -18,6 +18,7 @@
 #include "namesake.h"
 #include "report_delay.h"
 #include "silence.h"
+#include "window.h"
 
 namespace move_base_abstract::lockstep::internal {
 
@@ -115,7 +116,10 @@ class Membership {
   const std::string& name() const { return presence_.name; }
   Nanoseconds now() const { return now_; }
   std::uint32_t microstep() const { return microstep_; }
-  std::uint64_t round() const { return round_; }
+  /** @return the number of the present turn: that of its round, where each has its own. */
+  std::uint64_t round() const { return turns_; }
+  /** @return how long everything takes from one participant to another; 0: no time. */
+  Nanoseconds lookahead() const { return window_.lookahead(); }
   const std::shared_ptr<Bell>& bell() const { return bell_; }
 
   // ---- what the next report says
@@ -150,6 +154,8 @@ class Membership {
     std::string uri;
   };
 
+  bool walk(const Wish& wish);
+  void beginTurn(const wire::Grant& grant, Nanoseconds now, std::uint32_t microstep);
   void report(const Wish& wish);
   void awaitGrant();
   void knockIfNeeded();
@@ -157,12 +163,14 @@ class Membership {
   void handle(const wire::Welcome& frame);
   void handle(const wire::Member& frame);
   void handle(const wire::Gone& frame);
-  void handle(const wire::Grant& frame);
+  void handle(wire::Grant& grant);
   void handle(const wire::End& frame);
   void take(const wire::Answer& item);
   void take(const wire::Found& item);
   void take(const wire::Happened&) {}  // it foresees nothing
   void take(const wire::Heard&) {}     // what it sends to the deaf goes no further
+  void take(const wire::Window&) {}    // taken out of the grant before
+  void take(const wire::Arrives&) {}
   template <class Item>
   void take(const Item& item) {
     program_.handle(item);
@@ -195,6 +203,11 @@ class Membership {
   std::string end_reason_;
   std::atomic<int> reader_{0};  // thread that has read the latest grant, as gettid() says
   std::uint64_t round_ = 0;
+  std::uint64_t turns_ = 0;
+  Window window_;
+  Nanoseconds told_at_ = 0;     // the instant of what was appended last
+  bool must_report_ = false;    // before its next turn, in the window or not
+  bool is_background_ = false;  // so is its wish
   bool is_plain_ = false;
   Nanoseconds now_ = 0;
   std::uint32_t microstep_ = 0;

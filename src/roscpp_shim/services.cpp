@@ -1,6 +1,7 @@
 // Services between participants: a call is handled in the next round, by the server's queue.
 #include <ros/callback_queue_interface.h>
 #include <ros/console.h>
+#include <ros/master.h>
 #include <ros/service.h>
 #include <ros/service_client.h>
 #include <ros/service_manager.h>
@@ -8,6 +9,7 @@
 #include <ros/service_server_link.h>
 
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -98,11 +100,46 @@ Reply call(const std::string& service, std::string_view request) {
 
 /** @return whether a participant offers the service, as of this instant. */
 bool isOffered(const std::string& service) {
-  node().membership().watch(service);
+  auto& membership = node().membership();
+  membership.watch(service);
   Wait wait;
-  wait.next_round = true;
+  wait.next_round = membership.lookahead() == 0;
+  if (!wait.next_round) {  // it is there, or not, at that instant
+    wait.until = node().now() + membership.lookahead();
+    wait.is_over = [&] { return membership.isFound(service); };
+  }
   turn().wait(wait);
-  return node().membership().isFound(service);
+  return membership.isFound(service);
+}
+
+/**
+ * @return whether a node that has never taken part may offer the service. With a lookahead, what
+ * the ROS master knows of participants is of another instant.
+ */
+bool mayBeOfferedOutside(const std::string& service) {
+  auto& membership = node().membership();
+  if (membership.lookahead() == 0) {
+    return true;
+  }
+  const Inside inside;
+  const std::set<std::string> present = membership.present();
+  const std::set<std::string> gone = membership.gone();
+  XmlRpc::XmlRpcValue request, response, state;
+  request[0] = membership.name();
+  if (!ros::master::execute("getSystemState", request, response, state, false)) {
+    return false;
+  }
+  XmlRpc::XmlRpcValue& services = state[2];
+  for (int k = 0; k < services.size(); ++k) {
+    XmlRpc::XmlRpcValue& nodes = services[k][1];
+    for (int i = 0; i < nodes.size() && std::string(services[k][0]) == service; ++i) {
+      const std::string one = nodes[i];
+      if (present.count(one) + gone.count(one) == 0) {
+        return true;
+      }
+    }
+  }
+  return false;
 }
 
 }  // namespace
@@ -181,7 +218,7 @@ bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& re
   shim::Turn::self()->has_acted = true;
   const std::string service = getService();
   const participant::Reply reply = shim::call(service, participant::payloadOf(request));
-  if (reply.status == wire::CallStatus::kNoServer) {
+  if (reply.status == wire::CallStatus::kNoServer && shim::mayBeOfferedOutside(service)) {
     shim::node().label("service " + service +
                        ", which was called, is offered by a node that does not take part");
     const shim::Blocking blocking;  // time stands until the other node has answered
@@ -210,8 +247,14 @@ bool exists(const std::string& name, bool print_failure_reason) {
   using Exists = bool(const std::string&, bool);
   static Exists* const function = shim::real<Exists>(
       "_ZN3ros7service6existsERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEb");
-  if (shim::turn().enter() && shim::isOffered(names::resolve(name))) {
-    return true;
+  if (shim::turn().enter()) {
+    const std::string service = names::resolve(name);
+    if (shim::isOffered(service)) {
+      return true;
+    }
+    if (!shim::mayBeOfferedOutside(service)) {
+      return false;
+    }
   }
   const shim::Blocking blocking;
   return function(name, print_failure_reason);
@@ -226,12 +269,16 @@ bool waitForService(const std::string& name, Duration timeout) {
     return function(name, timeout);
   }
   const std::string service = names::resolve(name);
-  if (exists(name, false)) {
-    return true;
-  }
   shim::Wait wait;
   wait.until =
       timeout > Duration(0) ? shim::node().now() + timeout.toNSec() : move_base_abstract::kNever;
+  if (wait.until > shim::node().now() + shim::node().membership().lookahead()) {
+    if (exists(name, false)) {
+      return true;
+    }
+  } else {
+    shim::node().membership().watch(service);
+  }
   wait.is_over = [&service] { return shim::node().membership().isFound(service); };
   shim::node().open("service " + service);
   const bool is_found = shim::turn().wait(wait) == shim::Woken::kReady;

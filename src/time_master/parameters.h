@@ -306,6 +306,20 @@ inline void readCores(ParameterReader& reader, NodeParameters& parameters) {
                 parameters.cores);
 }
 
+inline void readLookahead(ParameterReader& reader, NodeParameters& parameters) {
+  double& lookahead = parameters.lockstep.lookahead;
+  reader.read("lookahead", lookahead);
+  if (lookahead == 0.0) {
+    return;
+  }
+  checkRange("lookahead", lookahead, 1e-6, 1000.0, " s, or 0 for none");
+  if (!parameters.in_lockstep) {
+    throw std::invalid_argument(
+        "lookahead must be 0 in mode scaled, where no node waits for another; got " +
+        shown(std::to_string(lookahead)));
+  }
+}
+
 inline void readLockstepParameters(ParameterReader& reader, NodeParameters& parameters) {
   LockstepSettings& lockstep = parameters.lockstep;
   int max_microsteps = static_cast<int>(lockstep.max_microsteps);
@@ -368,6 +382,7 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   checkRange("state_rate", parameters.state_rate, 0.1, 100.0, " Hz");
   TimeMaster(parameters.master, 0);  // checks the others, whatever the mode is now
   readLockstepParameters(reader, parameters);
+  readLookahead(reader, parameters);
   reader.know("lockstep_address");  // our own, of a run that was killed
   reader.warnOfUnknown();
   return parameters;

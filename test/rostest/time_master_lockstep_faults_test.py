@@ -145,7 +145,7 @@ class LockstepFaultsTest(LockstepCase):
         for data, words in ((struct.pack('<I', 2 ** 31), 'length'), (struct.pack('<I', 0), 'length'),
                             (raw.frame(raw.KNOCK), 'the first frame must be HELLO'), (raw.frame(99), '99'),
                             (raw.frame(raw.HELLO, struct.pack('<I', 9) + raw.text('/x') + raw.text('') + bytes(13)),
-                             'protocol must be 5, got 9')):
+                             'protocol must be {}, got 9'.format(raw.PROTOCOL))):
             bad = RawClient(self.address)
             self.addCleanup(bad.close)
             bad.socket.sendall(data)

@@ -95,6 +95,8 @@ class Script {
     stir(item.number + static_cast<std::uint64_t>(item.status));
   }
   void take(const wire::Found&) {}
+  void take(const wire::Window&) {}
+  void take(const wire::Arrives&) {}
   void take(const wire::Happened&) {}
   void take(const wire::Heard&) {}
 

@@ -29,6 +29,7 @@ def read(**others):
     ({'command': ['x']}, 'got launch, command'),
     ({'function': 'a:b'}, 'got launch, function'),
     ({'prepare': 'a:b'}, "goes with 'function'"),
+    ({'lookahead': 1e-9}, 'in 1e-06..1000'),
     ({'replications': {'all': 3, 'robot': {}}, 'factors': {'robots': [1]}}, "did you mean 'robots'"),
     ({'replications': {'all': 3, 'robots': {2: 1}}, 'factors': {'robots': [1]}}, "the value '2' is unknown"),
     ({'replications': {'robots': {1: 0}}, 'factors': {'robots': [1]}}, 'in 1..'),
@@ -130,7 +131,8 @@ def test_a_complete_trial_counts_only_if_what_it_is_made_of_is_the_same():
     one = plan.trials(read())[0]
     first = plan.made_of(read(), one)
     assert first == plan.made_of(read(), one)
-    for others in ({'args': {'a': 1}}, {'until': {'seconds': 3}}, {'sleep': 'simulated'}, {'launch': 'y.launch'}):
+    for others in ({'args': {'a': 1}}, {'until': {'seconds': 3}}, {'sleep': 'simulated'},
+                   {'lookahead': 0.05}, {'launch': 'y.launch'}):
         assert plan.made_of(read(**others), one) != first
     assert plan.made_of(read(), one._replace(seed=1)) != first
 
@@ -147,7 +149,7 @@ def function(**others):
 @pytest.mark.parametrize('others, text', [
     ({'function': 'model.run'}, 'module:function'), ({'until': {'seconds': 3}}, 'ends by itself'),
     ({'replace': {'a/b': 'c/d'}}, "'replace' is of a launch file"),
-    ({'record': {'messages': ['/a']}}, 'ends by itself')])
+    ({'record': {'messages': ['/a']}}, 'ends by itself'), ({'lookahead': 0.1}, 'has no participants')])
 def test_a_function_has_no_nodes(others, text):
     with pytest.raises(ConfigurationError, match=text):
         function(**others)

@@ -14,7 +14,7 @@ from collections import namedtuple
 #: one frame or item: its number on the wire, its name, its fields in their order
 Layout = namedtuple('Layout', 'number name fields')
 
-PROTOCOL = 5
+PROTOCOL = 6
 NEVER = 2 ** 63 - 1
 #: of a frame without its length field [bytes]; what is longer is refused before it is stored
 LARGEST_FRAME = 256 * 1024 * 1024
@@ -95,7 +95,7 @@ REPORT_ITEMS = (
                        'text values')),  # a JSON array
     Layout(11, 'NOTE', ('NoteKind what', 'text text')),
     Layout(12, 'WATCH', ('text service',)),  # its name
-    Layout(13, 'AT', ('instant time_ns',)),  # simulated; of the turn in which what follows is sent
+    Layout(13, 'AT', ('instant time_ns',)),  # simulated; of the turn in which what follows is sent, or done
     Layout(14, 'REST', ()),  # grant me again, once, when nobody has anything left to do at this instant
     Layout(15, 'HEARS', ('u32 topic',  # that it subscribes to
                          'Hearing what')),
@@ -127,4 +127,7 @@ GRANT_ITEMS = (
     Layout(10, 'HEARD', ('u32 topic',
                          'u32 receiver',  # its id
                          'Hearing what')),
+    Layout(11, 'WINDOW', ('instant end_ns',  # simulated; what comes before it is this participant's own affair
+                          'instant lookahead_ns')),  # simulated; what is sent takes so long
+    Layout(12, 'ARRIVES', ('instant time_ns',)),  # simulated, in the window; what follows arrives then
 )

@@ -9,6 +9,7 @@ from move_base_abstract.errors import ConfigurationError
 from move_base_abstract.lockstep import open_waits, wire
 from move_base_abstract.lockstep.charge import NoCharge
 from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_lock
+from move_base_abstract.lockstep.window import Window
 from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
 from . import finish, garbage, pools, silence
@@ -51,14 +52,13 @@ class Participant:
         self.microstep = 0
         self._round = 0
         self._items = []
-        self.last_words = []  # functions that are called when a round is over, before it is reported
+        self.last_words = []  # functions that are called when a turn is over, before it is reported
+        self._window = Window()
         self.charge = charge
         self._is_charged = type(charge) is not NoCharge
         self._foresight = None
         self._source_is_background = None
-        self._is_granted = False
-        self.is_at_rest = False
-        self._has_mail = False
+        self._is_granted = self.is_at_rest = self._has_mail = False
         self.is_starting = True
         self._is_interrupted = False
         self._told = ''
@@ -279,13 +279,24 @@ class Participant:
         return deferred
 
     def _take_items(self):
+        self._end_turn()
+        return self._window.take_walked(self._items)
+
+    def _end_turn(self):
         for tell in self.last_words:
             tell()
-        items = [item() if callable(item) else item for item in self._items]
-        self._items.clear()
-        return items
+        self._items[:] = [item() if callable(item) else item for item in self._items]
 
     def _report(self, next_ns, may_foresee=False):
+        is_background = may_foresee and self.now_ns < next_ns < wire.NEVER and self._is_background()
+        if self._window.is_open:
+            self.is_starting = may_foresee = False
+            self._end_turn()
+            is_free = not (is_background or self.scheduler.has_outside)
+            if is_free and self._window.walk(next_ns, self.now_ns, self._items):
+                return
+            is_background = is_background and self._window.first_arrival_ns == wire.NEVER
+            next_ns = min(next_ns, self._window.first_arrival_ns)
         waits = self.scheduler.open_waits
         if waits and next_ns == wire.NEVER:
             told = ', '.join('{} waits for {}'.format(task.name, task.waits_for or 'another thread') for task in waits)
@@ -297,7 +308,7 @@ class Participant:
         owed, idle = open_waits.split(waits) if waits else ((), ())
         self._items += [wire.idle(len(idle))] if idle else []
         self._is_granted = self.is_starting = False
-        if may_foresee and self.now_ns < next_ns < wire.NEVER and self._is_background():
+        if is_background:
             self._items.append(wire.background())
         elif may_foresee and self._foresight is not None and self.scheduler.can_foresee and next_ns > self.now_ns:
             with sender(None):
@@ -316,21 +327,23 @@ class Participant:
 
     def _await_grant(self):
         """Return what the next grant lists, as functions to be called in this order."""
+        if self._window.walks_to_ns is not None:
+            return self._begin_turn(*self._window.next_turn())
         try:
             while True:
                 kind, body = self.connection.receive()
                 if kind == wire.GRANT:
                     if self._begin is not None:
                         self._begin()
-                    return self._granted(body)
+                    self._round, now_ns, microstep, items = wire.read_grant(body)
+                    return self._begin_turn(now_ns, microstep, self._window.take(items, now_ns))
                 self._told_of_members(kind, body)
         except (Closed, wire.WireError) as error:
             return self._lost(str(error))
 
-    def _granted(self, body):
-        self._round, now_ns, self.microstep, items = wire.read_grant(body)
-        self._is_granted = True
-        self._has_mail = bool(items)
+    def _begin_turn(self, now_ns, microstep, items):
+        self.microstep = self.microstep + 1 if self._window.is_open and now_ns == self.now_ns else microstep
+        self._is_granted, self._has_mail = True, bool(items)
         self.charge.begin()
         if now_ns != self.scheduler.now_ns:
             self.scheduler.now_ns = now_ns

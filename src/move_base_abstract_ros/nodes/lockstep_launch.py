@@ -95,6 +95,8 @@ def add_plan_options(parser):
     parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
     parser.add_argument('--sleep', choices=('wall', 'simulated'), default='wall',
                         help='what sleeps of the wall clock take (default: %(default)s, while simulated time stands)')
+    parser.add_argument('--lookahead', type=_lookahead, default=0.0, metavar='S',
+                        help='all takes so long [s, simulated] from one participant to another (default: no time)')
     parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
     parser.add_argument('--crashes', choices=ends.POLICIES, default=ends.FAIL,
                         help='whether a node that crashes makes a failure of the run (default: %(default)s)')
@@ -105,6 +107,7 @@ def words_of(options):
     """Return the words of a command line that say what add_plan_options has read, without the files."""
     words = ['--sleep', options.sleep, '--seed', str(options.seed), '--crashes', options.crashes]
     words += ['--until', repr(options.until)] if options.until else []
+    words += ['--lookahead', repr(options.lookahead)] if options.lookahead else []
     words += ['--no-respawn'] if options.no_respawn else []
     for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
                           ('--leave-out', options.leave_out)):
@@ -134,7 +137,8 @@ def files_of(parser, words):
 def wishes_of(options, parameters, **others):
     """Return what the options ask of a plan; ``parameters``: of the time master."""
     from ..launching.plan import Wishes
-    return Wishes(parameters=dict({'end_at': options.until} if options.until else {}, **parameters),
+    given = {'end_at': options.until, 'lookahead': options.lookahead}
+    return Wishes(parameters=dict({key: value for key, value in given.items() if value}, **parameters),
                   launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
                   kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
                   replaced=tuple(options.replace), with_respawned=options.no_respawn, **others)
@@ -235,6 +239,13 @@ def _factor(text):
     value = float(text)
     if not (0.01 <= value <= 1e6 or value == 0.0) or math.isnan(value):
         raise argparse.ArgumentTypeError('must be 0.01 to 1e6, or 0 for no limit, got {}'.format(shown(text)))
+    return value
+
+
+def _lookahead(text):
+    value = float(text)
+    if not (1e-6 <= value <= 1000.0 or value == 0.0):
+        raise argparse.ArgumentTypeError('must be 1e-6 to 1000 s, or 0 for none, got {}'.format(shown(text)))
     return value
 
 
