@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -111,7 +112,9 @@ def test_status_has_a_line_for_each_worker(tmp_path, capsys):
 
 
 @pytest.mark.parametrize('number', [signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_that_ends_programs_ends_it_as_ctrl_c_does(monkeypatch, capsys, number):
+def test_a_signal_that_ends_programs_ends_it_as_ctrl_c_does(monkeypatch, capsys, request, number):
+    request.addfinalizer(partial(signal.signal, number, signal.signal(number, signal.SIG_DFL)))  # nohup ignores one
+
     def run(*_words, **_options):
         os.kill(os.getpid(), number)
         signal.pause()
