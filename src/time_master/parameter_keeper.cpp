@@ -67,14 +67,13 @@ void ParameterKeeper::remember() {
   request[0] = ros::this_node::getName();
   request[1] = "/";
   auto all = std::make_unique<XmlRpc::XmlRpcValue>();
-  if (masterProbe().call("getParam", request, kLimit, *all)) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    at_start_ = std::move(all);
-  }
+  masterProbe().call("getParam", request, kLimit, *all);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  at_start_ = std::move(all);
 }
 
 /** @return whether @p value is what the parameter had at the start, and no participant set it
- * since. */
+ * since. What is told before the start was remembered is so, even if the run has just begun. */
 bool ParameterKeeper::isAsAtTheStart(const std::string& name, const XmlRpc::XmlRpcValue& value) {
   using Value = XmlRpc::XmlRpcValue;
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -82,7 +81,11 @@ bool ParameterKeeper::isAsAtTheStart(const std::string& name, const XmlRpc::XmlR
     const std::size_t size = std::min(name.size(), other.size());
     return name.compare(0, size, other, 0, size) == 0;
   };
-  if (!at_start_ || std::any_of(changed_.begin(), changed_.end(), concerns)) {
+  if (!at_start_) {
+    return true;
+  }
+  if (at_start_->getType() != Value::TypeStruct ||  // the ROS master has not answered
+      std::any_of(changed_.begin(), changed_.end(), concerns)) {
     return false;
   }
   Value at = *at_start_;
