@@ -69,6 +69,7 @@ bench: deps-bench deps-test deps-study build  ## the measurements, as JSON lines
 	@$(ENTER) $(PYTHON) bench/lockstep $(BENCH_ARGS) && $(PYTHON) bench/launcher $(BENCH_ARGS) && \
 	  $(PYTHON) bench/dense $(BENCH_ARGS) && $(PYTHON) bench/experiments $(BENCH_ARGS) && \
 	  $(PYTHON) bench/dense --one-core --kinds roscpp --agents 4 8 $(BENCH_ARGS) && \
+	  $(PYTHON) bench/dense --lookahead 0.1 --kinds roscpp --agents 4 8 --rates 20/10 $(BENCH_ARGS) && \
 	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS) && \
 	  $(PYTHON) bench/world $(BENCH_ARGS) && '$(WS)/venv/bin/python' bench/plain $(BENCH_ARGS)
 
