@@ -11,14 +11,14 @@ int main(int argc, char** argv) {
   ros::Rate rate(1.0);
   ros::Time last = ros::Time::now();
   int off = 0;
-  const ros::WallTime begin = ros::WallTime::now();
+  std::puts("begin");
+  std::fflush(stdout);
   for (int i = 0; i < count && ros::ok(); ++i) {
     ros::spinOnce();
     rate.sleep();
     off += (ros::Time::now() - last != ros::Duration(1.0)) ? 1 : 0;
     last = ros::Time::now();
   }
-  std::printf("{\"per_s\": %.1f, \"off\": %d}\n", count / (ros::WallTime::now() - begin).toSec(),
-              off);
+  std::printf("{\"count\": %d, \"off\": %d}\n", count, off);
   return 0;
 }

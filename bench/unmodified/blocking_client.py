@@ -3,7 +3,6 @@
 
 import json
 import sys
-import time
 
 import actionlib
 import rospy
@@ -13,7 +12,7 @@ rospy.init_node('client')
 client = actionlib.SimpleActionClient('/robot_0/move_base', MoveBaseAction)
 client.wait_for_server()
 count = int(sys.argv[1])
-begin = time.perf_counter()
+print('begin', flush=True)
 for number in range(count):
     goal = MoveBaseGoal()
     goal.target_pose.header.frame_id = 'map'
@@ -21,4 +20,4 @@ for number in range(count):
     goal.target_pose.pose.orientation.w = 1.0
     client.send_goal(goal)
     client.wait_for_result()
-print(json.dumps({'per_s': count / (time.perf_counter() - begin)}), flush=True)
+print(json.dumps({'count': count}), flush=True)

@@ -3,7 +3,6 @@
 
 import json
 import sys
-import time
 
 import rospy
 
@@ -11,9 +10,8 @@ rospy.init_node('poller')
 rate = rospy.Rate(1)
 count = int(sys.argv[1])
 first = rospy.Time.now()
-begin = time.perf_counter()
+print('begin', flush=True)
 for _ in range(count):
     rate.sleep()
-wall = time.perf_counter() - begin
 is_exact = (rospy.Time.now() - first).to_nsec() == count * 1000000000
-print(json.dumps({'per_s': count / wall, 'exact': is_exact}), flush=True)
+print(json.dumps({'count': count, 'exact': is_exact}), flush=True)
