@@ -9,13 +9,12 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 import unittest
 
 import rosgraph
 import rostest
 from lockstep_launcher_run import run_programs
-from lockstep_raw_client import GUARD, RawClient
+from lockstep_raw_client import GUARD, RawClient, wait_for
 
 from move_base_abstract_ros.lockstep.connection import Connection
 from move_base_abstract_ros.loopback import Loopback, find_executable
@@ -42,14 +41,6 @@ class LocalClient(RawClient):
             grant = self.grant()
             yield
             self.report(grant, next_ns=grant.time_ns + STEP_NS)
-
-
-def wait_for(what, condition):
-    deadline = time.monotonic() + GUARD
-    while not condition():
-        if time.monotonic() > deadline:
-            raise AssertionError(f'not within {GUARD} s: {what}')
-        time.sleep(0.02)
 
 
 @unittest.skipIf(len(OWN) < 2, 'this computer lets the tests use one core only')

@@ -113,6 +113,15 @@ def note(what, value):
     return struct.pack('<BB', 11, what) + text(value)
 
 
+def wait_for(what, condition):
+    """Return when the condition holds; fail after GUARD s (wall), naming ``what``."""
+    deadline = time.monotonic() + GUARD
+    while not condition():
+        if time.monotonic() > deadline:
+            raise AssertionError(f'not within {GUARD} s: {what}')
+        time.sleep(0.02)
+
+
 class RawClient:
     """One connection to a time master in lockstep."""
 

@@ -3,12 +3,11 @@
 
 import os
 import sys
-import time
 import unittest
 
 import rosgraph
 import rostest
-from lockstep_raw_client import GUARD, RawClient
+from lockstep_raw_client import GUARD, RawClient, wait_for
 
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
@@ -27,14 +26,6 @@ os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
 def read(child):
     with open(child.log_path, errors='replace') as log:
         return log.read()
-
-
-def wait_for(what, condition):
-    deadline = time.monotonic() + GUARD
-    while not condition():
-        if time.monotonic() > deadline:
-            raise AssertionError(f'not within {GUARD} s: {what}')
-        time.sleep(0.02)
 
 
 class SecretTest(unittest.TestCase):
