@@ -179,6 +179,13 @@ class WindowsTest(unittest.TestCase):
         self.assertEqual(done.returncode, 1, done.stdout)
         self.assertIn('lookahead must be 0 in mode scaled', done.stdout)
 
+    def test_a_lookahead_that_cannot_be_is_refused_before_anything_starts(self):
+        for value in ('-1', 'nan', '1e-9', '5000', 'abc'):
+            told = subprocess.run([find_executable('lockstep_launch'), '--lookahead=' + value, 'any.launch'], text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=GUARD, check=False)
+            self.assertEqual(told.returncode, 2)
+            self.assertIn('--lookahead: must be 1e-6 to 1000 s, or 0 for none, got {!r}'.format(value), told.stderr)
+
 
 if __name__ == '__main__':
     rostest.rosrun('move_base_abstract', 'lockstep_windows', WindowsTest)

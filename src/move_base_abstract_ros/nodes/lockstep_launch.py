@@ -243,7 +243,10 @@ def _factor(text):
 
 
 def _lookahead(text):
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
     if not (1e-6 <= value <= 1000.0 or value == 0.0):
         raise argparse.ArgumentTypeError('must be 1e-6 to 1000 s, or 0 for none, got {}'.format(shown(text)))
     return value
