@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import intervals
+from . import endings, intervals, orders
 from .intervals import NOTHING, Estimate
 from .outcome import COMPLETE, FAILED
 
@@ -51,6 +51,7 @@ class Difference(NamedTuple):
     median: object  # Estimate of the median difference where the differences are skewed, None otherwise
     sides: tuple = ()  # of Side, first and second
     against: tuple = ()  # (group, Estimate) of those in which the difference has the other sign
+    order: object = None  # orders.Order where there is no mean and values are lower bounds; then p is that of its test
 
     @property
     def needed(self):
@@ -71,6 +72,11 @@ class Difference(NamedTuple):
     def is_cut(self):
         """Whether nothing can be said since the limit of time ended trials."""
         return not self.used and any(self.cut)
+
+    @property
+    def is_ordered(self):
+        """Whether which side is larger is shown, though not by how much."""
+        return self.is_cut and self.order is not None and not self.order.against and self.p_holm < intervals.ALPHA
 
     @property
     def leaves_out_0(self):
@@ -204,7 +210,7 @@ def _of_groups(experiment, metric, what, groups, signs):
                        _sides(experiment, metric, groups))
     used = np.array([count >= found.needed for count in counts])
     if not used.any():
-        return found
+        return _ordered(experiment, found)
     tables, rows, left = [table[used] for table in tables], rows[used], left[used]
     comparison = _compared(metric, tables, rows, left)
     base = np.where(np.isnan(rows), math.nan, tables[0])
@@ -213,6 +219,17 @@ def _of_groups(experiment, metric, what, groups, signs):
                           reference=float(np.mean([np.mean(intervals.known(row)) for row in base])),
                           median=intervals.median_estimate(blocks) if intervals.is_skewed(blocks) else None,
                           against=_against(metric, found.used, tables, rows, left, comparison.estimate.value))
+
+
+def _ordered(experiment, difference):
+    """Return a Difference of which no mean is known with what is known of the order of its values."""
+    if not difference.is_cut or len(difference.sides) != len(difference.groups[0]) \
+            or difference.metric.at_limit not in endings.BOUNDS:
+        return difference
+    tables, cuts = ([table[[group[side] for group in difference.groups]] for side in (0, 1)]
+                    for table in (experiment.values(difference.metric), experiment.cut(difference.metric)))
+    order = orders.order_of(tables, cuts, difference.groups)
+    return difference if order is None else difference._replace(order=order, p=order.p)
 
 
 def _against(metric, groups, tables, rows, left, value):

@@ -9,7 +9,7 @@ from . import design, effects, endings, intervals
 from .outcome import FAILED
 from .phrases import amount, some, than_with_level, with_level
 from .ranking import ranking, turned
-from .sentences import difference_scale, pairs_text, sentence, sentence_case, spoken
+from .sentences import difference_scale, pairs_text, sentence, sentence_case, some_sentences, spoken
 from .verdicts import ORDER, VERDICTS, is_result, verdict_of
 from .wording import EXACT_DIGITS, counted, digits, estimate_texts, whole
 
@@ -101,12 +101,12 @@ def _best(experiment, own, scale):
     metric = own[0].metric
     found = ranking(own, metric.better)
     if found is None:
-        return _comparison(experiment, next((each for each in own if each.is_cut), own[0]), scale, own)
+        return _by_order(experiment, own, scale)
     lead = found.leads[0]
     by_verdict = {}
     for each in found.leads:
         by_verdict.setdefault(verdict_of(each), []).append(each)
-    alone = _not_compared(experiment, own, found)
+    alone = _not_compared(experiment, own, found, scale)
     is_best = set(by_verdict) <= {'better', 'differs'} and not alone
     superlative = 'best' if metric.better and is_best else 'highest' if metric.better == 'higher' else 'lowest'
     name = with_level(experiment.factors, lead.factor, found.level)
@@ -124,7 +124,14 @@ def _best(experiment, own, scale):
     return Finding(metric.title, verdict, sentence_case(text + alone), _mini(lead, own))
 
 
-def _not_compared(experiment, own, found):
+def _by_order(experiment, own, scale):
+    """Return the Finding of several levels none of which has a mean to compare: what their order shows."""
+    shown = [each for each in own if each.is_ordered] or [next((each for each in own if each.is_cut), own[0])]
+    text = some_sentences(sentence(experiment, each, scale) for each in shown)
+    return Finding(own[0].metric.title, verdict_of(shown[0]), text, None)
+
+
+def _not_compared(experiment, own, found, scale):
     """Return what is said of levels that the best one could not be compared with, '' without such."""
     levels = {level: each for each in own for level in (each.first, each.second)}
     rest = sorted({*levels} - {found.level} - {each.first for each in found.leads})
@@ -133,7 +140,9 @@ def _not_compared(experiment, own, found):
     names = some(with_level(experiment.factors, own[0].factor, level) for level in rest)
     why = 'the limit of time ended trials' if all(levels[level].is_cut for level in rest) else \
         'no two trials of one seed have a value on both sides'
-    return f' It could not be compared with {names}: {why}.'
+    shown = [each for each in own if each.is_ordered and found.level in (each.first, each.second)]
+    ordered = some_sentences(sentence(experiment, each, scale) for each in shown)
+    return f' Its mean could not be compared with {names}: {why}.{ordered and " "}{ordered}'
 
 
 _OTHERS = {'better': 'It is better than', 'differs': 'It is lower than', 'none': 'It is not told apart from',

@@ -78,6 +78,7 @@ def differences(experiment, found):
             'configurations_possible': len(each.groups), 'fewest_pairs': each.fewest,
             **{f'{what}_{name}': getattr(side, what) for name, side in zip(('first', 'second'), each.sides)
                for what in ('run', 'failed', 'without', 'cut')},
+            **{f'order_{what}': getattr(each.order, what, '') for what in ('larger', 'smaller', 'same', 'unknown')},
             'median': each.median.value if each.median else math.nan,
             'median_low': each.median.low if each.median else math.nan,
             'median_high': each.median.high if each.median else math.nan})

@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from . import orders
 from .intervals import Estimate
 
 
@@ -20,7 +21,8 @@ def turned(difference):
         first=difference.second, second=difference.first, estimate=estimate, sides=difference.sides[::-1],
         reference=difference.reference + difference.estimate.value,
         groups=tuple(each[::-1] for each in difference.groups), median=None if median is None else _negative(median),
-        against=tuple((group[::-1], _negative(each)) for group, each in difference.against))
+        against=tuple((group[::-1], _negative(each)) for group, each in difference.against),
+        order=orders.turned(difference.order))
 
 
 def _negative(estimate):

@@ -1,8 +1,8 @@
 """Comparisons in sentences: what differs by how much, over what, from how many trials, and what is left out of it."""
 
-from . import endings
+from . import endings, intervals
 from .design import level_label
-from .phrases import amount, between, levels_listed, some, than_with_level, with_level
+from .phrases import amount, between, is_noun, levels_listed, some, than_with_level, with_level
 from .verdicts import verdict_of
 from .wording import NBSP, counted, digits, estimate_texts, listed, probability, whole, with_interval
 
@@ -38,6 +38,13 @@ def at_text(experiment, difference):
 def sentence_case(text):
     """Return a text with a capital letter at its beginning."""
     return text[:1].upper() + text[1:]
+
+
+def some_sentences(texts, most=6):
+    """Return texts as sentences, of many the first ones and how many more there are."""
+    texts = [sentence_case(text) for text in texts]
+    more = f' {whole(len(texts) - most)} more are in the tables.' if len(texts) > most else ''
+    return ' '.join(texts[:most]) + more
 
 
 def sentence(experiment, difference, scale, aside=''):
@@ -105,16 +112,49 @@ def _untold(experiment, difference, scale, names):
            'nothing is said about other seeds.'
 
 
-def _cut(experiment, difference, scale, names):
+def _order(experiment, difference, scale, names):
     first, second, than, aside = names
+    order = difference.order
+    is_larger = order.larger > order.smaller
+    most, rest = (order.larger, order.smaller) if is_larger else (order.smaller, order.larger)
+    size = f'{"more" if is_larger else "fewer"} {scale.unit}' if is_noun(scale.unit) else \
+        'higher' if is_larger else 'lower'
+    where = f'all {counted(most, "pairs")}' if most == order.known else \
+        f'{whole(most)} of {counted(order.known, "pairs")}, the other way round in {whole(rest)}'
+    hidden = f' Of {counted(order.unknown, "more pairs")} it is not known.' if order.unknown else ''
+    aside = f', {aside}' if aside else ''
+    return f'{size} with {second} than with {than}{aside}, by order alone: in {where} ' \
+           f'(test of signs, Holm p{NBSP}{probability(difference.p_holm)}).{hidden} By how much is not known: ' \
+           f'{_limited(difference, second, than)}; their values are lower bounds.'
+
+
+def _limited(difference, second, than):
     ends = ' and '.join(f'{whole(side.cut)} of {whole(side.run)} trials with {name}'
                         for side, name in zip(reversed(difference.sides), (second, than)))
+    return f'the limit of time ended {ends}'
+
+
+def _cut(experiment, difference, scale, names):
+    first, second, than, aside = names
     bounds = 'their values are lower bounds' if difference.metric.at_limit in endings.BOUNDS else \
         "what their values would have become is not known (at_limit in the experiment's file may say it)"
-    return f'{second} and {than} are not compared: the limit of time ended {ends}; {bounds}.'
+    return f'{second} and {than} are not compared: {_limited(difference, second, than)}; {bounds}.' \
+           f'{_order_seen(difference)}'
 
 
-_WORDS = {'none': _none, 'weak': _weak, 'negligible': _negligible, 'same': _same, 'untold': _untold, 'cut': _cut}
+def _order_seen(difference):
+    """Return what is said of an order that was looked for and is not shown."""
+    order = difference.order
+    if order is None:
+        return ''
+    if difference.p_holm < intervals.ALPHA:
+        return ' Their order is not the same in all combinations of the other factors.'
+    return f' Their order is known in {counted(order.known, "pairs")}, which do not tell them apart ' \
+           f'({whole(order.larger)} to {whole(order.smaller)}; Holm p{NBSP}{probability(difference.p_holm)}).'
+
+
+_WORDS = {'none': _none, 'weak': _weak, 'negligible': _negligible, 'same': _same, 'untold': _untold, 'cut': _cut,
+          'order': _order}
 
 
 def _smallest(difference, scale):
@@ -169,7 +209,7 @@ def _other_factors(experiment, difference):
 def _rest(experiment, difference, scale, verdict):
     """Return what must be said beside a difference: what is left out, lost, against it, or too small."""
     return ''.join((_left_out(experiment, difference), _against(experiment, difference, scale),
-                    _perhaps_small(difference, scale, verdict), _lost(experiment, difference),
+                    _perhaps_small(difference, scale, verdict), _lost(experiment, difference, verdict),
                     _skewed(difference, scale, verdict)))
 
 
@@ -204,9 +244,9 @@ def _perhaps_small(difference, scale, verdict):
     return ''
 
 
-def _lost(experiment, difference):
+def _lost(experiment, difference, verdict):
     """Return of which trials a comparison knows nothing."""
-    if difference.is_cut or not any(side.lacking for side in difference.sides):
+    if verdict == 'cut' or not any(side.lacking for side in difference.sides):
         return ''
     _, second, than = spoken(experiment, difference)
     texts = []

@@ -6,10 +6,10 @@ VERDICTS = {
     'fails': 'fails more', 'survivors': 'of the complete', 'part': 'in part', 'average': 'on average',
     'depends': 'depends', 'always': 'in all pairs', 'small': 'may be negligible', 'negligible': 'negligible',
     'weak': 'too weak', 'none': 'not told apart', 'same': 'the same', 'untold': 'too few trials', 'cut': 'not compared',
-    'mean': 'mean'}
+    'order': 'by order', 'mean': 'mean'}
 ORDER = {'best': 0, 'among': 0, 'better': 0, 'worse': 0, 'differs': 0, 'fails': 0, 'mean': 0, 'survivors': 1, 'part': 1,
-         'average': 1, 'depends': 1, 'always': 1, 'cut': 2, 'small': 2, 'weak': 2, 'negligible': 3, 'none': 3,
-         'same': 3, 'untold': 4}
+         'average': 1, 'depends': 1, 'always': 1, 'order': 1, 'cut': 2, 'small': 2, 'weak': 2, 'negligible': 3,
+         'none': 3, 'same': 3, 'untold': 4}
 _LAST_RESULT = 1
 
 
@@ -22,7 +22,7 @@ def verdict_of(difference):
     """Return what an effects.Difference may be called, a key of VERDICTS."""
     estimate, smallest = difference.estimate, difference.metric.smallest
     if difference.is_cut:
-        return 'cut'
+        return 'order' if difference.is_ordered else 'cut'
     if not estimate.has_interval:
         return 'untold'
     if estimate.method == 'constant' and estimate.value == 0.0:

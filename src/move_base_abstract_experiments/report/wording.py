@@ -14,7 +14,7 @@ _MOST_DECIMALS = 6  # more are powers of ten
 _RAISED = str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹')
 _MORE = 3  # digits more at most, so that a bound that is not 0 is not shown as 0
 _SMALL_PLURALS = {'trials': 'trial', 'pairs': 'pair', 'replications': 'replication', 'configurations': 'configuration',
-                  'combinations': 'combination'}
+                  'combinations': 'combination', 'more pairs': 'more pair'}
 #: units that read badly at some size: (largest value from which, factor, unit)
 _LARGER = {
     'ns': ((1e9, 1e-9, 's'), (1e6, 1e-6, 'ms'), (1e3, 1e-3, 'µs')), 'us': ((1e6, 1e-6, 's'), (1e3, 1e-3, 'ms')),
