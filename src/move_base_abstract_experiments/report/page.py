@@ -136,7 +136,8 @@ def _warnings(experiment):
     if endings.has_limited(experiment):
         texts.append(f'{counted(limited, "trials")} of {whole(len(experiment.complete))} complete ones '
                      f'{"was" if limited == 1 else "were"} ended by the limit of time. What they measured is cut '
-                     'off: it has no mean, and is compared by order at most, but where the experiment says that it is a value.')
+                     'off: it has no mean, and is compared by order at most, but where the experiment says that it '
+                     'is a value.')
     if missing:
         texts.append(f'{counted(missing, "trials")} of the plan {"is" if missing == 1 else "are"} not run yet.')
     different = sum(trial.verified == 'different' for trial in experiment.complete)
