@@ -35,7 +35,7 @@ def make_job(experiment, one, **others):
             'replace': sorted(experiment.replace.items()), 'until': experiment.until, 'record': experiment.record,
             'function': experiment.function, 'factors': list(experiment.factors), 'verified_by': one.verified_by,
             'time_limit': experiment.time_limit, 'sleep': experiment.sleep, 'lookahead': experiment.lookahead,
-            'crashes': experiment.crashes, 'is_warm': True,
+            'cores': experiment.cores, 'crashes': experiment.crashes, 'is_warm': True,
             'made_of': plan.made_of(experiment, one),
             'program': ingredients.name_of(made), 'files': ingredients.told(made),
             'look': elsewhere.told(experiment, plan.asked_of(experiment, one)),

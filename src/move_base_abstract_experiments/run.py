@@ -59,6 +59,7 @@ class Wanted(NamedTuple):
     condition: object = None  # of launching.conditions
     speed_limit: float = 0.0  # times real time; 0: none
     lookahead: float = 0.0  # s, simulated; 0: none
+    cores: str = ''  # of the time master; '': as the launch file has it
     extra: tuple = ()  # words of a program that looks on, such as RViz
 
 
@@ -162,7 +163,7 @@ def _wishes(plan, config, wanted, folders):
     start_s = 1.0 if start_s is None else start_s.value
     parameters = {'event_log': os.path.join(folders.own, LOG), 'log_messages': wanted.record.hashes or None,
                   'end_when_idle': wanted.until.idle or None, 'speed_limit': wanted.speed_limit or None,
-                  'lookahead': wanted.lookahead or None,
+                  'lookahead': wanted.lookahead or None, 'cores': wanted.cores or None,
                   'end_at': start_s + wanted.until.seconds if wanted.until.seconds else None}
     names = [roles.name_of(node) for node in config.nodes]
     forced, kept_out = (), ()

@@ -16,12 +16,14 @@ from .metric_names import BUILT_IN, Metric
 
 KEYS = ('experiment', 'launch', 'command', 'function', 'prepare', 'inputs', 'participants', 'leave_out', 'replace',
         'args', 'factors', 'replications', 'seed', 'until', 'record', 'metrics', 'primary', 'baseline',
-        'smallest_difference', 'at_limit', 'report', 'verify', 'time_limit', 'sleep', 'lookahead', 'crashes')
+        'smallest_difference', 'at_limit', 'report', 'verify', 'time_limit', 'sleep', 'lookahead', 'cores',
+        'crashes')
 SYSTEMS = ('launch', 'command', 'function')  # one of them is run
 UNTIL = ('seconds', 'topic', 'idle')
 RECORD = ('messages', 'files', 'hashes', 'motion')
 METRICS = ('function', 'columns')
 COLUMN = ('title', 'unit', 'better')
+CORES = ('auto', 'one', 'all')
 AT_LIMIT = ('lower_bound', 'value')
 ALL = 'all'
 MOST_TRIALS = 1_000_000
@@ -84,6 +86,7 @@ class Experiment(NamedTuple):
     time_limit: float  # s, wall
     sleep: str
     lookahead: float = 0.0  # s, simulated, from one participant to another; 0: none
+    cores: str = ''  # one of CORES, or '': what the launch file, or else the time master, says
     crashes: str = ends.FAIL  # one of ends.POLICIES
 
     @property
@@ -135,6 +138,7 @@ def checked(document, folder):
         time_limit=float(checks.number('time_limit', given.get('time_limit', TIME_LIMIT_S), 1, 1e7)),
         sleep=checks.one_of('sleep', given.get('sleep', 'wall'), ('wall', 'simulated')),
         lookahead=_lookahead(given.get('lookahead', 0)),
+        cores=checks.one_of('cores', given['cores'], CORES) if 'cores' in given else '',
         crashes=checks.one_of('crashes', given.get('crashes', ends.FAIL), ends.POLICIES))
     _check_together(experiment)
     return experiment
@@ -319,8 +323,9 @@ def _check_together(experiment):
     if experiment.trial_function and (any(experiment.until) or experiment.record.messages or experiment.participants):
         raise ConfigurationError("'until', 'record.messages' and 'participants' are of a launch file or a command; "
                                  'a function ends by itself')
-    if experiment.trial_function and experiment.lookahead:
-        raise ConfigurationError("'lookahead' is of a launch file or a command; a function has no participants")
+    for key in ('lookahead', 'cores'):
+        if experiment.trial_function and getattr(experiment, key):
+            raise ConfigurationError(f"'{key}' is of a launch file or a command; a function has no participants")
     if experiment.prepare and not experiment.trial_function:
         raise ConfigurationError("'prepare' goes with 'function'")
 

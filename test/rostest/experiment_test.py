@@ -67,6 +67,7 @@ command: [rosrun, move_base_abstract, lockstep, --seed, '{{seed}}', {}]
 participants: [/say]
 until: {{topic: /said}}
 record: {{messages: [/said]}}
+cores: one
 """
 METRICS = """def count(trial):
     said = [message['data'] for _, _, message in trial.messages('/said')]
@@ -220,13 +221,16 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.assertEqual((code, 'complete already' in text), (1, False), text)
 
     def test_a_command_is_run_as_well_as_a_launch_file(self):
-        program = self.write('say.py', SAY.replace("'~what'", "'~what', ''"), 0o755)
+        program = self.write('say.py', SAY.replace("'~what'", "'~what', ''").replace(
+            'str(k)', "rospy.get_param('/time_master/cores', '')"), 0o755)
         file = self.write('command.yaml', COMMAND.format(program))
         code, text = Client(self.folder, file, 'command').end()
         self.assertEqual(code, 0, text)
         only = outputs.read_trial(self.path('command'), records.read_plan(self.path('command'))['trials'][0]['id'])
         self.assertEqual((only['status'], only['simulated_seconds'], only['repeatable'], only['ended_by']),
                          ('complete', 1.0, True, 'topic'))
+        with open(self.path('command/trials/{}/messages.jsonl'.format(only['id']))) as stream:
+            self.assertIn('"one"', stream.read())
 
     def test_a_warm_start_changes_nothing(self):
         experiment = spec.read(self.write('sweep.yaml', SWEEP.replace('until:', 'record: {hashes: true}\nuntil:')))

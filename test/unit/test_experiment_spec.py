@@ -2,7 +2,7 @@
 import pytest
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract_experiments import checks, plan, spec
+from move_base_abstract_experiments import checks, jobs, plan, spec, trial
 from move_base_abstract_ros.launching import conditions  # noqa: TID251 - it knows no ROS
 
 BASE = {'experiment': 'x', 'launch': 'x.launch'}
@@ -30,6 +30,8 @@ def read(**others):
     ({'function': 'a:b'}, 'got launch, function'),
     ({'prepare': 'a:b'}, "goes with 'function'"),
     ({'lookahead': 1e-9}, 'in 1e-06..1000'),
+    ({'cores': 'alternate'}, 'allowed: auto, one, all'),
+    ({'cores': 2}, 'allowed: auto, one, all'),
     ({'replications': {'all': 3, 'robot': {}}, 'factors': {'robots': [1]}}, "did you mean 'robots'"),
     ({'replications': {'all': 3, 'robots': {2: 1}}, 'factors': {'robots': [1]}}, "the value '2' is unknown"),
     ({'replications': {'robots': {1: 0}}, 'factors': {'robots': [1]}}, 'in 1..'),
@@ -123,6 +125,13 @@ def test_values_stand_in_arguments_as_a_launch_file_has_them():
         'a:=true', 'b:=x0.1y', 'c:=a b', 'd:=0', 'e:=3']
 
 
+def test_on_which_cores_nodes_run_goes_with_a_trial_and_makes_it_no_other_one():
+    one = plan.trials(read())[0]
+    assert [trial.wanted_of({**jobs.make_job(read(**others), one), 'launch': ''}).cores
+            for others in ({}, {'cores': 'all'})] == ['', 'all']
+    assert plan.made_of(read(cores='all'), one) == plan.made_of(read(), one)
+
+
 def test_a_value_with_braces_is_not_filled_again():
     assert checks.filled('{a}', {'a': '{b}', 'b': 'no'}) == '{b}'
 
@@ -149,7 +158,8 @@ def function(**others):
 @pytest.mark.parametrize('others, text', [
     ({'function': 'model.run'}, 'module:function'), ({'until': {'seconds': 3}}, 'ends by itself'),
     ({'replace': {'a/b': 'c/d'}}, "'replace' is of a launch file"),
-    ({'record': {'messages': ['/a']}}, 'ends by itself'), ({'lookahead': 0.1}, 'has no participants')])
+    ({'record': {'messages': ['/a']}}, 'ends by itself'), ({'lookahead': 0.1}, 'has no participants'),
+    ({'cores': 'one'}, "'cores' is of a launch file or a command")])
 def test_a_function_has_no_nodes(others, text):
     with pytest.raises(ConfigurationError, match=text):
         function(**others)
