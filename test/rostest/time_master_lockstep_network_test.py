@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Lockstep over a network: ROS master and time master in one network namespace, a participant in another.
+"""Lockstep over a network: ROS master and time master in one network namespace, participants in another.
 
 Two namespaces of our own with a cable (veth) between them, made and removed here. Without the right to make them, the
-test is skipped and says so.
+tests are skipped and say so.
 """
 
 import os
@@ -13,12 +13,26 @@ import unittest
 
 import rostest
 
+from move_base_abstract.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 60.0  # s, wall; only ends a test that would never end
 HOME, AWAY = '10.213.7.1', '10.213.7.2'
 LEAPS = 500
 PORT = 11311
+SIM_TIME = """
+import sys, time, rosgraph
+while not rosgraph.is_master_online(sys.argv[1]):
+    time.sleep(0.05)
+rosgraph.Master('/setting', master_uri=sys.argv[1]).setParam('/use_sim_time', True)
+"""
+FOREIGN = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'foreign')
+# Node and what it is started by. The two of C++ tell each other what they have heard of tasks that are done.
+SYSTEM = {
+    **{f'/robot_{i}/move_base': ['move_base', '_max_speed:=2.0', f'_start_y:={5.0 * i}'] for i in range(3)},
+    '/coordinator': ['task_coordinator.py', '_tasks:=8'], '/metrics': ['way_metrics.py'],
+    **{f'/robot_{i}/task_queue': ['task_queue.py'] for i in range(3)},
+    '/relay': ['shim_listener', 'ticks:=/done'], '/second_relay': ['shim_listener', 'ticks:=/heard', 'heard:=/ticks']}
 
 # The participant: finds the time master by the parameter, as any node does. argv: folder, ROS master.
 PARTICIPANT = """
@@ -63,9 +77,13 @@ class LockstepNetworkTest(unittest.TestCase):
             self.skipTest(f'network namespaces cannot be made here: {getattr(error, "output", None) or error}')
 
     def tearDown(self):
+        self.end_all()
+
+    def end_all(self):
         for child in reversed(self.children):
             child.kill()
             child.wait()
+        self.children.clear()
 
     def run_in(self, namespace, address, command, **options):
         environment = dict(os.environ, ROS_IP=address, ROS_MASTER_URI=f'http://{HOME}:{PORT}/', ROS_LOG_DIR=self.folder)
@@ -90,6 +108,39 @@ class LockstepNetworkTest(unittest.TestCase):
         self.assertEqual(master.wait(GUARD), 0)
         with open(log) as stream:
             self.assertEqual(len(stream.readlines()), LEAPS + 2)
+
+    def run_system(self, name, places, lookahead):
+        """Run a system of Python and C++ nodes, unmodified, each where it is said; return its events."""
+        self.run_in(self.home, HOME, ['rosmaster', '--core', '-p', str(PORT)])
+        setting = [sys.executable, '-c', SIM_TIME, f'http://{HOME}:{PORT}/']
+        self.assertEqual(self.run_in(self.home, HOME, setting).wait(GUARD), 0)
+        path = os.path.join(self.folder, name + '.jsonl')
+        master = self.run_in(self.home, HOME, [
+            find_executable('time_master'), '__name:=time_master', '_mode:=lockstep', f'_event_log:={path}',
+            '_log_messages:=true', f'_lookahead:={lookahead}', '_end_with:=[/coordinator]',
+            f'_participants:=[{", ".join(SYSTEM)}]'])
+        for (node, command), (namespace, address) in zip(SYSTEM.items(), places):
+            program = os.path.join(FOREIGN, command[0]) if command[0].endswith('.py') else find_executable(command[0])
+            prefix = [] if command[0] == 'move_base' else [find_executable('lockstep')]
+            above, _, own = node.rpartition('/')
+            self.run_in(namespace, address, [*prefix, program, *command[1:], f'__ns:={above or "/"}', f'__name:={own}'],
+                        stdout=subprocess.DEVNULL)
+        self.assertEqual(master.wait(GUARD), 0)
+        self.end_all()
+        with open(path) as stream:
+            log = EventLog(stream.readlines(), name)
+        events = [event.compared for event in log]
+        self.assertEqual(log.end['not_repeatable_because'] + log.end['degraded_because'], [])
+        return events
+
+    def test_a_system_on_two_computers_is_the_same_as_on_one_with_and_without_a_lookahead(self):
+        here, there = (self.home, HOME), (self.away, AWAY)
+        for lookahead in ('0.0', '0.05'):
+            runs = [self.run_system(f'{name}_{lookahead}', (places * len(SYSTEM))[:len(SYSTEM)], lookahead)
+                    for name, places in (('one', [here]), ('two', [here, there]), ('other', [there, there, here]))]
+            self.assertGreater(len(runs[0]), 100)
+            self.assertEqual(runs[0], runs[1])
+            self.assertEqual(runs[0], runs[2])
 
 
 if __name__ == '__main__':
