@@ -6,7 +6,6 @@ An object whose methods are :func:`guarded` has ``break_off(error)``. It puts th
 import functools
 import logging
 
-from .outcome import aborted
 from .shown import shown_text
 
 
@@ -34,11 +33,11 @@ def attempt_each(simulation, who, error, steps):
             simulation.report_fault(who, another)
 
 
-def fault_outcome(error):
-    """Return the ending of a goal in whose midst ``error`` came up."""
-    return aborted('The goal cannot be worked on: {}: {}'.format(type(error).__name__, shown_text(str(error))))
+def fault_text(error):
+    """Return the text with which a goal ends in whose midst ``error`` came up."""
+    return 'The goal cannot be worked on: {}: {}'.format(type(error).__name__, shown_text(str(error)))
 
 
 def log_fault(who, error):
     """Log ``error`` with its traceback, as of ``who``, by Python's logging."""
-    logging.getLogger('move_base_abstract').error('%s: %s', who, fault_outcome(error).text, exc_info=error)
+    logging.getLogger('move_base_abstract').error('%s: %s', who, fault_text(error), exc_info=error)

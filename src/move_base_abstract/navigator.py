@@ -6,7 +6,7 @@ before the simulation's present.
 from collections import deque
 
 from .errors import FrameError
-from .faults import attempt_each, fault_outcome, guarded
+from .faults import attempt_each, fault_text, guarded
 from .geometry import quaternion_fault
 from .goal_feedback import GoalFeedback
 from .navigator_listener import BadFramePolicy, GoalPose, NavigatorListener
@@ -380,7 +380,7 @@ class Navigator:
         attempt_each(self._simulation, robot.name, error, (
             (self._forget_goal, now_ns), (robot.halt, now_ns), (self._listener.stands, robot, now_ns),
             (self._feedback.stop,), (self._listener.stop_wheels,), (self._listener.broken_off, now_ns),
-            (self._ledger.finish, fault_outcome(error), now_ns), (self._tell_followers, now_ns)))
+            (self._ledger.finish, aborted(fault_text(error)), now_ns), (self._tell_followers, now_ns)))
 
     def _at(self, due_ns, action):
         if self._events:

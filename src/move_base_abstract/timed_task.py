@@ -1,7 +1,7 @@
 """Tasks that take a while where a robot stands, one at a time for each robot: sampling, loading, charging."""
 import random
 
-from .faults import attempt_each, fault_outcome, guarded
+from .faults import attempt_each, fault_text, guarded
 from .outcome import CANCELLED, CLOCK_RESTARTED, GoalState, Outcome, aborted
 from .units import NS_PER_S, check_reachable, seconds_to_ns
 
@@ -113,7 +113,7 @@ class TimedTaskRunner:
         """Whatever the task was about has ended in the exception ``error``: it ends with its text."""
         now_ns = self._simulation.now_ns
         attempt_each(self._simulation, 'the task of robot {}'.format(self._robot_index), error, (
-            (self._stop,), (self._ledger.finish, fault_outcome(error), now_ns)))
+            (self._stop,), (self._ledger.finish, aborted(fault_text(error)), now_ns)))
 
     def _stop(self):
         if self._end is not None:

@@ -3,7 +3,7 @@ import traceback
 
 import rospy
 
-from move_base_abstract.faults import fault_outcome
+from move_base_abstract.faults import fault_text
 
 from .throttle import WallThrottle
 
@@ -19,7 +19,7 @@ class FaultLog:
 
     def __call__(self, who, error):
         """Log ``error`` with its traceback, as of ``who``."""
-        told = who, fault_outcome(error).text
+        told = who, fault_text(error)
         if told != self._last or self._throttle.ready():
             self._last = told
             rospy.logerr('%s: %s\n%s', *told, ''.join(traceback.format_exception(

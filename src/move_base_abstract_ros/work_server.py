@@ -3,7 +3,7 @@ import struct
 import time
 
 from move_base_abstract.arrivals import Task
-from move_base_abstract.faults import fault_outcome
+from move_base_abstract.faults import fault_text
 from move_base_abstract.geometry import Pose2D
 from move_base_abstract.goal_ledger import GoalLedger
 from move_base_abstract.msg import PlaceTaskActionFeedback, PlaceTaskActionGoal, PlaceTaskActionResult
@@ -100,7 +100,7 @@ class WorkServer(PlaceTaskListener):
                 task, fault = self._task_of(message.goal.task)
             except Exception as error:
                 self._clock.simulation.report_fault(self._shell.ns, error)
-                task, fault = _NO_TASK, fault_outcome(error).text
+                task, fault = _NO_TASK, fault_text(error)
             self.tasks.take(message.goal_id.id, message.goal_id.stamp.to_nsec(), task, now_ns, fault)
 
     def _task_of(self, message):
