@@ -97,8 +97,8 @@ std::vector<std::string> byHand(std::vector<Actor> actors) {
 struct Walkers : Stage {
   Walkers(std::vector<Actor> all, std::uint64_t seed)
       : Stage(ahead(namesOf(all))), actors(std::move(all)), windows(actors.size()), chance(seed) {
-    for (std::size_t k = 0; k < actors.size(); ++k) {
-      join(k + 1, actors[k].name);
+    for (std::size_t k = actors.size(); k > 0; --k) {  // not in the order of their names
+      join(k, actors[k - 1].name);
     }
   }
 

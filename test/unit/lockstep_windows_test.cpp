@@ -141,6 +141,31 @@ TEST(Windows, WhatIsSetIsToldBeforeItsNodeGoesOnAndNotBeforeOthersHaveComeSoFar)
   EXPECT_EQ(text(both.grant(2)), "1145 to 1195");
 }
 
+TEST(Windows, WhatSeveralSetIsToldInTheOrderOfTimeThenOfNames) {
+  Talkers both;
+  both.grant(1);
+  both.grant(2);
+  const auto set = [](const char* name) { return wire::Parameter{name, true, "<value>1</value>"}; };
+  both.report(2, kNever,
+              {wire::At{1120 * kMilli}, set("/second"), wire::At{1130 * kMilli}, set("/last")});
+  both.report(1, kNever,
+              {wire::At{1110 * kMilli}, set("/first"), wire::At{1130 * kMilli}, set("/third")});
+  std::vector<std::string> names;
+  for (const auto& change : both.session.takeParameters()) {
+    names.push_back(change.name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"/first", "/second", "/third", "/last"}));
+}
+
+TEST(Windows, WhatArrivesAtOneInstantComesByRobotWhateverTheOrderInWhichItWasSent) {
+  Talkers both;
+  both.grant(1);
+  both.grant(2);
+  both.report(1, kNever, {wire::Send{1, 7, 0, "of 7"}, wire::Send{1, 2, 0, "of 2"}});
+  both.report(2, kNever);
+  EXPECT_EQ(text(both.grant(2)), "1150 to 1200 of 2 of 7");
+}
+
 TEST(Windows, WhoLooksWhoIsThereIsGrantedAloneWhenAllOthersHaveComeSoFar) {
   Talkers both;
   both.grant(1);
