@@ -16,6 +16,8 @@ COLUMNS = {
     'launcher': ('what', 'per_s', 'wanted_per_s', 'exact'),
     'launcher_start': ('plain_s', 'launched_s', 'added_s', 'wanted_added_s'),
     'launcher_end': ('nodes', 'runs', 'start_s', 'wanted_start_s', 'end_s', 'longest_s', 'wanted_end_s', 'cpu_s'),
+    'system': ('name', 'runs', 'simulated_s', 'start_s', 'run_s', 'end_s', 'speed_up', 'cpu_s_per_simulated_s',
+               'rounds_per_s', 'messages_per_s', 'repeatable', 'same'),
     'dense': ('cores', 'lookahead', 'agent', 'agents', 'rates', 'speed_up', 'wanted_speed_up', 'rounds_per_s',
               'deliveries_per_s', 'switches_per_tick', 'simulated_s_per_cpu_s_time_master',
               'simulated_s_per_cpu_s_fleet', 'simulated_s_per_cpu_s_agent', 'repeatable'),
