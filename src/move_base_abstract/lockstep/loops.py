@@ -1,5 +1,7 @@
 """Loops that wait by looking, without sleeping: what is counted, and when they give the turn away."""
 
+from threading import get_ident
+
 #: so many looks in a row, without a wait, are a loop that waits for something by looking
 LOOKS = 1000
 #: simulated time that passes at such a loop if nothing else happens [ns]: where it looks at the time, and elsewhere
@@ -17,7 +19,7 @@ class Looking:
 
         :raises TurnLost: as :meth:`wait`.
         """
-        task = self.current()
+        task = self._tasks[get_ident()]
         task.looks += weight
         if task.looks >= LOOKS:
             self.look_away(step_ns)

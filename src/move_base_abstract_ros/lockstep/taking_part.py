@@ -16,7 +16,6 @@ from . import finish, garbage, pools, silence
 from .access import secret
 from .connection import Closed
 from .foresight import Foresight
-from .links import sender
 from .log_values import to_json
 from .report_delays import make_beginning, make_delay
 from .services import Services
@@ -311,8 +310,7 @@ class Participant:
         if is_background:
             self._items.append(wire.background())
         elif may_foresee and self._foresight is not None and self.scheduler.can_foresee and next_ns > self.now_ns:
-            with sender(None):
-                next_ns = self._foresight.tell(self.scheduler.next_besides_source_ns(), self._items)
+            next_ns = self._foresight.tell(self.scheduler.next_besides_source_ns(), self._items)
         if self._delay is not None:
             self._delay()
         try:
