@@ -136,10 +136,8 @@ class LockstepClock:
 
     def record(self, index):
         """Return what takes the rows of a trace, of the robot with ``index``: the run's event log."""
-        def log(row):
-            _, robot, kind, *values = row
-            self.participant.log(robot, kind, tuple(values), sub=0 if self._has_causal_rows else index)
-        return log
+        log = self.participant.log
+        return lambda row: log(row[1], row[2], row[3:], 0 if self._has_causal_rows else index)
 
     # --- what the participant calls ---------------------------------------------------------------------------------
 

@@ -31,8 +31,13 @@ def _set_rostime(now_ns):
     now = rospy.Time.__new__(rospy.Time)
     now.secs, now.nsecs = divmod(now_ns, NS_PER_S)
     rostime._rostime_current = now
-    with rostime._rostime_cond:
-        rostime._rostime_cond.notify_all()
+    changed = rostime._rostime_cond
+    changed.acquire()
+    try:
+        if getattr(changed, '_waiters', True):
+            changed.notify_all()
+    finally:
+        changed.release()
 
 
 class Participant:
