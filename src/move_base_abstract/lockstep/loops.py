@@ -1,7 +1,5 @@
 """Loops that wait by looking, without sleeping: what is counted, and when they give the turn away."""
 
-from threading import get_ident
-
 #: so many looks in a row, without a wait, are a loop that waits for something by looking
 LOOKS = 1000
 #: simulated time that passes at such a loop if nothing else happens [ns]: where it looks at the time, and elsewhere
@@ -19,7 +17,7 @@ class Looking:
 
         :raises TurnLost: as :meth:`wait`.
         """
-        task = self._tasks[get_ident()]
+        task = self.current()
         task.looks += weight
         if task.looks >= LOOKS:
             self.look_away(step_ns)

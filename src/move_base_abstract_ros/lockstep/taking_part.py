@@ -10,7 +10,7 @@ from move_base_abstract.lockstep import open_waits, wire
 from move_base_abstract.lockstep.charge import NoCharge
 from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_lock
 from move_base_abstract.lockstep.window import Window
-from move_base_abstract.units import NS_PER_S, seconds_to_ns
+from move_base_abstract.units import seconds_to_ns
 
 from . import finish, garbage, pools, silence
 from .access import secret
@@ -18,26 +18,12 @@ from .connection import Closed
 from .foresight import Foresight
 from .log_values import to_json
 from .report_delays import make_beginning, make_delay
+from .rospy_time import set_rostime
 from .services import Services
 from .topics import Topics
 
 _SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
 _LOOK_SECONDS = 0.05  # wall; so soon the end of lockstep is seen by who waits for something else
-
-
-def _set_rostime(now_ns):
-    """Do what rospy does at each /clock, without its detours: they cost more than all the rest of a grant."""
-    rostime = rospy.rostime
-    now = rospy.Time.__new__(rospy.Time)
-    now.secs, now.nsecs = divmod(now_ns, NS_PER_S)
-    rostime._rostime_current = now
-    changed = rostime._rostime_cond
-    changed.acquire()
-    try:
-        if getattr(changed, '_waiters', True):
-            changed.notify_all()
-    finally:
-        changed.release()
 
 
 class Participant:
@@ -60,8 +46,7 @@ class Participant:
         self._window = Window()
         self.charge = charge
         self._is_charged = type(charge) is not NoCharge
-        self._foresight = None
-        self._source_is_background = None
+        self._foresight = self._source_is_background = None
         self._is_granted = self.is_at_rest = self._has_mail = False
         self.is_starting = True
         self._is_interrupted = False
@@ -253,6 +238,18 @@ class Participant:
             self._has_mail or self.scheduler.has_outside or next_ns <= self.now_ns)
         return deferred + actions + garbage.due()
 
+    def goes_on_to(self, due_ns):
+        """Begin the turn at ``due_ns`` [ns] as :meth:`exchange` would if nothing but time came; else return False."""
+        if self._foresight is None or not self._window.is_open or due_ns >= self._window.first_arrival_ns:
+            return False
+        self._end_turn()
+        self.is_starting = False
+        is_free = not (self._is_background() or self.scheduler.has_outside)
+        if is_free and self._window.walk(due_ns, self.now_ns, self._items):
+            self._begin_turn(*self._window.next_turn())
+            return True
+        return False
+
     def let_time_pass(self):
         """Charge the round that ends, if it has sent anything; return what has come meanwhile."""
         try:
@@ -301,11 +298,9 @@ class Participant:
                 return
             is_background = is_background and self._window.first_arrival_ns == wire.NEVER
             next_ns = min(next_ns, self._window.first_arrival_ns)
-        waits = self.scheduler.open_waits
+        waits, told = self.scheduler.open_waits, ''
         if waits and next_ns == wire.NEVER:
             told = ', '.join('{} waits for {}'.format(task.name, task.waits_for or 'another thread') for task in waits)
-        else:
-            told = ''
         if told != self._told:
             self._told = told
             self._items.append(wire.note(wire.NoteKind.WAITS_FOR, told))
@@ -350,7 +345,7 @@ class Participant:
         self.charge.begin()
         if now_ns != self.scheduler.now_ns:
             self.scheduler.now_ns = now_ns
-            _set_rostime(now_ns)
+            set_rostime(now_ns)
         actions = []
         for item in items:
             action = self._handlers[item[0]](*item[1:])
