@@ -15,6 +15,8 @@
 #include <random>
 #include <string>
 
+#include "byte_stream.h"
+#include "devices.h"
 #include "followed.h"
 #include "node.h"
 #include "real.h"
@@ -25,43 +27,10 @@ namespace {
 
 constexpr const char* kStray = "a random number is drawn in a thread that lockstep does not order";
 
-/** Steele, Lea, Flood: Fast splittable pseudorandom number generators (2014), SplitMix64. */
-constexpr std::uint64_t kGamma = 0x9e3779b97f4a7c15;
-std::uint64_t mixed(std::uint64_t value) {
-  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9;
-  value = (value ^ (value >> 27)) * 0x94d049bb133111eb;
-  return value ^ (value >> 31);
-}
-
-/** @return a number for the run's seed, the node's name and @p purpose (FNV-1a). */
+/** @return a number for the run's seed, the node's name and @p purpose. */
 std::uint64_t numberFor(const std::string& purpose) {
-  std::uint64_t number = 0xcbf29ce484222325;
-  for (const char letter : seedText() + '\n' + purpose) {
-    number = (number ^ static_cast<unsigned char>(letter)) * 0x100000001b3;
-  }
-  return mixed(number);
+  return shim::numberFor(seedText().c_str(), purpose.c_str());
 }
-
-/** @brief A stream of bytes; each number of it depends on its place only. */
-class Stream {
- public:
-  explicit Stream(const std::string& purpose) : start_(numberFor(purpose)) {}
-
-  void fill(void* buffer, std::size_t size) {
-    auto* at = static_cast<char*>(buffer);
-    while (size > 0) {
-      const std::uint64_t number = mixed(start_ + kGamma * ++count_);
-      const std::size_t length = std::min(size, sizeof number);
-      memcpy(at, &number, length);
-      at += length;
-      size -= length;
-    }
-  }
-
- private:
-  std::uint64_t start_;
-  std::atomic<std::uint64_t> count_{0};
-};
 
 /** @brief What the machine would have given. @return false if the machine shall. */
 bool fill(void* buffer, std::size_t size, const void* caller) {
@@ -72,8 +41,8 @@ bool fill(void* buffer, std::size_t size, const void* caller) {
   if (whose == Sees::kStray) {
     tell(kStray, caller);
   }
-  static Stream* const of_run = new Stream("entropy");
-  static Stream* const of_strays = new Stream("strays");
+  static ByteStream* const of_run = new ByteStream(numberFor("entropy"));
+  static ByteStream* const of_strays = new ByteStream(numberFor("strays"));
   (whose == Sees::kRun ? of_run : of_strays)->fill(buffer, size);
   return true;
 }
@@ -94,10 +63,6 @@ Result draw(Result (*function)(), const void* caller) {
   }
   checkOrder(caller);
   return function();
-}
-
-bool isEntropy(const char* path) {
-  return path != nullptr && (strcmp(path, "/dev/urandom") == 0 || strcmp(path, "/dev/random") == 0);
 }
 
 /** libc's generators start from the seed; the program may have them start from another number. */
@@ -121,7 +86,7 @@ int openEntropy(const char* path, int flags, const void* caller) {
   }
   static std::atomic<int> opened{0};
   std::string bytes(1 << 20, '\0');
-  Stream("file " + std::to_string(++opened)).fill(&bytes[0], bytes.size());
+  ByteStream(numberFor("file " + std::to_string(++opened))).fill(&bytes[0], bytes.size());
   const int file = ::memfd_create("entropy", (flags & O_CLOEXEC) != 0 ? MFD_CLOEXEC : 0);
   const bool is_written =
       file >= 0 && ::write(file, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());

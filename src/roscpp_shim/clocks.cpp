@@ -22,7 +22,6 @@ constexpr Nanoseconds kEpoch =
     1'577'836'800 * kSecond;                 // 2020-01-01 UTC, and a second for each seed
 constexpr Nanoseconds kSeeds = 315'360'000;  // about ten years
 constexpr Nanoseconds kUptime = 3600 * kSecond;
-constexpr Nanoseconds kMicrosecond = 1000;
 constexpr Nanoseconds kStep = 1'000'000;   // by which a clock that is only looked at goes on
 constexpr unsigned kClockReads = 1000000;  // at one instant, after which it does
 
@@ -36,14 +35,6 @@ thread_local Readings t_readings __attribute__((tls_model("initial-exec")));
 
 std::atomic<Nanoseconds> slept{0};
 std::atomic<unsigned> reads{0};  // by threads that take no turns
-
-int indexOf(clockid_t clock) {
-  return clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE || clock == CLOCK_TAI ? 0 : 1;
-}
-
-bool isOfProcessor(clockid_t clock) {
-  return clock == CLOCK_PROCESS_CPUTIME_ID || clock == CLOCK_THREAD_CPUTIME_ID || clock < 0;
-}
 
 Nanoseconds seenTime(clockid_t clock) {
   const Nanoseconds gone = node().now() + slept;

@@ -4,14 +4,9 @@
 
 #include <time.h>
 
-#include "lockstep/wire.h"
+#include "instants.h"
 
 namespace move_base_abstract::shim {
-
-constexpr Nanoseconds kSecond = 1'000'000'000;
-
-inline Nanoseconds toNs(const timespec& time) { return time.tv_sec * kSecond + time.tv_nsec; }
-inline timespec toTimespec(Nanoseconds time) { return {time / kSecond, time % kSecond}; }
 
 /** @return the machine's clock [ns]. */
 Nanoseconds machineTime(clockid_t clock);

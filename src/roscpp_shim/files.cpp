@@ -9,10 +9,10 @@
 #include <array>
 #include <cerrno>
 #include <cstdarg>
-#include <initializer_list>
 #include <string>
 
 #include "chance.h"
+#include "devices.h"
 #include "followed.h"
 #include "lockstep/utf8.h"
 #include "real.h"
@@ -21,21 +21,6 @@
 
 namespace move_base_abstract::shim {
 namespace {
-
-bool isIn(const char* path, std::initializer_list<const char*> folders) {
-  for (const char* folder : folders) {
-    if (strncmp(path, folder, strlen(folder)) == 0) {
-      return true;
-    }
-  }
-  return false;
-}
-
-bool isOfSystem(const char* path) {
-  const bool is_harmless = isIn(path, {"/dev/null", "/dev/zero", "/dev/full", "/dev/std",
-                                       "/dev/tty", "/dev/pts/", "/dev/fd/", "/dev/shm/"});
-  return isIn(path, {"/proc/", "/sys/", "/dev/"}) && !is_harmless;
-}
 
 /** @return the path without links and dots, also of a file that is not there; empty: not known. */
 std::string wholePath(const char* path) {

@@ -1,0 +1,34 @@
+// Files that are none: what they say is another thing in each run. For both preloaded libraries.
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DEVICES_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DEVICES_H
+
+#include <string.h>
+
+#include <initializer_list>
+
+namespace move_base_abstract::shim {
+
+inline bool beginsWith(const char* path, std::initializer_list<const char*> beginnings) {
+  for (const char* beginning : beginnings) {
+    if (strncmp(path, beginning, strlen(beginning)) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/** @return whether a file is what the system says of itself, or a device. */
+inline bool isOfSystem(const char* path) {
+  const bool is_harmless = beginsWith(path, {"/dev/null", "/dev/zero", "/dev/full", "/dev/std",
+                                             "/dev/tty", "/dev/pts/", "/dev/fd/", "/dev/shm/"});
+  return beginsWith(path, {"/proc/", "/sys/", "/dev/"}) && !is_harmless;
+}
+
+/** @return whether a file is one of random bytes. */
+inline bool isEntropy(const char* path) {
+  return path != nullptr && (strcmp(path, "/dev/urandom") == 0 || strcmp(path, "/dev/random") == 0);
+}
+
+}  // namespace move_base_abstract::shim
+
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DEVICES_H

@@ -1,0 +1,33 @@
+// Clocks by number, and their times. Without ROS: for both preloaded libraries.
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_INSTANTS_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_INSTANTS_H
+
+#include <time.h>
+
+#include <cstdint>
+
+namespace move_base_abstract {
+
+using Nanoseconds = std::int64_t;
+
+namespace shim {
+
+constexpr Nanoseconds kSecond = 1'000'000'000;
+constexpr Nanoseconds kMicrosecond = 1000;
+
+inline Nanoseconds toNs(const timespec& time) { return time.tv_sec * kSecond + time.tv_nsec; }
+inline timespec toTimespec(Nanoseconds time) { return {time / kSecond, time % kSecond}; }
+
+/** @return 0 of a clock that shows dates, 1 of one that counts from the machine's start. */
+inline int indexOf(clockid_t clock) {
+  return clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE || clock == CLOCK_TAI ? 0 : 1;
+}
+
+inline bool isOfProcessor(clockid_t clock) {
+  return clock == CLOCK_PROCESS_CPUTIME_ID || clock == CLOCK_THREAD_CPUTIME_ID || clock < 0;
+}
+
+}  // namespace shim
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_INSTANTS_H
