@@ -29,6 +29,8 @@ ROOMS = {
     'src/roscpp_shim': (('lockstep/utf8.h', 'lockstep/wire.h', 'move_base_abstract/lockstep_participant.h',
                          'participant/exchange.h', 'participant/parameter_text.h',
                          'participant/membership.h'), False),
+    'src/python_shim': (('roscpp_shim/byte_stream.h', 'roscpp_shim/devices.h', 'roscpp_shim/glibc_fields.h',
+                         'roscpp_shim/instants.h'), False),
     'src/time_master': (('clock/', 'lockstep/', 'participant/local_address.h', 'participant/run_secret.h'), False),
     'include/move_base_abstract': ((), False),
 }

@@ -28,11 +28,12 @@ READY = b'ready\n'
 def main(words):
     """Serve until the socket is closed."""
     from move_base_abstract_ros import replaced
-    from move_base_abstract_ros.lockstep import address_layout
+    from move_base_abstract_ros.lockstep import address_layout, native_library
     is_new = address_layout.choose(os.environ)
-    if is_new or _HASH_SEED not in os.environ or any(os.environ.get(name) != value for name, value in
-                                                     warm_nodes.ONE_THREAD.items()):
-        # Once: with one order of sets and one layout of memory, as the launcher does it.
+    is_new = is_new or _HASH_SEED not in os.environ or any(os.environ.get(name) != value for name, value in
+                                                           warm_nodes.ONE_THREAD.items())
+    if (is_new or not native_library.is_loaded()) and native_library.preload(os.environ) or is_new:
+        # Once: with one order of sets, one layout of memory and one library in front of libc, as the launcher does it.
         os.environ.setdefault(_HASH_SEED, '0')
         os.environ.update(warm_nodes.ONE_THREAD)
         os.execv(sys.executable, [sys.executable, '-m', __spec__.name, *words])

@@ -17,9 +17,13 @@ PYTHON_SOURCE = re.compile(
     r'queue\.time$|logging\._log')
 #: what is a source without being replaced: it is seeded, or the program's text has it handed on
 FOLLOWED = {'random', 'numpy.random', 'datetime.now', 'datetime.utcnow', 'datetime.today', 'date.today', 'tempfile',
-            'concurrent.futures', 'multiprocessing.pool', 'uuid.uuid4', 'asyncio', 'sqlite3', 'logging', 'repr'}
-LABELLED = {'id', 'hash', 'numpy.datetime64', 'threading.Thread.start', 'threading.get_ident', 'os.stat',
+            'concurrent.futures', 'multiprocessing.pool', 'uuid.uuid4', 'asyncio', 'sqlite3', 'logging', 'repr',
+            'numpy.datetime64'}
+LABELLED = {'id', 'hash', 'threading.Thread.start', 'threading.get_ident', 'os.stat',
             'rospy.get_param'}
+#: of the library that is preloaded into Python programs
+NATIVE = 'Libraries in C of Python programs'
+NATIVE_ROW = re.compile(r'^REPLACED\([\w+]+, "([^"]+)", (\w+), ', re.MULTILINE)
 KINDS = {'followed', 'labelled', 'partly'}
 
 
@@ -69,11 +73,40 @@ def test_each_name_of_python_has_its_row():
 def test_what_is_labelled_in_python_is_told_by_the_code():
     code = ''.join(path.read_text(encoding='utf-8') for path in sorted(LOCKSTEP.glob('*.py')))
     told = set(re.findall(r"told\.tell\(.*?, '([\w. ]+)'", code))
-    assert told == LABELLED | {'asyncio', 'open', 'ctypes.dlsym', 'select.select', '_posixsubprocess.fork_exec',
+    assert told == LABELLED | {'numpy.datetime64', 'asyncio', 'open', 'ctypes.dlsym', 'select.select',
+                               '_posixsubprocess.fork_exec',
                                'tempfile', 'chance', 'a clock'}
 
 
-@pytest.mark.parametrize('language', ['C++', 'Python'])
+def test_each_function_that_libraries_of_python_programs_are_kept_from_has_its_row():
+    text = (ROOT / 'src' / 'python_shim' / 'replaced.def').read_text(encoding='utf-8')
+    names = NATIVE_ROW.findall(text)
+    assert len(names) > 50
+    assert sorted(functions(NATIVE)) == sorted(name for name, _symbol in names)
+    code = ''.join(path.read_text(encoding='utf-8') for path in sorted((ROOT / 'src' / 'python_shim').glob('*.cpp')))
+    for _name, symbol in names:
+        assert re.search(r'\b{}\('.format(symbol), code) and '("{}")'.format(symbol) in re.sub(r'\s+', '', code), symbol
+    told = {name for name, kind in native_kinds().items() if kind == 'labelled'}
+    assert told == {name for name, symbol in names if re.search(
+        r'\b{}\([^;{{}}]*\) \{{[^}}]*\btell\('.format(symbol), code)}
+
+
+def native_kinds():
+    return {name: kind for names, kind, _why, _tests in table(NATIVE) for name in names}
+
+
+def test_what_libraries_are_told_of_has_the_same_order_on_both_sides():
+    native = (LOCKSTEP / 'native.py').read_text(encoding='utf-8')
+    for header, begin, count in (('notices.h', '_STRAY_CLOCK', 12), ('run.h', '_NOW', 11)):
+        text = (ROOT / 'src' / 'python_shim' / header).read_text(encoding='utf-8')
+        names = [re.sub('([A-Z])', r'_\1', name).upper() for name in re.findall(
+            r'^  k(\w+)(?=,|$| )', re.search(r'enum (?:class )?(?:What|Cell) \{(.*?)\}', text, re.DOTALL).group(1),
+            re.MULTILINE)]
+        assert len(names) == count
+        assert names == re.search(r'^({}, .*?) = '.format(begin), native, re.MULTILINE).group(1).split(', ')
+
+
+@pytest.mark.parametrize('language', ['C++', 'Python', NATIVE])
 def test_each_row_says_how_why_and_by_which_test(language):
     tests = ''.join(path.read_text(encoding='utf-8') for path in sorted((ROOT / 'test').rglob('*_test.py')))
     for names, kind, why, named in table(language):

@@ -119,6 +119,16 @@ def test_a_program_finds_what_it_would_find_in_a_python_of_its_own(folder, warm,
     assert told[0]['parent'] == os.getpid()
 
 
+def test_libraries_in_c_are_seen_to_in_a_fork_that_is_not_started_again_for_it(folder, warm):
+    words = script(folder, """
+    import os, sys
+    print(any('python_shim' in line for line in open('/proc/self/maps')), 'LD_PRELOAD' in os.environ,
+          'move_base_abstract_ros.launching.warm_process' in sys.modules)
+    """)
+    assert run(warm.popen, folder, words)[:3] == ('True False True\n', '', 0)
+    assert run(subprocess.Popen, folder, words)[:3] == ('True False False\n', '', 0)
+
+
 @pytest.mark.parametrize('text, code', [
     ('import sys\nsys.exit(3)', 3), ('raise ValueError("bad")', 1), ('import os\nos.kill(os.getpid(), 9)', -9),
     ('import sys\nsys.exit("said")', 1)])

@@ -33,9 +33,13 @@ class TurnLost(Exception):
 class Scheduler(Looking):
     """Gives the turn to one thread of the process after the other."""
 
+    #: called in each thread of the application, with whether it begins to be one or ends to; for all of the process
+    thread_changes = None
+
     def __init__(self, channel):
         self._channel = channel
         self.now_ns = 0  # [ns], of the present grant; the channel's to set
+        self.shown_ns = [0]  # the same, for who looks at it where it lies; the channel's, too
         self._source = None
         self._is_source_busy = False
         self._goes_on_to = None
@@ -75,6 +79,8 @@ class Scheduler(Looking):
     def _enter(self, task):
         task.ident = get_ident()
         self._tasks[task.ident] = task
+        if self.thread_changes is not None:
+            self.thread_changes(True)
 
     def current(self):
         """Return the task of the calling thread, or None."""
@@ -101,6 +107,8 @@ class Scheduler(Looking):
         if task is None:
             return
         task.is_finished = True
+        if self.thread_changes is not None:
+            self.thread_changes(False)
         self._happened += 1
         if self.turn_ident == task.ident and not self.is_closed:
             self._resume_worker()

@@ -19,19 +19,22 @@ _DATES, _PROCESSORS = (0, 5, 11), (2, 3)
 
 
 class SeenClocks:
-    """The clocks. ``is_simulated``: all of them show simulated time itself, as where time.sleep takes it."""
+    """The clocks. ``is_simulated``: all of them show simulated time itself, as where time.sleep takes it.
 
-    def __init__(self, seed, is_simulated):
+    ``slept_ns``: a sequence of one number, where it is kept how far they have gone on by themselves [ns].
+    """
+
+    def __init__(self, seed, is_simulated, slept_ns=None):
         date_ns = EPOCH_NS + seed % SEEDS * NS_PER_S
         self._starts = {DATE: date_ns, UPTIME: UPTIME_NS, PROCESSOR: 0}
         if is_simulated:
             self._starts = dict.fromkeys(self._starts, 0)
-        self._slept_ns = 0
+        self._slept_ns = [0] if slept_ns is None else slept_ns
         self._looks = 0
 
     def read(self, kind, now_ns):
         """Return what a clock of this kind shows [ns] at the simulated time ``now_ns`` (0 before the run)."""
-        return self._starts[kind] + now_ns + self._slept_ns
+        return self._starts[kind] + now_ns + self._slept_ns[0]
 
     def start(self, kind):
         """Return what a clock of this kind shows [ns] before the run."""
@@ -39,13 +42,13 @@ class SeenClocks:
 
     def add_sleep(self, duration_ns):
         """So long [ns] was slept by the wall, while simulated time stood."""
-        self._slept_ns += duration_ns
+        self._slept_ns[0] += duration_ns
 
     def look(self):
         """A thread that takes no turns looks at a clock: a loop that does nothing else sees it go on some day."""
         self._looks += 1
         if self._looks % LOOKS == 0:
-            self._slept_ns += STEP_NS
+            self._slept_ns[0] += STEP_NS
 
 
 def kind_of(clock_id):

@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 
+from ..lockstep import native_library
 from . import processes, request, warm_nodes
 
 _CODE = ('import sys; sys.path[0] = {!r}; from move_base_abstract_ros.launching.warm_process import main; '
@@ -27,6 +28,7 @@ class WarmClient:
         ours.settimeout(_ANSWER_S)
         code = _CODE.format(folder, its.fileno(), os.path.join(folder, 'lockstep'), has_master)
         environment = {'PYTHONHASHSEED': '0', **os.environ, **warm_nodes.ONE_THREAD}
+        native_library.preload(environment)
         try:
             self._process = subprocess.Popen([sys.executable, '-c', code, _SPACE], env=environment,
                                              pass_fds=[its.fileno()])

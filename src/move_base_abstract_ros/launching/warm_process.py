@@ -12,7 +12,7 @@ import select
 import socket
 import sys
 
-from ..lockstep import address_layout
+from ..lockstep import address_layout, native_library
 from . import processes, request, ros_master
 
 _NODES = ('rospy', 'move_base_abstract_ros.lockstep.program', 'move_base_abstract_ros.nodes.lockstep_launcher')
@@ -23,6 +23,7 @@ def main(descriptor, launcher, has_master):
     """Serve until the client has gone. In a fork this returns what that one is to call."""
     processes.die_with(os.getppid())
     if address_layout.choose(os.environ):  # once: with one layout of memory, as the launcher does it
+        native_library.preload(os.environ)
         with open('/proc/self/cmdline', 'rb') as stream:
             os.execv(sys.executable, stream.read().split(b'\0')[:-1])
     processes.show_name('python3', _NAME)

@@ -18,9 +18,12 @@ _KINDS = {'time': seen.DATE, 'monotonic': seen.UPTIME, 'perf_counter': seen.UPTI
 _SPLIT = ('localtime', 'gmtime', 'ctime')  # of the present, if nothing is said
 
 
-def install(seed, is_simulated):
-    """Have the program see the run's clocks; to be called before its first line. Return them."""
-    clocks = _Clocks(seen.SeenClocks(seed, is_simulated))
+def install(seed, is_simulated, slept_ns):
+    """Have the program see the run's clocks; to be called before its first line. Return them.
+
+    ``slept_ns``: as of :class:`.SeenClocks`.
+    """
+    clocks = _Clocks(seen.SeenClocks(seed, is_simulated, slept_ns))
     for name, kind in _KINDS.items():
         replace('time.' + name, lambda machine, kind=kind: _Clock(clocks, kind, machine, lambda ns: ns / NS_PER_S))
         replace('time.{}_ns'.format(name), lambda machine, kind=kind: _Clock(clocks, kind, machine, lambda ns: ns))

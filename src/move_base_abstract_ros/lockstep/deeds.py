@@ -29,6 +29,7 @@ from . import chance
 from .callers import is_own, own_frame
 from .clocks import is_moment
 from .files import files
+from .native import native
 from .told import told
 
 _PROCESS = 'starts another process, which does not take part in lockstep by itself'
@@ -72,11 +73,12 @@ _HARMLESS = ('/dev/null', '/dev/zero', '/dev/full', '/dev/tty', '/dev/stdin', '/
              '/dev/shm/', '/dev/pts/')
 
 
-#: functions of the C library that a program gets by ctypes; here, as Python has them, they would be the run's
-_OF_C = frozenset((
-    'time', 'clock_gettime', 'clock_gettime64', 'gettimeofday', 'ftime', 'timespec_get', 'clock', 'times', 'nanosleep',
-    'clock_nanosleep', 'usleep', 'sleep', 'getrandom', 'getentropy', 'arc4random', 'arc4random_buf',
-    'arc4random_uniform', 'getpid', 'gettid', 'getrusage', 'syscall'))
+#: functions of the C library that a program gets by ctypes and that are the machine's, however it gets them
+_OF_C = frozenset(('clock_gettime64', 'times', 'getpid', 'gettid', 'getrusage', 'syscall'))
+#: those that are the run's where the program asks for them among all that is loaded (CDLL(None)), not in libc itself
+_FOLLOWED_OF_C = frozenset((
+    'time', 'clock_gettime', 'gettimeofday', 'ftime', 'timespec_get', 'clock', 'nanosleep', 'clock_nanosleep', 'usleep',
+    'sleep', 'getrandom', 'getentropy', 'arc4random', 'arc4random_buf', 'arc4random_uniform'))
 
 
 def install():
@@ -204,7 +206,8 @@ def _audit(event, arguments):
         if isinstance(path, str) and path.startswith(_DEVICES) and not path.startswith(_HARMLESS):
             told.tell(own_frame(sys._getframe(1)), 'open', 'of {}: what the machine says there differs from run to '
                       'run'.format(path))
-    elif event == 'ctypes.dlsym' and arguments[1] in _OF_C:
+    elif event == 'ctypes.dlsym' and (arguments[1] in _OF_C or arguments[1] in _FOLLOWED_OF_C and not (
+            native.is_there and getattr(arguments[0], '_name', '') is None)):
         told.tell(own_frame(sys._getframe(1)), 'ctypes.dlsym', "{}() of the C library is the machine's, not the run's"
                   .format(arguments[1]))
     elif event in ('tempfile.mkstemp', 'tempfile.mkdtemp'):
@@ -227,7 +230,7 @@ class _Asking:
                 told.tell(sys._getframe(1), 'threading.get_ident', _ADDRESS)
             elif is_moment(what):
                 return self._clocks.moment(what.__self__, what.__name__, sys._getframe(1))
-        elif kind is type and what.__name__ == 'datetime64':  # of numpy, which knows the present by words
+        elif kind is type and what.__name__ == 'datetime64' and not native.is_there:  # numpy knows the present by words
             told.tell(sys._getframe(1), 'numpy.datetime64', 'reads the wall clock')
         return what
 

@@ -31,6 +31,7 @@ from . import (
 )
 from .files import files
 from .master_calls import calls
+from .native import native
 from .told import told
 
 _NAME = '__name:='
@@ -58,9 +59,10 @@ def run(kind, path, arguments, options):
 
 def _watch(options, name, before_node):
     """Have the program see the run's time and chance, and be told where it sees something else."""
-    seen = clocks.install(options.seed, options.sleep == 'simulated')
-    watchdog.install(options.sleep, before_node.take_part, seen)
-    draw = chance.install('{}:{}'.format(options.seed, name), seen.date_ns)
+    seen = clocks.install(options.seed, options.sleep == 'simulated', native.slept_ns())
+    sleep = watchdog.install(options.sleep, before_node.take_part, seen)
+    start = '{}:{}'.format(options.seed, name)
+    draw = chance.install(start, seen.date_ns)
     identity.install(seen)
     sqlite.install(seen, draw)
     deeds.install()
@@ -68,6 +70,7 @@ def _watch(options, name, before_node):
     event_loops.install(seen, before_node.take_part)
     garbage.install()
     threads.watch_start(before_node.take_part)
+    native.install(start, seen, sleep)
 
 
 def _compile(source, path):
@@ -90,7 +93,7 @@ class _Joining:
         self._rank = options.rank
         self._is_node = False
         self._is_strict = options.strict
-        self._followers = [told, files, turns.install(), objects.install()]
+        self._followers = [told, native, files, turns.install(), objects.install()]
         self.early = early.Early(name, lambda name, uri: self._follow(joining.take_part(name, uri, self._rank)))
 
     def install(self):

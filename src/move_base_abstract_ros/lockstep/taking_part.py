@@ -344,7 +344,7 @@ class Participant:
         self._is_granted, self._has_mail = True, bool(items)
         self.charge.begin()
         if now_ns != self.scheduler.now_ns:
-            self.scheduler.now_ns = now_ns
+            self.scheduler.now_ns = self.scheduler.shown_ns[0] = now_ns
             set_rostime(now_ns)
         actions = []
         for item in items:

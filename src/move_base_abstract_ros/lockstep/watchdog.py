@@ -1,5 +1,6 @@
 """time.sleep of an unmodified program: by the wall while simulated time stands, or simulated time."""
 import sys
+import time
 
 import rospy
 
@@ -18,13 +19,17 @@ _LONG_SLEEPS = 5.0  # s, wall, at one instant
 
 
 def install(sleep, take_part, clocks):
-    """Stand before time.sleep. ``sleep`` says what it is to wait for: 'wall' or 'simulated'.
+    """Stand before time.sleep; return what sleeps so, for the code of a frame: ``by(seconds, frame)``.
+
+    ``sleep`` says what it is to wait for: 'wall' or 'simulated'.
 
     ``take_part(what)`` is called where a program that is no node yet is to take part, because of ``what``; ``clocks``
     are those that the program sees.
     """
-    replace('time.sleep', lambda wall_sleep: _Sleep(sleep, take_part, wall_sleep, clocks))
     replace('os.sched_yield', lambda sched_yield: lambda: _look(sched_yield))
+    made = _Sleep(sleep, take_part, time.sleep, clocks)
+    replace('time.sleep', lambda _wall_sleep: made)
+    return made.by
 
 
 def _look(sched_yield):
@@ -56,6 +61,10 @@ class _Sleep:
         if seconds < 0 or _is_of_ros(frame):
             self._wall_sleep(seconds)
             return
+        self.by(seconds, frame)
+
+    def by(self, seconds, frame):
+        """Sleep for the code of a frame [s]."""
         if told.participant is None and self._is_simulated:
             self._take_part('time.sleep')
         participant = told.participant

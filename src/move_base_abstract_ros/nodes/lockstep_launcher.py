@@ -17,7 +17,7 @@ import sys
 from move_base_abstract.lockstep.wire import MAX_RANK
 from move_base_abstract.shown import shown
 
-from ..lockstep import address_layout, shell_scripts
+from ..lockstep import address_layout, native_library, shell_scripts
 
 _PYTHON = re.compile(r'python[0-9.]*$')
 _WHOLE_NUMBER = re.compile(r'[+-]?[0-9]{1,18}\Z', re.ASCII)
@@ -109,10 +109,13 @@ def _own_words(words):
 def _start_again(launcher, command, is_new_layout):
     """Start again, once, with the Python that the program wants, with one order of sets and one layout for all runs.
 
-    That order is left alone if the user has chosen one.
+    That order is left alone if the user has chosen one. What stands in front of libc is preloaded, if it can be.
     """
     interpreter, words = split_interpreter(command)
-    if interpreter == [sys.executable] and words == command and 'PYTHONHASHSEED' in os.environ and not is_new_layout:
+    is_as_wanted = interpreter == [sys.executable] and words == command and 'PYTHONHASHSEED' in os.environ
+    if is_as_wanted and not is_new_layout and native_library.is_loaded():
+        return
+    if not native_library.preload(os.environ) and is_as_wanted and not is_new_layout:
         return
     os.environ.setdefault('PYTHONHASHSEED', '0')
     os.execv(interpreter[0], interpreter + launcher + ([_AS_SCRIPT] if words != command else []) + words)

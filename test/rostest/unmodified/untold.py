@@ -16,7 +16,6 @@ import threading
 import time
 import uuid
 
-import numpy
 import rospy
 from std_msgs.msg import String
 
@@ -79,7 +78,7 @@ WAYS = {
     'signal.sigtimedwait': lambda: signal.sigtimedwait([signal.SIGUSR1], 0.01),
     'select.epoll': lambda: select.epoll(), 'id': lambda: '%d' % id(rospy),
     'hash': lambda: hash(threading.Lock()), 'open': lambda: open('/dev/urandom', 'rb').read(1),
-    'numpy.datetime64': lambda: numpy.datetime64('now'), 'os.system': lambda: os.system('true'),
+    'os.system': lambda: os.system('true'),
     'os.exec': execute, 'builtins.input': ask,
     'subprocess.Popen': lambda: subprocess.check_output(['date', '+%N']), 'os.fork': fork,
     'os.forkpty': fork_at_a_terminal,
@@ -94,7 +93,7 @@ WAYS = {
     'shutil.disk_usage': lambda: shutil.disk_usage('/'), 'os.path.getmtime': lambda: os.path.getmtime('/'),
     'os.path.getctime': lambda: os.path.getctime('/'), 'os.path.getatime': lambda: os.path.getatime('/'),
     'os.stat': lambda: os.stat('/').st_mtime, 'rospy.get_param': lambda: rospy.get_param('/run_id', ''),
-    'ctypes.dlsym': lambda: ctypes.CDLL(None).time(None),
+    'ctypes.dlsym': lambda: ctypes.CDLL('libc.so.6').time(None),
 }
 EARLY = ('os.getpid', 'open')  # before the program is a node
 

@@ -1,0 +1,188 @@
+// No ROS.
+#include "clocks.h"
+
+#include <sys/time.h>
+#include <sys/timeb.h>
+
+#include "callers.h"
+#include "notices.h"
+#include "real.h"
+
+namespace move_base_abstract::native {
+namespace {
+
+using shim::kMicrosecond;
+
+constexpr int kLooks = 1000000;             // without a wait, after which a clock goes on
+constexpr Nanoseconds kStep = 1'000'000;    // by so much
+constexpr Nanoseconds kPause = 50'000'000;  // wall, after which the processor's time is looked at
+
+Real<int(clockid_t, timespec*)> real_gettime("clock_gettime");
+/** The clocks go on as libraries compute: one of them has computed for too long. */
+std::atomic<bool> go_on_computing{false};
+
+/** @brief A thread's looks at clocks, and how long it has computed meanwhile. */
+struct Looking {
+  Nanoseconds at;        // simulated time of the first of these looks
+  int looks;             // less than kLooks
+  Nanoseconds computed;  // the processor's time then, or up to which it is counted
+  Nanoseconds checked;   // by the wall, when that was looked at
+  Nanoseconds slept;     // of a stray thread
+};
+thread_local Looking t_looking __attribute__((tls_model("initial-exec"))) = {-1, 0, 0, 0, 0};
+
+/** A thread that computes for long between its waits may wait for a clock to say that it is enough:
+ * from then on the clocks go on as it computes. That is told: it is another time in each run. */
+void countComputing(Looking* me, Sees whose, const void* caller) {
+  const Nanoseconds wall = machineTime(CLOCK_MONOTONIC_COARSE);
+  if (wall - me->checked < kPause) {
+    return;
+  }
+  me->checked = wall;
+  const Nanoseconds now = machineTime(CLOCK_THREAD_CPUTIME_ID);
+  if (go_on_computing) {
+    goOn(now - me->computed, whose);
+    me->computed = now;
+  } else if (now - me->computed >= cell(kPatience)) {
+    notice(What::kComputes, caller);
+    go_on_computing = true;
+    me->computed = now;
+  }
+}
+
+/** @brief A loop that only looks at a clock sees it go on some day. */
+void countLook(Sees whose, const void* caller) {
+  Looking* const me = &t_looking;
+  if (me->at != cell(kNow)) {
+    me->at = cell(kNow);
+    me->looks = 0;
+    me->computed = machineTime(CLOCK_THREAD_CPUTIME_ID);
+    me->checked = machineTime(CLOCK_MONOTONIC_COARSE);
+  }
+  countComputing(me, whose, caller);
+  if (++me->looks < kLooks) {
+    return;
+  }
+  me->looks = 0;
+  if (whose == Sees::kRun && mayCall()) {
+    sleepInPython(-kStep);
+    me->at = cell(kNow);  // its own looks have let time go on: it still computes
+  } else {
+    goOn(kStep, whose);
+  }
+}
+
+/** @brief A library reads a clock, of which it sees @p step [ns]. @return whether it is the run's.
+ */
+bool read(clockid_t clock, Nanoseconds step, const void* caller, Nanoseconds* time) {
+  const Sees whose = sees(caller);
+  if (whose == Sees::kMachine) {
+    return false;
+  }
+  if (whose == Sees::kStray && !isWorkerPool(caller)) {
+    notice(What::kStrayClock, caller);
+  }
+  countLook(whose, caller);
+  const Nanoseconds now = seenTime(clock, whose);
+  *time = now - now % step;
+  return true;
+}
+
+}  // namespace
+
+Nanoseconds machineTime(clockid_t clock) {
+  timespec now{};
+  real_gettime(clock, &now);
+  return shim::toNs(now);
+}
+
+Nanoseconds seenTime(clockid_t clock, Sees whose) {
+  const Nanoseconds start = cell(shim::isOfProcessor(clock)  ? kProcessor
+                                 : shim::indexOf(clock) == 0 ? kDate
+                                                             : kUptime);
+  return start + cell(kNow) + cell(kSlept) + (whose == Sees::kStray ? t_looking.slept : 0);
+}
+
+void goOn(Nanoseconds duration, Sees whose) {
+  if (duration > 0 && whose == Sees::kRun) {
+    cells[kSlept].fetch_add(duration);
+  } else if (duration > 0) {
+    t_looking.slept += duration;
+  }
+}
+
+}  // namespace move_base_abstract::native
+
+namespace native = move_base_abstract::native;
+namespace shim = move_base_abstract::shim;
+using move_base_abstract::Nanoseconds;
+
+#pragma GCC visibility push(default)
+extern "C" {
+
+int clock_gettime(clockid_t clock, timespec* time) {
+  Nanoseconds now = 0;
+  if (!native::read(clock, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return native::real_gettime(clock, time);
+  }
+  *time = shim::toTimespec(now);
+  return 0;
+}
+
+int timespec_get(timespec* time, int base) {
+  static native::Real<int(timespec*, int)> function("timespec_get");
+  Nanoseconds now = 0;
+  if (base != TIME_UTC || !native::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return function(time, base);
+  }
+  *time = shim::toTimespec(now);
+  return base;
+}
+
+int gettimeofday(timeval* time, void* zone) {
+  static native::Real<int(timeval*, void*)> function("gettimeofday");
+  Nanoseconds now = 0;
+  if (!native::read(CLOCK_REALTIME, shim::kMicrosecond, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return function(time, zone);
+  }
+  const timespec whole = shim::toTimespec(now);
+  *time = {whole.tv_sec, whole.tv_nsec / shim::kMicrosecond};
+  return 0;
+}
+
+time_t time(time_t* result) {
+  static native::Real<time_t(time_t*)> function("time");
+  Nanoseconds now = 0;
+  if (!native::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return function(result);
+  }
+  const time_t seconds = now / shim::kSecond;
+  if (result != nullptr) {
+    *result = seconds;
+  }
+  return seconds;
+}
+
+int ftime(timeb* result) {
+  static native::Real<int(timeb*)> function("ftime");
+  Nanoseconds now = 0;
+  if (!native::read(CLOCK_REALTIME, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return function(result);
+  }
+  constexpr Nanoseconds kMillisecond = 1'000'000;
+  *result = {now / shim::kSecond, static_cast<unsigned short>(now % shim::kSecond / kMillisecond),
+             0, 0};
+  return 0;
+}
+
+clock_t clock() {
+  static native::Real<clock_t()> function("clock");
+  Nanoseconds now = 0;
+  if (!native::read(CLOCK_PROCESS_CPUTIME_ID, 1, MOVE_BASE_ABSTRACT_CALLER, &now)) {
+    return function();
+  }
+  return now / (shim::kSecond / CLOCKS_PER_SEC);
+}
+
+}  // extern "C"
+#pragma GCC visibility pop
