@@ -82,7 +82,7 @@ def test_one_recording_predicts_another(pairs, fitted):
     assert score.legs == 62
     assert score.median_error < 0.035
     assert score.mean_ratio == pytest.approx(1.0, abs=0.1)
-    assert score.within > 0.8  # the fit has flat directions: where it ends there differs with the processor's last digits
+    assert score.within > 0.8  # the fit has flat directions: where it ends there is a matter of a processor's digits
     assert score.straight_error > 10 * score.median_error
 
 
