@@ -31,6 +31,17 @@ def load_json_mapping(path, most=MAX_BYTES):
     return content
 
 
+def loads_cleaned(data):
+    """Return the value in bytes of JSON, cleaned(). :raises ValueError: if they are none."""
+    content = json.loads(data.decode('utf-8'), parse_float=_finite, parse_constant=lambda _name: None)
+    return cleaned(content) if _HALF in data or b'\\uD' in data else content
+
+
+def _finite(text):
+    number = float(text)
+    return number if math.isfinite(number) else None
+
+
 def cleaned(value):
     """Return a value of JSON as any text file can carry it: no half characters, no infinite numbers."""
     if isinstance(value, str):

@@ -35,9 +35,10 @@ class FolderKind:
         self._files = files
         self._text = _TEXT.format(name)
 
-    def check(self, path):
+    def check(self, path, beside=()):
         """Complain unless there is nothing at the path, an empty folder, or one of this kind and nothing else in it.
 
+        :param beside: names of folders of other kinds that may be in it.
         :raises ConfigurationError: naming the path, and what is in the way.
         """
         kind = _kind_of(path)
@@ -53,7 +54,7 @@ class FolderKind:
             raise ConfigurationError(f"{path}: is not empty (it holds '{names[0]}'), and this program did not make it "
                                      f'as a {self._name}: no mark in it says so ({MARKER}); name another folder')
         for name in names if self._files is not None else ():
-            if not self._is_own(path, name):
+            if name not in beside and not self._is_own(path, name):
                 raise ConfigurationError(f"{path}: was made by this program, but '{name}' in it was not; move that "
                                          f'away, or name another folder')
 
@@ -76,6 +77,16 @@ class FolderKind:
             os.close(marker)
             raise
         return marker
+
+    def make_new(self, path):
+        """Make a folder of this kind where there is nothing, within one that this process has locked.
+
+        :raises OutputError: if it cannot be made.
+        """
+        with _clear_errors(path, 'cannot be made'):
+            os.mkdir(path)
+            with open(os.path.join(path, MARKER), 'x', encoding='utf-8') as stream:
+                stream.write(self._text)
 
     def remove(self, path):
         """Remove a folder of this kind, or an empty one, if it is there. :raises ConfigurationError: as make()."""
@@ -129,6 +140,28 @@ def whole_file(path, mode='w', **options):
             stream.flush()
             os.fsync(stream.fileno())
         os.replace(path + PART, path)
+
+
+@contextlib.contextmanager
+def new_file(path, mode='x', **options):
+    """Open a new file of a folder of ours that takes its place later, once on_disk(). :raises OutputError: if not."""
+    with _clear_errors(path, 'cannot be written'), open(path, mode, **options) as stream:
+        yield stream
+
+
+def on_disk(folder):
+    """Wait until all files of a folder of ours, and of those in it, are on the disk. :raises OutputError: if not.
+
+    But for its mark: an empty one, as a power cut may leave it, is a mark as well.
+    """
+    with _clear_errors(folder, 'cannot be written'):
+        for path, _, names in os.walk(folder):
+            for name in (name for name in names if name != MARKER):
+                descriptor = os.open(os.path.join(path, name), os.O_RDONLY | os.O_NOFOLLOW)
+                try:
+                    os.fsync(descriptor)
+                finally:
+                    os.close(descriptor)
 
 
 def check_file(path, is_own):

@@ -42,6 +42,11 @@ def is_plain(path):
         return False
 
 
+def _is_plain_and_not_empty(path):
+    """Return whether there is a plain file at a path, and something in it: most of what is printed is nothing."""
+    return is_plain(path) and os.lstat(path).st_size > 0
+
+
 def pack(path, folders, patterns, about, has_all_logs):
     """Write OUTPUTS into a trial's folder. ``about``: trial.json's content, to which is added what was left out.
 
@@ -54,20 +59,23 @@ def pack(path, folders, patterns, about, has_all_logs):
     if folders is not None:
         ends = ('.txt', '.log') if has_all_logs else ('.txt',)
         for name in sorted(os.listdir(folders.logs)):
-            if name.endswith(ends) and is_plain(os.path.join(folders.logs, name)):
+            if name.endswith(ends) and _is_plain_and_not_empty(os.path.join(folders.logs, name)):
                 members.append((_cut(os.path.join(folders.logs, name)), 'logs/' + safe_name(name)))
     own = os.path.join(path, 'trial.txt')
-    if has_all_logs and is_plain(own) and not any(name == 'logs/trial.txt' for _, name in members):
+    if has_all_logs and _is_plain_and_not_empty(own) and not any(name == 'logs/trial.txt' for _, name in members):
         members.append((_cut(own), 'logs/trial.txt'))
     with open(os.path.join(path, 'trial.json'), 'w', encoding='utf-8') as stream:
-        json.dump(about, stream, allow_nan=False)
+        stream.write(json.dumps(about, allow_nan=False))
     members = [(source, name) for source, name in members if source]
     size = sum(os.lstat(source).st_size for source, _ in members)
     part = os.path.join(path, OUTPUTS + '.part')
-    with tarfile.open(part, **({'mode': 'w:gz', 'compresslevel': 1} if size > _COMPRESSED_FROM else {'mode': 'w'})
-                      ) as archive:
+    with tarfile.open(part, **({'mode': 'w:gz', 'compresslevel': 1} if size > _COMPRESSED_FROM else {'mode': 'w'}),
+                      format=tarfile.GNU_FORMAT) as archive:
         for source, name in [(os.path.join(path, 'trial.json'), 'trial.json'), *members]:
-            archive.add(source, name, recursive=False)
+            with open(source, 'rb') as stream:
+                about_file = tarfile.TarInfo(name)  # nobody looks at whose file it was, and when
+                about_file.size = os.fstat(stream.fileno()).st_size
+                archive.addfile(about_file, stream)
     os.rename(part, os.path.join(path, OUTPUTS))
 
 

@@ -1,9 +1,10 @@
 """Dask distributed carries the trials: workers on this computer, or those of a scheduler that is running.
 
-A worker that dies costs the trials that it was running, which run again elsewhere, a bounded number of times. A trial
-that fails runs once more; then its failure is recorded. Only as many trials are under way as keep the workers busy, so
-that the memory of all who take part does not grow with the number of trials.
+Short trials go in batches. A worker that dies costs the trial that it was running, which runs again elsewhere, a
+bounded number of times. A trial that fails runs once more; then its failure is recorded. Only as many trials are under
+way as keep the workers busy, so that the memory of all who take part does not grow with the number of trials.
 """
+import collections
 import contextlib
 import multiprocessing
 import os
@@ -13,16 +14,19 @@ import sys
 import time
 import warnings
 from multiprocessing import resource_tracker
+from typing import NamedTuple
 
 from move_base_abstract.errors import SimulatorError
 
-from . import jobs, temporary
-from .workers import LOST_S, Workers
+from . import batches, jobs, spool, temporary
+from .workers import LOST_S, Workers, key_of
 
 TRIES = 2  # of a trial that fails by itself
 LOSSES = 8  # of workers, before a trial counts as failed
-AHEAD = 2  # trials under way per thread of a worker
+AHEAD = 2  # batches under way per thread of a worker
+_MOST_LOGGED = 1000  # of what Dask does, in its own memory
 _LOOK_S = 0.5  # wall
+_SPOOL = 'outputs'  # beside what Dask has in its folder
 _HTTP = '127.0.0.1:0'  # Dask serves pages in any case: without an address on all of the computer's
 _CONNECT_S = 30.0  # wall
 _STOP_S = 10.0  # wall
@@ -49,11 +53,17 @@ def connected(workers, scheduler, has_dashboard=False):
     dask.config.set({'distributed.logging.distributed': 'critical', 'distributed.comm.timeouts.connect': _CONNECT_S,
                      'distributed.scheduler.allowed-failures': LOSSES,
                      'distributed.deploy.lost-worker-timeout': f'{LOST_S:g}s',
-                     'distributed.worker.daemon': False})
+                     'distributed.worker.daemon': False,
+                     'distributed.scheduler.transition-log-length': _MOST_LOGGED,
+                     'distributed.scheduler.events-log-length': _MOST_LOGGED,
+                     'distributed.admin.low-level-log-length': _MOST_LOGGED,
+                     # Else it reads the program's text each time that something is handed over.
+                     'distributed.diagnostics.computations.ignore-modules': ['.*'],
+                     'distributed.diagnostics.computations.nframes': 0})
     _quiet()
     if not has_dashboard:
         dask.config.set({'distributed.scheduler.http.routes': [], 'distributed.worker.http.routes': []})
-    own = None
+    own = shared = None
     with contextlib.ExitStack() as stack:
         if scheduler is None:
             folder = stack.enter_context(temporary.folder('move_base_abstract_dask_'))
@@ -64,6 +74,7 @@ def connected(workers, scheduler, has_dashboard=False):
                     scheduler_kwargs={'dashboard': has_dashboard},
                     local_directory=folder, memory_limit=0, silence_logs=50,
                     security=True, protocol='tls://')  # other users of this computer stay out
+            shared = os.path.join(folder, _SPOOL)
             stack.callback(_close_all, scheduler)
         try:
             with _ctrl_c_is_ours():
@@ -71,7 +82,7 @@ def connected(workers, scheduler, has_dashboard=False):
         except (OSError, ValueError) as error:
             raise ClusterError(f'the scheduler {scheduler} cannot be reached: {error}') from None
         stack.callback(_close, client)
-        yield client, Workers(client, own, workers)
+        yield client, Workers(client, own, workers, spool=shared)
 
 
 @contextlib.contextmanager
@@ -111,28 +122,42 @@ def _close_all(cluster):
         process.kill()
 
 
+class _Piece(NamedTuple):
+    """A trial that is to run."""
+
+    job: dict
+    attempts: int = 1
+    losses: int = 0  # of workers that died while they ran it
+    is_alone: bool = False  # whether it goes in no batch with others
+
+
 class Runner:
     """Runs jobs on a Client with its Workers.
 
     ``done(job, worker, outputs, problem, attempts)`` is called for each in the order they end. ``outputs``:
     bytes, or None with a text in ``problem``. ``again(outputs, job)``: the job by which a trial that has failed
-    is to run again, or None. ``look(runner)`` is called now and then.
+    is to run again, or None. ``look(runner)`` is called now and then. ``together``: gives a context in which done()
+    is called for those of one batch.
     """
 
-    def __init__(self, client, watch, done, again, look):
+    def __init__(self, client, watch, done, again, look, together=contextlib.nullcontext):
         self._client = client
         self._watch = watch
         self._done = done
         self._again = again
         self._look = look
+        self._together = together
         self._ended = queue.SimpleQueue()
-        self._running = {}  # key: (job, future, attempts, losses)
+        self._running = {}  # key: (Pieces, future)
+        self._returned = collections.deque()  # Pieces that run again, or were not begun
+        self._sizes = batches.Sizes()
+        self._left = 0
         self._count = 0
         self.workers = 0
 
-    def run(self, waiting):
-        """Run all jobs of an iterable. Whatever ends it, no trial of it is under way afterwards."""
-        waiting = iter(waiting)
+    def run(self, waiting, count):
+        """Run all jobs of an iterable, which are so many. Whatever ends it, no trial of it is under way afterwards."""
+        waiting, self._left = iter(waiting), count
         last_look = 0.0
         try:
             self._fill(waiting)
@@ -150,51 +175,100 @@ class Runner:
     @property
     def under_way(self):
         """The number of trials that were handed over and have not come back."""
-        return len(self._running)
+        return sum(len(pieces) for pieces, _ in self._running.values())
 
     def _fill(self, waiting):
         while len(self._running) < AHEAD * max(1, self.workers):
+            pieces = self._next(waiting)
+            if not pieces:
+                return
+            self._submit(pieces)
+
+    def _next(self, waiting):
+        """Return the Pieces of the next batch."""
+        size = self._sizes.size(self._left + len(self._returned), self.workers)
+        pieces = []
+        while len(pieces) < size:
+            if self._returned:
+                if self._returned[0].is_alone:
+                    return pieces or [self._returned.popleft()]
+                pieces.append(self._returned.popleft())
+                continue
             job = next(waiting, None)
             if job is None:
-                return
-            self._submit(job, 1, 0)
+                break
+            self._left -= 1
+            pieces.append(_Piece(job))
+        return pieces
 
-    def _submit(self, job, attempts, losses):
+    def _submit(self, pieces):
         self._count += 1
-        key = f"{job['id']}-{os.getpid()}-{self._count}"
-        future = self._client.submit(jobs.carry_out, job, key=key, pure=False, retries=0)
-        self._running[key] = (job, future, attempts, losses)
+        key = key_of(self._count, [one.job['id'] for one in pieces])
+        notes = self._notes(key)
+        future = self._client.submit(batches.carry_out, batches.packed([one.job for one in pieces]),
+                                     notes and notes.path, key=key, pure=False, retries=0)
+        self._running[key] = (pieces, future)
         future.add_done_callback(lambda one: self._ended.put(one.key))
 
+    def _notes(self, key):
+        return spool.Notes(os.path.join(self._watch.spool, key)) if self._watch.spool else None
+
     def _take(self, key):
-        job, future, attempts, losses = self._running.pop(key, (None, None, 0, 0))
+        pieces, future = self._running.pop(key, ((), None))
         if future is None:
             return
+        notes, error = self._notes(key), None
         try:
-            worker, outputs, problem = future.result(timeout=_CONNECT_S)
-        except Exception as error:  # KilledWorker, CancelledError, a worker that dies while it answers, WorkerError
-            self._lost(job, attempts, losses, error)
+            seconds, ran, answers = future.result(timeout=_CONNECT_S)
+        except Exception as problem:  # KilledWorker, CancelledError, a worker that dies while it answers
+            error, answers = problem, self._found(pieces, notes)
         else:
-            next_job = self._again(outputs, job) if attempts < TRIES else None
-            if next_job is not None:
-                self._submit(next_job, attempts + 1, losses)
-            else:
-                self._done(job, worker, outputs, problem, attempts)
+            if ran:
+                self._sizes.learn(ran, seconds)
         finally:
             future.release()
+        with self._together():
+            for number, (piece, answer) in enumerate(zip(pieces, answers)):
+                if answer is not None:
+                    self._end(piece, batches.Answer(*answer), notes, number)
+                elif len(pieces) == 1:
+                    self._lost(piece, error)
+                else:  # by itself it shows whether a worker dies of it
+                    self._returned.append(piece._replace(is_alone=True))
+        self._returned.extend(pieces[len(answers):])
+        if notes:
+            notes.remove(len(pieces))
 
-    def _lost(self, job, attempts, losses, error):
-        if losses < LOSSES:
-            self._submit(job, attempts, losses + 1)
+    def _found(self, pieces, notes):
+        """Return, of a batch without an answer, the Answer of each trial whose outputs are there, else None."""
+        found = [notes is not None and notes.has(number) for number in range(len(pieces))]
+        return [batches.Answer('', None, None) if is_there else None for is_there in found]
+
+    def _end(self, piece, answer, notes, number):
+        """Take the Answer of a Piece."""
+        if answer.is_lost:
+            self._lost(piece, answer.problem)
+            return
+        outputs = notes.take(number) if notes and answer.problem is None else answer.outputs
+        next_job = self._again(outputs, piece.job) if piece.attempts < TRIES else None
+        if next_job is not None:
+            self._returned.append(piece._replace(job=next_job, attempts=piece.attempts + 1))
         else:
-            text = str(error).strip().splitlines()
-            self._done(job, '', None, f'its workers were lost {losses + 1} times; the last time: '
-                       f'{type(error).__name__}: {text[0] if text else ""}', attempts)
+            self._done(piece.job, answer.worker, outputs, answer.problem, piece.attempts)
+
+    def _lost(self, piece, error):
+        if piece.losses < LOSSES:
+            self._returned.append(piece._replace(losses=piece.losses + 1, is_alone=True))
+            return
+        text = str(error).strip().splitlines()
+        kind = '' if isinstance(error, str) else f'{type(error).__name__}: '
+        self._done(piece.job, '', None, f'its workers were lost {piece.losses + 1} times; the last time: '
+                   f'{kind}{text[0] if text else ""}', piece.attempts)
 
     def _stop(self):
         if self._running:
             with contextlib.suppress(Exception):
-                self._client.cancel([future for _, future, _, _ in self._running.values()], force=True)
+                self._client.cancel([future for _, future in self._running.values()], force=True)
             with contextlib.suppress(Exception):
                 # One that is stopped would be waited for for ever.
                 self._client.sync(self._client._run, jobs.end_all, callback_timeout=_STOP_S)

@@ -7,6 +7,7 @@ import os
 import re
 import socket
 import sys
+from functools import lru_cache
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -20,8 +21,13 @@ _MOST_NAMES = 5
 
 def view():
     """Return what says where programs are found, as plain values: two processes that see the same have the same."""
-    return [socket.gethostname(), sys.prefix, str(Path(__file__).resolve().parent),
+    return [socket.gethostname(), sys.prefix, _own_folder(),
             *(os.environ.get(name, '') for name in _WHERE)]
+
+
+@lru_cache(maxsize=None)
+def _own_folder():
+    return str(Path(__file__).resolve().parent)
 
 
 def told(experiment, asked):

@@ -20,7 +20,7 @@ from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract.shown import shown
 from move_base_abstract_ros.launching import ends, processes
 
-from . import run
+from . import run, run_folders
 
 OUTPUT = 'function.txt'  # what a trial's function prints
 _LOOPBACK = f'{__package__}.warm_loopback'  # there if a function starts nodes by it
@@ -269,7 +269,7 @@ def main(words):
     try:
         if job['prepare']:
             prepare(job['prepare'], job['modules'])
-        answer = run_trial(job, run.Folders(*given['folders']))
+        answer = run_trial(job, run_folders.Folders(*given['folders']))
     except SimulatorError as problem:
         answer = {'problem': str(problem)}
     with open(words[0] + '.answer', 'w', encoding='utf-8') as stream:

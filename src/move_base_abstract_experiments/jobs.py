@@ -10,36 +10,41 @@ import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the 
 from move_base_abstract.errors import SimulatorError
 from move_base_abstract_ros.launching.warm_nodes import interpreter_of
 
-from . import bundle, elsewhere, functions, ingredients, plan
+from . import bundle, elsewhere, functions, ingredients, plan, spool
 
 _END_S = 10.0  # wall
 _BESIDE_S = 300.0  # wall, that a trial may take beside its runs: metrics, packing
 _state = threading.local()
 _all = []
+_ends = [0]
 
 
-def make_job(experiment, one, **others):
-    """Return the job of a plan.Trial: plain values that JSON can carry."""
-    from . import checks
-    values, made = plan.values_of(one), plan.ingredients_of(experiment, one)
-    return {'id': one.id, 'configuration': one.configuration, 'replication': one.replication, 'seed': one.seed,
-            'launch': checks.filled(experiment.launch, values) if experiment.launch else '',
-            'arguments': plan.launch_arguments(experiment, one),
-            'trial_function': experiment.trial_function,
-            'function_arguments': plan.function_arguments(experiment, one),
+def shared_of(experiment):
+    """Return what the jobs of all trials of an experiment have in common, looked at now."""
+    return {'trial_function': experiment.trial_function,
             'prepare': [experiment.prepare, experiment.args, experiment.factors] if experiment.prepare else None,
             'sources': functions.sources((experiment.function, experiment.trial_function, experiment.prepare),
                                          experiment.folder),
-            'command': [checks.filled(word, values) for word in experiment.command], 'folder': experiment.folder,
-            'participants': experiment.participants, 'leave_out': experiment.leave_out,
+            'folder': experiment.folder, 'participants': experiment.participants, 'leave_out': experiment.leave_out,
             'replace': sorted(experiment.replace.items()), 'until': experiment.until, 'record': experiment.record,
-            'function': experiment.function, 'factors': list(experiment.factors), 'verified_by': one.verified_by,
-            'time_limit': experiment.time_limit, 'sleep': experiment.sleep, 'lookahead': experiment.lookahead,
-            'cores': experiment.cores, 'crashes': experiment.crashes, 'is_warm': True,
-            'made_of': plan.made_of(experiment, one),
+            'function': experiment.function, 'factors': list(experiment.factors), 'time_limit': experiment.time_limit,
+            'sleep': experiment.sleep, 'lookahead': experiment.lookahead, 'cores': experiment.cores,
+            'crashes': experiment.crashes, 'is_warm': True, 'version': plan.package_version()}
+
+
+def make_job(experiment, one, shared=None, **others):
+    """Return the job of a plan.Trial: plain values that JSON can carry. shared: of shared_of()."""
+    from . import checks
+    values, made = plan.values_of(one), plan.ingredients_of(experiment, one)
+    return {**(shared or shared_of(experiment)),
+            'id': one.id, 'configuration': one.configuration, 'replication': one.replication, 'seed': one.seed,
+            'launch': checks.filled(experiment.launch, values) if experiment.launch else '',
+            'arguments': plan.launch_arguments(experiment, one),
+            'function_arguments': plan.function_arguments(experiment, one),
+            'command': [checks.filled(word, values) for word in experiment.command], 'verified_by': one.verified_by,
+            'made_of': plan.made_of(experiment, one, made),
             'program': ingredients.name_of(made), 'files': ingredients.told(made),
-            'look': elsewhere.told(experiment, plan.asked_of(experiment, one)),
-            'version': plan.package_version(), **others}
+            'look': elsewhere.told(experiment, plan.asked_of(experiment, one)), **others}
 
 
 class WorkerError(SimulatorError):
@@ -73,8 +78,8 @@ class WarmProcess:
             self.close()
             raise WorkerError(f'the warm process did not start: {self._last_words()}')
 
-    def run(self, job):
-        """Run the trial of a job; return its outputs as bytes.
+    def run(self, job, target=None):
+        """Run the trial of a job; return its outputs as bytes, or None where they have gone to the path ``target``.
 
         :raises TrialError: if there are none. :raises WorkerError: if the warm process is lost.
         """
@@ -88,19 +93,16 @@ class WarmProcess:
             if answer is None:
                 raise WorkerError(f'the warm process has gone: {self._last_words()}')
             path = os.path.join(answer['path'], bundle.OUTPUTS)
-            try:
-                with open(path, 'rb') as stream:
-                    content = stream.read()
-            except FileNotFoundError:
-                content = None
-            text = _end_of(os.path.join(answer['path'], 'trial.txt'))
+            has_left = os.path.exists(path)
+            content = _taken(path, target) if has_left else None
+            text = '' if has_left else _end_of(os.path.join(answer['path'], 'trial.txt'))
             self._socket.sendall(b'taken\n')
         except socket.timeout:
             raise WorkerError(f'the trial did not end within {limit:g} s of wall time, not even by its time_limit'
                               ) from None
         except OSError as problem:
             raise WorkerError(f'the warm process was lost: {problem}') from None
-        if content is None:
+        if not has_left:
             raise TrialError(f"the trial's process ended with code {answer['code']}: {text}")
         return content
 
@@ -129,6 +131,15 @@ def _python(nodes):
     return sys.executable if is_over_it or not nodes else nodes
 
 
+def _taken(path, target):
+    """Move a trial's outputs to ``target``, or return them as bytes where that is None."""
+    if target is not None:
+        spool.move(path, target)
+        return None
+    with open(path, 'rb') as stream:
+        return stream.read()
+
+
 def _end_of(path):
     try:
         with open(path, encoding='utf-8', errors='replace') as stream:
@@ -137,9 +148,10 @@ def _end_of(path):
         return 'no text'
 
 
-def carry_out(job):
+def carry_out(job, target=None):
     """Run a job on this worker; return (who ran it, the outputs as bytes or None, why there are none or None).
 
+    target: the path at which the outputs are left, if not None; then they are not returned.
     The warm process stays for the next one, but not for one that is prepared in another way, or by another text: what
     was imported stays imported.
     """
@@ -152,7 +164,7 @@ def carry_out(job):
         _all.append(_state.warm)
     worker = f'{socket.gethostname()}:{os.getpid()}'
     try:
-        return worker, _state.warm.run(job), None
+        return worker, _state.warm.run(job, target), None
     except TrialError as problem:
         return worker, None, str(problem)
     except WorkerError as problem:
@@ -168,7 +180,13 @@ def forget(warm):
     warm.close()
 
 
+def ends():
+    """Return how often end_all() was called on this worker."""
+    return _ends[0]
+
+
 def end_all():
-    """End all warm processes of this worker, and with them what they run."""
+    """End all warm processes of this worker, and with them what they run; batches begin no more trials."""
+    _ends[0] += 1
     while _all:
         forget(_all[-1])

@@ -19,8 +19,8 @@ import tarfile
 from pathlib import Path
 
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.json_files import cleaned
-from move_base_abstract.own_files import FolderKind, whole_file
+from move_base_abstract.json_files import loads_cleaned
+from move_base_abstract.own_files import FolderKind, new_file, on_disk, whole_file
 
 from . import records
 
@@ -30,6 +30,7 @@ OUT = FolderKind('folder of an experiment')
 TRIAL = FolderKind('trial of an experiment', ('trial.json', 'events.jsonl', 'messages.jsonl', 'files-*'))
 LOGS = FolderKind("folder of a trial's logs", ('*.txt', '*.log'))
 _MEMBER = re.compile(r'(logs/)?[\w%][\w.%-]{0,239}\Z', re.ASCII)
+_GZIP = b'\x1f\x8b'
 _MOST_BYTES = 4 << 30  # of a trial, unpacked
 _ID = re.compile(r'[0-9]{4,7}-[0-9a-f]{6}\Z')
 
@@ -40,6 +41,7 @@ class OutputFolder:
     def __init__(self, path):
         self.path = Path(os.path.abspath(path))
         self._marker = None
+        self._together = None  # names of trials that are to come into their places together
 
     def __enter__(self):
         self._marker = OUT.make(self.path)
@@ -59,19 +61,25 @@ class OutputFolder:
 
     def write(self, name, content):
         """Write a file (bytes) as a whole."""
+        self.write_pieces(name, [content])
+
+    def write_pieces(self, name, pieces):
+        """As write(), of pieces (bytes) that come one after another."""
         with whole_file(self.path / name, 'wb') as stream:
-            stream.write(content)
+            stream.writelines(pieces)
 
     def put(self, content, worker, attempts):
         """Unpack a trial's outputs (bytes of an archive) into its place; return trial.json's content."""
-        with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
+        with opened(content) as archive:
             members = checked_members(archive)
-            about = cleaned(json.load(archive.extractfile('trial.json')))
+            about = loads_cleaned(archive.extractfile('trial.json').read())
             records.checked_trial(about, str(about.get('id')), 'trial.json')
             about.update(worker=worker, attempts=attempts)
             with self._whole_trial(about) as part:
                 for member in members:
                     if member.name != 'trial.json':
+                        if member.name.startswith('logs/') and not (part / 'logs').is_dir():
+                            LOGS.make_new(part / 'logs')
                         _unpack(archive, member, part / member.name)
         return about
 
@@ -86,17 +94,41 @@ class OutputFolder:
         final = self.place(about['id'])
         part = final.with_name(final.name + UNFINISHED)
         remove_trial(part)
-        with _marked(TRIAL, part), _marked(LOGS, part / 'logs'):
-            yield part
-            _write_json(part / 'trial.json', about)
-        remove_trial(final)
-        os.rename(part, final)
+        TRIAL.make_new(part)
+        yield part
+        with new_file(part / 'trial.json', encoding='utf-8') as stream:
+            stream.write(json.dumps(about, indent=1, allow_nan=False) + '\n')
+        check_trial(final)
+        if self._together is None:
+            _settle([final])
+        else:
+            self._together.append(final)
+
+    @contextlib.contextmanager
+    def together(self):
+        """Have the trials that are put meanwhile come into their places at the end: the disk is waited for once."""
+        self._together = []
+        try:
+            yield
+        finally:
+            finals, self._together = self._together, None
+            try:
+                _settle(finals)
+            except KeyboardInterrupt:  # these trials are complete
+                _settle(finals)
+                raise
 
     def place(self, name):
         """Return the folder of a trial."""
         if not _ID.match(name):
             raise ConfigurationError(f'{name!r} is no id of a trial')
         return self.path / 'trials' / name
+
+
+def opened(content):
+    """Return the archive in bytes, opened; it may be compressed (gzip)."""
+    mode = 'r:gz' if content[:len(_GZIP)] == _GZIP else 'r:'  # 'r:*' tries all kinds each time
+    return tarfile.open(fileobj=io.BytesIO(content), mode=mode)
 
 
 def read_trial(path, name):
@@ -123,13 +155,23 @@ def remove_trial(path):
     TRIAL.remove(path)
 
 
-@contextlib.contextmanager
-def _marked(kind, path):
-    marker = kind.make(path)
-    try:
-        yield
-    finally:
-        os.close(marker)
+def check_trial(path):
+    """Complain of what is not ours in a trial's folder, if it is there. :raises ConfigurationError: naming it."""
+    if path.is_dir() and not path.is_symlink():
+        LOGS.check(path / 'logs')
+    TRIAL.check(path, ('logs',))
+
+
+def _settle(finals):
+    """Have trials whose folders are filled take their places, once all of them is on the disk."""
+    pairs = [(final.with_name(final.name + UNFINISHED), final) for final in finals]
+    pairs = [(part, final) for part, final in pairs if part.is_dir()]  # some may have theirs already
+    for part, _ in pairs:
+        on_disk(part)
+    for part, final in pairs:
+        with contextlib.suppress(ConfigurationError):  # checked before; what somebody has put there since stays
+            remove_trial(final)
+            os.rename(part, final)
 
 
 def checked_members(archive):
@@ -145,11 +187,5 @@ def checked_members(archive):
 
 
 def _unpack(archive, member, path):
-    with whole_file(path, 'wb') as stream:
+    with new_file(path, 'xb') as stream:  # the folder takes its place only when all of it is on the disk
         shutil.copyfileobj(archive.extractfile(member), stream)
-
-
-def _write_json(path, content):
-    with whole_file(path, 'w', encoding='utf-8') as stream:
-        json.dump(content, stream, indent=1, allow_nan=False)
-        stream.write('\n')

@@ -37,10 +37,11 @@ class Trial(NamedTuple):
 def trials(experiment):
     """Return the Trials of an Experiment in the plan's order."""
     found, number = [], 0
+    each = [(one, experiment.replications_of(one)) for one in configurations(experiment)]
     for replication in range(experiment.replications):
-        for configuration in configurations(experiment):
+        for configuration, replications in each:
             number += 1
-            if replication < experiment.replications_of(configuration):
+            if replication < replications:
                 seed = experiment.seed + replication
                 found.append(Trial(f'{number:04d}-{_key(configuration, replication, seed)}', configuration,
                                    replication, seed, ''))
@@ -133,14 +134,18 @@ def asked_of(experiment, trial):
             [name for name in (experiment.function, experiment.trial_function, experiment.prepare) if name])
 
 
-def made_of(experiment, trial):
-    """Return a digest of all that makes a trial the trial it is: a complete one stays if that is equal."""
+def made_of(experiment, trial, made=None):
+    """Return a digest of all that makes a trial the trial it is: a complete one stays if that is equal.
+
+    made: its ingredients_of(), where they are known.
+    """
+    made = ingredients_of(experiment, trial) if made is None else made
     content = [FORMAT, experiment.launch, experiment.command, experiment.participants, experiment.leave_out,
                sorted(experiment.replace.items()), launch_arguments(experiment, trial), experiment.until,
                experiment.record, experiment.function, experiment.sleep, trial.configuration, trial.replication,
                trial.seed, trial.verified_by, package_version(), platform.python_version(),
                [experiment.trial_function, function_arguments(experiment, trial)] if experiment.trial_function else '',
-               experiment.prepare, ingredients.by_content(ingredients_of(experiment, trial))]
+               experiment.prepare, ingredients.by_content(made)]
     content += [{'lookahead': experiment.lookahead}] if experiment.lookahead else []
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode('utf-8', 'surrogateescape')).hexdigest()
 

@@ -63,14 +63,6 @@ class Wanted(NamedTuple):
     extra: tuple = ()  # words of a program that looks on, such as RViz
 
 
-class Folders(NamedTuple):
-    """Where a run leaves what: its event log and messages, the nodes' own files, what they print."""
-
-    own: str
-    files: str
-    logs: str
-
-
 class Ended(NamedTuple):
     """Where robots stood first as far as parameters say it, how its processes ended, and why it failed, or None."""
 
@@ -87,14 +79,6 @@ class _Process(NamedTuple):
     output: str  # path of the file of what it prints
     has_last_words: bool = True  # whether it may have something to do once the run is over
     names: tuple = ()  # of the participants that it may be, if it is a command
-
-
-def make_folders(path):
-    """Make the Folders of a run below a folder that is there and empty."""
-    folders = Folders(path, os.path.join(path, 'files'), os.path.join(path, 'logs'))
-    os.mkdir(folders.files)
-    os.mkdir(folders.logs)
-    return folders
 
 
 def run(wanted, folders):

@@ -1,7 +1,6 @@
 """All trials of an experiment: those that are complete stay, the others run; then the table is written."""
 import contextlib
 import importlib
-import io
 import json
 import os
 import subprocess
@@ -34,7 +33,7 @@ def run(path, output, workers, scheduler, stream=sys.stdout, folder=None, keep_o
         about = plan.describe(experiment, chosen, text)
         missing = resumed.missing(experiment, chosen, folder, about, keep_old, stream)
         folder.write('experiment.yaml', text)
-        folder.write('plan.json', tables.plan_text(about))
+        folder.write_pieces('plan.json', tables.plan_text(about))
         try:
             _run_missing(experiment, chosen, missing, folder, (workers, scheduler, has_dashboard), stream)
         finally:
@@ -137,7 +136,9 @@ def _run_missing(experiment, chosen, missing, folder, where, stream):
         def look(runner):
             progress.look(runner)
             tell(watch.told)
-        cluster.Runner(client, watch, done, again, look).run(jobs.make_job(experiment, one) for one in missing)
+        shared = jobs.shared_of(experiment)
+        cluster.Runner(client, watch, done, again, look, folder.together).run(
+            (jobs.make_job(experiment, one, shared) for one in missing), len(missing))
 
 
 def _taken(folder, job, worker, content, problem, attempts):
@@ -169,7 +170,7 @@ def again(content, job):
     if content is None:
         return job
     try:
-        with tarfile.open(fileobj=io.BytesIO(content), mode='r:*') as archive:
+        with outputs.opened(content) as archive:
             about = json.load(archive.extractfile(archive.next()))
         return None if about['status'] == trial.COMPLETE else {**job, 'crashed_before': about['crashes']}
     except (OSError, EOFError, ValueError, LookupError, TypeError, AttributeError, tarfile.TarError):

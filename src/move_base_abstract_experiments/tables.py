@@ -64,13 +64,21 @@ def write(folder, plan):
     folder.write('trials.csv', csv_text(names, table).encode())
     for name in metrics:
         plan['metrics'].setdefault(name, {'unit': '', 'title': name, 'better': None})
-    folder.write('plan.json', plan_text(plan))
+    folder.write_pieces('plan.json', plan_text(plan))
     _write_parquet(folder, names, table)
 
 
 def plan_text(plan):
-    """Return plan.json as bytes."""
-    return (json.dumps(plan, indent=1, allow_nan=False) + '\n').encode()
+    """Yield plan.json in pieces (bytes): of a million trials it is half a gigabyte. Each trial has a line."""
+    for number, (key, value) in enumerate(plan.items()):
+        yield f'{"," if number else "{"}\n {json.dumps(key)}: '.encode()
+        if key == 'trials' and value:
+            for place, one in enumerate(value):
+                yield f'{"," if place else "["}\n  {json.dumps(one, allow_nan=False)}'.encode()
+            yield b'\n ]'
+        else:
+            yield json.dumps(value, indent=1, allow_nan=False).replace('\n', '\n ').encode()
+    yield b'\n}\n'
 
 
 def _write_parquet(folder, names, table):

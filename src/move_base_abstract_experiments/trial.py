@@ -11,7 +11,20 @@ from move_base_abstract import run_difference
 from move_base_abstract.errors import ConfigurationError, SimulatorError
 from move_base_abstract_ros.launching import ends
 
-from . import bundle, elsewhere, ended_by, functions, ingredients, launch_files, metrics, plan, run, spec, user_metrics
+from . import (
+    bundle,
+    elsewhere,
+    ended_by,
+    functions,
+    ingredients,
+    launch_files,
+    metrics,
+    plan,
+    run,
+    run_folders,
+    spec,
+    user_metrics,
+)
 
 FORMAT = 1
 COMPLETE, FAILED = 'complete', 'failed'
@@ -35,8 +48,7 @@ def carry_out(job, path, problem=None):
         unsure = _check_files(job)
         if problem is not None:
             raise ConfigurationError(problem)
-        os.mkdir(os.path.join(path, 'run'))
-        folders = run.make_folders(os.path.join(path, 'run'))
+        folders = run_folders.make_folders(os.path.join(path, run_folders.RUN))
         (_call if job['trial_function'] else _run_first)(job, folders, about)
         first = dict(about['metrics'])  # without those that the user's function adds
         if job['function']:
@@ -53,7 +65,8 @@ def carry_out(job, path, problem=None):
     if about['status'] == COMPLETE and job.get('crashed_before'):  # it is one of those that came through
         about['labels'] = [*about['labels'], f"its first attempt failed: {job['crashed_before'][0]}"]
         about['repeatable'] = False
-    launch_files.save_programs(path)
+    if not job['trial_function']:  # what that looks up, it looks up in a process of its own
+        launch_files.save_programs(path)
     try:
         bundle.pack(path, folders, job['record'][1], about, has_all_logs=about['status'] != COMPLETE)
     except Exception as error:
@@ -174,8 +187,7 @@ def _measure(job, folders, about):
 
 def _verify(job, path, folders, about, first):
     """Run once more under another condition, each node started as a program, and compare."""
-    os.mkdir(os.path.join(path, 'again'))
-    again = run.make_folders(os.path.join(path, 'again'))
+    again = run_folders.make_folders(os.path.join(path, 'again'))
     try:
         if job['trial_function']:
             found = functions.again(job, os.path.join(path, 'again', 'job.json'), again)

@@ -2,9 +2,12 @@
 
     python3 -m move_base_abstract_experiments.warm SOCKET_DESCRIPTOR
 
-A request on the socket is a line of JSON, {"job": ..., "path": ...}; the answer is a line as well, when the trial's
-process has ended: {"code": 0}. What the trial has to say is in its folder. When the other end of the socket is closed,
-because the worker has ended in whatever way, the trial is ended and its folder removed.
+A request on the socket is a line of JSON, a job; the answer is a line as well, when the trial has ended: {"code": 0,
+"path": ...}. What the trial has to say is in its folder. When the other end of the socket is closed, because the worker
+has ended in whatever way, the trial is ended and its folder removed.
+
+Trials that are a function share the process that carries them out: none of their own code runs in it, as each function
+has a process of its own.
 """
 import gc
 import importlib
@@ -19,7 +22,7 @@ import sys
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract_ros.launching import look_ups, processes, warm_nodes
 
-from . import functions, launch_files, temporary
+from . import carriers, functions, launch_files, run_folders, temporary
 
 _HASH_SEED = 'PYTHONHASHSEED'
 READY = b'ready\n'
@@ -63,26 +66,53 @@ def _serve(client, folder):
     signal.signal(signal.SIGCHLD, lambda _number, _frame: None)
     signal.set_wakeup_fd(woken, warn_on_full_buffer=False)
     client.sendall(READY)
-    count, problems = 0, {}
+    count, problems, path = 0, {}, None
+    descriptors = (client.fileno(), wake, woken)
+    carrier = carriers.Carrier(descriptors)
     with client.makefile('rb') as requests:
         for line in requests:
-            count += 1
-            path = os.path.join(folder, f'{count:06d}')
-            os.mkdir(path)
+            if path is None:
+                count += 1
+                path = os.path.join(folder, f'{count:06d}')
+                os.mkdir(path)
             job = functions.place(json.loads(line), folder)
+            known = len(problems)
             problem = _prepare(job, problems)
-            pid = processes.fork(lambda job=job, path=path, problem=problem: _carry_out(job, path, problem, (
-                client.fileno(), wake, woken)),
-                                 os.path.join(path, 'trial.txt'), new_session=True)
-            code = _await(pid, client, wake)
-            processes.end_all_children()
+            if len(problems) > known or not job['trial_function']:
+                carrier.end()  # what was imported is not in it; or else it would be ended with all that a trial leaves
+            code = _run(job, path, problem, carrier, client, descriptors)
             if code is None:
                 return
             client.sendall(json.dumps({'code': code, 'path': path}).encode() + b'\n')
             if requests.readline() != b'taken\n':
                 return
             launch_files.load_programs(path)
-            shutil.rmtree(path, ignore_errors=True)
+            if not (job['trial_function'] and _is_emptied(path)):
+                shutil.rmtree(path, ignore_errors=True)
+                path = None
+
+
+def _is_emptied(path):
+    """Empty a trial's folder for the next one; return whether it is as a new one."""
+    shutil.rmtree(os.path.join(path, 'again'), ignore_errors=True)
+    for name in os.listdir(path):
+        if name != run_folders.RUN:
+            os.unlink(os.path.join(path, name))
+    return run_folders.empty_again(os.path.join(path, run_folders.RUN))
+
+
+def _run(job, path, problem, carrier, client, descriptors):
+    """Return the exit code of the process that has carried out a job, or None if the worker has gone."""
+    if job['trial_function']:
+        code = carrier.run(job, path, problem, client, descriptors[1])
+        if code != 0:  # it has died, or has left who knows what
+            processes.end_all_children()
+        return code
+    pid = processes.fork(lambda: _carry_out(job, path, problem, descriptors),
+                         os.path.join(path, 'trial.txt'), new_session=True)
+    code = _await(pid, client, descriptors[1])
+    processes.end_all_children()
+    return code
 
 
 def _prepare(job, problems):
@@ -119,11 +149,7 @@ def _await(pid, client, wake):
         ready, _, _ = select.select([client, wake], [], [])
         if client in ready:  # nobody says anything meanwhile: it is closed
             return None
-        try:
-            while os.read(wake, 512):
-                pass
-        except BlockingIOError:
-            pass
+        carriers.drain(wake)
         found, status = os.waitpid(pid, os.WNOHANG)
         if found:
             return processes.code_of(status)

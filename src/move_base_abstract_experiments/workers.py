@@ -35,17 +35,17 @@ class Worker(NamedTuple):
     """One worker, for people."""
 
     name: str
-    trials: tuple  # ids of those that it has: the first runs, the others wait
+    trials: tuple  # ids of those that it has, or of the first of a batch: the first runs, the others wait
     silent_s: float  # wall
 
 
 class Workers:
     """The workers of a Client; ``cluster``: that of this computer with as many as are wanted, or None: of others.
 
-    :param clock: returns wall seconds.
+    :param clock: returns wall seconds. :param spool: a folder that the client and all workers see, or None.
     """
 
-    def __init__(self, client, cluster, wanted, clock=time.monotonic):
+    def __init__(self, client, cluster, wanted, clock=time.monotonic, spool=None):
         self._client = client
         self._cluster = cluster
         self._wanted = wanted
@@ -55,6 +55,7 @@ class Workers:
         self._silent = {}  # address: (when the scheduler last heard it, for how long nothing new was heard)
         self._ended = set()
         self.told = ()
+        self.spool = spool
 
     def look(self):
         """Return how many threads of workers are heard; ``told`` has a Worker for each.
@@ -67,8 +68,8 @@ class Workers:
         self._last_look = self._clock()
         asked = min(self._last_look - begin, 2 * _ANSWER_S)
         self._silent = {address: self._heard(address, about, passed) for address, about in known.items()}
-        self.told = tuple(Worker(self._name(address, about), tuple(key.rsplit('-', 2)[0] for key in processing.get(
-            address, ())), round(self._silent[address][1], 1)) for address, about in sorted(known.items()))
+        self.told = tuple(Worker(self._name(address, about), tuple(map(_trials_of, processing.get(
+            address, ()))), round(self._silent[address][1], 1)) for address, about in sorted(known.items()))
         heard = [address for address in known if self._silent[address][1] < _SILENT_S]
         self._without_s = 0.0 if heard else self._without_s + passed + asked
         if self._without_s >= _NONE_S:
@@ -107,6 +108,19 @@ class Workers:
         if count < self._wanted:
             with contextlib.suppress(Exception):
                 self._cluster.scale(self._wanted)
+
+
+def key_of(number, names):
+    """Return the key of a task of Dask that runs trials. All begin alike: Dask keeps something for each beginning."""
+    return f'trials-{os.getpid()}-{number}-{len(names) - 1}-{names[0]}'
+
+
+def _trials_of(key):
+    """Return which trials the task of a key runs, for people: '0007-abcdef and 15 more'."""
+    words = str(key).split('-', 4)
+    if len(words) < 5:
+        return str(key)  # somebody else's
+    return words[4] if words[3] == '0' else f'{words[4]} and {words[3]} more'
 
 
 @contextlib.contextmanager

@@ -75,6 +75,28 @@ METRICS = """def count(trial):
         raise RuntimeError('heard %s' % said)
     return {'said': len(said), 'events_of_a_log': len(list(trial.events()))}
 """
+SHORT = """
+experiment: short
+function: short:run
+replications: 120
+"""
+FUNCTION = """import os, signal, subprocess, time
+def run(trial):
+    left = len(os.listdir('.')) + len(os.listdir('..'))  # of the trial before
+    with open('said.txt', 'w') as stream:
+        print('x', file=stream)
+    if trial.replication % 7 == 3:
+        os.makedirs('a/b')
+    if trial.replication % 7 == 4:
+        os.chmod('.', 0o500)
+    if trial.replication % 7 == 5:
+        subprocess.Popen(['sleep', '1000'])
+    if trial.replication == 30:
+        print('the last words', flush=True)
+        os.kill(os.getppid(), signal.SIGKILL)
+        time.sleep(1000)
+    return {'left': left, 'seed_again': trial.seed}
+"""
 PACKAGE = """<package format="2"><name>sayings</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 
@@ -231,6 +253,23 @@ class Experiments(OwnFolder, unittest.TestCase):
                          ('complete', 1.0, True, 'topic'))
         with open(self.path('command/trials/{}/messages.jsonl'.format(only['id']))) as stream:
             self.assertIn('"one"', stream.read())
+
+    def test_short_functions_share_processes_and_leave_each_other_nothing(self):
+        self.write('short.py', FUNCTION)
+        client = Client(self.folder, self.write('short.yaml', SHORT), 'short')
+        wait_for(lambda: len(self.complete('short')) > 20, 'the first batches')
+        client.workers()[0].kill()
+        code, text = client.end()
+        self.assertEqual(code, 1, text)
+        found = [outputs.read_trial(self.path('short'), one['id'])
+                 for one in records.read_plan(self.path('short'))['trials']]
+        self.assertEqual([one['id'] for one in found if one['status'] != 'complete'], [found[30]['id']], text)
+        self.assertIn('ended with code -9', found[30]['error'])
+        self.assertEqual(found[30]['attempts'], 2)
+        del found[30]
+        self.assertEqual({one['metrics']['left'] for one in found}, {2})  # logs and files, as when they are new
+        self.assertEqual([one['metrics']['seed_again'] for one in found], [k for k in range(120) if k != 30])
+        wait_for(lambda: not client.left(), 'the end of all processes')
 
     def test_a_warm_start_changes_nothing(self):
         experiment = spec.read(self.write('sweep.yaml', SWEEP.replace('until:', 'record: {hashes: true}\nuntil:')))

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from move_base_abstract_experiments import bundle, outputs, run, sweep, tables
+from move_base_abstract_experiments import bundle, outputs, run_folders, sweep, tables
 from test_experiment_outputs import ABOUT, ID, PLAN, packed, trial
 
 NAMES = ['result 0.csv', 'a\nb.csv', '\u00fc.csv', '[1](2){3}.csv', b'\xff\xfe.csv', '-rf.csv', '.hidden.csv',
@@ -15,7 +15,7 @@ NAMES = ['result 0.csv', 'a\nb.csv', '\u00fc.csv', '[1](2){3}.csv', b'\xff\xfe.c
 @pytest.fixture
 def folders(tmp_path):
     (tmp_path / 'run').mkdir()
-    return run.make_folders(str(tmp_path / 'run'))
+    return run_folders.make_folders(str(tmp_path / 'run'))
 
 
 def taken(tmp_path, folders, patterns=('*',), **about):

@@ -229,7 +229,7 @@ def resume(folder, keep_old):
     with outputs.OutputFolder(folder / 'out') as out:
         about = plan.describe(experiment, chosen, b'')
         found = resumed.missing(experiment, chosen, out, about, keep_old, stream)
-        out.write('plan.json', tables.plan_text(about))
+        out.write_pieces('plan.json', tables.plan_text(about))
         for one in found:
             planned = next(each for each in about['trials'] if each['id'] == one.id)
             out.put(packed([('trial.json', json.dumps({**ABOUT, **planned}).encode())]), 'w', 1)

@@ -9,7 +9,7 @@ import pytest
 from move_base_abstract.errors import ConfigurationError
 from move_base_abstract_experiments import outputs, records, state, sweep, tables
 
-ID = '0001-abcdef'
+ID, OTHER = '0001-abcdef', '0002-abcdef'
 ABOUT = {'format': 1, 'id': ID, 'configuration': {'robots': 1}, 'replication': 0, 'seed': 3, 'status': 'complete',
          'error': None, 'metrics': {'goals': 2, 'extra': 0.5}, 'simulated_seconds': 1.5, 'wall_seconds': 0.25,
          'times_real_time': 6.0, 'repeatable': True, 'labels': ['x', 'y'], 'events': 4, 'log_sha256': 'ab',
@@ -40,6 +40,43 @@ def test_a_trial_comes_into_its_place_and_may_be_replaced(tmp_path):
     assert (about['seed'], about['worker'], about['attempts']) == (4, 'w', 2)
     assert (tmp_path / 'out' / 'trials' / ID / 'logs' / 'a.txt').read_bytes() == b'text'
     assert sorted(path.name for path in (tmp_path / 'out' / 'trials').iterdir()) == [ID]
+
+
+def test_trials_that_are_put_together_take_their_places_once_all_are_on_the_disk(tmp_path, monkeypatch):
+    seen, wait = [], outputs.on_disk
+    with outputs.OutputFolder(tmp_path / 'out') as folder:
+        def names():
+            return sorted(path.name for path in (tmp_path / 'out' / 'trials').iterdir())
+        monkeypatch.setattr(outputs, 'on_disk', lambda part: (wait(part), seen.append(names())))
+        with folder.together():
+            folder.put(packed(trial()), 'w', 1)
+            folder.put(packed(trial(id=OTHER)), 'w', 1)
+            assert names() == [ID + '.unfinished', OTHER + '.unfinished']
+    assert seen == [[ID + '.unfinished', OTHER + '.unfinished']] * 2
+    assert names() == [ID, OTHER]
+
+
+def test_an_interrupt_costs_no_trial_that_was_put(tmp_path, monkeypatch):
+    wait, interrupts = outputs.on_disk, [KeyboardInterrupt]
+
+    def interrupted(part):
+        if interrupts:
+            raise interrupts.pop()
+        wait(part)
+    monkeypatch.setattr(outputs, 'on_disk', interrupted)
+    with outputs.OutputFolder(tmp_path / 'out') as folder:
+        with pytest.raises(KeyboardInterrupt), folder.together():
+            folder.put(packed(trial()), 'w', 1)
+            folder.put(packed(trial(id=OTHER)), 'w', 1)
+    assert sorted(path.name for path in (tmp_path / 'out' / 'trials').iterdir()) == [ID, OTHER]
+
+
+def test_the_plan_is_written_in_pieces_and_is_the_same_plan(tmp_path):
+    for told in (PLAN, {**PLAN, 'trials': []}, {**PLAN, 'trials': [{'id': ID, 'made_of': 'a\nb'}, {'id': OTHER}]}):
+        text = b''.join(tables.plan_text(told)).decode()
+        assert json.loads(text) == told
+        assert text.endswith('}\n')
+        assert len([line for line in text.splitlines() if '"id"' in line]) == len(told['trials'])
 
 
 @pytest.mark.parametrize('name', ['../x', '/etc/x', 'logs/../../x', 'a/b', 'logs/.hidden'])
@@ -88,7 +125,7 @@ def test_a_failure_is_told(tmp_path):
     job = {'id': ID, 'configuration': {'a': 1}, 'replication': 0, 'seed': 3, 'made_of': 'm', 'program': 'p'}
     with outputs.OutputFolder(tmp_path / 'out') as folder:
         folder.put_failure(sweep.failure(job, 'it was lost', 2))
-        folder.write('plan.json', tables.plan_text(PLAN))
+        folder.write_pieces('plan.json', tables.plan_text(PLAN))
     lines = list(state.lines(tmp_path / 'out'))
     assert lines[0] == 'e: 0 of 1 trials complete, 1 failed, 0 missing'
     assert 'it was lost' in lines[1]

@@ -55,9 +55,10 @@ def test_a_worker_here_that_is_stopped_is_ended_and_another_asked_for(process):
     watch = workers.Workers(client, own, 2, clock=lambda: client.now)
     os.kill(process.pid, signal.SIGSTOP)
     client.hear('a')
-    client.processing = {'a': ('0001-abcdef-77-1', '0002-abcdef-77-2')}
+    client.processing = {'a': (workers.key_of(1, ['0001-abcdef']), workers.key_of(2, ['0002-abcdef', '0003-abcdef']),
+                               "somebody's")}
     assert looks(watch, client, 15.0) == 1
-    assert watch.told[0][:2] == (f'a (process {process.pid})', ('0001-abcdef', '0002-abcdef'))
+    assert watch.told[0][:2] == (f'a (process {process.pid})', ('0001-abcdef', '0002-abcdef and 1 more', "somebody's"))
     assert process.poll() is None
     assert looks(watch, client, 10.0) == 0
     assert process.wait() == -signal.SIGKILL

@@ -95,7 +95,7 @@ def fork(body, output=None, cwd=None, new_session=False):
         os.setsid() if new_session else os.setpgid(0, 0)
         _take_defaults()
         if output is not None:
-            _redirect(output)
+            redirect(output)
         if cwd is not None:
             os.chdir(cwd)
         code = _code_of(body)
@@ -290,7 +290,8 @@ def _take_defaults():
     signal.pthread_sigmask(signal.SIG_SETMASK, set())
 
 
-def _redirect(output):
+def redirect(output):
+    """Have what this process prints go to the end of a file, and nothing be there to read."""
     descriptor = os.open(output, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
     nothing = os.open(os.devnull, os.O_RDONLY)
     for target, source in ((0, nothing), (1, descriptor), (2, descriptor)):

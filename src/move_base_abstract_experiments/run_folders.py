@@ -1,0 +1,47 @@
+"""The folders in which a run leaves what it leaves."""
+import os
+import stat
+from typing import NamedTuple
+
+RUN = 'run'  # the name of the folder below a trial's own
+
+
+class Folders(NamedTuple):
+    """Where a run leaves what: its event log and messages, the nodes' own files, what they print."""
+
+    own: str
+    files: str
+    logs: str
+
+
+def make_folders(path):
+    """Make the Folders of a run, below a folder in which nothing is but perhaps these, empty."""
+    folders = _below(path)
+    for one in folders:
+        os.makedirs(one, exist_ok=True)
+    return folders
+
+
+def _below(path):
+    return Folders(path, os.path.join(path, 'files'), os.path.join(path, 'logs'))
+
+
+def empty_again(path):
+    """Empty a folder in which make_folders() has made others; return whether all is as it was when they were new.
+
+    For the next trial: three folders that are made and removed cost more than the files in them.
+    """
+    folders = _below(path)
+    own = os.lstat(path)
+    try:
+        for folder in folders:
+            about = os.lstat(folder)
+            if not stat.S_ISDIR(about.st_mode) or (about.st_mode, about.st_uid) != (own.st_mode, own.st_uid):
+                return False
+            with os.scandir(folder) as entries:
+                for entry in entries:
+                    if entry.path not in folders:
+                        os.unlink(entry.path)
+    except OSError:  # a folder in it, for one
+        return False
+    return True
