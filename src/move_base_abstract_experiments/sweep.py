@@ -37,8 +37,8 @@ def run(path, output, workers, scheduler, stream=sys.stdout, folder=None, keep_o
         try:
             _run_missing(experiment, chosen, missing, folder, (workers, scheduler, has_dashboard), stream)
         finally:
-            tables.write(folder, about)
-        return _tell(folder, about, stream)
+            told = tables.write(folder, about)
+        return _tell(folder, told, stream)
 
 
 def check(experiment, chosen):
@@ -187,18 +187,15 @@ def failure(job, problem, attempts):
             'attempts': attempts}
 
 
-def _tell(folder, about, stream):
+def _tell(folder, told, stream):
     """Say in a few lines what came out; return how many trials are not as they should be."""
-    found = [outputs.read_planned(folder.path, one) for one in about['trials']]
-    failed = [one for one in found if one is None or one['status'] != trial.COMPLETE]
-    different = [one for one in found if one is not None and one['verified'] == trial.DIFFERENT]
-    verified = sum(one is not None and one['verified'] == trial.IDENTICAL for one in found)
-    print(f'experiment: {len(found) - len(failed)} of {len(found)} trials are complete'
-          + (f'; run twice: {verified} identical, {len(different)} different' if verified or different else ''),
-          file=stream)
-    for one in [one for one in failed if one is not None][:5]:
+    total = told.complete + told.failed_count + told.missing
+    print(f'experiment: {told.complete} of {total} trials are complete'
+          + (f'; run twice: {told.identical} identical, {told.different_count} different'
+             if told.identical or told.different_count else ''), file=stream)
+    for one in told.failed:
         print(f"  failed: {one['id']}: {one['error']}", file=stream)
-    for one in different[:5]:
+    for one in told.different:
         print(f"  different: {one['id']}: {one['difference']}", file=stream)
     print(f'table: {os.path.join(str(folder.path), "trials.csv")}', file=stream, flush=True)
-    return len(failed) + len(different)
+    return total - told.complete + told.different_count

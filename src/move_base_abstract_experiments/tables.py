@@ -10,17 +10,37 @@ import json
 import sys
 
 from . import outputs
+from .trial import COMPLETE, DIFFERENT, IDENTICAL
 
 BEFORE = ('replication', 'seed', 'status')
 AFTER = ('simulated_seconds', 'wall_seconds', 'times_real_time', 'repeatable', 'labels', 'events', 'log_sha256',
          'verified', 'ended_by', 'error')
 WALL = ('wall_seconds', 'times_real_time')
+MOST_TOLD = 5
+_MOST_LOOKED = 100  # trials, for one with metrics
 
 
-def metric_names(plan, found):
-    """Return the names of the metrics: those of the plan, then what else the trials have, by name."""
-    named = list(plan['metrics'])
-    return named + sorted({name for about in found for name in about['metrics']} - set(named))
+class Told:
+    """What there is to say of an experiment's trials in a few lines, besides the table."""
+
+    def __init__(self):
+        self.complete = self.missing = self.identical = 0
+        self.failed, self.different = [], []  # trial.json of the first MOST_TOLD of each
+        self.failed_count = self.different_count = 0
+
+    def take(self, about):
+        """Take trial.json of a trial; None: it has not run."""
+        if about is None:
+            self.missing += 1
+            return
+        self.complete += about['status'] == COMPLETE
+        self.identical += about['verified'] == IDENTICAL
+        if about['status'] != COMPLETE:
+            self.failed_count += 1
+            self.failed += [about] if self.failed_count <= MOST_TOLD else []
+        if about['verified'] == DIFFERENT:
+            self.different_count += 1
+            self.different += [about] if self.different_count <= MOST_TOLD else []
 
 
 def columns(plan, metrics):
@@ -28,27 +48,46 @@ def columns(plan, metrics):
     return ['id', *plan['factors'], *BEFORE, *metrics, *AFTER]
 
 
-def rows(plan, path):
-    """Return (names of metrics, rows of a table) of those trials of a plan that have ended."""
-    abouts = [outputs.read_planned(path, one) for one in plan['trials']]
-    abouts = [about for about in abouts if about is not None]
-    metrics = metric_names(plan, abouts)
-    table = []
-    for about in abouts:
-        # A factor may have the name of a key of trial.json that is no column, such as robots.
-        values = {**about, **{name: about['metrics'].get(name) for name in metrics}, **about['configuration']}
-        values['labels'] = '; '.join(about['labels'])
-        table.append([values.get(name) for name in columns(plan, metrics)])
-    return metrics, table
+def _row(plan, metrics, about):
+    # A factor may have the name of a key of trial.json that is no column, such as robots.
+    values = {**about, **{name: about['metrics'].get(name) for name in metrics}, **about['configuration']}
+    values['labels'] = '; '.join(about['labels'])
+    return [values.get(name) for name in columns(plan, metrics)]
 
 
-def csv_text(names, table):
-    """Return a table as CSV: numbers in the shortest form that reads back the same; nothing for null."""
+class _Rows:
+    """Reads the trials of a plan that have ended, one after another; ``told`` and ``metrics`` are known at the end."""
+
+    def __init__(self, plan, path, metrics):
+        self._plan = plan
+        self._path = path
+        self._known = list(metrics)
+        self.metrics = set(metrics)
+        self.told = Told()
+
+    def pieces(self, kept):
+        """Yield the table as CSV (bytes), by the metrics that were given; rows are added to the list ``kept``, too.
+
+        Once a metric shows that was not given, there is nothing more to yield: it is wanted with that one.
+        """
+        yield csv_text([columns(self._plan, self._known)])
+        for one in self._plan['trials']:
+            about = outputs.read_planned(self._path, one)
+            self.told.take(about)
+            if about is not None:
+                self.metrics.update(about['metrics'])
+                if len(self.metrics) == len(self._known):
+                    row = _row(self._plan, self._known, about)
+                    if kept is not None:
+                        kept.append(row)
+                    yield csv_text([row])
+
+
+def csv_text(table):
+    """Return rows as CSV (bytes): numbers in the shortest form that reads back the same; nothing for null."""
     stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator='\n')
-    writer.writerow(names)
-    writer.writerows([[_cell(value) for value in row] for row in table])
-    return stream.getvalue()
+    csv.writer(stream, lineterminator='\n').writerows([[_cell(value) for value in row] for row in table])
+    return stream.getvalue().encode()
 
 
 def _cell(value):
@@ -58,14 +97,36 @@ def _cell(value):
 
 
 def write(folder, plan):
-    """Write trials.csv of an OutputFolder, and trials.parquet where that can be; add metrics to plan.json."""
-    metrics, table = rows(plan, folder.path)
-    names = columns(plan, metrics)
-    folder.write('trials.csv', csv_text(names, table).encode())
+    """Write trials.csv of an OutputFolder, and trials.parquet where that can be; add metrics to plan.json.
+
+    Return a Told. Of a million trials one is in memory at a time (but for Parquet, which needs all): metrics that the
+    plan does not name cost a second look.
+    """
+    named = list(plan['metrics'])
+    metrics = _first_metrics(folder, plan)
+    while True:
+        rows = _Rows(plan, folder.path, metrics)
+        table = [] if _has_parquet() else None
+        folder.write_pieces('trials.csv', rows.pieces(table))
+        if len(rows.metrics) == len(metrics):
+            break
+        metrics = named + sorted(rows.metrics - set(named))
     for name in metrics:
         plan['metrics'].setdefault(name, {'unit': '', 'title': name, 'better': None})
     folder.write_pieces('plan.json', plan_text(plan))
-    _write_parquet(folder, names, table)
+    if table is not None:
+        _write_parquet(folder, columns(plan, metrics), table)
+    return rows.told
+
+
+def _first_metrics(folder, plan):
+    """Return the names of the metrics: those of the plan, then by name what else the first complete trial has."""
+    named = list(plan['metrics'])
+    for one in plan['trials'][:_MOST_LOOKED]:
+        about = outputs.read_planned(folder.path, one)
+        if about is not None and about['metrics']:
+            return named + sorted(set(about['metrics']) - set(named))
+    return named
 
 
 def plan_text(plan):
@@ -81,9 +142,11 @@ def plan_text(plan):
     yield b'\n}\n'
 
 
+def _has_parquet():
+    return all(importlib.util.find_spec(name) for name in ('pandas', 'pyarrow'))
+
+
 def _write_parquet(folder, names, table):
-    if not all(importlib.util.find_spec(name) for name in ('pandas', 'pyarrow')):
-        return
     stream = io.BytesIO()
     try:
         import pandas

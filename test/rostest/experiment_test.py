@@ -27,7 +27,7 @@ launch: $(find move_base_abstract)/examples/experiments/patrol.launch
 replace: {move_base/move_base: move_base_abstract/move_base}
 args: {robots: 1, rounds: 1, pause: '{pause}'}
 factors: {pause: [1.0, 2.0]}
-replications: 2
+replications: 3
 until: {idle: true}
 """
 WRONG = """
@@ -188,7 +188,7 @@ class Experiments(OwnFolder, unittest.TestCase):
                          without_wall(self.path('whole/trials.csv')))
         for name, stamp in before.items():
             self.assertEqual(os.stat(self.path('killed/trials/{}/trial.json'.format(name))).st_mtime_ns, stamp)
-        self.assertEqual(len(without_wall(self.path('whole/trials.csv'))), 5)
+        self.assertEqual(len(without_wall(self.path('whole/trials.csv'))), 7)
         wait_for(lambda: not again.left(), 'the end of all processes')
 
     def test_ctrl_c_and_sigterm_end_what_was_started(self):

@@ -121,6 +121,25 @@ def test_the_table_has_a_row_per_trial(tmp_path):
     assert records.read_plan(tmp_path / 'out')['metrics']['extra'] == {'unit': '', 'title': 'extra', 'better': None}
 
 
+def test_metrics_that_only_some_trials_have_are_columns_and_all_ends_are_counted(tmp_path, capsys):
+    others = [{'metrics': {'goals': 1}}, {'metrics': {'zeal': 1, 'goals': 2, 'also': 3}},
+              {'status': 'failed', 'error': 'why', 'metrics': {}}, {'verified': 'different', 'difference': 'here'},
+              {'verified': 'identical', 'metrics': {'goals': 5}}]
+    names = [f'{number:04d}-abcdef' for number in range(6)]
+    with outputs.OutputFolder(tmp_path / 'out') as folder:
+        for name, each in zip(names, others):
+            folder.put(packed(trial(id=name, **each)), 'w', 1)
+        told = tables.write(folder, {**PLAN, 'metrics': {'goals': {}}, 'trials': [{'id': name} for name in names]})
+        assert sweep._tell(folder, told, sys.stdout) == 3
+    rows = [line.split(',') for line in (tmp_path / 'out' / 'trials.csv').read_text().splitlines()]
+    assert rows[0][5:9] == ['goals', 'also', 'extra', 'zeal']
+    assert [row[5:9] for row in rows[1:]] == [['1', '', '', ''], ['2', '3', '', '1'], ['', '', '', ''],
+                                              ['2', '', '0.5', ''], ['5', '', '', '']]
+    said = capsys.readouterr().out.splitlines()
+    assert said[:3] == ['experiment: 4 of 6 trials are complete; run twice: 1 identical, 1 different',
+                        '  failed: 0002-abcdef: why', '  different: 0003-abcdef: here']
+
+
 def test_a_failure_is_told(tmp_path):
     job = {'id': ID, 'configuration': {'a': 1}, 'replication': 0, 'seed': 3, 'made_of': 'm', 'program': 'p'}
     with outputs.OutputFolder(tmp_path / 'out') as folder:

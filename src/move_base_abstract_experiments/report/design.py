@@ -51,13 +51,11 @@ LIMITED_TRIALS = Metric('limit', 'Trials ended by the limit of time', YES_NO, No
 
 def factors_of(plan):
     """Return the Factors of a plan (a mapping): those that it names, then what else its trials differ in."""
-    named = {str(name): list(values) for name, values in plan.get('factors', {}).items()}
+    named = {str(name): {key_of(value): value for value in values} for name, values in plan.get('factors', {}).items()}
     for trial in plan['trials']:
         for name, value in trial.get('configuration', {}).items():
-            levels = named.setdefault(name, [])
-            if key_of(value) not in [key_of(level) for level in levels]:
-                levels.append(value)
-    return tuple(_factor(name, values) for name, values in named.items())
+            named.setdefault(name, {}).setdefault(key_of(value), value)
+    return tuple(_factor(name, list(levels.values())) for name, levels in named.items())
 
 
 def _factor(name, values):

@@ -91,7 +91,7 @@ def table(experiment):
     shares = [effects.summary(experiment, metric) for metric in outcomes]
     rows = []
     for configuration in experiment.configurations:
-        own = [trial for trial in experiment.trials if trial.configuration == configuration.place]
+        own = experiment.trials_of(configuration)
         counts = [sum(trial.status == status for trial in own) for status in (COMPLETE, FAILED)]
         cells = [with_interval(each[configuration.place], SCALE) if each[configuration.place].n else UNKNOWN
                  for each in shares]

@@ -121,7 +121,7 @@ def configurations(experiment):
     """Return the table of what was run."""
     rows = []
     for configuration in experiment.configurations:
-        own = [trial for trial in experiment.trials if trial.configuration == configuration.place]
+        own = experiment.trials_of(configuration)
         counts = [sum(trial.status == status for trial in own) for status in (COMPLETE, FAILED, MISSING)]
         complete = [trial for trial in own if trial.status == COMPLETE]
         speed = intervals.median_estimate([trial.times_real_time for trial in complete])

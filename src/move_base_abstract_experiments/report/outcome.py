@@ -11,9 +11,10 @@ import numpy as np
 
 from move_base_abstract.csv_files import open_csv
 from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.json_files import load_json_mapping
+from move_base_abstract.json_files import MAX_BYTES, load_json_mapping
 from move_base_abstract.shown import shown, shown_text
 
+from .. import records
 from . import design, endings
 
 FORMAT = 1
@@ -72,6 +73,14 @@ class Experiment:
         """The complete Trials."""
         return [trial for trial in self.trials if trial.status == COMPLETE]
 
+    def trials_of(self, configuration):
+        """Return the Trials of a Configuration in the order of the plan."""
+        if 'by configuration' not in self.known:
+            found = self.known['by configuration'] = [[] for _ in self.configurations]
+            for trial in self.trials:
+                found[trial.configuration].append(trial)
+        return self.known['by configuration'][configuration.place]
+
     @property
     def outcomes(self):
         """What there is to say of how trials ended, as Metrics that are 1 or 0 in each trial."""
@@ -115,7 +124,7 @@ def read(folder):
         one that failed: its error says why.
     """
     folder = Path(folder)
-    plan = _json(folder / 'plan.json')
+    plan = _json(folder / 'plan.json', records.MAX_PLAN_BYTES)
     _check_plan(plan, folder / 'plan.json')
     planned = plan['trials']
     factors = design.factors_of(plan)
@@ -125,10 +134,10 @@ def read(folder):
     return Experiment(folder, plan, factors, configurations, design.metrics_of(plan, trials), trials)
 
 
-def _json(path):
+def _json(path, most=MAX_BYTES):
     """Return the mapping that a JSON file holds. :raises ConfigurationError: naming the file and what is wrong."""
     try:
-        return load_json_mapping(path)
+        return load_json_mapping(path, most)
     except FileNotFoundError:
         raise ConfigurationError(f'{path}: is not there; it must be a folder that `experiment run` made') from None
 

@@ -39,7 +39,7 @@ def picks(experiment, metric):
     found = []
     for configuration in experiment.configurations:
         own = [(trial.metrics.get(metric.name, math.nan), place, trial)
-               for place, trial in enumerate(experiment.trials) if trial.configuration == configuration.place]
+               for place, trial in enumerate(experiment.trials_of(configuration))]
         own = [each for each in own if not math.isnan(each[0])]
         if own:
             picked = ('worst', _worst(experiment, metric, own)), ('median', _median(experiment, metric, own))

@@ -1,0 +1,132 @@
+"""Many trials that are functions, to their table and report: what each costs of client and workers, time and memory.
+
+Slopes are between an experiment and one with ten times as many trials, so that what only happens once is left out.
+"""
+import json
+import os
+import re
+import subprocess
+import time
+
+import psutil
+
+from move_base_abstract_ros.loopback import find_executable
+
+FACTOR = 10  # trials of the large experiment for each of the small one
+PARTS = (0.1, 0.5, 1.0)  # of the trials, when memory is looked at
+_MODULE = """import random
+
+
+def run(trial):
+    source = random.Random(trial.seed)
+    return {'cost': source.gauss(10.0, 2.0) + (trial.configuration['rule'] == 'second'), 'steps': source.randrange(9)}
+"""
+_SPEC = {'experiment': 'many', 'function': 'many:run',
+         'factors': {'rule': ['first', 'second'], 'size': [1, 2, 3, 4, 5]},
+         'metrics': {'columns': {'cost': {'unit': 's', 'better': 'lower'}, 'steps': {}}}}
+_COUNTED = re.compile(r'(\d+) of (\d+) trials')
+_MB = 2 ** 20
+
+
+def measure(folder, count, workers):
+    """Run ``count`` trials in a folder on so many workers; return a record, times in wall s and CPU s."""
+    with open(os.path.join(folder, 'many.py'), 'w', encoding='utf-8') as stream:
+        stream.write(_MODULE)
+    file, out = os.path.join(folder, f'many_{count}.yaml'), os.path.join(folder, f'many_{count}')
+    with open(file, 'w', encoding='utf-8') as stream:
+        json.dump({**_SPEC, 'replications': max(1, count // 10)}, stream)  # which is YAML
+    words = [find_executable('experiment'), 'run', file, '-o', out, '--workers', str(workers)]
+    begin = time.monotonic()
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
+        seen = _Seen(process.pid, begin)
+        for line in process.stdout:
+            seen.take(line)
+    if process.returncode:
+        raise RuntimeError(f'{words[0]} ended with code {process.returncode}')
+    return seen.record(max(1, count // 10) * 10, workers)
+
+
+class _Seen:
+    """What is seen of an experiment while it runs."""
+
+    def __init__(self, pid, begin):
+        self._client = psutil.Process(pid)
+        self._begin = begin
+        self._marks = {}  # what: (wall s, CPU s of the client, CPU s of the workers)
+        self._memory = {}  # part: (MB of the client, of the largest worker with what it has started)
+
+    def take(self, line):
+        """Take a line of what the command says."""
+        if line.startswith('experiment: Dask scheduler'):
+            self._mark('begun')
+        counted = _COUNTED.search(line)
+        if line.startswith('table: '):
+            self._mark('table')
+        elif line.startswith('report: '):
+            self._mark('report')
+        elif counted and 'complete' not in line:
+            done = int(counted.group(1)) / int(counted.group(2))
+            for part in PARTS:
+                if done >= part and part not in self._memory:
+                    self._memory[part] = self._sizes()
+            if done == 1.0:
+                self._mark('ended')
+
+    def _mark(self, what):
+        self._marks[what] = (time.monotonic() - self._begin, _cpu_s(self._client), sum(
+            _cpu_s(one, True) for one in self._workers()))
+
+    def _workers(self):
+        try:
+            return [one for one in self._client.children() if 'spawn_main' in ' '.join(one.cmdline())]
+        except psutil.Error:
+            return []
+
+    def _sizes(self):
+        workers = [sum(map(_mb, [one, *one.children(recursive=True)])) for one in self._workers()]
+        return round(_mb(self._client)), round(max(workers, default=0.0))
+
+    def record(self, count, workers):
+        """Return what was seen of so many trials."""
+        begun, ended, table, report = (self._marks[name] for name in ('begun', 'ended', 'table', 'report'))
+        return {'trials': count, 'workers': workers, 'plan_s': round(begun[0], 1), 'plan_cpu_s': round(begun[1], 1),
+                'trials_s': round(ended[0] - begun[0], 1), 'client_cpu_s': round(ended[1] - begun[1], 1),
+                'workers_cpu_s': round(ended[2], 1), 'table_s': round(table[0] - ended[0], 1),
+                'table_cpu_s': round(table[1] - ended[1], 1), 'report_s': round(report[0] - table[0], 1),
+                'report_cpu_s': round(report[1] - table[1], 1),
+                **{f'{name}_mb_at_{100 * part:.0f}': sizes[place] for part, sizes in sorted(self._memory.items())
+                   for place, name in enumerate(('client', 'worker'))}}
+
+
+def _cpu_s(process, with_children=False):
+    """Return the CPU s of a process, with all below it that are or were."""
+    try:
+        used = process.cpu_times()
+        own = used.user + used.system
+        if not with_children:
+            return own
+        return own + used.children_user + used.children_system + sum(
+            _cpu_s(one, True) for one in process.children())
+    except psutil.Error:
+        return 0.0
+
+
+def _mb(process):
+    try:
+        return process.memory_info().rss / _MB
+    except psutil.Error:
+        return 0.0
+
+
+def slopes(small, large):
+    """Return what each trial more costs [ms, kB], and what a million would cost."""
+    more = large['trials'] - small['trials']
+    each = {key: (large[key] - small[key]) / more for key in (
+        'plan_cpu_s', 'client_cpu_s', 'workers_cpu_s', 'table_cpu_s', 'report_cpu_s', 'trials_s')}
+    memory = (large['client_mb_at_100'] - small['client_mb_at_100']) / more
+    return {**{f'{key[:-2]}_ms_each': round(1000.0 * value, 3) for key, value in each.items()},
+            'client_kb_each': round(1024.0 * memory, 2),
+            'million_cpu_h_of_workers': round(1e6 * each['workers_cpu_s'] / 3600.0, 2),
+            'million_cpu_h_of_client': round(1e6 * sum(each[key] for key in (
+                'plan_cpu_s', 'client_cpu_s', 'table_cpu_s', 'report_cpu_s')) / 3600.0, 2),
+            'workers_that_one_client_keeps_busy': round(each['workers_cpu_s'] / max(1e-6, each['client_cpu_s']), 1)}
