@@ -45,6 +45,7 @@ struct SessionMember {
   std::string where;          // its own words, of the latest grant: what its thread is doing
   bool silence_told = false;  // of the latest grant
   bool input_told = false;
+  bool has_changed = false;  // a parameter that it asks for, since its latest grant
   bool listed = false;  // has a report or departs
 };
 

@@ -34,12 +34,32 @@ std::string label(std::string_view name, std::string_view by) {
 void ParameterBook::change(std::string_view by, const wire::Parameter& item) {
   changes_.push_back(
       {std::string(by), std::string(item.name), std::string(item.is_set ? item.value : "")});
+  changed_.emplace(trimmed(item.name));
+}
+
+std::set<std::string> ParameterBook::concerned() {
+  std::set<std::string> names;
+  const std::set<std::string> changed = std::exchange(changed_, {});
+  const auto has_changed = [&changed](const std::string& asked) {
+    return std::any_of(changed.begin(), changed.end(),
+                       [&asked](const auto& name) { return concerns(name, asked); });
+  };
+  if (changed.empty()) {
+    return names;
+  }
+  for (const auto& [name, asked] : askers_) {
+    if (std::any_of(asked.begin(), asked.end(), has_changed)) {
+      names.insert(name);
+    }
+  }
+  return names;
 }
 
 std::vector<ParameterChange> ParameterBook::take() { return std::exchange(changes_, {}); }
 
 std::string ParameterBook::asks(std::string_view by, std::string_view name) {
   name = trimmed(name);
+  askers_[std::string(by)].emplace(name);
   if (!asked_.try_emplace(std::string(name), by).second) {
     return "";
   }
@@ -50,6 +70,7 @@ std::string ParameterBook::asks(std::string_view by, std::string_view name) {
 
 std::string ParameterBook::changedOutside(std::string_view name) {
   name = trimmed(name);
+  changed_.emplace(name);
   if (!outside_.emplace(name).second) {
     return "";
   }

@@ -27,6 +27,9 @@ class ParameterBook {
   /** @return the changes since the last call, in their order. */
   std::vector<ParameterChange> take();
 
+  /** @return who has asked for any that have changed since the last call. */
+  std::set<std::string> concerned();
+
   /** @brief A participant has asked for one. @return why that labels the run; '' if it does not. */
   std::string asks(std::string_view by, std::string_view name);
   /** @brief Somebody who takes no part has set or deleted one. @return the same. */
@@ -35,6 +38,8 @@ class ParameterBook {
  private:
   std::vector<ParameterChange> changes_;
   std::map<std::string, std::string, std::less<>> asked_;  // by whom first
+  std::map<std::string, std::set<std::string>> askers_;    // by name: what each has asked for
+  std::set<std::string> changed_;
   std::set<std::string, std::less<>> outside_;
 };
 

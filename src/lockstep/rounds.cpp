@@ -78,6 +78,7 @@ void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, N
   member.open = open;
   member.idle = 0;
   member.background = false;
+  member.keep_until = kNever;
   // Beyond the end of simulated time nothing can be due.
   member.after_foreseen = next > kLastInstant ? kNever : next;
   member.happened = foreseen.empty() ? std::nullopt : std::optional<std::uint32_t>(0);
@@ -110,17 +111,6 @@ void LockstepRounds::rest(MemberId id) {
   }
 }
 
-/** @brief All who rest at this instant go on at once: none is to see what another makes of it. */
-void LockstepRounds::wakeResting() {
-  for (const MemberId id : resting_) {
-    const auto found = members_.find(id);
-    if (found != members_.end() && found->second.present && found->second.resting) {
-      makeReady(id, found->second);
-    }
-  }
-  resting_.clear();
-}
-
 void LockstepRounds::setNext(MemberId id, MemberState& member, Nanoseconds next) {
   if (member.next != kNever) {
     due_.erase({member.next, id});
@@ -151,6 +141,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::decide(Nanoseconds wall) {
   if (hasWindows()) {
     return nextWindow(wall);
   }
+  keepPosted();
   if (ready_.empty()) {
     wakeResting();
   }
@@ -294,6 +285,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
       granted_.push_back(id);
     }
   }
+  played_ += granted_.empty() ? 1 : 0;
   ready_.erase(std::remove_if(ready_.begin(), ready_.end(),
                               [this](MemberId id) {
                                 const MemberState* member = find(id);

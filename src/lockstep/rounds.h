@@ -19,19 +19,28 @@
 
 namespace move_base_abstract {
 
+/** @brief Whether mail is kept for the next grant that there is anyway (rounds_mail.cpp). */
+enum class Keep {
+  kNot,     // it is a reason for a grant
+  kLater,   // hardly one: the receiver only puts it by
+  kUnread,  // none before the receiver's wake-up, when it looks at what has come
+  kStored   // the user says that it is hardly one
+};
+
 /** @brief Something to hand over with a receiver's next grant. */
 struct Mail {
   MailOrder order;
   wire::GrantItem item;  // its texts and bytes are kept alive by whoever posted it
   bool waits = false;    // no reason for a grant by itself; only where a test switches a rule off
-  bool later = false;    // hardly one: the receiver only puts it by (see postLater())
+  Keep keep = Keep::kNot;
 };
 
 /** @brief What is handed over with a receiver's next grant, and is hardly a reason for one. */
 struct LaterMail {
   std::uint64_t round = 0;  // in which it was posted
   MailOrder order;
-  std::string bytes;  // the item, written out: it may stay for many rounds
+  std::string bytes;     // the item, written out: it may stay for many rounds
+  Nanoseconds came = 0;  // simulated, of what is unread; 0: nobody asks
 };
 
 /** @brief What a member is handed at an instant of its own, with a lookahead. */
@@ -107,6 +116,8 @@ class LockstepRounds {
     bool granted_due = false;  // its wake-up was due with its latest grant
     std::vector<Mail> mail;
     std::vector<LaterMail> later;           // ahead of the mail
+    std::size_t later_bytes = 0;            // of what is unread or stored in it
+    Nanoseconds keep_until = kNever;        // what is unread is a reason for a grant from then on
     bool ready = false;                     // is in ready_
     bool resting = false;                   // is in resting_
     bool background = false;                // its wake-up alone is no reason for time to go on
@@ -152,6 +163,8 @@ class LockstepRounds {
   void post(MemberId id, Mail mail);
   /** @brief What is kept for the next grant of @p id is now a reason for one. */
   void hurry(MemberId id);
+  /** @brief What @p id has not read is a reason for a grant from @p instant on: KEEP_UNTIL. */
+  void keepUntil(MemberId id, Nanoseconds instant);
 
   // ---- with a lookahead: windows (rounds_window.cpp) ----
   bool hasWindows() const { return lookahead_ > 0; }
@@ -202,6 +215,8 @@ class LockstepRounds {
   double limit() const;
   LockstepPhase phase(Nanoseconds wall) const;
   std::uint64_t rounds() const { return rounds_; }
+  /** @return of these, those in which nobody was granted: all turns had been told beforehand. */
+  std::uint64_t playedRounds() const { return played_; }
   std::uint64_t leaps() const { return leaps_; }
   bool mailWaiting() const { return mail_waiting_ > 0; }
   /** @brief The members of the latest round, in the stated order. */
@@ -224,6 +239,9 @@ class LockstepRounds {
   MemberState& at(MemberId id);
   void postLater(MemberId id, MemberState& member, const Mail& mail);
   std::string takeLater(MemberState& member);
+  bool mayKeep(const MemberState& member) const;
+  void keepMail(MemberId id, MemberState& member);
+  void keepPosted();
   void makeReady(MemberId id, MemberState& member);
   void wakeResting();
   bool mayStart(Nanoseconds wall) const;
@@ -257,6 +275,7 @@ class LockstepRounds {
   const Nanoseconds lookahead_;
   std::optional<Nanoseconds> applied_;  // the instant whose turns are being applied
   std::vector<MemberId> posted_;        // to these at that instant
+  std::vector<MemberId> kept_;          // have mail of this round that may be kept
   Nanoseconds window_end_ = 0;          // of the latest one
   std::map<MemberId, MemberState> members_;
   NamePlaces places_;
@@ -282,6 +301,7 @@ class LockstepRounds {
   Nanoseconds silence_check_ = kNever;  // wall
   bool held_by_limit_ = false;
   std::uint64_t rounds_ = 0;
+  std::uint64_t played_ = 0;
   std::uint64_t leaps_ = 0;
   std::vector<Event> events_;
 };

@@ -14,7 +14,15 @@ bool fit(std::string_view advertised, std::string_view subscribed) {
 
 /** @return what a publisher is to know of it: when a message is handed over is none of its. */
 wire::Hearing toPublishers(wire::Hearing what) {
-  return what == wire::Hearing::kLater ? wire::Hearing::kAll : what;
+  return what > wire::Hearing::kAll ? wire::Hearing::kAll : what;
+}
+
+/** @return whether a message to who hears @p what is kept for its next grant. */
+Keep keepFor(wire::Hearing what, bool is_stored) {
+  const Keep keep = what == wire::Hearing::kLater    ? Keep::kLater
+                    : what == wire::Hearing::kUnread ? Keep::kUnread
+                                                     : Keep::kNot;
+  return keep == Keep::kNot && is_stored ? Keep::kStored : keep;
 }
 
 }  // namespace
@@ -139,7 +147,8 @@ void MessageRouter::stopAdvertising(const Action& by, LocalTopic& local) {
 void MessageRouter::act(const Action& by, const wire::Subscribe& item) {
   LocalTopic& local = declare(by.sender, item.topic, item.name);
   Topic& topic = topics_[local.topic];
-  const Subscribed subscriber{by.sender, item.topic, keep(item.md5)};
+  const Subscribed subscriber{by.sender, item.topic, keep(item.md5),
+                              stored_.has(participant(by.sender).name, topic.name)};
   const auto present = router::findMember(topic.subscribers, by.sender);
   if (present != topic.subscribers.end()) {
     checkNumber(by.sender, topic, present->topic, item.topic);
@@ -263,7 +272,7 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
       continue;
     }
     post_(subscriber.member, {order, wire::Deliver{subscriber.topic, by.sender, item.payload},
-                              false, subscriber.hears == wire::Hearing::kLater});
+                              false, keepFor(subscriber.hears, subscriber.is_stored)});
     ++messages_;
     is_received = true;
     if (trace_) {

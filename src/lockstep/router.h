@@ -15,6 +15,7 @@
 
 #include "goals.h"
 #include "rounds.h"
+#include "stored_topics.h"
 #include "wire.h"
 
 namespace move_base_abstract {
@@ -59,6 +60,9 @@ class MessageRouter {
    */
   MessageRouter(Post post, Place place, Trace trace = {}, const LockstepRules& rules = {});
 
+  /** @brief What members hear on these is kept for their next grant. To be called first. */
+  void setStored(StoredTopics topics) { stored_ = std::move(topics); }
+
   void add(MemberId id, const std::string& name);
 
   /**
@@ -99,6 +103,7 @@ class MessageRouter {
     MemberId member;
     std::uint32_t topic;  // the member's own number
     std::string_view md5;
+    bool is_stored = false;  // as the user says
     wire::Hearing hears = wire::Hearing::kAll;
   };
   struct Topic {
@@ -166,6 +171,7 @@ class MessageRouter {
   void act(const Action&, const wire::Parameter&) {}
   void act(const Action&, const wire::Asks&) {}
   void act(const Action&, const wire::Idle&) {}
+  void act(const Action&, const wire::KeepUntil&) {}
 
   std::string_view keep(std::string_view text);
   LocalTopic& declare(MemberId id, std::uint32_t number, std::string_view name);
@@ -191,6 +197,7 @@ class MessageRouter {
   Place place_;
   Trace trace_;
   LockstepRules rules_;
+  StoredTopics stored_;
   std::set<std::string, std::less<>> texts_;  // names, types and definitions, kept for good
   std::unordered_map<std::string_view, std::string_view> definitions_;  // by md5
   std::map<MemberId, Participant> participants_;

@@ -38,6 +38,7 @@ LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds w
       labels_(messages_),
       is_strict_(settings.strict) {
   keepEnd();
+  router_.setStored(StoredTopics(settings_.stored_topics));
   for (const std::string& why : settings_.not_covered) {
     labels_.addNotRepeatable(why);
   }
@@ -71,6 +72,7 @@ void LockstepSession::finishRound() {
     } else if (!left_.empty()) {
       endAsWished(left_);
     }
+    noteChanged();
     rounds_.setOwed(router_.goals().count() + router_.openCalls());
     sendGrants(rounds_.decide(wall_));
     sayGone();
@@ -149,6 +151,8 @@ void LockstepSession::applyItem(MemberId id, Member& member, const wire::ReportI
     labelIf(parameters_.asks(member.name, asks->name));
   } else if (const auto* idle = std::get_if<wire::Idle>(&item)) {
     rounds_.idle(id, idle->count);
+  } else if (const auto* keep = std::get_if<wire::KeepUntil>(&item)) {
+    rounds_.keepUntil(id, keep->time_ns);
   } else {
     if (std::holds_alternative<wire::Hears>(item)) {
       rounds_.hurry(id);
@@ -234,6 +238,9 @@ void LockstepSession::sendGrant(const LockstepRounds::Grant& grant, Member& memb
   std::string items;
   if (grant.happened) {
     wire::append(items, wire::Happened{*grant.happened});
+  }
+  if (std::exchange(member.has_changed, false) && !rounds_.hasWindows()) {
+    wire::append(items, wire::Changed{});
   }
   items += grant.later;
   for (const Mail& mail : grant.mail) {
@@ -366,7 +373,7 @@ LockstepStatus LockstepSession::status() const {
   status.cut = cut_;
   status.limit = rounds_.limit();
   status.run_until = rounds_.target();
-  status.rounds = rounds_.rounds();
+  status.rounds = rounds_.rounds() - rounds_.playedRounds();
   status.leaps = rounds_.leaps();
   status.messages = router_.messages();
   return status;

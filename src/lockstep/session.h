@@ -142,6 +142,7 @@ class LockstepSession {
   void endOfTurns();
   Nanoseconds firstWalked() const;
   void applyNote(Member& member, const wire::Note& note);
+  void noteChanged();
   void applyParameter(const Member& member, const wire::Parameter& item);
   void labelIf(const std::string& why);
   void applyDeparture(MemberId id);

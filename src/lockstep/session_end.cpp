@@ -20,8 +20,9 @@ void LockstepSession::end(const std::string& reason) {
   interruption_.finish();  // time has stood since then: it matters to nobody who went first
   connections_.closeAll(reason, ended_as_wished_);
   messages_.say(Level::kInfo, "the run ended" + text_.at() + " after " +
-                                  std::to_string(rounds_.rounds()) + " rounds with " +
-                                  std::to_string(router_.messages()) + " messages: " + reason);
+                                  std::to_string(rounds_.rounds() - rounds_.playedRounds()) +
+                                  " rounds with " + std::to_string(router_.messages()) +
+                                  " messages: " + reason);
 }
 
 void LockstepSession::endFromOutside(const std::string& reason) {

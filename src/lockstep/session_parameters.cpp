@@ -56,6 +56,15 @@ void LockstepSession::parameterChangedOutside(const std::string& name) {
   }
 }
 
+/** @brief Who has asked for what has changed is to be told so with its next grant. */
+void LockstepSession::noteChanged() {
+  for (const std::string& name : parameters_.concerned()) {
+    for (auto& [id, member] : members_) {
+      member.has_changed = member.has_changed || member.name == name;
+    }
+  }
+}
+
 void LockstepSession::parameterNotTaken(const ParameterChange& change) {
   labelIf("the ROS master has not taken parameter " + change.name + " of " + change.by);
 }

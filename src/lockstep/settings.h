@@ -34,6 +34,9 @@ struct LockstepSettings {
   bool log_messages = false;  // messages and calls between participants go into the log too
   bool keeps_bytes = false;   // what was sent is in the lines for the log
   std::vector<std::string> excluded_topics;  // that do not go through the time master
+  // "TOPIC" or "NODE=TOPIC": what is heard there is handed over with the next grant there is anyway
+  std::vector<std::string> stored_topics;
+  bool keep_unread = true;  // what roscpp programs look at by themselves is; false: for comparing
   std::vector<std::string> not_covered;      // why the log does not say all: labels of the run
   std::string secret;                        // that a HELLO must have; empty: none
 };

@@ -147,6 +147,7 @@ def made_of(experiment, trial, made=None):
                [experiment.trial_function, function_arguments(experiment, trial)] if experiment.trial_function else '',
                experiment.prepare, ingredients.by_content(made)]
     content += [{'lookahead': experiment.lookahead}] if experiment.lookahead else []
+    content += [{'stored_topics': experiment.stored_topics}] if experiment.stored_topics else []
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode('utf-8', 'surrogateescape')).hexdigest()
 
 

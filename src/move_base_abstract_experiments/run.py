@@ -60,6 +60,7 @@ class Wanted(NamedTuple):
     speed_limit: float = 0.0  # times real time; 0: none
     lookahead: float = 0.0  # s, simulated; 0: none
     cores: str = ''  # of the time master; '': as the launch file has it
+    stored_topics: tuple = ()
     extra: tuple = ()  # words of a program that looks on, such as RViz
 
 
@@ -148,6 +149,7 @@ def _wishes(plan, config, wanted, folders):
     parameters = {'event_log': os.path.join(folders.own, LOG), 'log_messages': wanted.record.hashes or None,
                   'end_when_idle': wanted.until.idle or None, 'speed_limit': wanted.speed_limit or None,
                   'lookahead': wanted.lookahead or None, 'cores': wanted.cores or None,
+                  'stored_topics': list(wanted.stored_topics) or None,
                   'end_at': start_s + wanted.until.seconds if wanted.until.seconds else None}
     names = [roles.name_of(node) for node in config.nodes]
     forced, kept_out = (), ()

@@ -9,6 +9,7 @@ from typing import NamedTuple, Optional
 
 from move_base_abstract.bounded_yaml import load_yaml_file
 from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.lockstep import stored_topics
 from move_base_abstract_ros.launching import ends
 
 from . import checks
@@ -17,7 +18,7 @@ from .metric_names import BUILT_IN, Metric
 KEYS = ('experiment', 'launch', 'command', 'function', 'prepare', 'inputs', 'participants', 'leave_out', 'replace',
         'args', 'factors', 'replications', 'seed', 'until', 'record', 'metrics', 'primary', 'baseline',
         'smallest_difference', 'at_limit', 'report', 'verify', 'time_limit', 'sleep', 'lookahead', 'cores',
-        'crashes')
+        'stored_topics', 'crashes')
 SYSTEMS = ('launch', 'command', 'function')  # one of them is run
 UNTIL = ('seconds', 'topic', 'idle')
 RECORD = ('messages', 'files', 'hashes', 'motion')
@@ -87,6 +88,7 @@ class Experiment(NamedTuple):
     sleep: str
     lookahead: float = 0.0  # s, simulated, from one participant to another; 0: none
     cores: str = ''  # one of CORES, or '': what the launch file, or else the time master, says
+    stored_topics: list = ()  # 'TOPIC' or 'NODE=TOPIC', which nodes only store
     crashes: str = ends.FAIL  # one of ends.POLICIES
 
     @property
@@ -139,6 +141,8 @@ def checked(document, folder):
         sleep=checks.one_of('sleep', given.get('sleep', 'wall'), ('wall', 'simulated')),
         lookahead=_lookahead(given.get('lookahead', 0)),
         cores=checks.one_of('cores', given['cores'], CORES) if 'cores' in given else '',
+        stored_topics=[stored_topics.checked(text)
+                       for text in checks.texts('stored_topics', given.get('stored_topics', []))],
         crashes=checks.one_of('crashes', given.get('crashes', ends.FAIL), ends.POLICIES))
     _check_together(experiment)
     return experiment
@@ -323,9 +327,11 @@ def _check_together(experiment):
     if experiment.trial_function and (any(experiment.until) or experiment.record.messages or experiment.participants):
         raise ConfigurationError("'until', 'record.messages' and 'participants' are of a launch file or a command; "
                                  'a function ends by itself')
-    for key in ('lookahead', 'cores'):
+    for key in ('lookahead', 'cores', 'stored_topics'):
         if experiment.trial_function and getattr(experiment, key):
             raise ConfigurationError(f"'{key}' is of a launch file or a command; a function has no participants")
+    if experiment.lookahead and experiment.stored_topics:
+        raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', where all takes time")
     if experiment.prepare and not experiment.trial_function:
         raise ConfigurationError("'prepare' goes with 'function'")
 

@@ -87,7 +87,7 @@ def wanted_of(job):
                       seed=job['seed'], sleep=job['sleep'], until=spec.Until(*job['until']),
                       record=spec.Record(*job['record']), time_limit=job['time_limit'], is_warm=job['is_warm'],
                       speed_limit=job.get('speed_limit', 0.0), lookahead=job.get('lookahead', 0.0),
-                      cores=job.get('cores', ''),
+                      cores=job.get('cores', ''), stored_topics=tuple(job.get('stored_topics', ())),
                       extra=tuple(job.get('extra', ())))
 
 

@@ -29,6 +29,12 @@ int ownThread() {
   return thread;
 }
 
+/** @return whether nothing that it lists has come to the program. */
+bool isEmpty(const wire::Grant& grant) {
+  return std::all_of(grant.items.begin(), grant.items.end(),
+                     [](const auto& item) { return std::holds_alternative<wire::Changed>(item); });
+}
+
 }  // namespace
 
 std::string Reply::why() const {
@@ -295,10 +301,10 @@ void Membership::beginTurn(const wire::Grant& grant, Nanoseconds now, std::uint3
       kept.empty() ? wire::Grant() : std::get<wire::Grant>(wire::decodeFromMaster(kept));
   {
     const Lock lock(program_);
-    now_ = now;
+    now_ = came_ = now;
     microstep_ = microstep;
     ++turns_;
-    is_plain_ = first.items.empty() && grant.items.empty() && !has_knocked_;
+    is_plain_ = first.items.empty() && isEmpty(grant) && !has_knocked_;
     has_knocked_ = false;
     reader_ = ownThread();
     state_ = State::kTurn;

@@ -115,6 +115,8 @@ class Membership {
   std::int32_t rank() const { return rank_; }
   const std::string& name() const { return presence_.name; }
   Nanoseconds now() const { return now_; }
+  /** @return when the item that is being handled has come: now(), unless it was kept. */
+  Nanoseconds came() const { return came_; }
   std::uint32_t microstep() const { return microstep_; }
   /** @return the number of the present turn: that of its round, where each has its own. */
   std::uint64_t round() const { return turns_; }
@@ -171,6 +173,8 @@ class Membership {
   void take(const wire::Heard&) {}     // what it sends to the deaf goes no further
   void take(const wire::Window&) {}    // taken out of the grant before
   void take(const wire::Arrives&) {}
+  void take(const wire::Came& item) { came_ = item.time_ns; }
+  void take(const wire::Changed&) {}  // it asks the ROS master each time
   template <class Item>
   void take(const Item& item) {
     program_.handle(item);
@@ -210,6 +214,7 @@ class Membership {
   bool is_background_ = false;  // so is its wish
   bool is_plain_ = false;
   Nanoseconds now_ = 0;
+  Nanoseconds came_ = 0;
   std::uint32_t microstep_ = 0;
   std::string told_;  // to the time master: what is waited for
   std::uint32_t calls_made_ = 0;

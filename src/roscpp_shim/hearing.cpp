@@ -1,3 +1,10 @@
+// Which messages a program wants at once.
+//
+// A queue on which no thread has ever waited is looked at by threads that go on at their own
+// wake-ups (spinOnce() in a loop): what comes into it is kept until the program has a turn anyway,
+// and handed over before any of its threads goes on. None can tell: queues, orders, sizes are as
+// they would be, and so is the time of receipt. The first wait ends it.
+//
 // tf2_ros::TransformListener puts transforms into a buffer, in a thread of its own: who looks for
 // them does so when it has something else to do. So they are handed over then, all at once, and no
 // round is spent on each. Where the program asks the buffer to call it back, all come at once
@@ -13,7 +20,9 @@
 #include <boost/signals2/connection.hpp>
 #include <cstdint>
 #include <mutex>
+#include <set>
 #include <string>
+#include <typeinfo>
 #include <utility>
 #include <vector>
 
@@ -28,11 +37,13 @@ using Lock = std::lock_guard<PlainMutex>;
 const char* const kStatistics = "/enable_statistics";  // roscpp's; they tell when messages came
 
 std::atomic<bool> calls_back{false};  // a buffer does, or roscpp counts
+std::atomic<bool> hears_unread{false};
 
 struct Listeners {
   PlainMutex mutex;
   std::vector<ros::CallbackQueue*> queues;
-  bool has_begun = false;
+  // Queues on which a thread has waited, or which are not roscpp's own, for good.
+  std::set<const ros::CallbackQueueInterface*> awaited;
 };
 
 Listeners& listeners() {
@@ -50,13 +61,46 @@ bool isListeners(const ros::CallbackQueueInterface* queue) {
   return std::find(queues.begin(), queues.end(), queue) != queues.end();
 }
 
+/** @return whether nobody waits for what comes into it. The queue may be gone. */
+bool isUnread(const ros::CallbackQueueInterface* queue) {
+  const Lock lock(listeners().mutex);
+  return listeners().awaited.count(queue) == 0;
+}
+
+/** @return whether it is new that somebody may wait for what comes into @p queue. */
+bool addAwaited(const ros::CallbackQueueInterface* queue) {
+  const Lock lock(listeners().mutex);
+  return listeners().awaited.insert(queue).second;
+}
+
+/** @return whether roscpp tells how late messages are, at the moment at which they come. */
+bool hasStatistics() {
+  static const bool has_statistics = [] {
+    bool value = false;
+    return ros::param::get(kStatistics, value) && value;
+  }();
+  return has_statistics;
+}
+
+wire::Hearing hearingOf(const Topic& topic) {
+  const auto all = [&topic](bool (*is_so)(const ros::CallbackQueueInterface*)) {
+    return !topic.queues.empty() && std::all_of(topic.queues.begin(), topic.queues.end(), is_so);
+  };
+  if (hasStatistics()) {
+    return wire::Hearing::kAll;
+  }
+  if (!calls_back && all(&isListeners)) {
+    return wire::Hearing::kLater;
+  }
+  return all(&isUnread) ? wire::Hearing::kUnread : wire::Hearing::kAll;
+}
+
 void tell(Topic& topic) {
-  const bool is_later = !calls_back && !topic.queues.empty() &&
-                        std::all_of(topic.queues.begin(), topic.queues.end(), &isListeners);
-  if (is_later != topic.is_heard_later) {
-    topic.is_heard_later = is_later;
-    node().append(
-        wire::Hears{topic.number, is_later ? wire::Hearing::kLater : wire::Hearing::kAll});
+  const wire::Hearing hearing = hearingOf(topic);
+  if (hearing != topic.hearing) {
+    topic.hearing = hearing;
+    hears_unread = hears_unread || hearing == wire::Hearing::kUnread;
+    node().append(wire::Hears{topic.number, hearing});
   }
 }
 
@@ -68,23 +112,20 @@ void tellAll() {
   }
 }
 
-/** @return whether it is the first one. */
-bool addListener(ros::CallbackQueue* queue) {
-  const Lock lock(listeners().mutex);
-  listeners().queues.push_back(queue);
-  return !std::exchange(listeners().has_begun, true);
-}
-
 }  // namespace
 
 void noteSubscription(Topic& topic, const ros::SubscribeOptions& options) {
-  topic.queues.push_back(options.callback_queue);
+  const ros::CallbackQueueInterface* const queue = options.callback_queue;
+  if (queue == nullptr || typeid(*queue) != typeid(ros::CallbackQueue)) {
+    addAwaited(queue);  // of a class of the program's: it may act at once
+  }
+  topic.queues.push_back(queue);
   tell(topic);
 }
 
 void forgetSubscription(Topic& topic) {
   topic.queues.clear();
-  topic.is_heard_later = false;
+  topic.hearing = wire::Hearing::kAll;
 }
 
 void becomeListener(ros::CallbackQueue* queue) {
@@ -92,12 +133,25 @@ void becomeListener(ros::CallbackQueue* queue) {
     return;
   }
   const Inside inside;
-  bool has_statistics = false;
-  if (addListener(queue) && ros::param::get(kStatistics, has_statistics) && has_statistics) {
-    calls_back = true;
+  {
+    const Lock lock(listeners().mutex);
+    listeners().queues.push_back(queue);
+    listeners().awaited.insert(queue);
   }
   tellAll();
 }
+
+void noteWait(const void** last, const ros::CallbackQueue* queue) {
+  if (std::exchange(*last, queue) == queue) {
+    return;
+  }
+  const Inside inside;
+  if (addAwaited(queue)) {
+    tellAll();
+  }
+}
+
+bool hearsUnread() { return hears_unread; }
 
 void forgetListener(const void* queue) {
   const Lock lock(listeners().mutex);

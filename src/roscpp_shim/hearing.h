@@ -15,6 +15,12 @@ void noteSubscription(Topic& topic, const ros::SubscribeOptions& options);
 /** @brief It does so no more. */
 void forgetSubscription(Topic& topic);
 
+/** @brief A thread is about to wait for what comes into @p queue; @p last: on which it has last. */
+void noteWait(const void** last, const ros::CallbackQueue* queue);
+
+/** @return whether anything is kept for the program until it looks. */
+bool hearsUnread();
+
 /** @brief A loop of tf2's own handles what is in @p queue: nobody else can get at it. */
 void becomeListener(ros::CallbackQueue* queue);
 

@@ -135,11 +135,21 @@ void Node::exchange() {
     append(wire::Background{});  // to look for new topics: who else has nothing to do makes none
   }
   const Nanoseconds before = now();
+  keepUnread();
   parameters().reported();
   membership_.exchange(wish);
   // Nothing has come, and nothing else was asked for.
   if (is_resting && membership_.isPlainGrant() && wish.next > before) {
     rest_round_ = round();
+  }
+}
+
+/** @brief A thread that looks again as soon as there is a grant is to have the grants that it would
+ * have if nothing were kept. */
+void Node::keepUnread() {
+  const Nanoseconds first = hearsUnread() ? turn().firstLook() : kNever;
+  if (first != kNever && membership_.hasTurn()) {
+    append(wire::KeepUntil{first});
   }
 }
 

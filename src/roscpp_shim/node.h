@@ -62,6 +62,8 @@ class Node : public lockstep::internal::Program {
   void ring() { membership_.ring(); }
 
   Nanoseconds now() const { return membership_.now(); }
+  /** @brief What roscpp takes for the present, for the thread that has the turn. */
+  void showTime(Nanoseconds time) { setTime(time); }
   std::uint64_t round() const { return membership_.round(); }
   /** @return the latest round that was granted because nobody had anything left to do. */
   std::uint64_t restRound() const { return rest_round_; }
@@ -87,6 +89,7 @@ class Node : public lockstep::internal::Program {
   int busyThread() override { return turn().holder(); }
 
   std::string waits(const OpenWaits& threads) const;
+  void keepUnread();
   bool enterOutside(bool only_if_late);
 
   bool sleeps_simulated_ = false;

@@ -253,8 +253,16 @@ void handle(const wire::Deliver& item) {
   }
   const auto& link = sender->second;
   link->count(item.payload.size());
+  const Nanoseconds came = node().membership().came();
+  const bool was_kept = came != node().now();
+  if (was_kept) {
+    node().showTime(came);  // roscpp notes it as the time of receipt
+  }
   handleMessage()(subscription.get(), lockstep::internal::messageOf(item.payload), true, false,
                   link->values(), link);
+  if (was_kept) {
+    node().showTime(node().now());
+  }
 }
 
 }  // namespace move_base_abstract::shim

@@ -23,7 +23,7 @@ struct Topic : lockstep::internal::SharedTopic {
   std::map<std::uint32_t, boost::shared_ptr<MemberSubscriber>> receivers;  // by participant
   std::map<std::uint32_t, boost::shared_ptr<MemberPublisher>> senders;     // by participant
   std::vector<const ros::CallbackQueueInterface*> queues;  // into which what comes in goes
-  bool is_heard_later = false;  // the time master knows that nobody waits for it
+  wire::Hearing hearing = wire::Hearing::kAll;             // as the time master knows
 };
 
 using HandleMessage = std::uint32_t(ros::Subscription*, const ros::SerializedMessage&, bool, bool,

@@ -218,6 +218,17 @@ Nanoseconds Turn::nextWake() {
   return next;
 }
 
+Nanoseconds Turn::firstLook() {
+  const Lock lock(mutex_);
+  Nanoseconds first = kNever;
+  for (const Task* task : waiting_) {
+    if (task->wait.activity && task->seen_activity != activity_) {
+      first = std::min(first, task->wait.activity_from);
+    }
+  }
+  return first;
+}
+
 bool Turn::hasGuest() {
   const Lock lock(mutex_);
   return std::any_of(waiting_.begin(), waiting_.end(),

@@ -65,6 +65,7 @@ struct Task {
   unsigned idle_polls = 0;        // waits for callbacks in a row that were in vain
   const void* poller = nullptr;   // whence it looked last,
   bool only_joined = false;       // which is a loop whose end is awaited by whoever ends it
+  const void* awaited = nullptr;  // the queue that it has waited on last
   void* listened = nullptr;       // its queue, if it is a loop of tf2's listener
   unsigned empty_polls = 0;       // looks without waiting in a row that were in vain
   unsigned clock_reads = 0;       // at one instant
@@ -167,6 +168,8 @@ class Turn {
   bool isResting();
   /** @return when the first of the threads wants to go on. */
   Nanoseconds nextWake();
+  /** @return the first instant at which a thread goes on with any grant, or kNever. */
+  Nanoseconds firstLook();
   /** @return whether somebody who ran beside the others, or was signalled by others, can go on. */
   bool hasGuest();
 

@@ -94,6 +94,8 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
   if (is_listeners) {
     me.listened = &queue;
     becomeListener(&queue);
+  } else {
+    noteWait(&me.awaited, &queue);
   }
   if (is_listeners || (!me.in_spinner && me.idle_polls >= kIdlePolls)) {
     awaitActivity(me, timeout.toNSec(), &wait);
@@ -154,6 +156,7 @@ class InSpinner {
 
 /** @brief Callbacks were put back, since other threads are in them: wait until that may change. */
 void awaitOthers(ros::CallbackQueue& queue) {
+  noteWait(&Turn::self()->awaited, &queue);
   Wait wait;
   wait.activity = true;
   wait.is_over = [&queue, size = OpenQueue::size(queue)] { return OpenQueue::size(queue) != size; };

@@ -138,15 +138,20 @@ std::FILE* create(const std::string& path) {
 
 }  // namespace
 
-EventLogWriter::EventLogWriter(const std::string& path, std::int64_t start_ns)
+EventLogWriter::EventLogWriter(const std::string& path, std::int64_t start_ns,
+                               const std::vector<std::string>& stored_topics)
     : path_(path), csv_(endsWith(path, ".csv")) {
   if (!csv_ && !endsWith(path, ".jsonl")) {
     throw std::invalid_argument("must end in .jsonl or .csv, got '" + path + "'");
   }
   file_.reset(create(path));
   buffer_ = std::string(csv_ ? kCsvMark : "") + std::string(kHead) +
-            "\"start_ns\":" + std::to_string(start_ns) + "}\n" +
-            (csv_ ? "time_ns,robot,kind,values\n" : "");
+            "\"start_ns\":" + std::to_string(start_ns);
+  if (!stored_topics.empty()) {
+    buffer_ += ",\"stored_topics\":";
+    appendJsonArray(buffer_, stored_topics);
+  }
+  buffer_ += std::string("}\n") + (csv_ ? "time_ns,robot,kind,values\n" : "");
   flush();
 }
 

@@ -41,12 +41,15 @@ class EventLogWriter {
   };
 
   /**
+   * @param stored_topics what the user says of them; the head says so, where there are any.
+   *
    * Of what is there under @p path or PATH.part already, only an event log is replaced, and no
    * symbolic link is followed.
    * @throws std::invalid_argument if @p path has another ending or cannot be written, if something
    * else is there, or if another process writes this log.
    */
-  EventLogWriter(const std::string& path, std::int64_t start_ns);
+  EventLogWriter(const std::string& path, std::int64_t start_ns,
+                 const std::vector<std::string>& stored_topics = {});
 
   /** @param values a JSON array; what is none is written as an array of one text. */
   void add(std::int64_t time_ns, std::string_view robot, std::string_view kind,

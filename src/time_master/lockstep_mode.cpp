@@ -73,7 +73,8 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
   if (!parameters.event_log.empty()) {
     const auto start = static_cast<Nanoseconds>(std::llround(settings.start_time * 1e9));
     try {
-      event_log_ = std::make_unique<EventLogWriter>(parameters.event_log, start);
+      event_log_ =
+          std::make_unique<EventLogWriter>(parameters.event_log, start, settings.stored_topics);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("event_log " + std::string(error.what()));
     }

@@ -19,6 +19,7 @@
 #include "clock/time_master.h"
 #include "lockstep/core_choice.h"
 #include "lockstep/rounds.h"
+#include "lockstep/stored_topics.h"
 #include "participant/run_secret.h"
 
 namespace move_base_abstract {
@@ -318,6 +319,9 @@ inline void readLookahead(ParameterReader& reader, NodeParameters& parameters) {
         "lookahead must be 0 in mode scaled, where no node waits for another; got " +
         shown(std::to_string(lookahead)));
   }
+  if (!parameters.lockstep.stored_topics.empty()) {
+    throw std::invalid_argument("stored_topics must be [] with a lookahead, where all takes time");
+  }
 }
 
 inline void readLockstepParameters(ParameterReader& reader, NodeParameters& parameters) {
@@ -345,6 +349,9 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("lockstep_secret_file", secret_file);
   lockstep.secret = runSecret(secret, secret_file);
   lockstep.excluded_topics = readExcludedTopics(reader);
+  reader.read("stored_topics", lockstep.stored_topics);
+  lockstep.stored_topics = checkedStoredTopics(lockstep.stored_topics);
+  reader.read("keep_unread", lockstep.keep_unread);
   lockstep.participants = absoluteNames("participants", lockstep.participants);
   checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
   if (lockstep.limit != 0.0) {

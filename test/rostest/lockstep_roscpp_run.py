@@ -55,7 +55,7 @@ class Run:
     def __init__(self, path, code, outputs, parameters, why):
         with open(path, encoding='utf-8') as log:
             records = [json.loads(line) for line in log]
-        end = records[-1]['end']
+        self.head, end = records[0], records[-1]['end']
         self.labels = end['not_repeatable_because']
         self.reason = end['reason']
         self.code = code

@@ -43,6 +43,12 @@ std::string itemText(const wire::GrantItem& item, const Who& who) {
     return "heard " + s(static_cast<std::uint64_t>(a->what)) + " " + s(topicOf(a->topic)) + " " +
            s(who(a->receiver));
   }
+  if (const auto* a = std::get_if<wire::Came>(&item)) {
+    return "came " + s(static_cast<std::uint64_t>(a->time_ns));
+  }
+  if (std::holds_alternative<wire::Changed>(item)) {
+    return "changed";
+  }
   return "found " + std::string(std::get<wire::Found>(item).service);
 }
 

@@ -48,6 +48,44 @@ TEST(Parameters, TheRosMasterIsToldWhenTheRoundIsOverInTheStatedOrder) {
   EXPECT_EQ(stage.labels(), Texts{});
 }
 
+/** @return whether the next grant of @p id tells it that something that it asks for has changed. */
+bool isToldOfChange(Two& stage, ConnectionId id) {
+  const auto next = stage.grant(id);
+  return next && !next->grant.items.empty() &&
+         std::holds_alternative<wire::Changed>(next->grant.items.front());
+}
+
+TEST(Parameters, WhoHasAskedIsToldOfAChangeWithItsNextGrantOnce) {
+  Two stage;
+  // It asks, in this round or before it, for the same, for what is above it and for what is below.
+  for (const char* const asked : {"/x/y", "/x", "/x/y/z"}) {
+    stage.report(1, kOne, {wire::Asks{asked}});
+    stage.report(2, kOne, {set("/x/y")});
+    EXPECT_TRUE(isToldOfChange(stage, 1)) << asked;
+    EXPECT_FALSE(isToldOfChange(stage, 2)) << asked;
+    stage.report(1, kOne);
+    stage.report(2, kOne);
+    EXPECT_FALSE(isToldOfChange(stage, 1)) << asked;
+    EXPECT_FALSE(isToldOfChange(stage, 2)) << asked;
+  }
+  stage.report(1, kOne);
+  stage.report(2, kOne, {set("/xy"), erased("/a")});
+  EXPECT_FALSE(isToldOfChange(stage, 1));
+}
+
+TEST(Parameters, AChangeIsNoReasonForAGrantAndOneFromOutsideIsToldToo) {
+  Two stage;
+  stage.report(1, kOne + 20, {wire::Asks{"/x"}});
+  stage.report(2, kOne + 10, {set("/x")});
+  EXPECT_FALSE(isToldOfChange(stage, 1));
+  EXPECT_FALSE(isToldOfChange(stage, 2));
+  stage.report(2, kNever);
+  EXPECT_TRUE(isToldOfChange(stage, 1));
+  stage.session.parameterChangedOutside("/x");
+  stage.report(1, kOne + 30);
+  EXPECT_TRUE(isToldOfChange(stage, 1));
+}
+
 TEST(Parameters, OfOneWhoDiesThoseCountThatItHasReported) {
   Two stage;
   stage.report(1, kOne, {set("/x")});

@@ -97,6 +97,8 @@ class Script {
   void take(const wire::Found&) {}
   void take(const wire::Window&) {}
   void take(const wire::Arrives&) {}
+  void take(const wire::Came&) {}
+  void take(const wire::Changed&) {}
   void take(const wire::Happened&) {}
   void take(const wire::Heard&) {}
 

@@ -67,7 +67,7 @@ class Routing : public testing::Test {
       latched_.push_back(publisher->latched);
     }
     if (std::holds_alternative<wire::Deliver>(mail.item)) {
-      later_.push_back(mail.later);
+      later_.push_back(mail.keep == Keep::kLater);
     }
     mail_[id].push_back(itemText(mail.item, [](std::uint32_t other) { return other; }));
   }

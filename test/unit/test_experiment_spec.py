@@ -29,6 +29,8 @@ def read(**others):
     ({'command': ['x']}, 'got launch, command'),
     ({'function': 'a:b'}, 'got launch, function'),
     ({'prepare': 'a:b'}, "goes with 'function'"),
+    ({'stored_topics': ['/a b']}, 'NODE=TOPIC'),
+    ({'stored_topics': ['/a'], 'lookahead': 0.1}, 'all takes time'),
     ({'lookahead': 1e-9}, 'in 1e-06..1000'),
     ({'cores': 'alternate'}, 'allowed: auto, one, all'),
     ({'cores': 2}, 'allowed: auto, one, all'),
@@ -141,7 +143,7 @@ def test_a_complete_trial_counts_only_if_what_it_is_made_of_is_the_same():
     first = plan.made_of(read(), one)
     assert first == plan.made_of(read(), one)
     for others in ({'args': {'a': 1}}, {'until': {'seconds': 3}}, {'sleep': 'simulated'},
-                   {'lookahead': 0.05}, {'launch': 'y.launch'}):
+                   {'lookahead': 0.05}, {'stored_topics': ['/a']}, {'launch': 'y.launch'}):
         assert plan.made_of(read(**others), one) != first
     assert plan.made_of(read(), one._replace(seed=1)) != first
 
@@ -159,6 +161,7 @@ def function(**others):
     ({'function': 'model.run'}, 'module:function'), ({'until': {'seconds': 3}}, 'ends by itself'),
     ({'replace': {'a/b': 'c/d'}}, "'replace' is of a launch file"),
     ({'record': {'messages': ['/a']}}, 'ends by itself'), ({'lookahead': 0.1}, 'has no participants'),
+    ({'stored_topics': ['/a']}, 'has no participants'),
     ({'cores': 'one'}, "'cores' is of a launch file or a command")])
 def test_a_function_has_no_nodes(others, text):
     with pytest.raises(ConfigurationError, match=text):

@@ -30,7 +30,7 @@ SEND, CALL, RESPONSE = _numbers(ITEMS, 'SEND CALL RESPONSE')
 REST, PARAMETER = _numbers(ITEMS, 'REST PARAMETER')
 PUBLISHER, NO_PUBLISHER, SUBSCRIBER, NO_SUBSCRIBER = _numbers(ITEMS, 'PUBLISHER NO_PUBLISHER SUBSCRIBER NO_SUBSCRIBER')
 DELIVER, CALL_IN, ANSWER, FOUND, HAPPENED, HEARD = _numbers(ITEMS, 'DELIVER CALL_IN ANSWER FOUND HAPPENED HEARD')
-WINDOW, ARRIVES = _numbers(ITEMS, 'WINDOW ARRIVES')
+WINDOW, ARRIVES, CAME, CHANGED = _numbers(ITEMS, 'WINDOW ARRIVES CAME CHANGED')
 
 _CODES = {'u8': 'B', 'u32': 'I', 'u64': 'Q', 'i32': 'i', 'flag': '?', 'instant': 'q'}
 _CODES.update((name, 'B') for name in wire_format.CHOICES)
@@ -117,6 +117,7 @@ serve, unserve = _item('SERVE'), _item('UNSERVE')
 send, call, response = _item('SEND'), _item('CALL'), _item('RESPONSE')
 log, note, watch, at = _item('LOG'), _item('NOTE'), _item('WATCH'), _item('AT')
 rest, hears, background, idle = _item('REST'), _item('HEARS'), _item('BACKGROUND'), _item('IDLE')
+keep_until = _item('KEEP_UNTIL')
 parameter, asks = _item('PARAMETER'), _item('ASKS')
 
 _hello = _writer('hello', FRAMES['HELLO'].fields)

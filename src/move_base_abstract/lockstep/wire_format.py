@@ -14,7 +14,7 @@ from collections import namedtuple
 #: one frame or item: its number on the wire, its name, its fields in their order
 Layout = namedtuple('Layout', 'number name fields')
 
-PROTOCOL = 6
+PROTOCOL = 7
 NEVER = 2 ** 63 - 1
 #: of a frame without its length field [bytes]; what is longer is refused before it is stored
 LARGEST_FRAME = 256 * 1024 * 1024
@@ -30,8 +30,8 @@ CHOICES = {
     'NoteKind': ((1, 'WAITS_FOR'), (2, 'NOT_REPEATABLE'), (3, 'DEGRADED'), (4, 'STRICT'), (5, 'TELLS'),
                  (6, 'READS'), (7, 'WRITES')),
     # what has any effect on a subscriber: no message, one that says something new, all; all, but not before it does
-    # something anyway (LATER): it only puts them by
-    'Hearing': ((0, 'NOTHING'), (1, 'NEWS'), (2, 'ALL'), (3, 'LATER')),
+    # something anyway (LATER): it only puts them by; all, but it looks at them at its own wake-ups only (UNREAD)
+    'Hearing': ((0, 'NOTHING'), (1, 'NEWS'), (2, 'ALL'), (3, 'LATER'), (4, 'UNREAD')),
     # ERROR: the bytes are the server's text. OK: the response. NO_SERVER: no member serves it.
     # SERVER_GONE: it left, died or stopped serving before it answered.
     'CallStatus': ((0, 'ERROR'), (1, 'OK'), (2, 'NO_SERVER'), (3, 'SERVER_GONE')),
@@ -105,6 +105,7 @@ REPORT_ITEMS = (
                              'text value')),  # as XML-RPC says it, <value>...</value>; empty where it is deleted
     Layout(18, 'ASKS', ('text name',)),  # I have asked for this parameter, or for what is below it
     Layout(19, 'IDLE', ('u32 count',)),  # so many of my threads wait without end for work that may come
+    Layout(20, 'KEEP_UNTIL', ('instant time_ns',)),  # simulated; from then on what is unread is a reason for a grant
 )
 
 #: what a grant contains; `topic` and `service` are the numbers of the participant that gets the grant
@@ -130,4 +131,6 @@ GRANT_ITEMS = (
     Layout(11, 'WINDOW', ('instant end_ns',  # simulated; what comes before it is this participant's own affair
                           'instant lookahead_ns')),  # simulated; what is sent takes so long
     Layout(12, 'ARRIVES', ('instant time_ns',)),  # simulated, in the window; what follows arrives then
+    Layout(13, 'CAME', ('instant time_ns',)),  # simulated; what follows came then, and was unread
+    Layout(14, 'CHANGED', ()),  # a parameter that it asks for has been set or deleted since its latest grant
 )

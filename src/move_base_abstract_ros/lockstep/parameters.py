@@ -30,14 +30,24 @@ class Parameters:
         self._pending = PendingParameters()
         self._untold = deque()  # the same as calls of the ROS master
         self._asked = set()
+        self._kept = {}  # by (method, name): what the ROS master has said
+        self._keeps = True
 
     def answers(self):
         """Return {method: answer(ask, *arguments)}."""
         return {'setParam': self._set, 'deleteParam': self._delete, 'getParam': self._get, 'hasParam': self._has,
                 'searchParam': self._search, 'getParamNames': self._names, 'subscribeParam': self._subscribe}
 
+    def forget(self):
+        """What was got may have changed, as the time master says: ask the ROS master again."""
+        self._kept.clear()
+
     def settle(self):
-        """Have the ROS master know what was set in this turn: somebody who takes no part is about to look."""
+        """Have the ROS master know what was set in this turn: somebody who takes no part is about to look.
+
+        It may set what is asked for next, too, of which the time master will hear only later.
+        """
+        self._keeps = False
         scheduler = self._participant.scheduler
         if self._untold and scheduler.is_mine():
             try:
@@ -80,6 +90,7 @@ class Parameters:
 
         def told():
             self._pending.first_is_told()
+            self.forget()
             self._untold.popleft()
             return item
         self._participant.add_aside(told)
@@ -89,9 +100,14 @@ class Parameters:
     def _ask(self, method, name):
         """Return (code, value) of the ROS master; the time master knows that it was asked."""
         self._note(name)
-        with aside():
-            code, _, value = getattr(self._master, method)(self._participant.names[0], name)
-        return code, value
+        kept = self._kept.get((method, name))
+        if kept is None or not self._keeps:
+            with aside():
+                code, _, value = getattr(self._master, method)(self._participant.names[0], name)
+            kept = code, value
+            if not self._participant.window.is_open:  # else it is not told of changes
+                self._kept[method, name] = kept
+        return kept
 
     def _note(self, name):
         if name not in self._asked:

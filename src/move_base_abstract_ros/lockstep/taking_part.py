@@ -43,7 +43,7 @@ class Participant:
         self._round = 0
         self._items = []
         self.last_words = []  # functions that are called when a turn is over, before it is reported
-        self._window = Window()
+        self.window = Window()
         self.charge = charge
         self._is_charged = type(charge) is not NoCharge
         self._foresight = self._source_is_background = None
@@ -58,7 +58,8 @@ class Participant:
                           wire.SUBSCRIBER: self.topics.on_subscriber, wire.NO_SUBSCRIBER: self.topics.on_no_subscriber,
                           wire.DELIVER: self.topics.on_deliver, wire.CALL_IN: self.services.on_called,
                           wire.ANSWER: self.services.on_answered, wire.FOUND: self.services.on_found,
-                          wire.HAPPENED: self._on_happened, wire.HEARD: self.topics.on_heard}
+                          wire.HAPPENED: self._on_happened, wire.HEARD: self.topics.on_heard,
+                          wire.CHANGED: lambda: self.parameters and self.parameters.forget()}
 
     # --- what users call --------------------------------------------------------------------------------------------
 
@@ -240,13 +241,13 @@ class Participant:
 
     def goes_on_to(self, due_ns):
         """Begin the turn at ``due_ns`` [ns] as :meth:`exchange` would if nothing but time came; else return False."""
-        if self._foresight is None or not self._window.is_open or due_ns >= self._window.first_arrival_ns:
+        if self._foresight is None or not self.window.is_open or due_ns >= self.window.first_arrival_ns:
             return False
         self._end_turn()
         self.is_starting = False
         is_free = not (self._is_background() or self.scheduler.has_outside)
-        if is_free and self._window.walk(due_ns, self.now_ns, self._items):
-            self._begin_turn(*self._window.next_turn())
+        if is_free and self.window.walk(due_ns, self.now_ns, self._items):
+            self._begin_turn(*self.window.next_turn())
             return True
         return False
 
@@ -281,7 +282,7 @@ class Participant:
 
     def _take_items(self):
         self._end_turn()
-        return self._window.take_walked(self._items)
+        return self.window.take_walked(self._items)
 
     def _end_turn(self):
         for tell in self.last_words:
@@ -290,14 +291,14 @@ class Participant:
 
     def _report(self, next_ns, may_foresee=False):
         is_background = may_foresee and self.now_ns < next_ns < wire.NEVER and self._is_background()
-        if self._window.is_open:
+        if self.window.is_open:
             self.is_starting = may_foresee = False
             self._end_turn()
             is_free = not (is_background or self.scheduler.has_outside)
-            if is_free and self._window.walk(next_ns, self.now_ns, self._items):
+            if is_free and self.window.walk(next_ns, self.now_ns, self._items):
                 return
-            is_background = is_background and self._window.first_arrival_ns == wire.NEVER
-            next_ns = min(next_ns, self._window.first_arrival_ns)
+            is_background = is_background and self.window.first_arrival_ns == wire.NEVER
+            next_ns = min(next_ns, self.window.first_arrival_ns)
         waits, told = self.scheduler.open_waits, ''
         if waits and next_ns == wire.NEVER:
             told = ', '.join('{} waits for {}'.format(task.name, task.waits_for or 'another thread') for task in waits)
@@ -325,8 +326,8 @@ class Participant:
 
     def _await_grant(self):
         """Return what the next grant lists, as functions to be called in this order."""
-        if self._window.walks_to_ns is not None:
-            return self._begin_turn(*self._window.next_turn())
+        if self.window.walks_to_ns is not None:
+            return self._begin_turn(*self.window.next_turn())
         try:
             while True:
                 kind, body = self.connection.receive()
@@ -334,14 +335,14 @@ class Participant:
                     if self._begin is not None:
                         self._begin()
                     self._round, now_ns, microstep, items = wire.read_grant(body)
-                    return self._begin_turn(now_ns, microstep, self._window.take(items, now_ns))
+                    return self._begin_turn(now_ns, microstep, self.window.take(items, now_ns))
                 self._told_of_members(kind, body)
         except (Closed, wire.WireError) as error:
             return self._lost(str(error))
 
     def _begin_turn(self, now_ns, microstep, items):
-        self.microstep = self.microstep + 1 if self._window.is_open and now_ns == self.now_ns else microstep
-        self._is_granted, self._has_mail = True, bool(items)
+        self.microstep = self.microstep + 1 if self.window.is_open and now_ns == self.now_ns else microstep
+        self._is_granted, self._has_mail = True, any(item[0] != wire.CHANGED for item in items)
         self.charge.begin()
         if now_ns != self.scheduler.now_ns:
             self.scheduler.now_ns = self.scheduler.shown_ns[0] = now_ns

@@ -16,7 +16,8 @@ import os
 import sys
 from contextlib import contextmanager, nullcontext
 
-from move_base_abstract.errors import SimulatorError
+from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.lockstep import stored_topics
 from move_base_abstract.shown import shown, shown_text
 from move_base_abstract.temporary_folder import temporary_folder
 
@@ -97,6 +98,8 @@ def add_plan_options(parser):
                         help='what sleeps of the wall clock take (default: %(default)s, while simulated time stands)')
     parser.add_argument('--lookahead', type=_lookahead, default=0.0, metavar='S',
                         help='all takes so long [s, simulated] from one participant to another (default: no time)')
+    parser.add_argument('--stored-topic', action='append', default=[], type=_stored, metavar='[NODE=]TOPIC',
+                        help='what is heard there is handed over with the next thing that a node does')
     parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
     parser.add_argument('--crashes', choices=ends.POLICIES, default=ends.FAIL,
                         help='whether a node that crashes makes a failure of the run (default: %(default)s)')
@@ -110,7 +113,7 @@ def words_of(options):
     words += ['--lookahead', repr(options.lookahead)] if options.lookahead else []
     words += ['--no-respawn'] if options.no_respawn else []
     for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
-                          ('--leave-out', options.leave_out)):
+                          ('--leave-out', options.leave_out), ('--stored-topic', options.stored_topic)):
         words += [word for name in names for word in (option, name)]
     for old, new in options.replace:
         words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(new))]
@@ -137,7 +140,7 @@ def files_of(parser, words):
 def wishes_of(options, parameters, **others):
     """Return what the options ask of a plan; ``parameters``: of the time master."""
     from ..launching.plan import Wishes
-    given = {'end_at': options.until, 'lookahead': options.lookahead}
+    given = {'end_at': options.until, 'lookahead': options.lookahead, 'stored_topics': options.stored_topic}
     return Wishes(parameters=dict({key: value for key, value in given.items() if value}, **parameters),
                   launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
                   kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
@@ -250,6 +253,13 @@ def _lookahead(text):
     if not (1e-6 <= value <= 1000.0 or value == 0.0):
         raise argparse.ArgumentTypeError('must be 1e-6 to 1000 s, or 0 for none, got {}'.format(shown(text)))
     return value
+
+
+def _stored(text):
+    try:
+        return stored_topics.checked(text)
+    except ConfigurationError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _name(text):

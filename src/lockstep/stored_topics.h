@@ -1,0 +1,37 @@
+// Topics of which the user says that nodes only store what they hear.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_STORED_TOPICS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_STORED_TOPICS_H
+
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace move_base_abstract {
+
+/**
+ * @return "TOPIC" and "NODE=TOPIC" entries with resolved names: those without a '/' are below the
+ * root.
+ * @throws std::invalid_argument if one is none of both.
+ */
+std::vector<std::string> checkedStoredTopics(const std::vector<std::string>& entries);
+
+class StoredTopics {
+ public:
+  StoredTopics() = default;
+  /** @param entries checked ones: "TOPIC" is of all nodes. */
+  explicit StoredTopics(const std::vector<std::string>& entries)
+      : entries_(entries.begin(), entries.end()) {}
+
+  bool has(std::string_view node, std::string_view topic) const {
+    return !entries_.empty() && (entries_.count(topic) > 0 ||
+                                 entries_.count(std::string(node) + '=' + std::string(topic)) > 0);
+  }
+
+ private:
+  std::set<std::string, std::less<>> entries_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_STORED_TOPICS_H

@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""What nodes look at by themselves, and what a user says that they only store, is kept for their next turn.
+
+Programs that look at their queues in every way that we know of leave the same event log as where each message is handed
+over at once, in fewer rounds.
+"""
+
+import re
+import sys
+import unittest
+
+import rostest
+from lockstep_roscpp_run import Program, Runs, own
+
+from move_base_abstract_ros.lockstep.parameters import Parameters
+
+RUNS = Runs()
+#: ways in which shim_reader looks at its queues, and what it does besides
+WAYS = (('plain',), ('timer',), ('act',), ('empty',), ('usleep',), ('wait', 'idle'), ('second', 'empty'),
+        ('idle', 'empty', 'act', 'timer'), ('second', 'wait', 'act', 'timer', 'idle'))
+
+
+def reader(*ways, ticks=40):
+    return Program('reader', own('shim_reader'), ways=list(ways), ticks=ticks)
+
+
+def writer():
+    return Program('writer', own('shim_reader'), 'write')
+
+
+def caller():
+    return Program('caller', own('shim_reader'), 'call')
+
+
+def rounds(run):
+    return int(re.search(r'(\d+) rounds', run.why).group(1))
+
+
+class KeptTest(unittest.TestCase):
+    def runs(self, *programs, **parameters):
+        """Return a run in which all comes at once, and one in which what is unread is kept; both are the same."""
+        runs = [RUNS.run(list(programs), keep_unread=kept, **parameters) for kept in (False, True)]
+        for run in runs:
+            self.assertEqual(run.code, 0, run.outputs)
+        self.assertEqual(runs[0].labels, runs[1].labels)
+        self.assertGreater(len(runs[0].events), 100)
+        self.assertEqual(runs[0].events, runs[1].events)
+        return runs
+
+    def test_no_program_notices_that_what_it_looks_at_by_itself_is_kept(self):
+        for ways in WAYS:
+            with self.subTest(ways):
+                self.runs(reader(*ways), writer(), caller(), end_with=['/reader'])
+
+    def test_it_saves_the_rounds(self):
+        at_once, kept = self.runs(reader('plain', ticks=70), writer(), ask_why=True)
+        # In 9 s the writer has a turn at 540 instants or so; what it says costs the reader as many, or none.
+        self.assertGreater(rounds(at_once) - rounds(kept), 500)
+
+    def test_declared_topics_come_with_the_next_thing_or_a_second_later_and_the_log_says_so(self):
+        programs = [Program('rate', own('shim_rate'), frequency=10.0, ticks=41),
+                    Program('recorder', own('shim_recorder'), topics=['/ticks'])]
+        self.assertEqual([line.split()[0] for line in RUNS.run(programs).printed(1)[:2]], ['1100000000', '1200000000'])
+        run = RUNS.run(programs, stored_topics=['/recorder=/ticks'])
+        times = [int(line.split()[0]) for line in run.printed(1)]
+        self.assertEqual(len(times), 41)
+        self.assertLess(len(set(times)), 8)
+        self.assertEqual(run.head['stored_topics'], ['/recorder=/ticks'])
+        self.assertNotIn('stored_topics', RUNS.run(programs, stored_topics=[]).head)
+
+
+class FakeMaster:
+    """Answers as the ROS master; counts."""
+
+    def __init__(self):
+        self.values = {'/a': {'b': 1}}
+        self.asked = 0
+
+    def getParam(self, _caller, name):  # noqa: N802 - as it is called
+        self.asked += 1
+        return (1, '', self.values[name]) if name in self.values else (-1, '', 0)
+
+    def hasParam(self, _caller, name):  # noqa: N802
+        self.asked += 1
+        return 1, '', name in self.values
+
+
+class FakeWindow:
+    is_open = False
+
+
+class FakeParticipant:
+    class scheduler:  # noqa: N801
+        is_mine = staticmethod(lambda: True)
+        wait_round = staticmethod(lambda: None)
+
+    def __init__(self):
+        self.names = {0: '/me'}
+        self.window = FakeWindow()
+        self.items = []
+
+    def add_aside(self, item):
+        self.items.append(item)
+
+
+class AskingAgainTest(unittest.TestCase):
+    """A parameter is asked for once, until it changes."""
+
+    def setUp(self):
+        self.participant, self.master = FakeParticipant(), FakeMaster()
+        self.parameters = Parameters(self.participant, self.master)
+        self.answers = self.parameters.answers()
+
+    def get(self, name='/a'):
+        return self.answers['getParam'](None, '/me', name)[2]
+
+    def test_the_ros_master_is_asked_once(self):
+        values = [self.get() for _ in range(10)]
+        self.assertEqual((values, self.master.asked), (10 * [{'b': 1}], 1))
+        values[0]['b'] = 2  # it is the program's own
+        self.assertEqual(self.get(), {'b': 1})
+        self.assertEqual([self.answers['hasParam'](None, '/me', '/c')[2] for _ in range(3)], 3 * [False])
+        self.assertEqual(self.master.asked, 2)
+
+    def test_it_is_asked_again_when_the_time_master_says_so(self):
+        self.get()
+        self.master.values['/a'] = 3
+        self.parameters.forget()
+        self.assertEqual((self.get(), self.get(), self.master.asked), (3, 3, 2))
+
+    def test_what_is_set_in_this_turn_is_seen_at_once_and_asked_for_when_it_is_told(self):
+        self.get()
+        self.answers['setParam'](None, '/me', '/a/b', 5)
+        self.assertEqual((self.get(), self.master.asked), ({'b': 5}, 1))
+        self.participant.items[-1]()  # the report
+        self.master.values['/a'] = {'b': 5}
+        self.assertEqual((self.get(), self.master.asked), ({'b': 5}, 2))
+
+    def test_it_is_asked_each_time_where_others_may_set_it_unheard_and_in_windows(self):
+        self.get()
+        self.parameters.settle()
+        self.assertEqual([self.get(), self.get(), self.master.asked][2], 3)
+        self.parameters = Parameters(self.participant, self.master)
+        self.participant.window.is_open = True
+        self.answers = self.parameters.answers()
+        self.assertEqual([self.get(), self.get(), self.master.asked][2], 5)
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_kept', __name__, sysargs=sys.argv)
