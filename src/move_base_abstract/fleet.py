@@ -106,9 +106,10 @@ class Fleet:
         """
         if not type(x) is type(y) is type(yaw) is float:
             x, y, yaw = as_float(x, 'x'), as_float(y, 'y'), as_float(yaw, 'yaw')
-        check_kind(goal_id, str, 'goal_id')
-        check_kind(frame, str, 'frame')
-        member = self._member(name)
+        if not type(goal_id) is type(frame) is str:
+            check_kind(goal_id, str, 'goal_id')
+            check_kind(frame, str, 'frame')
+        member = self._members.get(name) or self._member(name)
         goal_id = goal_id or '{}-{}'.format(name, next(member.goal_numbers))
         goal = GoalPose(frame, 0, (x, y), quaternion_of_yaw(yaw))
         member.navigator.receive(goal_id, 0, goal, self.simulation.now_ns)

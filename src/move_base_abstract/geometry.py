@@ -2,7 +2,8 @@
 import math
 from dataclasses import dataclass
 
-_TWO_PI = 2.0 * math.pi
+_PI = math.pi
+_TWO_PI = 2.0 * _PI
 _MIN_SQUARED_NORM = 1e-6
 _MAX_TILT = 1e-3
 
@@ -42,7 +43,7 @@ class Pose2D:
                     raise ValueError('pose: {} must be finite, got {!r}'.format(name, value))
         _set_x(self, x)
         _set_y(self, y)
-        _set_yaw(self, normalize_angle(yaw))
+        _set_yaw(self, yaw if -_PI < yaw <= _PI and type(yaw) is float else normalize_angle(yaw))
 
     def __reduce__(self):
         """Return what a copy is made of, since nothing can be put into one that is there."""

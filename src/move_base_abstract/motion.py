@@ -63,7 +63,7 @@ def trip(distance, max_speed, acceleration):
     return peak, ramp, 0.0 if distance <= 0.0 or peak <= 0.0 else distance / peak + ramp
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class SpeedProfile:
     """Travel over ``distance`` [m] from rest to rest: accelerate, cruise, decelerate.
 
@@ -73,17 +73,18 @@ class SpeedProfile:
 
     distance: float
     max_speed: float
-    acceleration: float = math.inf
+    acceleration: float
     #: the highest speed that is reached [m/s]
-    peak_speed: float = field(init=False, repr=False, compare=False)
+    peak_speed: float = field(repr=False, compare=False)
     #: how long speeding up takes, and slowing down [s]
-    ramp_seconds: float = field(init=False, repr=False, compare=False)
+    ramp_seconds: float = field(repr=False, compare=False)
     #: how long the trip takes [s]
-    seconds: float = field(init=False, repr=False, compare=False)
+    seconds: float = field(repr=False, compare=False)
 
-    def __post_init__(self):
-        peak, ramp, seconds = trip(self.distance, self.max_speed, self.acceleration)
-        self.__dict__.update(peak_speed=peak, ramp_seconds=ramp, seconds=seconds)  # past the class being frozen
+    def __init__(self, distance, max_speed, acceleration=math.inf):
+        peak, ramp, seconds = trip(distance, max_speed, acceleration)
+        self.__dict__.update(distance=distance, max_speed=max_speed, acceleration=acceleration, peak_speed=peak,
+                             ramp_seconds=ramp, seconds=seconds)  # past the class being frozen
 
     def covered(self, elapsed):
         """Return the distance [m] covered ``elapsed`` [s] after the start, clamped to the trip."""

@@ -396,5 +396,5 @@ class Navigator:
 
     def _forget_events(self):
         for event in self._events:
-            event.cancel()
-        self._events = []
+            event.action = None  # as Event.cancel
+        self._events.clear()

@@ -27,9 +27,9 @@ def shared_of(experiment):
                                          experiment.folder),
             'folder': experiment.folder, 'participants': experiment.participants, 'leave_out': experiment.leave_out,
             'replace': sorted(experiment.replace.items()), 'until': experiment.until, 'record': experiment.record,
-<<<<<<< HEAD
             'function': experiment.function, 'factors': list(experiment.factors), 'time_limit': experiment.time_limit,
             'sleep': experiment.sleep, 'lookahead': experiment.lookahead, 'cores': experiment.cores,
+            'stored_topics': experiment.stored_topics,
             'crashes': experiment.crashes, 'is_warm': True, 'version': plan.package_version()}
 
 
@@ -44,13 +44,6 @@ def make_job(experiment, one, shared=None, **others):
             'function_arguments': plan.function_arguments(experiment, one),
             'command': [checks.filled(word, values) for word in experiment.command], 'verified_by': one.verified_by,
             'made_of': plan.made_of(experiment, one, made),
-=======
-            'function': experiment.function, 'factors': list(experiment.factors), 'verified_by': one.verified_by,
-            'time_limit': experiment.time_limit, 'sleep': experiment.sleep, 'lookahead': experiment.lookahead,
-            'stored_topics': experiment.stored_topics, 'cores': experiment.cores, 'crashes': experiment.crashes,
-            'is_warm': True,
-            'made_of': plan.made_of(experiment, one),
->>>>>>> 3563531 (Keep what nodes only look at, or store, for their next turn; ask for a parameter again only when it has changed)
             'program': ingredients.name_of(made), 'files': ingredients.told(made),
             'look': elsewhere.told(experiment, plan.asked_of(experiment, one)), **others}
 

@@ -28,6 +28,7 @@ class LockstepClock:
         self._join = join
         self._has_onlookers = self._ever_had_onlookers = False
         self._silent_to = set()
+        self._looked_at = {}  # (robot's index, parameter): outlets.changes() when hearers were looked at
         self._rates = None
         self._is_rates_note_due = False
         self._has_causal_rows = False
@@ -78,6 +79,10 @@ class LockstepClock:
 
     def falls_silent(self, robot, teller, parameter):
         """Name once each of ``teller.hearers()``, (topic, node), to whom ``robot`` says nothing: ``parameter`` is 0."""
+        changes = outlets.changes()
+        if self._looked_at.get((robot.index, parameter)) == changes:
+            return
+        self._looked_at[robot.index, parameter] = changes
         for hearer in teller.hearers():
             if hearer not in self._silent_to:
                 self._silent_to.add(hearer)
@@ -131,16 +136,14 @@ class LockstepClock:
 
     def record(self, index):
         """Return what takes the rows of a trace, of the robot with ``index``: the run's event log."""
-        def log(row):
-            _, robot, kind, *values = row
-            self.participant.log(robot, kind, tuple(values), sub=0 if self._has_causal_rows else index)
-        return log
+        log = self.participant.log
+        return lambda row: log(row[1], row[2], row[3:], 0 if self._has_causal_rows else index)
 
     # --- what the participant calls ---------------------------------------------------------------------------------
 
     def next_due_ns(self):
         """Return when the next event is due [ns], or None."""
-        return self.simulation.next_due_ns()
+        return self.simulation.queue.next_due_ns()
 
     def is_background(self):
         """Return whether all that is due is for onlookers, or comes of itself: time does not go on for it alone."""
@@ -150,7 +153,7 @@ class LockstepClock:
     def foresee(self, before_ns, most):
         """As :meth:`EventQueue.foresee`."""
         with self.lock:
-            return self.simulation.foresee(before_ns, most)
+            return self.simulation.queue.foresee(before_ns, most)
 
     def tell(self, due_ns, series):
         """Do beforehand what is foreseen for ``due_ns`` [ns]."""

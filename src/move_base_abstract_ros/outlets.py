@@ -26,6 +26,7 @@ class _Listeners:
     came = staticmethod(lambda: None)
     left = staticmethod(lambda: None)
     is_quiet = False
+    changes = 0  # how often who hears what has changed
 
 
 _listeners = _Listeners()
@@ -35,6 +36,21 @@ def follow_listeners(came, left):
     """Have ``came()`` called whenever somebody begins to hear a robot's topic, ``left()`` at the end."""
     _listeners.came = came
     _listeners.left = left
+
+
+def changes():
+    """Return how often it has changed, in this process, who hears what: as long as it is the same, so are they."""
+    return _listeners.changes
+
+
+def _came():
+    _listeners.changes += 1
+    _listeners.came()
+
+
+def _left():
+    _listeners.changes += 1
+    _listeners.left()
 
 
 @contextmanager
@@ -72,42 +88,34 @@ class Outlet(rospy.SubscribeListener):
 
     def is_heard(self):
         """Return who listens, and not only seems to, see :meth:`.links.MemberLinks.is_heard`: 0 is nobody."""
-        return self._heard_by('is_heard')
-
-    def _heard_by(self, attribute):
-        heard = NOBODY
-        for connection in self._impl.connections:
-            if not hasattr(connection, attribute):
-                heard = max(heard, ONLOOKERS)
-            elif getattr(connection, attribute):
-                return PARTICIPANTS
-        return heard
+        connections = self._impl.connections
+        return _heard_by(connections, 'is_heard') if connections else NOBODY
 
     def peer_subscribe(self, _topic_name, _topic_publish, peer_publish):
         """Somebody begins to listen."""
-        _listeners.came()
+        _came()
         self.greet(peer_publish)
 
     def peer_unsubscribe(self, _topic_name, _num_peers):
         """A listener has gone."""
-        _listeners.left()
+        _left()
 
     @staticmethod
     def begins_to_hear():
         """Somebody who listened without any effect hears from now on."""
-        _listeners.came()
+        _came()
 
     @staticmethod
     def hears_less():
         """Of what somebody listens to, less has an effect than before."""
-        _listeners.left()
+        _left()
 
     def greet(self, peer_publish):
         """Tell a newcomer, or have rospy tell it, what it has missed."""
 
     def is_heard_again(self):
         """Return on whom, of those who listen, repeating what was said has any effect: 0 is nobody."""
-        return self._heard_by('is_heard_again')
+        return _heard_by(self._impl.connections, 'is_heard_again')
 
     def hearers(self):
         """Return (topic, name) of each node that listens to it."""
@@ -152,6 +160,17 @@ class Outlet(rospy.SubscribeListener):
     def unregister(self):
         """Leave the graph."""
         self._publisher.unregister()
+
+
+def _heard_by(connections, attribute):
+    heard = NOBODY
+    for connection in connections:
+        is_heard = getattr(connection, attribute, None)
+        if is_heard:
+            return PARTICIPANTS
+        if is_heard is None:  # one of rospy's own
+            heard = ONLOOKERS
+    return heard
 
 
 class LatchedOutlet(Outlet):
@@ -215,7 +234,11 @@ class LatchedOutlets:
 
     def is_heard(self):
         """Return who listens to any of them: 0 is nobody."""
-        return max((outlet.is_heard() for outlet in self._outlets), default=NOBODY)
+        heard = NOBODY
+        for outlet in self._outlets:
+            if outlet._impl.connections:
+                heard = max(heard, outlet.is_heard())
+        return heard
 
     def hearers(self):
         """Return (topic, name) of each node that listens to one of them."""

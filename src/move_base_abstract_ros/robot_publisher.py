@@ -3,6 +3,8 @@ import rospy
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
 
+from move_base_abstract.event_queue import PARTICIPANTS
+
 from . import conversions, lockstep, tf_hub
 from .outlets import Outlet
 from .packing import ZERO_TWIST, InFrame
@@ -97,7 +99,8 @@ class RobotPublisher:
         return self._backend.hearers() + self._costmaps.hearers()
 
     def _is_heard(self):
-        return max(tf_hub.is_heard(), self._backend.is_heard(), self._costmaps.is_heard())
+        heard = tf_hub.is_heard()
+        return heard if heard == PARTICIPANTS else max(heard, self._backend.is_heard(), self._costmaps.is_heard())
 
     def _update(self, due_ns, _now_ns):
         if self._pose_throttle.ready():

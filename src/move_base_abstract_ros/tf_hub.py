@@ -60,7 +60,7 @@ class _Hub:
     def _greet(self, peer_publish):
         with self._lock:
             if self._latest:
-                peer_publish(Packed(_packer(self._latest.values())))
+                peer_publish(Packed(_packer(list(self._latest.values()))))
 
     @contextmanager
     def batch(self):
@@ -76,16 +76,14 @@ class _Hub:
     def _publish(self, makes):
         if self._outlet is None:
             self._outlet = _TfOutlet(self._greet)
-        if self._outlet.is_heard():
-            self._outlet.send(_packer(makes))
+        self._outlet.send(_packer(makes))
 
 
 _HUB = _Hub()
 
 
 def _packer(makes):
-    transforms = [transform for make in makes for transform in make()]
-    return lambda _seq: packing.transforms(transforms)
+    return lambda _seq: packing.transforms([transform for make in makes for transform in make()])
 
 
 def send(key, make):

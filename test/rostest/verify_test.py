@@ -80,11 +80,11 @@ class VerifyTest(OwnFolder, unittest.TestCase):
     def launch_file(self, *nodes):
         return self.write('system.launch', '<launch>{}</launch>'.format(''.join(nodes)))
 
-    def verify(self, *words, **environment):
+    def verify(self, *words, cwd=None, **environment):
         environment = dict(os.environ, TMPDIR=self.path('tmp'), **environment)
         environment['ROS_PACKAGE_PATH'] = os.pathsep.join([self.folder, environment['ROS_PACKAGE_PATH']])
         done = subprocess.run([find_executable('verify'), *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                              text=True, env=environment, timeout=GUARD, check=False)
+                              text=True, env=environment, cwd=cwd, timeout=GUARD, check=False)
         return done.returncode, done.stdout
 
     def test_a_whole_system_is_identical_and_nothing_stays(self):
@@ -157,6 +157,12 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         self.assertEqual(code, 2, said)
         self.assertIn('thesis.txt', said)
         self.assertEqual(os.listdir(self.path('mine')), ['thesis.txt'])
+
+    def test_the_folder_may_be_named_from_where_one_is(self):
+        code, said = self.verify('--runs', '2', '--until', '5', '--output', 'mine', self.launch_file(
+            NODE.format('ticks'), NODE.format('quiet')), cwd=self.folder)
+        self.assertEqual(code, 0, said)
+        self.assertLessEqual({'1_plain', '2_again'}, set(os.listdir(self.path('mine'))))
 
     def test_delays_are_asked_for_by_a_variable_that_python_and_cpp_check(self):
         for node in (NODE.format('ticks'), '<node pkg="move_base_abstract" type="shim_listener" name="listener"/>'):

@@ -102,13 +102,18 @@ class Program:
         thread = threading.Thread(target=live, daemon=True)
         self.threads.append(thread)
         thread.start()
-        while any(thread.is_alive() for thread in self.threads + workers()):
+        while not self._is_over():
             for thread in self.threads + workers():
                 thread.join(GUARD)
                 assert not thread.is_alive()
         if errors:
             raise errors[0]
         return self.trace
+
+    def _is_over(self):
+        """Whether all threads have ended; one that has just ended may have started another after it was listed."""
+        threads = self.threads + workers()
+        return not any(thread.is_alive() for thread in threads) and len(threads) == len(self.threads + workers())
 
 
 def workers():

@@ -9,7 +9,8 @@ Messages are handled by worker threads that have nothing else on their stack. On
 callback is a thread like any other, and another worker takes over; so a callback may sleep or call services.
 
 Nothing here knows ROS or sockets: ``channel.exchange()`` reports, waits for the next grant and returns what is to be
-done in it; then ``channel.is_at_rest`` says whether nobody else has anything left to do at this instant.
+done in it; then ``channel.is_at_rest`` says whether nobody else has anything left to do at this instant. A channel that
+can go on by itself has ``goes_on_to(due_ns)``: in the place of an exchange from which nothing but time would come.
 """
 import heapq
 import sys
@@ -41,6 +42,7 @@ class Scheduler(Looking):
         self.shown_ns = [0]  # the same, for who looks at it where it lies; the channel's, too
         self._source = None
         self._is_source_busy = False
+        self._goes_on_to = None
         self.is_closed = False
         self.turn_ident = 0
         self._tasks = {}
@@ -60,6 +62,7 @@ class Scheduler(Looking):
     def set_source(self, source):
         """Have events driven by the grants: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``."""
         self._source = source
+        self._goes_on_to = getattr(self._channel, 'goes_on_to', None)
 
     # --- who is who -------------------------------------------------------------------------------------------------
 
@@ -354,8 +357,19 @@ class Scheduler(Looking):
                 self._idle_workers.append(task)
                 self._park(task, other)
                 return
-            if not mail:
+            if mail:
+                continue
+            if self._source_goes_on():
+                mail.append(self._run_source)
+            else:
                 self._begin_round()
+
+    def _source_goes_on(self):
+        """Return whether time has moved on to the source's next event, because nothing else comes before it."""
+        if self._goes_on_to is None or self._is_source_busy or self._conditions or self._next_round or self._resting:
+            return False
+        due_ns = self._source_due_ns()
+        return self.now_ns < due_ns < self.next_besides_source_ns() and self._goes_on_to(due_ns)
 
     def abandon(self):
         """Take no more part in this process, in which no other thread is left: one that was forked."""

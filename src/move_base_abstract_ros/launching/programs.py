@@ -1,6 +1,7 @@
 """What kind of program a file is: whether it is a rospy or a roscpp one, and so can take part in lockstep."""
 import os
 import re
+import site
 import sys
 from importlib.machinery import PathFinder
 
@@ -13,9 +14,15 @@ from ..lockstep.shell_scripts import programs_in
 from ..nodes import lockstep_launcher
 
 _RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space
+_EXTENDS = re.compile(rb"^__extended_path = ['\"]([^'\"\n]+)['\"]", re.MULTILINE)  # of catkin, for a package there
 _IMPORT = re.compile(rb'^[ \t]*(?:from|import)[ \t]+([A-Za-z_][\w.]*(?:[ \t]*,[ \t]*[A-Za-z_][\w.]*)*)', re.MULTILINE)
+_FROM = re.compile(rb'^[ \t]*from[ \t]+(\.*[A-Za-z_][\w.]*|\.+)[ \t]+import[ \t]+(\([^)]*\)|[^\n;#(]+)', re.MULTILINE)
+_LIBRARIES = tuple(os.path.join(folder, '') for folder in (*site.getsitepackages(), '/usr/lib/python3/dist-packages'))
+_COMMENT = re.compile(rb'#[^\n]*')
 _ROSPY = ('rospy', 'rostopic', 'rosservice', 'actionlib', 'tf', 'tf2_ros')  # and those that import it
 _ROS = (*_ROSPY, 'rosgraph', 'roslib', 'genpy', 'genmsg')
+# Not looked into: those of ROS are known, and the others import no ROS but have hundreds of files.
+_CLOSED = (*_ROS, 'numpy', 'scipy', 'matplotlib', 'pandas', 'networkx', 'PIL', 'yaml', 'cv2', 'sklearn', 'torch')
 _CLOCK = re.compile(rb'\bPublisher\(\s*(?:name\s*=\s*)?["\']/?clock["\']')
 _LARGEST = 1 << 20  # bytes of a source that are looked at
 _MOST_FILES = 300
@@ -81,10 +88,11 @@ def _sources(path):
     folders = [os.path.dirname(os.path.realpath(path)), *sys.path[1:]]
     waiting, seen = [path], {path}
     while waiting and len(seen) < _MOST_FILES:
-        source = _read(waiting.pop(0))
+        path = waiting.pop(0)
+        source = _read(path)
         yield source
-        for name in _imports(source):
-            for found in _files_of(name, folders) if name.split('.')[0] not in _ROS else ():
+        for name in (*_imports(source), *(_from(source, path) if _is_of_user(path) else ())):
+            for found in _files_of(name, folders) if name.split('.')[0] not in _CLOSED else ():
                 if found not in seen:
                     seen.add(found)
                     waiting.append(found)
@@ -109,6 +117,27 @@ def _imports(source):
             yield name.strip()
 
 
+def _from(source, path):
+    """Yield what may be modules of packages: PACKAGE.NAME of each `from PACKAGE import NAME`, also of `from .` ones."""
+    for found, words in _FROM.findall(source):
+        package = found.decode('ascii', 'ignore')
+        dots = len(package) - len(package.lstrip('.'))
+        around = _around(path)[:-(dots - 1) or None] if dots else []
+        for name in _COMMENT.sub(b'', words).decode('ascii', 'ignore').strip('()').split(','):
+            parts = [*around, *filter(None, package.lstrip('.').split('.')), *name.split()[:1]]
+            if parts:
+                yield '.'.join(parts)
+
+
+def _around(path):
+    """Return the names of the packages around a file, the outermost first."""
+    names, folder = [], os.path.dirname(path)
+    while os.path.isfile(os.path.join(folder, '__init__.py')):
+        folder, name = os.path.split(folder)
+        names.insert(0, name)
+    return names
+
+
 def _files_of(name, folders):
     """Yield the files of a module and of the packages around it, but not those of Python's own library."""
     for part in name.split('.'):
@@ -122,7 +151,18 @@ def _files_of(name, folders):
             yield spec.origin
         if not spec.submodule_search_locations:
             return
-        folders = list(spec.submodule_search_locations)
+        folders = [*spec.submodule_search_locations, *_extended(spec.origin, part)]
+
+
+def _extended(origin, package):
+    """Return the folders in which catkin's devel space says that the package is."""
+    found = _EXTENDS.search(_read(origin)) if origin else None
+    return [os.path.join(folder, package) for folder in os.fsdecode(found.group(1)).split(';')] if found else []
+
+
+def _is_of_user(path):
+    """Return whether a file is neither of a library installed for this Python nor of messages: these are many."""
+    return not path.startswith(_LIBRARIES) and os.path.basename(os.path.dirname(path)) not in ('msg', 'srv')
 
 
 def _is_of_python(path):

@@ -15,4 +15,6 @@ def __getattr__(name):
     """Import what is asked for, and rospy with it, only now: the launcher of a binary needs neither."""
     if name not in _PLACES:
         raise AttributeError('module {!r} has no attribute {!r}'.format(__name__, name))
-    return getattr(importlib.import_module('.' + _PLACES[name], __name__), name)
+    # Kept: the next one who asks finds it as any other name.
+    found = globals()[name] = getattr(importlib.import_module('.' + _PLACES[name], __name__), name)
+    return found

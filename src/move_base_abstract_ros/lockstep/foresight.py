@@ -7,6 +7,7 @@ many of these turns have come to pass; the others are taken back.
 from move_base_abstract.lockstep import wire
 
 from .. import beforehand
+from .links import sender
 
 _MOST_TURNS = 64  # of a report; what is taken back was computed in vain
 _FEWEST_TURNS = 4
@@ -31,7 +32,8 @@ class Foresight:
             items.append(wire.at(due_ns))
             beforehand.begin()
             try:
-                self._source.tell(due_ns, series)
+                with sender(None):
+                    self._source.tell(due_ns, series)
             except beforehand.NotForeseeable:
                 _take_back(beforehand.end())
                 del items[mark:]

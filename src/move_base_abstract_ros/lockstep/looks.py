@@ -56,12 +56,12 @@ class _Parameters:
         return 1
 
 
-def _count(function, scheduler, step_ns, weight_of=lambda *_args, **_kwds: 1):
+def _count(function, scheduler, step_ns, weight_of=None):
     def counting(original):
         def look(*args, **kwds):
             if scheduler.is_mine() and not _is_of_ros(sys._getframe(2)):
                 try:
-                    scheduler.look(step_ns, weight_of(*args, **kwds))
+                    scheduler.look(step_ns, weight_of(*args, **kwds) if weight_of else 1)
                 except TurnLost:
                     pass  # lockstep is over, which the answer says
             return original(*args, **kwds)

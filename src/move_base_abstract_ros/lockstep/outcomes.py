@@ -62,6 +62,8 @@ def _note(outcome):
 
 def _tell():
     """A round is over: tell what waits in it, and what waits no more."""
+    if not _state.open:  # as in nearly all rounds
+        return
     participant = _state.participant
     for one in list(_state.open):
         one.look()

@@ -50,6 +50,7 @@ def _verify(options, launch_words):
     if folder is None:
         folder = tempfile.mkdtemp(prefix='move_base_abstract_verify_')
     else:
+        folder = os.path.abspath(folder)  # nodes have a folder of their own
         if os.path.isdir(folder) and os.listdir(folder):
             parser_error = "{}: is not empty (it holds '{}'); name a new folder, or an empty one"
             raise verification.Unfinished(parser_error.format(folder, sorted(os.listdir(folder))[0]),
