@@ -47,18 +47,20 @@ Report richReport() {
                   Background{},
                   Parameter{"/x", true, "<value>1</value>"},
                   Asks{"/y"},
-                  Idle{3}};
+                  Idle{3},
+                  KeepUntil{7}};
   return report;
 }
 
 Grant richGrant() {
-  return {17,
-          kNever,
-          3,
-          {Publisher{1, 2, "a/Type", "0123", true, "string data"}, NoPublisher{1, 2},
-           Subscriber{1, 3}, NoSubscriber{1, 3}, Deliver{1, 2, "payload"},
-           CallIn{4, 2, 9, "request"}, Answer{9, CallStatus::kServerGone, ""}, Found{"/s"},
-           Happened{5}, Heard{1, 3, Hearing::kNothing}, Window{7, 5}, Arrives{6}}};
+  return {
+      17,
+      kNever,
+      3,
+      {Publisher{1, 2, "a/Type", "0123", true, "string data"}, NoPublisher{1, 2}, Subscriber{1, 3},
+       NoSubscriber{1, 3}, Deliver{1, 2, "payload"}, CallIn{4, 2, 9, "request"},
+       Answer{9, CallStatus::kServerGone, ""}, Found{"/s"}, Happened{5},
+       Heard{1, 3, Hearing::kNothing}, Window{7, 5}, Arrives{6}, Came{5}, Changed{}}};
 }
 
 TEST(Wire, BytesOfAReportAreAsDescribed) {
@@ -172,7 +174,7 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
     return up(frame.substr(4));
   };
   const std::size_t items = 4 + 1 + 8 + 1 + 8 + 4;
-  EXPECT_NE(patched(Unserve{1}, items, '\x14').find("kind of item must be from 1 to 19, got 20"),
+  EXPECT_NE(patched(Unserve{1}, items, '\x15').find("kind of item must be from 1 to 20, got 21"),
             std::string::npos);
   EXPECT_NE(patched(Unserve{1}, items, '\0').find("got 0"), std::string::npos);
   EXPECT_NE(patched(Note{}, items + 1, '\x08').find("NOTE: what must be from 1 to 7, got 8"),
