@@ -10,7 +10,7 @@ from actionlib import ActionClient, CommState, GoalStatus
 from move_base_msgs.msg import MoveBaseAction
 from nav_msgs.msg import Odometry
 
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract_ros.nodes.demo_mission import make_goal
 
 SPEED = 2.0  # m/s

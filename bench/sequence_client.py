@@ -13,7 +13,7 @@ import rospy
 from actionlib import ActionClient, CommState
 from move_base_msgs.msg import MoveBaseAction
 
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.nodes.demo_mission import make_goal
 

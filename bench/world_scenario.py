@@ -4,9 +4,9 @@ import random
 
 import numpy as np
 
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.occupancy import OccupancyMap
-from move_base_abstract.settings import OWN_NAMES
+from move_base_abstract.config.settings import OWN_NAMES
+from move_base_abstract.maps.occupancy import OccupancyMap
+from move_base_abstract.motion.geometry import Pose2D
 
 CELLS, RESOLUTION = 1000, 0.1  # of a side, m
 RADIUS = 0.4  # m, of the robots

@@ -15,8 +15,11 @@ DOCS, PAGE = os.path.join(ROOT, 'docs'), 'scenario_keys.md'
 
 from output_file import output_file  # noqa: E402
 
-from move_base_abstract import arrivals, places, scenario, settings, zones  # noqa: E402
-from move_base_abstract.parameter_table import Parameter  # noqa: E402
+from move_base_abstract import scenario  # noqa: E402
+from move_base_abstract.common.parameter_table import Parameter  # noqa: E402
+from move_base_abstract.config import settings  # noqa: E402
+from move_base_abstract.tasks import arrivals, places  # noqa: E402
+from move_base_abstract.traffic import zones  # noqa: E402
 
 HEAD = """# All keys of a scenario
 

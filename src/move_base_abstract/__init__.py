@@ -1,6 +1,10 @@
 """The simulator's core: robots whose travel is computed instead of simulated. Needs no ROS."""
 from pkgutil import extend_path
 
+from .common.handed_on import handed_on
+
 # In a devel space the generated messages live in another folder of the same name; whichever is found first must
 # lead to both.
 __path__ = extend_path(__path__, __name__)
+
+__getattr__ = handed_on(__name__, {'fleet.fleet': 'Fleet', 'scenario': 'Scenario make_scenario read_scenario'})

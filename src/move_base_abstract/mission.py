@@ -11,12 +11,12 @@ import math
 import random
 from typing import NamedTuple, Tuple
 
-from move_base_abstract.bounded_yaml import load_yaml_file
-from move_base_abstract.csv_files import open_csv
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.ros_names import ROBOT_NAME_RULE, is_robot_name
-from move_base_abstract.shown import shown, shown_text
+from .common.bounded_yaml import load_yaml_file
+from .common.csv_files import open_csv
+from .common.errors import ConfigurationError
+from .common.ros_names import ROBOT_NAME_RULE, is_robot_name
+from .common.shown import shown, shown_text
+from .motion.geometry import Pose2D
 
 WGS84_SEMI_MAJOR_M = 6378137.0  # equatorial radius a [m]
 WGS84_ECCENTRICITY_SQUARED = 0.00669437999014  # e^2

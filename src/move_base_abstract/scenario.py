@@ -16,16 +16,16 @@ import os
 from dataclasses import dataclass, field, replace
 from typing import Any, Tuple
 
-from .arrivals import merged, read_arrivals
-from .bounded_yaml import load_yaml_file
-from .errors import ConfigurationError
-from .parameter_table import Parameter, checked, integer, number, one_of
-from .places import read_places
-from .ros_names import ROBOT_NAME_RULE, is_robot_name
-from .settings import OWN_NAMES, RobotSettings, read_settings
-from .shown import shown, shown_text
-from .unknown_keys import check_keys
-from .zones import Zone, read_zones
+from .common.bounded_yaml import load_yaml_file
+from .common.errors import ConfigurationError
+from .common.parameter_table import Parameter, checked, integer, number, one_of
+from .common.ros_names import ROBOT_NAME_RULE, is_robot_name
+from .common.shown import shown, shown_text
+from .common.unknown_keys import check_keys
+from .config.settings import OWN_NAMES, RobotSettings, read_settings
+from .tasks.arrivals import merged, read_arrivals
+from .tasks.places import read_places
+from .traffic.zones import Zone, read_zones
 
 _NETWORKS = ('lanes', 'travel_matrix')  # of the world, so that they stand at the top
 _TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', 'deadlock', *_NETWORKS, 'places', 'arrivals')

@@ -6,10 +6,10 @@ import struct
 import genpy
 import rosbag
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.geometry import Pose2D, normalize_angle, quaternion_fault, yaw_of_quaternion
-from move_base_abstract.input_files import check_input
-from move_base_abstract.shown import shown_text
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.input_files import check_input
+from move_base_abstract.common.shown import shown_text
+from move_base_abstract.motion.geometry import Pose2D, normalize_angle, quaternion_fault, yaw_of_quaternion
 
 from .legs import RecordedLeg, Way, way_along
 

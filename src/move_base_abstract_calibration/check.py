@@ -3,8 +3,8 @@ from typing import NamedTuple, Optional
 
 import numpy as np
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.factors import along
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.engine.factors import along
 
 from .fit import fit, succeeded
 from .law import Durations

@@ -10,10 +10,10 @@ import math
 import os
 import sys
 
-from move_base_abstract.bounded_yaml import load_yaml_file
-from move_base_abstract.calibration import calibration_file, read_calibration
-from move_base_abstract.errors import ConfigurationError, SimulatorError
-from move_base_abstract.shown import shown
+from move_base_abstract.common.bounded_yaml import load_yaml_file
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.shown import shown
+from move_base_abstract.motion.calibration import calibration_file, read_calibration
 
 _YAML = 'calibration.yaml'
 
@@ -142,7 +142,7 @@ def _read(options):
 def _map_ways(options, notes):
     if options.map is None:
         return None
-    from move_base_abstract.grid_planner import MapWays
+    from move_base_abstract.maps.grid_planner import MapWays
     from move_base_abstract_ros.map_files import load_map, read_description
     description = read_description(options.map)
     notes += list(description.warnings)

@@ -1,10 +1,10 @@
 """Legs from a table: one row a goal, with the columns that docs/calibrate.md names."""
 import math
 
-from move_base_abstract.csv_files import open_csv, rows_of
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.shown import shown
+from move_base_abstract.common.csv_files import open_csv, rows_of
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown
+from move_base_abstract.motion.geometry import Pose2D
 
 from .legs import RecordedLeg, Way, way_along
 

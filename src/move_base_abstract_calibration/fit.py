@@ -8,7 +8,7 @@ import math
 import numpy as np
 from scipy import optimize, special
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 
 from .law import Durations
 

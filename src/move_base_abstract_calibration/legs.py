@@ -2,7 +2,7 @@
 import math
 from typing import NamedTuple, Optional
 
-from move_base_abstract.geometry import Pose2D, normalize_angle
+from move_base_abstract.motion.geometry import Pose2D, normalize_angle
 
 
 class Way(NamedTuple):

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import jinja2
 
-from move_base_abstract import own_files
-from move_base_abstract.calibration import FORMAT, TABLE, make_calibration
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common import own_files
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.motion.calibration import FORMAT, TABLE, make_calibration
 
 _FIRST_YAML = '# move_base_abstract calibration'
 _FIRST_PAGE = '<!doctype html><!-- move_base_abstract calibration -->'

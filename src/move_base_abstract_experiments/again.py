@@ -5,9 +5,9 @@ import os
 import sys
 import tarfile
 
-from move_base_abstract import event_log, run_difference
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.event_log import EventLog
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.runs import event_log, run_difference
+from move_base_abstract.runs.event_log import EventLog
 
 from . import checks, jobs, outputs, plan, records, resumed, run, spec, temporary, trial
 

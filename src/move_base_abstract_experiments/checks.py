@@ -3,8 +3,8 @@ import difflib
 import math
 import re
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.shown import shown, shown_text
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown, shown_text
 
 _PLACE = re.compile(r'\{([^{}]*)\}')
 _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]{0,63}\Z', re.ASCII)

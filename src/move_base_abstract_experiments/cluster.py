@@ -16,7 +16,7 @@ import warnings
 from multiprocessing import resource_tracker
 from typing import NamedTuple
 
-from move_base_abstract.errors import SimulatorError
+from move_base_abstract.common.errors import SimulatorError
 
 from . import batches, jobs, spool, temporary
 from .workers import LOST_S, Workers, key_of

@@ -5,7 +5,7 @@ import os
 import signal
 import sys
 
-from move_base_abstract.errors import SimulatorError
+from move_base_abstract.common.errors import SimulatorError
 
 GOOD, BAD, CANNOT, INTERRUPTED = 0, 1, 2, 130
 

@@ -16,8 +16,8 @@ import sys
 import time
 from pathlib import Path
 
-from move_base_abstract.errors import ConfigurationError, SimulatorError
-from move_base_abstract.shown import shown
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.shown import shown
 from move_base_abstract_ros.launching import ends, processes
 
 from . import run, run_folders

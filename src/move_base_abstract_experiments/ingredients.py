@@ -16,8 +16,8 @@ import subprocess
 from functools import lru_cache
 from pathlib import Path
 
-from move_base_abstract.errors import ConfigurationError, SimulatorError
-from move_base_abstract.input_files import open_input
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.input_files import open_input
 
 from . import checks, launch_files, program_files
 

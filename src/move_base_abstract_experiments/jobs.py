@@ -7,7 +7,7 @@ import sys
 import tempfile
 import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the warm process has one
 
-from move_base_abstract.errors import SimulatorError
+from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract_ros.launching.warm_nodes import interpreter_of
 
 from . import bundle, elsewhere, functions, ingredients, plan, spool

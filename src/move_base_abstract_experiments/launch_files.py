@@ -10,7 +10,7 @@ import re
 import xml.etree.ElementTree
 from functools import lru_cache
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_ros.launching.look_ups import programs
 
 NAME = 'programs.json'

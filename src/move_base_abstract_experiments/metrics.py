@@ -12,10 +12,10 @@ import re
 import sys
 from typing import NamedTuple
 
-from move_base_abstract import event_log
-from move_base_abstract.event_log import EventLog, EventLogError
-from move_base_abstract.geometry import share_along
-from move_base_abstract.run_difference import MESSAGES
+from move_base_abstract.motion.geometry import share_along
+from move_base_abstract.runs import event_log
+from move_base_abstract.runs.event_log import EventLog, EventLogError
+from move_base_abstract.runs.run_difference import MESSAGES
 from move_base_abstract_ros.launching import ends
 
 _NS_PER_S = 1e9  # dividing by it rounds once

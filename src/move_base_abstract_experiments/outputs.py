@@ -18,9 +18,9 @@ import shutil
 import tarfile
 from pathlib import Path
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.json_files import loads_cleaned
-from move_base_abstract.own_files import FolderKind, new_file, on_disk, whole_file
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.json_files import loads_cleaned
+from move_base_abstract.common.own_files import FolderKind, new_file, on_disk, whole_file
 
 from . import records
 

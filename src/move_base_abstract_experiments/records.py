@@ -3,9 +3,9 @@ import math
 import os
 import re
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.json_files import load_json_mapping
-from move_base_abstract.shown import shown
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.json_files import load_json_mapping
+from move_base_abstract.common.shown import shown
 
 FORMAT = 1
 MAX_PLAN_BYTES = 512 * 1024 * 1024  # there may be 1,000,000 trials in it

@@ -5,8 +5,8 @@ OUT/programs.json    {digest: {file: digest}}: what the trials, each of which na
 import json
 import os
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.json_files import load_json_mapping
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract_ros.launching import ends
 
 from . import ingredients, outputs, plan, trial

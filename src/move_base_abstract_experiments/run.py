@@ -14,7 +14,7 @@ import signal
 import time
 from typing import NamedTuple
 
-from move_base_abstract.errors import SimulatorError
+from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract_ros.launching import ends, processes, ros_master, warm_nodes
 from move_base_abstract_ros.loopback import PACKAGE
 

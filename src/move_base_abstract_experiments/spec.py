@@ -7,8 +7,8 @@ import os
 import re
 from typing import NamedTuple, Optional
 
-from move_base_abstract.bounded_yaml import load_yaml_file
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.bounded_yaml import load_yaml_file
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep import stored_topics
 from move_base_abstract_ros.launching import ends
 

@@ -1,8 +1,8 @@
 """How far an experiment is, read from its folder alone."""
 import time
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.shown import shown_text
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown_text
 
 from . import records, trial, workers
 

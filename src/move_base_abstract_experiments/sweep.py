@@ -8,7 +8,7 @@ import sys
 import tarfile
 import threading  # noqa: TID251 - of the client, whose threads are Dask's
 
-from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 
 from . import checks, cluster, jobs, launch_files, outputs, plan, resumed, spec, tables, trial
 from .progress import Progress

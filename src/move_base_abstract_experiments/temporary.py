@@ -9,8 +9,8 @@ import os
 import shutil
 import tempfile
 
-from move_base_abstract.errors import SimulatorError
-from move_base_abstract.own_files import MARKER, FolderKind
+from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.own_files import MARKER, FolderKind
 
 KIND = FolderKind('temporary folder')
 

@@ -7,8 +7,8 @@ import re
 import time
 import traceback
 
-from move_base_abstract import run_difference
-from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.runs import run_difference
 from move_base_abstract_ros.launching import ends
 
 from . import (

@@ -7,8 +7,8 @@ import json
 import os
 from pathlib import Path
 
-from move_base_abstract import event_log
-from move_base_abstract.event_log import EventLog
+from move_base_abstract.runs import event_log
+from move_base_abstract.runs.event_log import EventLog
 
 from . import functions, run
 from .metric_names import BUILT_IN

@@ -19,7 +19,7 @@ import signal
 import socket
 import sys
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_ros.launching import look_ups, processes, warm_nodes
 
 from . import carriers, functions, launch_files, run_folders, temporary

@@ -12,9 +12,9 @@ import signal
 import time
 from typing import NamedTuple
 
-from move_base_abstract.errors import ConfigurationError, SimulatorError
-from move_base_abstract.json_files import load_json_mapping
-from move_base_abstract.shown import shown_text
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.json_files import load_json_mapping
+from move_base_abstract.common.shown import shown_text
 
 FILE = 'workers.json'
 LOST_S = 30.0  # wall, after which Dask gives up a worker that does not come back; then we ask for another

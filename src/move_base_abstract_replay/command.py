@@ -9,8 +9,8 @@ import argparse
 import math
 import sys
 
-from move_base_abstract.errors import SimulatorError
-from move_base_abstract.shown import shown
+from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.shown import shown
 
 _PAGE = 'replay.html'
 _MOST_RATE = 1000.0  # Hz

@@ -1,7 +1,7 @@
 """Legs with corners of which no law says how fast they were driven: along the corners, at an even speed."""
 import math
 
-from move_base_abstract.geometry import share_along
+from move_base_abstract.motion.geometry import share_along
 
 _ON_WAY = 0.01  # m; who ended as near as that to the way ended on it
 

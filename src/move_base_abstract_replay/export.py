@@ -2,8 +2,8 @@
 import contextlib
 import os
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.own_files import PART, OutputError
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.own_files import PART, OutputError
 
 from .mcap_file import McapWriter
 from .motions import Motions

@@ -3,7 +3,7 @@ import os
 
 import numpy as np
 
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract_ros.map_files import load_map, read_description
 
 from .packed import Packer

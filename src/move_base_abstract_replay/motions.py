@@ -10,16 +10,16 @@ import math
 from dataclasses import dataclass, field
 from typing import List, NamedTuple, Optional
 
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import Leg, MotionLimits, Tolerances
-from move_base_abstract.route import CornerLaw, Route
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import Leg, MotionLimits, Tolerances
+from move_base_abstract.motion.route import CornerLaw, Route
 
 from .even_ways import even_pieces
 
 #: how a robot gets from one pose to the other: it is there; evenly; by the limits with this number less LIMITED
 PLACED, EVEN, LIMITED = 0, 1, 2
 _CLOSE = 1e-6  # m, and rad: where a leg may end beside what the log says; texts of numbers are exact
-#: kinds of events that say where a robot is; :mod:`move_base_abstract.robot_trace`
+#: kinds of events that say where a robot is; :mod:`move_base_abstract.runs.trace`
 KINDS = ('motion', 'departed', 'route', 'stands')
 _RAMP_PIECES = 8  # of speeding up and slowing down on a leg with corners
 

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import jinja2
 
-from move_base_abstract import own_files, run_difference
-from move_base_abstract.run_difference import told_lines
+from move_base_abstract.common import own_files
+from move_base_abstract.runs import run_difference
+from move_base_abstract.runs.run_difference import told_lines
 
 from .map_data import packed_map
 from .page_data import Run

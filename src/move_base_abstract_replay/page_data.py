@@ -1,7 +1,7 @@
 """What the page shows of a log, as columns: events, motions, rows of the timeline, notes."""
 import os
 
-from move_base_abstract.shown import shown_text
+from move_base_abstract.common.shown import shown_text
 
 from .motions import Motions
 from .packed import Packer

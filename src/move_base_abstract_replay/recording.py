@@ -1,11 +1,11 @@
 """An event log in memory, as columns: what the page lists, and what legs and states are found in."""
 from array import array
 
-from move_base_abstract import event_log
-from move_base_abstract.errors import SimulatorError
-from move_base_abstract.event_log import EventLog
-from move_base_abstract.run_difference import MESSAGES
-from move_base_abstract.units import LAST_NS
+from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.units import LAST_NS
+from move_base_abstract.runs import event_log
+from move_base_abstract.runs.event_log import EventLog
+from move_base_abstract.runs.run_difference import MESSAGES
 
 #: events that are kept of a log at most; robots' own are all kept, messages only as far as there is room
 MOST_EVENTS = 500_000

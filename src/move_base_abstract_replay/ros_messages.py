@@ -13,8 +13,8 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
-from move_base_abstract.geometry import Pose2D, normalize_angle, quaternion_of_yaw
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.motion.geometry import Pose2D, normalize_angle, quaternion_of_yaw
 
 from .motions import EVEN, LIMITED, make_leg
 

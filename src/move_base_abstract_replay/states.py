@@ -6,7 +6,7 @@ import json
 import re
 from typing import NamedTuple
 
-from move_base_abstract.run_difference import MESSAGES
+from move_base_abstract.runs.run_difference import MESSAGES
 
 
 class State(NamedTuple):

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatusArray
 
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.units import NS_PER_S
 
 from . import lockstep, packing
 from .outbox import Outbox

@@ -2,7 +2,7 @@
 import itertools
 import os
 
-from move_base_abstract.errors import SimulatorError
+from move_base_abstract.common.errors import SimulatorError
 
 from . import message_fields
 

@@ -5,9 +5,9 @@ import rospy
 from sensor_msgs.msg import BatteryState
 from std_srvs.srv import SetBool, SetBoolResponse
 
-from move_base_abstract.battery import STATE_OF_CHARGE
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.parameter_table import checked
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.parameter_table import checked
+from move_base_abstract.energy.battery import STATE_OF_CHARGE
 from move_base_abstract.srv import SetCharge, SetChargeResponse
 
 from . import conversions, lockstep, packing

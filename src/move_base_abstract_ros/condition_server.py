@@ -2,8 +2,8 @@
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.failures import REQUEST, check_request
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.faults.failures import REQUEST, check_request
 from move_base_abstract.srv import Fail, FailResponse
 
 from . import diagnostics

@@ -3,9 +3,9 @@ import genpy
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from std_msgs.msg import Header
 
-from move_base_abstract.geometry import Pose2D, quaternion_fault, quaternion_of_yaw, yaw_of_quaternion
-from move_base_abstract.navigator import GoalPose
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.goals.navigator import GoalPose
+from move_base_abstract.motion.geometry import Pose2D, quaternion_fault, quaternion_of_yaw, yaw_of_quaternion
 
 
 def to_time(time_ns):

@@ -4,7 +4,7 @@ from geometry_msgs.msg import PolygonStamped
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import OccupancyGrid
 
-from move_base_abstract.costmaps import Window
+from move_base_abstract.maps.costmaps import Window
 
 from . import beforehand, conversions
 from .outlets import LatchedOutlet, LatchedOutlets

@@ -1,7 +1,7 @@
 """The condition of the robots of a process on ``/diagnostics``: at changes, and once a simulated second."""
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.units import NS_PER_S
 
 from . import beforehand, conversions, lockstep, packing
 from .host import Heartbeat

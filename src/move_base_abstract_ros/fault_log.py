@@ -3,7 +3,7 @@ import traceback
 
 import rospy
 
-from move_base_abstract.faults import fault_text
+from move_base_abstract.engine.guard import fault_text
 
 from .throttle import WallThrottle
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
-from move_base_abstract.bounded_yaml import REQUEST, load_yaml_text
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.place_tasks import Rooms
+from move_base_abstract.common.bounded_yaml import REQUEST, load_yaml_text
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.scenario import check_frame, counted_places, make_robot
-from move_base_abstract.shown import shown, shown_text
 from move_base_abstract.srv import AddRobot, AddRobotResponse, RemoveRobot, RemoveRobotResponse
+from move_base_abstract.tasks.place_tasks import Rooms
 
 from . import world_markers
 from .bulk_registration import bulk_registration

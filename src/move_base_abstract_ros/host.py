@@ -3,10 +3,10 @@ from dataclasses import dataclass
 
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.event_queue import NOBODY
-from move_base_abstract.parameter_table import Parameter, integer, number, read_table
-from move_base_abstract.rates import Rates
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.parameter_table import Parameter, integer, number, read_table
+from move_base_abstract.config.rates import Rates
+from move_base_abstract.engine.event_queue import NOBODY
 
 from .single_connections import connect_one_at_a_time
 

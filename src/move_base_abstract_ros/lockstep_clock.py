@@ -7,9 +7,9 @@ import threading
 
 import rospy
 
+from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.scheduler import TurnLost
-from move_base_abstract.simulation import Simulation
 
 from . import beforehand, outlets
 from .fault_log import FaultLog

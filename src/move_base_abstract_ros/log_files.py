@@ -1,7 +1,7 @@
 """A log file that cannot be written: said once, in a line, instead of by a traceback for each message."""
 import sys
 
-from move_base_abstract.shown import shown_text
+from move_base_abstract.common.shown import shown_text
 
 from .replaced import replace
 

@@ -11,12 +11,12 @@ from typing import Tuple
 import numpy as np
 from PIL import Image
 
-from move_base_abstract.bounded_yaml import load_yaml_file
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.input_files import open_input
-from move_base_abstract.occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
-from move_base_abstract.shown import shown, shown_text
+from move_base_abstract.common.bounded_yaml import load_yaml_file
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.input_files import open_input
+from move_base_abstract.common.shown import shown, shown_text
+from move_base_abstract.maps.occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
+from move_base_abstract.motion.geometry import Pose2D
 
 from .pnm_files import BYTES_MAX, is_pnm, read_pnm
 

@@ -6,7 +6,7 @@ import rospy
 from nav_msgs.msg import OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 
-from move_base_abstract.occupancy import OccupancyMap
+from move_base_abstract.maps.occupancy import OccupancyMap
 
 from . import conversions
 

@@ -8,7 +8,7 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 
 from . import conversions
 

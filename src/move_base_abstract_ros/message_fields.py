@@ -5,7 +5,7 @@ import struct
 import genpy
 import roslib.message
 
-from move_base_abstract.shown import shown
+from move_base_abstract.common.shown import shown
 
 MOST = 12  # fields that are told
 _LENGTH = struct.Struct('<I')

@@ -1,13 +1,13 @@
 """One robot under move_base's interface: the core's navigator between its topics, services and parameters."""
 import rospy
 
-from move_base_abstract.activity import activity
-from move_base_abstract.battery import EMPTY
-from move_base_abstract.navigator import NavigatorListener
-from move_base_abstract.outcome import BATTERY_EMPTY, NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
-from move_base_abstract.recovery import RecoveryPolicy
-from move_base_abstract.robot_parts import make_planner, make_robot_parts
-from move_base_abstract.robot_trace import RobotTrace
+from move_base_abstract.energy.battery import EMPTY
+from move_base_abstract.fleet.robot_parts import make_planner, make_robot_parts
+from move_base_abstract.goals.activity import activity
+from move_base_abstract.goals.navigator import NavigatorListener
+from move_base_abstract.goals.outcome import BATTERY_EMPTY, NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
+from move_base_abstract.goals.recovery import RecoveryPolicy
+from move_base_abstract.runs.trace import RobotTrace
 
 from . import backends, beforehand, lockstep, robot_markers, tf_watch
 from .condition_server import ConditionServer

@@ -12,8 +12,8 @@ import rosgraph
 import rospkg
 import rospy
 
-from move_base_abstract.errors import SimulatorError
-from move_base_abstract.shown import shown_text
+from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.shown import shown_text
 
 from . import rospy_start
 from .log_files import survive_full_disk

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 import rospy
 
-from move_base_abstract.event_queue import NOBODY, ONLOOKERS, PARTICIPANTS
+from move_base_abstract.engine.event_queue import NOBODY, ONLOOKERS, PARTICIPANTS
 
 from . import beforehand
 

@@ -8,8 +8,8 @@ import struct
 from io import BytesIO
 from math import cos, sin
 
-from move_base_abstract.geometry import quaternion_of_yaw
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.motion.geometry import quaternion_of_yaw
 
 #: geometry_msgs/Twist that stands still
 ZERO_TWIST = bytes(48)

@@ -6,7 +6,7 @@ from nav_msgs.msg import Path
 from nav_msgs.srv import GetPlan, GetPlanResponse
 from std_srvs.srv import Empty, EmptyResponse
 
-from move_base_abstract.planning import path_along
+from move_base_abstract.maps.planning import path_along
 
 from . import conversions
 from .outlets import LatchedOutlets

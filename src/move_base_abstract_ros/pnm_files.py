@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 
 CHANNELS = {b'P2': 1, b'P3': 3, b'P5': 1, b'P6': 3}
 PIXELS_MAX = 2 ** 27  # 134 million: 11.6 km x 11.6 km in cells of 1 m

@@ -11,8 +11,8 @@ from dynamic_reconfigure.encoding import extract_params
 from dynamic_reconfigure.server import Server
 
 from move_base_abstract.cfg import DWAPlannerConfig, MoveBaseConfig, TrajectoryPlannerConfig
-from move_base_abstract.local_planner import SpeedNames
-from move_base_abstract.motion import MotionLimits, Tolerances
+from move_base_abstract.config.local_planner import SpeedNames
+from move_base_abstract.motion.leg import MotionLimits, Tolerances
 
 from .bulk_registration import delete_params, get_namespace, set_params
 

@@ -2,7 +2,7 @@
 import rosgraph.names
 import rospy
 
-from move_base_abstract.map_check import MapCheck
+from move_base_abstract.maps.map_check import MapCheck
 
 
 def wait_for_maps(robots, participant):

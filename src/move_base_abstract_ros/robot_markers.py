@@ -9,7 +9,7 @@ import time
 import rospy
 from visualization_msgs.msg import MarkerArray
 
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 
 from . import lockstep, marker_builder
 from .marker_builder import Look, View

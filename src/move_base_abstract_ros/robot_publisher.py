@@ -3,7 +3,7 @@ import rospy
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
 
-from move_base_abstract.event_queue import PARTICIPANTS
+from move_base_abstract.engine.event_queue import PARTICIPANTS
 
 from . import conversions, lockstep, tf_hub
 from .outlets import Outlet

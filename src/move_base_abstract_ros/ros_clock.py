@@ -9,9 +9,9 @@ import time
 import rospy
 from rosgraph_msgs.msg import Clock
 
-from move_base_abstract.clock_source import ClockSource, Step
-from move_base_abstract.simulation import Simulation
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.engine.simulation import Simulation
+from move_base_abstract.supervision.clock_source import ClockSource, Step
 
 from .clock_watch import watch_clock
 from .fault_log import FaultLog

@@ -2,11 +2,11 @@
 import struct
 import time
 
-from move_base_abstract.goal_ledger import GoalLedger
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.goals.ledger import GoalLedger
+from move_base_abstract.goals.outcome import GoalState
 from move_base_abstract.msg import TimedTaskActionFeedback, TimedTaskActionGoal, TimedTaskActionResult
-from move_base_abstract.outcome import GoalState
-from move_base_abstract.timed_task import TimedTaskRunner
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.tasks.timed_task import TimedTaskRunner
 
 from . import lockstep
 from .action_shell import ActionShell, ActionTypes

@@ -3,8 +3,8 @@ import rospy
 from geometry_msgs.msg import Pose, PoseWithCovarianceStamped
 from std_msgs.msg import Header
 
-from move_base_abstract.errors import FrameError
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.common.errors import FrameError
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.srv import SetPose, SetPoseResponse
 
 from . import conversions

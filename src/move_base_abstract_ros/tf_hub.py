@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from tf2_msgs.msg import TFMessage
 
-from move_base_abstract.event_queue import NOBODY
+from move_base_abstract.engine.event_queue import NOBODY
 
 from . import beforehand, packing
 from .outlets import Outlet, Packed

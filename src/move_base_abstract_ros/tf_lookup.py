@@ -11,7 +11,7 @@ import rospy
 import tf2_ros
 from tf2_msgs.msg import TFMessage
 
-from move_base_abstract.errors import FrameError
+from move_base_abstract.common.errors import FrameError
 
 from . import conversions, lockstep
 

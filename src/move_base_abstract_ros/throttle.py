@@ -1,7 +1,7 @@
 """A cap, in wall time, on how often something is published; or none."""
 import time
 
-from move_base_abstract.rate_cap import RateCap
+from move_base_abstract.supervision.rate_cap import RateCap
 
 
 class NoThrottle:

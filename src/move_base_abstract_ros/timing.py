@@ -6,9 +6,9 @@ from contextlib import nullcontext
 
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.event_queue import NOBODY, PARTICIPANTS
-from move_base_abstract.settings import EVENTS_ONLY
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.config.settings import EVENTS_ONLY
+from move_base_abstract.engine.event_queue import NOBODY, PARTICIPANTS
 
 from . import lockstep, outlets, tf_hub, tf_watch
 from .clock_watch import watch_clock

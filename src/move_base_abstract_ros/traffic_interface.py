@@ -1,10 +1,10 @@
 """The zones of a fleet towards ROS: the topic ``~zones`` and the service ``~close_zone``."""
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.msg import ZoneState, ZoneStates
 from move_base_abstract.srv import CloseZone, CloseZoneResponse
-from move_base_abstract.traffic import DeadlockPolicy, Traffic
+from move_base_abstract.traffic.control import DeadlockPolicy, Traffic
 
 from . import conversions
 from .outlets import LatchedOutlet

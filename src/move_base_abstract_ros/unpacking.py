@@ -7,8 +7,8 @@ import struct
 
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult
 
-from move_base_abstract.navigator import GoalPose
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.goals.navigator import GoalPose
 
 from . import conversions
 

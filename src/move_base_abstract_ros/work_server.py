@@ -2,16 +2,16 @@
 import struct
 import time
 
-from move_base_abstract.arrivals import Task
-from move_base_abstract.faults import fault_text
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.goal_ledger import GoalLedger
+from move_base_abstract.common.shown import shown_text
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.engine.guard import fault_text
+from move_base_abstract.goals.ledger import GoalLedger
+from move_base_abstract.goals.outcome import GoalState
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import PlaceTaskActionFeedback, PlaceTaskActionGoal, PlaceTaskActionResult
-from move_base_abstract.outcome import GoalState
-from move_base_abstract.place_tasks import PlaceTaskListener, PlaceTaskRunner
-from move_base_abstract.robot_trace import TaskTrace
-from move_base_abstract.shown import shown_text
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.runs.trace import TaskTrace
+from move_base_abstract.tasks.arrivals import Task
+from move_base_abstract.tasks.place_tasks import PlaceTaskListener, PlaceTaskRunner
 
 from . import conversions
 from .action_shell import ActionShell, ActionTypes

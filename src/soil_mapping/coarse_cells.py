@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 
 from .config import CoarseCells
 

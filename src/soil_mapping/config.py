@@ -5,8 +5,8 @@ from dataclasses import asdict, dataclass, fields
 from difflib import get_close_matches
 from enum import Enum
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.shown import shown
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown
 
 PUBLISHED_CONFIGURATIONS = (('ssi', 'random'), ('ssi', 'dynamic'), ('rr', 'random'), ('rr', 'dynamic'))
 

@@ -15,7 +15,7 @@ never falling. Calls of the same instant come in the order of the robots' indice
 mission; what happens at end_ns still counts, if it is told before end. Calls after the end change nothing.
 """
 
-from move_base_abstract.units import seconds_to_ns
+from move_base_abstract.common.units import seconds_to_ns
 
 from .allocation import Allocator
 from .commands import FIRST_SAMPLE, Drive, Stop, TakeSample

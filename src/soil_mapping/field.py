@@ -8,8 +8,8 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.shown import shown
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown
 
 from .config import Crs, parse_size
 from .grid import FIELD_HEIGHT_M, FIELD_WIDTH_M, MAX_CELLS, Grid

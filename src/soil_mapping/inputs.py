@@ -2,9 +2,9 @@
 
 import hashlib
 
-from move_base_abstract.csv_files import MAX_BYTES, open_csv
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.input_files import open_input
+from move_base_abstract.common.csv_files import MAX_BYTES, open_csv
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.input_files import open_input
 
 from .readings import MEUSE_FILE
 

@@ -7,8 +7,8 @@ at the end of each step, and its data collector keeps the metrics per step.
 
 import mesa
 
-from move_base_abstract.event_queue import EventQueue
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.engine.event_queue import EventQueue
 
 from .commands import Drive, Place, TakeSample
 from .coordinator import Coordinator

@@ -3,10 +3,10 @@
 import math
 from dataclasses import dataclass
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import Leg, MotionLimits
-from move_base_abstract.units import seconds_to_ns
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.units import seconds_to_ns
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import Leg, MotionLimits
 
 
 @dataclass(frozen=True)

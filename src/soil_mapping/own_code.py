@@ -12,7 +12,7 @@ import operator
 from enum import Enum
 from pathlib import Path
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 
 from .allocation import Allocator
 from .sampling import Task

@@ -4,7 +4,7 @@ from matplotlib import cm
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from move_base_abstract.own_files import whole_file
+from move_base_abstract.common.own_files import whole_file
 
 DPI = 100
 ROBOT_COLOURS = cm.tab10

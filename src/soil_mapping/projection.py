@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 
 MAX_SPAN_DEG = 1.0  # about 111 km: no field is larger, and lengths are true to 0.01 %
 DECIMALS = 6  # of the degrees of the projection's origin: 0.1 m

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from move_base_abstract.csv_files import open_csv
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.shown import shown, shown_text
+from move_base_abstract.common.csv_files import open_csv
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown, shown_text
 
 from .config import Crs
 

@@ -27,8 +27,8 @@ from pathlib import Path
 
 import numpy as np
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.own_files import FolderKind, OutputError, whole_file
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.own_files import FolderKind, OutputError, whole_file
 
 from .mission_log import Event, Moment, Sample, Waypoint
 from .provenance import machine, package_version, versions

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from replay_test_pages import many_legs, page, small_run
 
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract_replay.motions import make_leg
 
 S = 1_000_000_000

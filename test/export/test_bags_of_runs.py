@@ -13,7 +13,7 @@ sys.path.insert(0, str(ROOT / 'src'))
 from geometry_msgs.msg import PoseArray, PoseStamped  # noqa: E402
 from std_msgs.msg import Float64, String  # noqa: E402
 
-from move_base_abstract.event_log import EventLog  # noqa: E402
+from move_base_abstract.runs.event_log import EventLog  # noqa: E402
 from move_base_abstract_ros import bag_difference, message_fields  # noqa: E402
 from move_base_abstract_ros.launching import bags  # noqa: E402
 from move_base_abstract_ros.lockstep import recorders  # noqa: E402

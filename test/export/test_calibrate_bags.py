@@ -15,9 +15,9 @@ from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult  # noqa:
 from nav_msgs.msg import Odometry  # noqa: E402
 from nav_msgs.msg import Path as PathMessage  # noqa: E402
 
-from move_base_abstract.errors import ConfigurationError  # noqa: E402
+from move_base_abstract.common.errors import ConfigurationError  # noqa: E402
 from move_base_abstract.fleet import Fleet  # noqa: E402
-from move_base_abstract.geometry import quaternion_of_yaw  # noqa: E402
+from move_base_abstract.motion.geometry import quaternion_of_yaw  # noqa: E402
 from move_base_abstract.scenario import make_scenario  # noqa: E402
 from move_base_abstract_calibration.bags import read_legs  # noqa: E402
 from move_base_abstract_calibration.legs import way_along  # noqa: E402

@@ -14,7 +14,7 @@ sys.path.insert(0, str(ROOT / 'src'))
 
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult  # noqa: E402
 
-from move_base_abstract.errors import ConfigurationError  # noqa: E402
+from move_base_abstract.common.errors import ConfigurationError  # noqa: E402
 from move_base_abstract.fleet import Fleet  # noqa: E402
 from move_base_abstract.scenario import make_scenario  # noqa: E402
 from move_base_abstract_replay import command  # noqa: E402

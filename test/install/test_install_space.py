@@ -100,7 +100,7 @@ def test_rosrun_finds_one_executable_in_the_built_environment(clean_env, name):
 
 
 def test_the_installed_python_packages_are_imported(installed, prefix):
-    code = ('import move_base_abstract.msg as m, move_base_abstract.geometry as g, move_base_abstract_ros as r;'
+    code = ('import move_base_abstract.msg as m, move_base_abstract.motion.geometry as g, move_base_abstract_ros as r;'
             'print(m.__file__, g.__file__, r.__file__, sep="\\n")')
     for path in run(sys.executable, '-c', code, env=installed).split():
         assert Path(path).is_relative_to(prefix)
@@ -134,7 +134,7 @@ def test_an_installed_replay_shows_a_log(installed, tmp_path):
 
 
 def test_an_installed_calibration_is_found_by_its_name(installed):
-    run(sys.executable, '-c', "from move_base_abstract.calibration import read_calibration; "
+    run(sys.executable, '-c', "from move_base_abstract.motion.calibration import read_calibration; "
         "assert 'Stage' in read_calibration('move_base_dwa_stage', 'x').source", env=installed)
 
 

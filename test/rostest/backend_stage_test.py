@@ -14,7 +14,7 @@ from nav_msgs.msg import Odometry
 from robot_harness import GUARD, Record, go, pose_stamped, simple_client, to_transform
 from rosgraph_msgs.msg import Clock, Log
 
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract_ros import conversions
 
 QUARTER_TURN = 1.5707963267948966

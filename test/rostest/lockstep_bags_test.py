@@ -11,7 +11,7 @@ import rostest
 from busy_cores import busy
 from own_folder import OwnFolder
 
-from move_base_abstract.event_log import EventLog
+from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 200.0  # s, wall; only ends what would never end

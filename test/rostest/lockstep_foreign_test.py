@@ -15,7 +15,7 @@ import rosbag
 import rostest
 from busy_cores import busy
 
-from move_base_abstract.event_log import EventLog
+from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import Loopback
 
 HERE = os.path.dirname(os.path.abspath(__file__))

@@ -17,10 +17,10 @@ from unittest import mock
 
 import rostest
 
-from move_base_abstract.event_log import EventLog
+from move_base_abstract.common.shown import MAX_LENGTH
 from move_base_abstract.fleet import Fleet
+from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract.scenario import read_scenario
-from move_base_abstract.shown import MAX_LENGTH
 from move_base_abstract_ros.launching import roles
 from move_base_abstract_ros.loopback import find_executable
 

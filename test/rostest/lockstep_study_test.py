@@ -19,7 +19,7 @@ import psutil
 import rostest
 from busy_cores import busy
 
-from move_base_abstract.event_log import EventLog
+from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
 STUDY = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'study')

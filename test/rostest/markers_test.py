@@ -11,7 +11,7 @@ from geometry_msgs.msg import Pose
 from robot_harness import RawClient, Record, pose_stamped
 from visualization_msgs.msg import Marker, MarkerArray
 
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task
 from move_base_abstract.srv import AddRobot, RemoveRobot
 from move_base_abstract_ros import marker_builder, world_markers

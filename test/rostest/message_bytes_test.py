@@ -22,7 +22,7 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import TimedTaskFeedback, TimedTaskResult
 from move_base_abstract_ros import conversions, packing, task_server
 from move_base_abstract_ros.unpacking import GoalIn, ResultIn

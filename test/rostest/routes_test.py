@@ -13,7 +13,7 @@ from nav_msgs.srv import GetPlan
 from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
 
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import ZoneStates
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract.srv import CloseZone

@@ -9,7 +9,7 @@ import yaml
 from roslaunch.config import ROSLaunchConfig
 from roslaunch.xmlloader import XmlLoader
 
-from move_base_abstract.settings import read_settings
+from move_base_abstract.config.settings import read_settings
 
 PACKAGE = rospkg.RosPack().get_path('move_base_abstract')
 

@@ -15,7 +15,7 @@ from geometry_msgs.msg import Pose, Quaternion
 from std_msgs.msg import Header
 
 from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task, TimedTaskAction, TimedTaskGoal
-from move_base_abstract.timed_task import DrawnDurations
+from move_base_abstract.tasks.timed_task import DrawnDurations
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = rospy.Duration(600.0)

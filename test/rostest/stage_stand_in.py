@@ -17,8 +17,8 @@ from nav_msgs.msg import Odometry
 from robot_harness import to_transform
 from rosgraph_msgs.msg import Clock
 
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.units import seconds_to_ns
+from move_base_abstract.common.units import seconds_to_ns
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract_ros import conversions
 
 STEP_NS = 100_000_000

@@ -13,7 +13,7 @@ import unittest
 
 import rostest
 
-from move_base_abstract.event_log import EventLog
+from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 60.0  # s, wall; only ends a test that would never end

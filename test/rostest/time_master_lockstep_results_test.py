@@ -15,7 +15,7 @@ import rospy
 import rostest
 from lockstep_run import GUARD, NEVER, SECOND, START, LockstepCase, wait_for
 
-from move_base_abstract.event_log import EventLog, open_text
+from move_base_abstract.runs.event_log import EventLog, open_text
 
 
 class LockstepResultsTest(LockstepCase):

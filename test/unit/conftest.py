@@ -8,17 +8,17 @@ from hypothesis import HealthCheck, settings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'src'))
 
-from move_base_abstract.errors import FrameError  # noqa: E402
-from move_base_abstract.frames import RobotFrames  # noqa: E402
-from move_base_abstract.geometry import Pose2D, quaternion_of_yaw  # noqa: E402
-from move_base_abstract.goal_ledger import GoalLedger  # noqa: E402
-from move_base_abstract.motion import MotionLimits, Tolerances  # noqa: E402
-from move_base_abstract.navigator import BadFramePolicy, GoalPose, Navigator, NavigatorListener  # noqa: E402
-from move_base_abstract.planning import StraightLinePlanner, WorldBounds  # noqa: E402
-from move_base_abstract.recovery import RecoveryPolicy  # noqa: E402
-from move_base_abstract.robot import Robot  # noqa: E402
-from move_base_abstract.simulation import Simulation  # noqa: E402
-from move_base_abstract.units import seconds_to_ns  # noqa: E402
+from move_base_abstract.common.errors import FrameError  # noqa: E402
+from move_base_abstract.common.units import seconds_to_ns  # noqa: E402
+from move_base_abstract.engine.simulation import Simulation  # noqa: E402
+from move_base_abstract.goals.ledger import GoalLedger  # noqa: E402
+from move_base_abstract.goals.navigator import BadFramePolicy, GoalPose, Navigator, NavigatorListener  # noqa: E402
+from move_base_abstract.goals.recovery import RecoveryPolicy  # noqa: E402
+from move_base_abstract.maps.planning import StraightLinePlanner, WorldBounds  # noqa: E402
+from move_base_abstract.motion.frames import RobotFrames  # noqa: E402
+from move_base_abstract.motion.geometry import Pose2D, quaternion_of_yaw  # noqa: E402
+from move_base_abstract.motion.leg import MotionLimits, Tolerances  # noqa: E402
+from move_base_abstract.motion.robot import Robot  # noqa: E402
 
 # Every run takes the same examples, however slow the machine is: what is found by chance is found by `make explore`.
 settings.register_profile('repeatable', derandomize=True, database=None, deadline=None, max_examples=150,

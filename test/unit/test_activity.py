@@ -1,9 +1,9 @@
 """What robots are said to do above them in RViz."""
-from move_base_abstract.activity import activity
-from move_base_abstract.arrivals import Task
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.goals.activity import activity
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
+from move_base_abstract.tasks.arrivals import Task
 
 S = 1_000_000_000
 

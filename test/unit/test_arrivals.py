@@ -5,9 +5,9 @@ from statistics import NormalDist, mean
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.units import LAST_NS
 from move_base_abstract.scenario import make_scenario, read_scenario
-from move_base_abstract.units import LAST_NS
 
 S = 1_000_000_000
 DOCK = {'name': 'dock', 'x': 12.0, 'y': 3.0, 'yaw': 1.5, 'capacity': 2, 'duration': 40.0, 'power': 120.0}

@@ -4,20 +4,20 @@ import random
 
 import pytest
 
-from move_base_abstract.approach import MotionPhases
-from move_base_abstract.arrivals import Task
-from move_base_abstract.energy import GRAVITY, LegEnergy, Mechanics
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.config.settings import read_settings
+from move_base_abstract.energy.consumption import GRAVITY, LegEnergy, Mechanics
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.limited_profile import LimitedProfile
-from move_base_abstract.motion import Leg, MotionLimits, Tolerances
-from move_base_abstract.pace import Pace, PacedLeg
-from move_base_abstract.phased_route import PhasedRoute
-from move_base_abstract.planned_way import PieceLimit, PlannedWay
-from move_base_abstract.route import CornerLaw, Route
+from move_base_abstract.motion.approach import MotionPhases
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import Leg, MotionLimits, Tolerances
+from move_base_abstract.motion.limited_profile import LimitedProfile
+from move_base_abstract.motion.pace import Pace, PacedLeg
+from move_base_abstract.motion.phased_route import PhasedRoute
+from move_base_abstract.motion.planned_way import PieceLimit, PlannedWay
+from move_base_abstract.motion.route import CornerLaw, Route
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract.settings import read_settings
+from move_base_abstract.tasks.arrivals import Task
 
 S = 1_000_000_000
 EMPTY = 'Aborting on the goal because the battery is empty'

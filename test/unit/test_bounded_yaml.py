@@ -3,9 +3,9 @@ import os
 
 import pytest
 
-from move_base_abstract import bounded_yaml
-from move_base_abstract.bounded_yaml import FILE, MAX_DEPTH, MAX_DIGITS, REQUEST, load_yaml_file, load_yaml_text
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common import bounded_yaml
+from move_base_abstract.common.bounded_yaml import FILE, MAX_DEPTH, MAX_DIGITS, REQUEST, load_yaml_file, load_yaml_text
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.mission import MissionError, read_mission
 from move_base_abstract.scenario import read_scenario
 

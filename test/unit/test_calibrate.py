@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import yaml
 
-from move_base_abstract.approach import ApproachProfile
-from move_base_abstract.bounded_yaml import load_yaml_file
-from move_base_abstract.calibration import make_calibration, read_calibration
+from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.phased_route import PhasedRoute
+from move_base_abstract.motion.approach import ApproachProfile
+from move_base_abstract.motion.calibration import make_calibration, read_calibration
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.phased_route import PhasedRoute
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_calibration import check, command, outputs
 from move_base_abstract_calibration.csv_files import read_legs

@@ -6,15 +6,15 @@ import shutil
 
 import pytest
 
-from move_base_abstract.bounded_yaml import load_yaml_file
-from move_base_abstract.calibration import make_calibration, read_calibration
-from move_base_abstract.chance import Chance, Purpose
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.bounded_yaml import load_yaml_file
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.config.settings import read_settings
+from move_base_abstract.engine.chance import Chance, Purpose
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.phased_route import PhasedRoute
+from move_base_abstract.motion.calibration import make_calibration, read_calibration
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.phased_route import PhasedRoute
 from move_base_abstract.scenario import make_scenario, read_scenario
-from move_base_abstract.settings import read_settings
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 SHIPPED = 'move_base_dwa_stage'

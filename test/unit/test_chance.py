@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from move_base_abstract.chance import Chance, Purpose
-from move_base_abstract.factors import Constant, Gamma, Lognormal, Quantiles, along
+from move_base_abstract.engine.chance import Chance, Purpose
+from move_base_abstract.engine.factors import Constant, Gamma, Lognormal, Quantiles, along
 
 
 def test_a_number_is_the_one_that_numpys_philox_gives_for_key_and_counter():

@@ -1,12 +1,12 @@
 """A clock that has started anew: goals end, and everything goes on by the new time from where it was."""
 import pytest
 
-from move_base_abstract.errors import TimeError
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.goal_ledger import GoalLedger
-from move_base_abstract.simulation import Simulation
-from move_base_abstract.timed_task import DrawnDurations, TimedTaskRunner
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.errors import TimeError
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.engine.simulation import Simulation
+from move_base_abstract.goals.ledger import GoalLedger
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.tasks.timed_task import DrawnDurations, TimedTaskRunner
 
 S = NS_PER_S
 RESTARTED = 'Aborting on the goal because simulated time has started anew'

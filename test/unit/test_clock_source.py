@@ -1,4 +1,4 @@
-from move_base_abstract.clock_source import ClockSource, Step
+from move_base_abstract.supervision.clock_source import ClockSource, Step
 
 
 def judge(source, *messages):

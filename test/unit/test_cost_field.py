@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from move_base_abstract import cost_field
-from move_base_abstract.cost_field import DIAGONAL, STRAIGHT, CostField
-from move_base_abstract.planning_grid import STEPS, PlanningGrid
+from move_base_abstract.maps import cost_field
+from move_base_abstract.maps.cost_field import DIAGONAL, STRAIGHT, CostField
+from move_base_abstract.maps.planning_grid import STEPS, PlanningGrid
 
 BLOCKED = arrays.arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)), elements=st.booleans(),
                         fill=st.just(False))

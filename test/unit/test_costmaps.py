@@ -4,11 +4,11 @@ import math
 import numpy as np
 import pytest
 
-from move_base_abstract.costmaps import Footprint, Window, read_costmaps
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.occupancy import OccupancyMap
-from move_base_abstract.settings import read_settings
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.config.settings import read_settings
+from move_base_abstract.maps.costmaps import Footprint, Window, read_costmaps
+from move_base_abstract.maps.occupancy import OccupancyMap
+from move_base_abstract.motion.geometry import Pose2D
 
 WHERE = '/robot_0/move_base'
 SQUARE = [[0.18, 0.2], [0.18, -0.2], [-0.18, -0.2], [-0.18, 0.2]]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.occupancy import OccupancyMap
+from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract.scenario import read_scenario
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -3,15 +3,15 @@ import math
 
 import pytest
 
-from move_base_abstract.chance import Chance, Purpose
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.config.settings import read_settings
+from move_base_abstract.engine.chance import Chance, Purpose
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import Leg, MotionLimits
-from move_base_abstract.pace import Pace, PacedLeg
-from move_base_abstract.route import Route
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import Leg, MotionLimits
+from move_base_abstract.motion.pace import Pace, PacedLeg
+from move_base_abstract.motion.route import Route
 from move_base_abstract.scenario import make_scenario, read_scenario
-from move_base_abstract.settings import read_settings
 
 S = 1_000_000_000
 NO_CONTROL = 'Failed to find a valid control. Even after executing recovery behaviors.'

@@ -1,14 +1,14 @@
 """Goals that simulated time is too short for: it ends with the largest ros::Duration, at 2^31 - 1 s."""
 import pytest
 
+from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import MotionLimits
-from move_base_abstract.outcome import GoalState
-from move_base_abstract.planning import WorldBounds
-from move_base_abstract.recovery import RecoveryPolicy
+from move_base_abstract.goals.outcome import GoalState
+from move_base_abstract.goals.recovery import RecoveryPolicy
+from move_base_abstract.maps.planning import WorldBounds
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import MotionLimits
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract.units import NS_PER_S
 
 S = NS_PER_S
 END = 2_147_483_647

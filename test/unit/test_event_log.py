@@ -5,8 +5,8 @@ import json
 
 import pytest
 
-from move_base_abstract import event_log
-from move_base_abstract.event_log import EventLog, EventLogError, compare, compare_bags, open_text
+from move_base_abstract.runs import event_log
+from move_base_abstract.runs.event_log import EventLog, EventLogError, compare, compare_bags, open_text
 
 HEAD = '{"event_log":1,"start_ns":1000000000}'
 EVENTS = ((1_000_000_000, 'robot_0', 'goal', [1.5, 'a']), (1_500_000_000, 'robot_1', 'arrived', []),

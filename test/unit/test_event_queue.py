@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from move_base_abstract.event_queue import EventQueue, Series
+from move_base_abstract.engine.event_queue import EventQueue, Series
 
 TIMES = st.integers(0, 50)
 

@@ -7,7 +7,7 @@ import tarfile
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments import again, command, ingredients, plan, spec, trial
 
 ID = '0001-ab12cd'

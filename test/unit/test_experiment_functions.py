@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments import functions
 
 MODEL = """

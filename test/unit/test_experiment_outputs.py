@@ -6,7 +6,7 @@ import tarfile
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments import outputs, records, state, sweep, tables
 
 ID, OTHER = '0001-abcdef', '0002-abcdef'

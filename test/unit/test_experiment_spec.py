@@ -1,7 +1,7 @@
 """What an experiment's file may say, and what is told of one that cannot be used."""
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments import checks, jobs, plan, spec, trial
 from move_base_abstract_ros.launching import conditions  # noqa: TID251 - it knows no ROS
 

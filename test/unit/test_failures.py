@@ -4,14 +4,14 @@ import math
 import pytest
 from scipy import stats
 
-from move_base_abstract.chance import Chance, Purpose
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.factors import Lognormal
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.config.settings import read_settings
+from move_base_abstract.engine.chance import Chance, Purpose
+from move_base_abstract.engine.factors import Lognormal
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import Leg, MotionLimits
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import Leg, MotionLimits
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract.settings import read_settings
 
 S = 1_000_000_000
 HOUR = 3600 * S

@@ -5,10 +5,10 @@ from collections import Counter
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError, TimeError
+from move_base_abstract.common.errors import ConfigurationError, TimeError
 from move_base_abstract.fleet import Fleet, TraceEntry
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.outcome import GoalState
+from move_base_abstract.goals.outcome import GoalState
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
 
 S = 1_000_000_000

@@ -6,18 +6,18 @@ import random
 import numpy as np
 import pytest
 
-from move_base_abstract import grid_planner
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import MotionLimits, Tolerances
-from move_base_abstract.occupancy import OccupancyMap
-from move_base_abstract.outcome import GoalState
-from move_base_abstract.recovery import RecoveryPolicy
-from move_base_abstract.robot_trace import TraceEntry
-from move_base_abstract.route import CornerLaw, Route
+from move_base_abstract.goals.outcome import GoalState
+from move_base_abstract.goals.recovery import RecoveryPolicy
+from move_base_abstract.maps import grid_planner
+from move_base_abstract.maps.occupancy import OccupancyMap
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import MotionLimits, Tolerances
+from move_base_abstract.motion.route import CornerLaw, Route
+from move_base_abstract.runs.trace import TraceEntry
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract.units import NS_PER_S
 
 S = NS_PER_S
 NO_PLAN = 'Failed to find a valid plan. Even after executing recovery behaviors.'

@@ -1,5 +1,5 @@
-from move_base_abstract.follow_check import FollowCheck
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.supervision.follow_check import FollowCheck
 
 
 def test_reports_of_where_it_was_placed_are_right():

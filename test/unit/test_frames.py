@@ -2,12 +2,12 @@
 
 import pytest
 
-from move_base_abstract.errors import FrameError, TimeError
-from move_base_abstract.frames import RobotFrames
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import MotionLimits
-from move_base_abstract.robot import Robot
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.errors import FrameError, TimeError
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.motion.frames import RobotFrames
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import MotionLimits
+from move_base_abstract.motion.robot import Robot
 
 S = NS_PER_S
 

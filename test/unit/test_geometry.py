@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from move_base_abstract.geometry import (
+from move_base_abstract.motion.geometry import (
     Pose2D,
     normalize_angle,
     quaternion_fault,

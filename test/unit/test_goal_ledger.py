@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from move_base_abstract.goal_ledger import GoalLedger
-from move_base_abstract.outcome import CANCELLED, NODE_KILLED, REACHED, GoalState, aborted
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.goals.ledger import GoalLedger
+from move_base_abstract.goals.outcome import CANCELLED, NODE_KILLED, REACHED, GoalState, aborted
 
 S = NS_PER_S
 ACCEPTED = 'This goal has been accepted by the simple action server'

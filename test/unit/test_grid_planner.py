@@ -5,14 +5,14 @@ import random
 import numpy as np
 import pytest
 
-from move_base_abstract.cost_field import CostField
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.grid_planner import GridPlanner, MapWays
-from move_base_abstract.map_check import TEXT_OFF_MAP, MapCheck
-from move_base_abstract.occupancy import OccupancyMap
-from move_base_abstract.planning import WorldBounds, path_along
-from move_base_abstract.planning_grid import PlanningGrid
-from move_base_abstract.tightening import tightened
+from move_base_abstract.maps.cost_field import CostField
+from move_base_abstract.maps.grid_planner import GridPlanner, MapWays
+from move_base_abstract.maps.map_check import TEXT_OFF_MAP, MapCheck
+from move_base_abstract.maps.occupancy import OccupancyMap
+from move_base_abstract.maps.planning import WorldBounds, path_along
+from move_base_abstract.maps.planning_grid import PlanningGrid
+from move_base_abstract.maps.tightening import tightened
+from move_base_abstract.motion.geometry import Pose2D
 from movingai_files import FOLDER, optimum, read_map, read_problems, write
 
 MAPS = ('rooms', 'boxes', 'scattered')
@@ -160,8 +160,8 @@ def test_robots_of_one_radius_share_what_is_found_on_a_map():
 
 
 def test_fields_beyond_what_is_kept_are_made_again(monkeypatch):
-    monkeypatch.setattr('move_base_abstract.grid_planner._FIELDS_BYTES', 1)
-    monkeypatch.setattr('move_base_abstract.grid_planner._KEPT_WAYS', 1)
+    monkeypatch.setattr('move_base_abstract.maps.grid_planner._FIELDS_BYTES', 1)
+    monkeypatch.setattr('move_base_abstract.maps.grid_planner._KEPT_WAYS', 1)
     ways = MapWays(the_map := occupancy(walled()), 0.0)
     goals = [Pose2D(8.5, 5.5), Pose2D(9.5, 8.5)]
     first = [ways.corners(Pose2D(2.5, 5.5), goal) for goal in goals]

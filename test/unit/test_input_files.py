@@ -3,20 +3,20 @@ import os
 
 import pytest
 
-from move_base_abstract.arrivals import read_arrivals
-from move_base_abstract.errors import ConfigurationError, SimulatorError
-from move_base_abstract.event_log import EventLog, EventLogError, open_text
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.input_files import open_input, open_text_input
+from move_base_abstract.config.settings import read_settings
+from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.input_files import open_input, open_text_input
-from move_base_abstract.lane_map import make_lane_map, read_lane_map
 from move_base_abstract.lockstep import charge
+from move_base_abstract.maps.lane_map import make_lane_map, read_lane_map
+from move_base_abstract.maps.travel_matrix import read_travel_matrix
 from move_base_abstract.mission import read_field_points, read_mission
-from move_base_abstract.places import read_places
-from move_base_abstract.run_difference import compare
+from move_base_abstract.runs.event_log import EventLog, EventLogError, open_text
+from move_base_abstract.runs.run_difference import compare
 from move_base_abstract.scenario import make_scenario, read_scenario
-from move_base_abstract.settings import read_settings
-from move_base_abstract.simulation import Simulation
-from move_base_abstract.travel_matrix import read_travel_matrix
+from move_base_abstract.tasks.arrivals import read_arrivals
+from move_base_abstract.tasks.places import read_places
 from move_base_abstract_calibration.csv_files import read_legs
 from move_base_abstract_experiments import spec
 from move_base_abstract_replay.recording import read_recording

@@ -1,7 +1,7 @@
 """The first instant at which something is so: the same with a guess and without, and sooner found."""
 import pytest
 
-from move_base_abstract.instants import first_ns
+from move_base_abstract.engine.instants import first_ns
 
 
 def asked(begin_ns, end_ns, answer_ns, guess_ns=None):

@@ -4,8 +4,8 @@ import os
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.lane_map import make_lane_map, read_lane_map
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.maps.lane_map import make_lane_map, read_lane_map
 
 LANES = os.path.abspath(os.path.join(os.path.dirname(__file__), '..', '..', 'config', 'lanes', 'farm_yard.yaml'))
 NODES = [{'name': 'a', 'x': 0, 'y': 0}, {'name': 'b', 'x': 10, 'y': 0, 'yaw': 1.0}]

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.lane_map import make_lane_map
-from move_base_abstract.lane_planner import LaneWays
+from move_base_abstract.maps.lane_map import make_lane_map
+from move_base_abstract.maps.lane_planner import LaneWays
 from move_base_abstract.scenario import make_scenario, read_scenario
 
 S = 1_000_000_000

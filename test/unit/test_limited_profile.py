@@ -4,8 +4,8 @@ import random
 
 import pytest
 
-from move_base_abstract.limited_profile import LimitedProfile, profile_over
-from move_base_abstract.motion import SpeedProfile
+from move_base_abstract.motion.leg import SpeedProfile
+from move_base_abstract.motion.limited_profile import LimitedProfile, profile_over
 
 SLOW_MIDDLE = LimitedProfile(((10.0, 2.0), (4.0, 1.0), (10.0, 2.0)), 1.0)
 

@@ -1,9 +1,9 @@
 """The limits in the groups of local planners: those of many planners, old names, and what is not understood."""
 import pytest
 
-from move_base_abstract.local_planner import SpeedNames
-from move_base_abstract.motion import Tolerances
-from move_base_abstract.settings import read_settings
+from move_base_abstract.config.local_planner import SpeedNames
+from move_base_abstract.config.settings import read_settings
+from move_base_abstract.motion.leg import Tolerances
 
 WHERE = '/robot_0/move_base'
 DWA, TEB, EBAND, MPC, FTC = 'DWAPlannerROS', 'TebLocalPlannerROS', 'EBandPlannerROS', 'MpcLocalPlannerROS', 'FTCPlanner'

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep.charge import make_charge
 
 

@@ -2,10 +2,10 @@
 import pytest
 
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import quaternion_of_yaw
-from move_base_abstract.navigator import GoalPose, NavigatorListener
-from move_base_abstract.robot_parts import make_robot_parts
-from move_base_abstract.robot_trace import RobotTrace
+from move_base_abstract.fleet.robot_parts import make_robot_parts
+from move_base_abstract.goals.navigator import GoalPose, NavigatorListener
+from move_base_abstract.motion.geometry import quaternion_of_yaw
+from move_base_abstract.runs.trace import RobotTrace
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_ros.lockstep_clock import LockstepClock  # noqa: TID251 (knows no ROS)
 

@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep.secret import LONGEST, run_secret
 
 

@@ -1,7 +1,7 @@
 """Topics that a user declares as stored: what may be said."""
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep.stored_topics import checked
 
 

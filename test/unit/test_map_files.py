@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.map_check import Ground
-from move_base_abstract.occupancy import ImageRule, MapMode
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.maps.map_check import Ground
+from move_base_abstract.maps.occupancy import ImageRule, MapMode
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract_ros.map_files import (  # noqa: TID251 (reads files, knows no ROS)
     MapDescription,
     load_map,

@@ -6,8 +6,8 @@ import os
 import pytest
 
 from move_base_abstract import mission
-from move_base_abstract.geometry import Pose2D
 from move_base_abstract.mission import FieldPoint, MissionError
+from move_base_abstract.motion.geometry import Pose2D
 
 CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', 'config')
 GOOD = {'robots': [{'name': 'a', 'start': [0, 0], 'goals': [[3, 4], [3, 4, 1.5]]}]}

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from move_base_abstract.geometry import Pose2D, normalize_angle
-from move_base_abstract.motion import Leg, MotionLimits, SpeedProfile, Tolerances
-from move_base_abstract.units import NS_PER_S, seconds_to_ns
+from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
+from move_base_abstract.motion.geometry import Pose2D, normalize_angle
+from move_base_abstract.motion.leg import Leg, MotionLimits, SpeedProfile, Tolerances
 
 S = NS_PER_S
 NO_TOLERANCE = Tolerances()

@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from move_base_abstract.errors import FrameError
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import MotionLimits, Tolerances
-from move_base_abstract.navigator import BadFramePolicy
-from move_base_abstract.outcome import NODE_KILLED
-from move_base_abstract.planning import WorldBounds
-from move_base_abstract.recovery import RecoveryPolicy
-from move_base_abstract.units import NS_PER_S, seconds_to_ns
+from move_base_abstract.common.errors import FrameError
+from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
+from move_base_abstract.goals.navigator import BadFramePolicy
+from move_base_abstract.goals.outcome import NODE_KILLED
+from move_base_abstract.goals.recovery import RecoveryPolicy
+from move_base_abstract.maps.planning import WorldBounds
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import MotionLimits, Tolerances
 
 S = NS_PER_S
 UP = math.pi / 2

@@ -2,15 +2,15 @@
 import numpy as np
 import pytest
 
+from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import MotionLimits, Tolerances
-from move_base_abstract.occupancy import OccupancyMap
-from move_base_abstract.outcome import CLOCK_RESTARTED, NODE_KILLED, ROBOT_RESET
-from move_base_abstract.planning import WorldBounds
-from move_base_abstract.recovery import RecoveryPolicy
+from move_base_abstract.goals.outcome import CLOCK_RESTARTED, NODE_KILLED, ROBOT_RESET
+from move_base_abstract.goals.recovery import RecoveryPolicy
+from move_base_abstract.maps.occupancy import OccupancyMap
+from move_base_abstract.maps.planning import WorldBounds
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import MotionLimits, Tolerances
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract.units import NS_PER_S
 
 S = NS_PER_S
 STOP = ('stop wheels',)

@@ -1,6 +1,6 @@
 """The target of a robot: where the goal that it works on is, as others are shown it."""
 
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 
 
 def test_while_a_goal_waits_for_its_stamp_the_target_of_the_one_before_it_is_none_any_more(rig):

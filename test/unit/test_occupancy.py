@@ -7,11 +7,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
-from move_base_abstract.map_check import TEXT_OFF_MAP, Ground, MapCheck, square_rings
-from move_base_abstract.occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
-from move_base_abstract.planning import StraightLinePlanner, WorldBounds, straight_path
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.maps.map_check import TEXT_OFF_MAP, Ground, MapCheck, square_rings
+from move_base_abstract.maps.occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
+from move_base_abstract.maps.planning import StraightLinePlanner, WorldBounds, straight_path
+from move_base_abstract.motion.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
 
 SCALE, RAW = MapMode.SCALE, MapMode.RAW
 CELLS = np.array([[0, 100, -1], [1, 99, 50]], np.int8)  # the first row is the southern one

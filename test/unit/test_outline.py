@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from move_base_abstract.outline import BORDER, Outline, rectangle
+from move_base_abstract.traffic.outline import BORDER, Outline, rectangle
 
 SQUARE = rectangle(0.0, 0.0, 10.0, 10.0)
 ARROW = Outline([(0.0, 0.0), (10.0, 10.0), (20.0, 0.0), (10.0, 4.0)])  # its fourth corner points inwards

@@ -3,8 +3,8 @@ import os
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.own_files import MARKER, FolderKind, OutputError, check_file, create_file, whole_file
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.own_files import MARKER, FolderKind, OutputError, check_file, create_file, whole_file
 
 KIND = FolderKind('result', ('data.csv', 'log_*.txt'))
 

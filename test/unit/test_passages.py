@@ -3,15 +3,15 @@ import math
 
 import pytest
 
-from move_base_abstract.approach import MotionPhases
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.instants import first_ns
-from move_base_abstract.motion import Leg, MotionLimits, Tolerances
-from move_base_abstract.outline import rectangle
-from move_base_abstract.pace import Pace, PacedLeg
-from move_base_abstract.passages import Passage, instant_at, passages
-from move_base_abstract.phased_route import PhasedRoute
-from move_base_abstract.route import CornerLaw, Route
+from move_base_abstract.engine.instants import first_ns
+from move_base_abstract.motion.approach import MotionPhases
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import Leg, MotionLimits, Tolerances
+from move_base_abstract.motion.pace import Pace, PacedLeg
+from move_base_abstract.motion.phased_route import PhasedRoute
+from move_base_abstract.motion.route import CornerLaw, Route
+from move_base_abstract.traffic.outline import rectangle
+from move_base_abstract.traffic.passages import Passage, instant_at, passages
 
 S = 1_000_000_000
 AREA = rectangle(4.0, -2.0, 6.0, 2.0)

@@ -3,11 +3,11 @@ import math
 
 import pytest
 
-from move_base_abstract.approach import ApproachProfile, MotionPhases
-from move_base_abstract.geometry import Pose2D, normalize_angle
-from move_base_abstract.motion import MotionLimits, Tolerances
-from move_base_abstract.phased_route import PhasedRoute
-from move_base_abstract.route import CornerLaw, Route
+from move_base_abstract.motion.approach import ApproachProfile, MotionPhases
+from move_base_abstract.motion.geometry import Pose2D, normalize_angle
+from move_base_abstract.motion.leg import MotionLimits, Tolerances
+from move_base_abstract.motion.phased_route import PhasedRoute
+from move_base_abstract.motion.route import CornerLaw, Route
 
 S = 1_000_000_000
 PHASES = MotionPhases((0.1, 0.2), 0.5, 0.08, 1.2, 1.1, 0.3, bow_length=1.7)

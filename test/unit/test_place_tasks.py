@@ -1,16 +1,16 @@
 """Tasks at places: who works, who waits, in which order; how they end; what they draw from a battery."""
 import pytest
 
-from move_base_abstract.arrivals import Task
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.goal_ledger import GoalLedger
-from move_base_abstract.outcome import NODE_KILLED
-from move_base_abstract.place_tasks import PlaceTaskListener, PlaceTaskRunner, Rooms
-from move_base_abstract.places import read_places
+from move_base_abstract.goals.ledger import GoalLedger
+from move_base_abstract.goals.outcome import NODE_KILLED
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract.simulation import Simulation
+from move_base_abstract.tasks.arrivals import Task
+from move_base_abstract.tasks.place_tasks import PlaceTaskListener, PlaceTaskRunner, Rooms
+from move_base_abstract.tasks.places import read_places
 
 S = 1_000_000_000
 DOCK = {'name': 'dock', 'x': 1.0, 'capacity': 1, 'duration': 10.0}

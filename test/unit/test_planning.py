@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.planning import StraightLinePlanner, WorldBounds, straight_path
+from move_base_abstract.maps.planning import StraightLinePlanner, WorldBounds, straight_path
+from move_base_abstract.motion.geometry import Pose2D
 
 FIELD = WorldBounds(0.0, 0.0, 10.0, 5.0)
 START = Pose2D(1.0, 1.0, 0.5)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from move_base_abstract.planning_grid import PARTS, STEPS, PlanningGrid, blocked_cells
+from move_base_abstract.maps.planning_grid import PARTS, STEPS, PlanningGrid, blocked_cells
 
 BLOCKED = arrays.arrays(bool, st.tuples(st.integers(1, 9), st.integers(1, 9)), elements=st.booleans(),
                         fill=st.just(False))

@@ -3,8 +3,8 @@ import random
 
 import pytest
 
-from move_base_abstract.rate_cap import RateCap
-from move_base_abstract.simulation import Simulation
+from move_base_abstract.engine.simulation import Simulation
+from move_base_abstract.supervision.rate_cap import RateCap
 
 
 def yeses(rate, times):

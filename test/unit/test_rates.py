@@ -1,5 +1,5 @@
 """What robots tell at which rate, and to whom, in words."""
-from move_base_abstract.rates import Rates
+from move_base_abstract.config.rates import Rates
 
 
 def fleet(*hearers, frequency=20.0):

@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.planning import WorldBounds
-from move_base_abstract.recovery import DEFAULT_BEHAVIORS, ROTATION_SECONDS, RecoveryBehavior, RecoveryPolicy
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.goals.recovery import DEFAULT_BEHAVIORS, ROTATION_SECONDS, RecoveryBehavior, RecoveryPolicy
+from move_base_abstract.maps.planning import WorldBounds
+from move_base_abstract.motion.geometry import Pose2D
 
 S = NS_PER_S
 TURN_NS = 6_283_185_307

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_replay.packed import Packer
 from move_base_abstract_replay.page import write_page
 from move_base_abstract_replay.recording import ReplayError

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from move_base_abstract.event_log import EventLogError
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.occupancy import OccupancyMap
+from move_base_abstract.maps.occupancy import OccupancyMap
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.runs.event_log import EventLogError
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_replay.motions import EVEN, LIMITED, PLACED, Motions, make_leg
 from move_base_abstract_replay.recording import ReplayError, read_recording

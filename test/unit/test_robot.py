@@ -4,11 +4,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from move_base_abstract.errors import TimeError
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import MotionLimits, Tolerances
-from move_base_abstract.robot import Robot
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.errors import TimeError
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import MotionLimits, Tolerances
+from move_base_abstract.motion.robot import Robot
 
 S = NS_PER_S
 COORDINATES = st.floats(-100.0, 100.0)

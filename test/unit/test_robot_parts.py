@@ -1,14 +1,14 @@
 """The one place where a robot and what works on its goals are put together."""
 import pytest
 
-from move_base_abstract.errors import FrameError
+from move_base_abstract.common.errors import FrameError
+from move_base_abstract.config.settings import read_settings
+from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.navigator import NavigatorListener
-from move_base_abstract.outcome import GoalState
-from move_base_abstract.robot_parts import make_robot_parts
+from move_base_abstract.fleet.robot_parts import make_robot_parts
+from move_base_abstract.goals.navigator import NavigatorListener
+from move_base_abstract.goals.outcome import GoalState
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract.settings import read_settings
-from move_base_abstract.simulation import Simulation
 
 S = 1_000_000_000
 

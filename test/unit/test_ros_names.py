@@ -1,7 +1,7 @@
 """Which texts are names of robots and of namespaces."""
 import pytest
 
-from move_base_abstract.ros_names import is_namespace, is_robot_name
+from move_base_abstract.common.ros_names import is_namespace, is_robot_name
 
 
 @pytest.mark.parametrize('value, robot, namespace', [

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import Leg, MotionLimits, SpeedProfile, Tolerances
-from move_base_abstract.route import CornerLaw, Route
-from move_base_abstract.units import NS_PER_S, seconds_to_ns
+from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import Leg, MotionLimits, SpeedProfile, Tolerances
+from move_base_abstract.motion.route import CornerLaw, Route
 
 S = NS_PER_S
 LAWS = tuple(CornerLaw)

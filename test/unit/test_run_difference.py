@@ -3,8 +3,8 @@ import json
 
 import pytest
 
-from move_base_abstract import run_difference
-from move_base_abstract.event_log import EventLogError
+from move_base_abstract.runs import run_difference
+from move_base_abstract.runs.event_log import EventLogError
 
 SECOND = 10 ** 9
 

@@ -3,9 +3,9 @@ import os
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.config.settings import EVENTS_ONLY
 from move_base_abstract.scenario import make_robot, make_scenario, read_scenario
-from move_base_abstract.settings import EVENTS_ONLY
 
 CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', 'config')
 

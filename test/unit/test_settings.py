@@ -4,16 +4,16 @@ import math
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.motion import MotionLimits, Tolerances
-from move_base_abstract.navigator import BadFramePolicy
-from move_base_abstract.parameter_table import Parameter, checked, integer, name, number, unknown_names
-from move_base_abstract.planning import WorldBounds
-from move_base_abstract.recovery import DEFAULT_BEHAVIORS, ROTATION_SECONDS, RecoveryBehavior
-from move_base_abstract.settings import OWN_NAMES, read_settings
-from move_base_abstract.shown import shown
-from move_base_abstract.upstream import plugin_namespace
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.parameter_table import Parameter, checked, integer, name, number, unknown_names
+from move_base_abstract.common.shown import shown
+from move_base_abstract.config.settings import OWN_NAMES, read_settings
+from move_base_abstract.config.upstream import plugin_namespace
+from move_base_abstract.goals.navigator import BadFramePolicy
+from move_base_abstract.goals.recovery import DEFAULT_BEHAVIORS, ROTATION_SECONDS, RecoveryBehavior
+from move_base_abstract.maps.planning import WorldBounds
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import MotionLimits, Tolerances
 
 WHERE = '/robot_0/move_base'
 POSITIVE = 'a finite number > 0'

@@ -1,7 +1,7 @@
 """Values in error texts are short, and cost nothing to shorten."""
 import pytest
 
-from move_base_abstract.shown import MAX_LENGTH, shown, shown_text
+from move_base_abstract.common.shown import MAX_LENGTH, shown, shown_text
 
 
 def doubled(times):

@@ -1,4 +1,4 @@
-from move_base_abstract.silence_watch import Silence, SilenceWatch
+from move_base_abstract.supervision.silence_watch import Silence, SilenceWatch
 
 
 def test_what_is_heard_in_time_is_not_told():

@@ -2,8 +2,8 @@
 
 import pytest
 
-from move_base_abstract.errors import TimeError
-from move_base_abstract.simulation import Simulation
+from move_base_abstract.common.errors import TimeError
+from move_base_abstract.engine.simulation import Simulation
 
 
 def test_the_present_is_where_it_began_and_then_where_it_was_advanced_to():

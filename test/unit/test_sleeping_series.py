@@ -1,6 +1,6 @@
 """Series that only tell, while nobody hears them and when somebody begins to."""
-from move_base_abstract.event_queue import NOBODY, ONLOOKERS, PARTICIPANTS, Series
-from move_base_abstract.simulation import Simulation
+from move_base_abstract.engine.event_queue import NOBODY, ONLOOKERS, PARTICIPANTS, Series
+from move_base_abstract.engine.simulation import Simulation
 
 
 class Heard:

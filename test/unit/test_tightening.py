@@ -7,13 +7,13 @@ import networkx
 import numpy as np
 import pytest
 
-from move_base_abstract import grid_planner
-from move_base_abstract.cost_field import CostField
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.grid_planner import MapWays
-from move_base_abstract.occupancy import OccupancyMap
-from move_base_abstract.planning_grid import PARTS, PlanningGrid
-from move_base_abstract.tightening import is_taut, tightened
+from move_base_abstract.maps import grid_planner
+from move_base_abstract.maps.cost_field import CostField
+from move_base_abstract.maps.grid_planner import MapWays
+from move_base_abstract.maps.occupancy import OccupancyMap
+from move_base_abstract.maps.planning_grid import PARTS, PlanningGrid
+from move_base_abstract.maps.tightening import is_taut, tightened
+from move_base_abstract.motion.geometry import Pose2D
 from movingai_files import FOLDER, read_map
 
 #: by map: how much longer than the shortest ways may be on average, and how many of 20 have to be the shortest. A way

@@ -1,11 +1,11 @@
 """The life of a task that takes a while: how it ends, how long it takes, what is told on the way."""
 import pytest
 
-from move_base_abstract.goal_ledger import GoalLedger
-from move_base_abstract.outcome import NODE_KILLED
-from move_base_abstract.simulation import Simulation
-from move_base_abstract.timed_task import DrawnDurations, TimedTaskRunner
-from move_base_abstract.units import seconds_to_ns
+from move_base_abstract.common.units import seconds_to_ns
+from move_base_abstract.engine.simulation import Simulation
+from move_base_abstract.goals.ledger import GoalLedger
+from move_base_abstract.goals.outcome import NODE_KILLED
+from move_base_abstract.tasks.timed_task import DrawnDurations, TimedTaskRunner
 
 S = 10 ** 9
 

@@ -3,10 +3,10 @@ import json
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.planning import StraightLinePlanner
+from move_base_abstract.maps.planning import StraightLinePlanner
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import check_one_process, make_scenario
 
 S = 1_000_000_000

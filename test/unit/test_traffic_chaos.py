@@ -2,7 +2,7 @@
 import random
 
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
 
 S = 1_000_000_000

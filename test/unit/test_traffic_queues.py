@@ -10,11 +10,11 @@ from statistics import mean, stdev
 
 import pytest
 
+from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract.traffic_area import Request
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.traffic.area import Request
 
 REPLICATIONS, CUSTOMERS, POOL, WARM_UP = 10, 500, 120, 50
 T_99 = 3.250  # Student's, of 9 degrees of freedom, two-sided

@@ -3,11 +3,11 @@ import json
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.maps.travel_matrix import make_travel_matrix, read_travel_matrix
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import read_scenario
-from move_base_abstract.travel_matrix import make_travel_matrix, read_travel_matrix
 
 S = 1_000_000_000
 NO_PLAN = 'Failed to find a valid plan. Even after executing recovery behaviors.'

@@ -1,7 +1,7 @@
 """Zones of a scenario: what may be said of them, and what is wrong with it, in one line."""
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.scenario import make_scenario
 
 GATE = {'name': 'gate', 'rectangle': [4, -1, 6, 1], 'capacity': 1}

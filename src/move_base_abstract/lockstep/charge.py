@@ -6,11 +6,11 @@ in the meantime waits.
 import json
 import os
 
-from ..errors import ConfigurationError
-from ..input_files import open_text_input
-from ..own_files import PART, OutputError, check_file, create_file
-from ..shown import shown, shown_text
-from ..units import seconds_to_ns
+from ..common.errors import ConfigurationError
+from ..common.input_files import open_text_input
+from ..common.own_files import PART, OutputError, check_file, create_file
+from ..common.shown import shown, shown_text
+from ..common.units import seconds_to_ns
 
 _ALLOWED = ("'none', 'fixed:SECONDS', 'measured' or 'measured:FILE' (wall clock), 'measured_cpu' or "
             "'measured_cpu:FILE' (this process's CPU), 'replay:FILE'")

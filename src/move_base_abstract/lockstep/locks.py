@@ -7,7 +7,7 @@ application's wait as ever, and are waited for with simulated time standing stil
 from collections import deque
 from threading import TIMEOUT_MAX, get_ident
 
-from ..units import seconds_to_ns
+from ..common.units import seconds_to_ns
 from . import open_waits
 from .scheduler import TurnLost, _make_lock
 from .wire import NEVER

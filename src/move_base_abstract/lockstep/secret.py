@@ -2,7 +2,7 @@
 import os
 import stat
 
-from ..errors import ConfigurationError
+from ..common.errors import ConfigurationError
 
 LONGEST = 1024  # bytes
 

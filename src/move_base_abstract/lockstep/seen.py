@@ -6,7 +6,7 @@ ROS, no threads, no clock.
 """
 import random
 
-from ..units import NS_PER_S
+from ..common.units import NS_PER_S
 
 DATE, UPTIME, PROCESSOR = 'date', 'uptime', 'processor'
 EPOCH_NS = 1577836800 * NS_PER_S  # 2020-01-01 UTC

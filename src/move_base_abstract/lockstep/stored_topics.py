@@ -1,8 +1,8 @@
 """Topics of which a user says that nodes only store what they hear: 'TOPIC', or 'NODE=TOPIC' for one node."""
 import re
 
-from ..errors import ConfigurationError
-from ..shown import shown
+from ..common.errors import ConfigurationError
+from ..common.shown import shown
 
 _NAME = re.compile('/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*')
 

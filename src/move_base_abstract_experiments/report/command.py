@@ -9,8 +9,8 @@ import os
 import sys
 from pathlib import Path
 
-from move_base_abstract.errors import ConfigurationError, SimulatorError
-from move_base_abstract.own_files import PART, FolderKind, check_file, whole_file
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.own_files import PART, FolderKind, check_file, whole_file
 
 from . import extension, frames, outcome, page, picked
 

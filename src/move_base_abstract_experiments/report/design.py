@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from move_base_abstract.shown import shown_text
+from move_base_abstract.common.shown import shown_text
 
 NO_LEVEL = 'none'
 YES_NO = 'yes/no'  # the unit of what is 1 or 0 in each trial

@@ -10,8 +10,8 @@ import os
 import sys
 from typing import NamedTuple
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.shown import shown, shown_text
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown, shown_text
 
 from .parts import Figure, Html, Section, Table
 

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from move_base_abstract.csv_files import open_csv
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.json_files import MAX_BYTES, load_json_mapping
-from move_base_abstract.shown import shown, shown_text
+from move_base_abstract.common.csv_files import open_csv
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.json_files import MAX_BYTES, load_json_mapping
+from move_base_abstract.common.shown import shown, shown_text
 
 from .. import records
 from . import design, endings

@@ -4,7 +4,7 @@ import math
 import os
 from typing import NamedTuple
 
-from move_base_abstract.own_files import FolderKind
+from move_base_abstract.common.own_files import FolderKind
 
 from . import endings
 

@@ -1,4 +1,4 @@
-// The motion law of the simulator's core (move_base_abstract/motion.py): turn, drive from rest to rest, turn.
+// The motion law of the simulator's core (move_base_abstract/motion/leg.py): turn, drive from rest to rest, turn.
 // Times in ns, lengths in m, angles in rad. A test holds it to the core, leg by leg.
 const NS_PER_S = 1e9;
 

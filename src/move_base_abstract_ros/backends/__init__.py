@@ -5,7 +5,7 @@ A backend is made with (names, settings) and has ``place(pose, velocity, stamp_n
 robot is gone, and ``frames``: those whose place it tells in tf. Poses are Pose2D in the global frame, velocities
 (forward [m/s], turning [rad/s]) in base_link, stamps simulated ns.
 """
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 
 from .builtin import BuiltinBackend
 from .gazebo import GazeboBackend

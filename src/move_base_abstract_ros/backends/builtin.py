@@ -2,7 +2,7 @@
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
-from move_base_abstract.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D
 
 from .. import beforehand, tf_hub
 from ..outlets import LatchedOutlets

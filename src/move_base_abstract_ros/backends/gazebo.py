@@ -4,7 +4,7 @@ import time
 
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 
 from .. import conversions
 from ..throttle import WallThrottle

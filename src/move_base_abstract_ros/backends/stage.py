@@ -6,10 +6,10 @@ import rospy
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
-from move_base_abstract.errors import FrameError
-from move_base_abstract.follow_check import FollowCheck
-from move_base_abstract.geometry import Pose2D
-from move_base_abstract.stamp_check import StampCheck
+from move_base_abstract.common.errors import FrameError
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.supervision.follow_check import FollowCheck
+from move_base_abstract.supervision.stamp_check import StampCheck
 
 from .. import conversions, tf_hub
 from ..packing import InFrame

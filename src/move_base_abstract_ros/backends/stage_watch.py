@@ -4,7 +4,7 @@ import time
 
 import rospy
 
-from move_base_abstract.silence_watch import SilenceWatch
+from move_base_abstract.supervision.silence_watch import SilenceWatch
 
 _POLL_SECONDS = 0.5
 _NAMED = 5  # topics in a warning

@@ -9,8 +9,8 @@ import os
 import tempfile
 from typing import NamedTuple
 
-from move_base_abstract import event_log
-from move_base_abstract.shown import shown_text
+from move_base_abstract.common.shown import shown_text
+from move_base_abstract.runs import event_log
 
 VARIABLE = 'MOVE_BASE_ABSTRACT_BAGS'
 _ACTIVE = '.active'  # rosbag's name for a bag that is not closed

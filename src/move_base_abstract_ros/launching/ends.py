@@ -12,8 +12,8 @@ import re
 import signal
 from typing import NamedTuple
 
-from move_base_abstract import event_log
-from move_base_abstract.event_log import EventLog, EventLogError
+from move_base_abstract.runs import event_log
+from move_base_abstract.runs.event_log import EventLog, EventLogError
 
 from ..replaced import replace
 

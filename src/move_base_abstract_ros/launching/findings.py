@@ -2,7 +2,7 @@
 import os
 import re
 
-from move_base_abstract import run_difference
+from move_base_abstract.runs import run_difference
 
 from .. import bag_difference, message_fields
 

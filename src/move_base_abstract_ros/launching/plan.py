@@ -11,8 +11,8 @@ import roslaunch.core
 import rospkg
 from roslaunch import substitution_args
 
-from move_base_abstract import event_log
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.runs import event_log
 
 from ..lockstep import binary, recorders, report_delays
 from ..loopback import PACKAGE, find_executable

@@ -6,7 +6,7 @@ import sys
 import time
 import xmlrpc.client
 
-from move_base_abstract.errors import SimulatorError
+from move_base_abstract.common.errors import SimulatorError
 
 from . import processes
 

@@ -9,9 +9,9 @@ import sys
 import time
 from typing import NamedTuple
 
-from move_base_abstract import event_log, run_difference
-from move_base_abstract.event_log import EventLog, EventLogError
-from move_base_abstract.own_files import OutputError
+from move_base_abstract.common.own_files import OutputError
+from move_base_abstract.runs import event_log, run_difference
+from move_base_abstract.runs.event_log import EventLog, EventLogError
 
 from ..loopback import find_executable
 from . import ends, findings

@@ -3,7 +3,7 @@ import time
 
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep import wire_format
 from move_base_abstract.lockstep.secret import run_secret
 

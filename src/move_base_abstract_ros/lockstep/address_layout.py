@@ -4,7 +4,7 @@ The system otherwise chooses them at random for each process. ``MOVE_BASE_ABSTRA
 """
 import ctypes
 
-from move_base_abstract.shown import shown
+from move_base_abstract.common.shown import shown
 
 VARIABLE = 'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT'
 FIXED, RANDOM = 'fixed', 'random'

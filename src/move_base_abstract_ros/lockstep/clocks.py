@@ -3,10 +3,10 @@ import datetime
 import sys
 import time
 
+from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.lockstep import seen
 from move_base_abstract.lockstep.loops import TIME_STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
-from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
 from ..replaced import replace
 from .callers import asker, is_own, sees_run

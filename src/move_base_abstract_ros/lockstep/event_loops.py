@@ -12,13 +12,13 @@ import sys
 import threading
 import types
 
+from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.numbered import Numbered
 from move_base_abstract.lockstep.open_waits import WORK
 from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
 from move_base_abstract.lockstep.seen import UPTIME
 from move_base_abstract.lockstep.wire import NEVER
-from move_base_abstract.units import NS_PER_S, seconds_to_ns
 
 from ..replaced import replace
 from . import outcomes

@@ -9,8 +9,8 @@ import os
 import sys
 import threading
 
+from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep.seen import DATE, UPTIME
-from move_base_abstract.units import NS_PER_S
 
 from ..replaced import replace
 from .callers import sees_run

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import rosgraph
 import rospy
 
+from move_base_abstract.common.parameter_table import Parameter, checked, integer
 from move_base_abstract.lockstep.charge import make_charge
 from move_base_abstract.lockstep.wire import MAX_RANK
-from move_base_abstract.parameter_table import Parameter, checked, integer
 
 from .. import replaced
 from . import finish, fork, looks, outcomes, threads, uncaught, waits

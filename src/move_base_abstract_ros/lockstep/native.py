@@ -11,9 +11,9 @@ import sys
 
 import rospy
 
+from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep import seen
 from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
-from move_base_abstract.units import NS_PER_S
 
 from . import native_library
 from .own_code import is_library

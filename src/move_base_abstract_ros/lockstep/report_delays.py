@@ -11,8 +11,8 @@ import random
 import re
 from time import sleep  # the wall's: the launcher replaces the name in the module
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.shown import shown
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown
 
 VARIABLE = 'MOVE_BASE_ABSTRACT_REPORT_DELAY'
 FIRST_VARIABLE = 'MOVE_BASE_ABSTRACT_FIRST_TURNS'

@@ -1,7 +1,7 @@
 """The time that rospy shows in a process that takes part."""
 import rospy
 
-from move_base_abstract.units import NS_PER_S
+from move_base_abstract.common.units import NS_PER_S
 
 
 def set_rostime(now_ns):

@@ -6,8 +6,8 @@ what is not about the present.
 import datetime
 import sys
 
+from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep.seen import DATE
-from move_base_abstract.units import NS_PER_S
 
 from ..replaced import replace
 from .callers import own_frame

@@ -5,12 +5,12 @@ import time
 
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.units import seconds_to_ns
 from move_base_abstract.lockstep import open_waits, wire
 from move_base_abstract.lockstep.charge import NoCharge
 from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost, _make_lock
 from move_base_abstract.lockstep.window import Window
-from move_base_abstract.units import seconds_to_ns
 
 from . import finish, garbage, pools, silence
 from .access import secret

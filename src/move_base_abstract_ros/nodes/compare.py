@@ -13,8 +13,8 @@ Exit codes: 0 identical; 1 different; 2 a file cannot be read, or wrong argument
 import argparse
 import sys
 
-from move_base_abstract import event_log
-from move_base_abstract.event_log import EventLog, EventLogError
+from move_base_abstract.runs import event_log
+from move_base_abstract.runs.event_log import EventLog, EventLogError
 
 from .. import bag_difference
 

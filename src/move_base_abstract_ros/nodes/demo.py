@@ -15,8 +15,8 @@ import time
 import rospy
 
 from move_base_abstract import mission
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.shown import shown_text
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown_text
 from move_base_abstract_ros import lockstep, rospy_start
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
 from move_base_abstract_ros.nodes import demo_nodes, demo_report

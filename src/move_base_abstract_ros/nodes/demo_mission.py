@@ -12,7 +12,7 @@ from actionlib import ActionClient, CommState, GoalStatus
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 
-from move_base_abstract.geometry import quaternion_of_yaw
+from move_base_abstract.motion.geometry import quaternion_of_yaw
 
 SERVER_TIMEOUT = 30.0  # s, wall
 STILL_M = 1e-9  # a shorter way between two poses counts as standing

@@ -3,7 +3,7 @@ import os
 
 import rospkg
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_ros.loopback import PACKAGE
 from move_base_abstract_ros.map_files import load_map, read_description
 

@@ -7,7 +7,7 @@ import sys
 
 import rospy
 
-from move_base_abstract.errors import SimulatorError
+from move_base_abstract.common.errors import SimulatorError
 
 from .. import lockstep, rospy_start
 from ..node_process import parse_no_arguments

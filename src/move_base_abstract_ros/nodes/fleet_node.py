@@ -5,8 +5,8 @@ import time
 
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.parameter_table import Parameter, boolean, integer, read_table, text, unknown_names
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.parameter_table import Parameter, boolean, integer, read_table, text, unknown_names
 from move_base_abstract.scenario import check_one_process, make_scenario, read_scenario
 
 from ..fleet_server import FleetServer, robot_names

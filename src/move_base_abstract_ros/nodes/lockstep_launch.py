@@ -16,10 +16,10 @@ import os
 import sys
 from contextlib import contextmanager, nullcontext
 
-from move_base_abstract.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.shown import shown, shown_text
+from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep import stored_topics
-from move_base_abstract.shown import shown, shown_text
-from move_base_abstract.temporary_folder import temporary_folder
 
 from ..launching import ends, light_imports, warm_client
 from ..process_end import leave

@@ -14,8 +14,8 @@ import re
 import shutil
 import sys
 
+from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.wire import MAX_RANK
-from move_base_abstract.shown import shown
 
 from ..lockstep import address_layout, native_library, shell_scripts
 

@@ -15,10 +15,10 @@ from nav_msgs.srv import GetMap, GetMapResponse
 from roslib import packages
 from rospy.numpy_msg import numpy_msg
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.occupancy import ImageRule
-from move_base_abstract.parameter_table import Parameter, integer, name, number, read_table
-from move_base_abstract.shown import shown_text
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.parameter_table import Parameter, integer, name, number, read_table
+from move_base_abstract.common.shown import shown_text
+from move_base_abstract.maps.occupancy import ImageRule
 from move_base_abstract_ros import conversions
 from move_base_abstract_ros.map_files import MapDescription, load_map, read_description
 from move_base_abstract_ros.node_process import run_node

@@ -14,7 +14,7 @@ import genpy
 import rospy
 from roslib.message import get_message_class
 
-from move_base_abstract.errors import SimulatorError
+from move_base_abstract.common.errors import SimulatorError
 
 from .. import lockstep, rospy_start
 from ..node_process import parse_no_arguments

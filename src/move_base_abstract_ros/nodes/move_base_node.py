@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import rospy
 
-from move_base_abstract.settings import read_settings
+from move_base_abstract.config.settings import read_settings
 from move_base_abstract_ros.host import Host
 from move_base_abstract_ros.move_base_server import MoveBaseServer
 from move_base_abstract_ros.names import RobotNames

@@ -3,13 +3,13 @@ import time
 
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.outcome import NODE_KILLED
-from move_base_abstract.parameter_table import Parameter, integer, name, number, read_table, text, unknown_names
-from move_base_abstract.place_tasks import Rooms
-from move_base_abstract.ros_names import NAMESPACE_RULE, is_namespace
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.parameter_table import Parameter, integer, name, number, read_table, text, unknown_names
+from move_base_abstract.common.ros_names import NAMESPACE_RULE, is_namespace
+from move_base_abstract.goals.outcome import NODE_KILLED
 from move_base_abstract.scenario import MAX_ROBOTS, make_scenario, read_scenario
-from move_base_abstract.timed_task import DrawnDurations
+from move_base_abstract.tasks.place_tasks import Rooms
+from move_base_abstract.tasks.timed_task import DrawnDurations
 
 from .. import lockstep
 from ..bulk_registration import bulk_registration

@@ -1,11 +1,11 @@
 """The node ``task_source``: tasks as they arrive, at random instants or at those of a file, each as a message."""
 import rospy
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.parameter_table import Parameter, boolean, integer, name, read_table, text, unknown_names
+from move_base_abstract.common.units import LAST_NS
 from move_base_abstract.msg import Task
-from move_base_abstract.parameter_table import Parameter, boolean, integer, name, read_table, text, unknown_names
 from move_base_abstract.scenario import make_scenario, read_scenario
-from move_base_abstract.units import LAST_NS
 
 from .. import conversions, packing
 from ..node_process import parse_no_arguments, run_node

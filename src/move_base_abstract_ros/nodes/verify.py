@@ -16,9 +16,9 @@ import shutil
 import sys
 import tempfile
 
-from move_base_abstract.errors import SimulatorError
-from move_base_abstract.own_files import FolderKind
-from move_base_abstract.shown import shown
+from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.own_files import FolderKind
+from move_base_abstract.common.shown import shown
 
 from ..launching import conditions, verification
 from ..loopback import LoopbackError

@@ -11,9 +11,9 @@ import time
 
 import rospy
 
-from move_base_abstract.errors import ConfigurationError, SimulatorError
-from move_base_abstract.ros_names import NAMESPACE_RULE, is_namespace
-from move_base_abstract.shown import shown
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.ros_names import NAMESPACE_RULE, is_namespace
+from move_base_abstract.common.shown import shown
 from move_base_abstract_ros import lockstep, rospy_start
 from move_base_abstract_ros.clock_watch import watch_clock
 from move_base_abstract_ros.log_files import survive_full_disk

@@ -8,7 +8,7 @@ from actionlib import ActionClient, CommState, GoalStatus
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 
-from move_base_abstract.geometry import quaternion_of_yaw
+from move_base_abstract.motion.geometry import quaternion_of_yaw
 from move_base_abstract.msg import TimedTaskAction, TimedTaskGoal
 from soil_mapping.odometer import Odometer
 

@@ -10,8 +10,8 @@ import sys
 import time
 from pathlib import Path
 
-from move_base_abstract.errors import ConfigurationError, SimulatorError
-from move_base_abstract.shown import shown_text
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.shown import shown_text
 from move_base_abstract_experiments import processes
 from soil_mapping import environment
 from soil_mapping.config import Crs, TrialConfig

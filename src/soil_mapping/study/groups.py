@@ -3,8 +3,8 @@
 import functools
 from dataclasses import replace
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.shown import shown
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown
 
 from .spec import TrialSpec
 from .truth import truth_of

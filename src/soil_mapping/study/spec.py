@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, field
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.charge import check_charge
-from move_base_abstract.shown import shown
 from soil_mapping.config import TrialConfig
 from soil_mapping.motion import motion_named
 

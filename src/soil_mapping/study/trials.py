@@ -12,8 +12,8 @@ import sys
 import traceback
 from dataclasses import replace
 
-from move_base_abstract.errors import ConfigurationError, SimulatorError
-from move_base_abstract.own_files import whole_file
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.own_files import whole_file
 from move_base_abstract_experiments import processes
 from soil_mapping.config import TrialConfig
 from soil_mapping.provenance import machine, versions

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from soil_mapping.commands import FIRST_SAMPLE, Drive, Place, Stop, TakeSample
 from soil_mapping.config import TrialConfig
 from soil_mapping.coordinator import Coordinator

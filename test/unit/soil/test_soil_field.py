@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from soil_mapping.field import DrawnField, Field, load_field
 from soil_mapping.grid import Grid
 from soil_mapping.readings import read_meuse, read_readings

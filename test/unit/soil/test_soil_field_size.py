@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from soil_mapping.coarse_cells import coarse_cells
 from soil_mapping.config import TrialConfig
 from soil_mapping.field import field_of, load_field

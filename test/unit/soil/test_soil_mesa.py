@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from soil_mapping.config import PUBLISHED_CONFIGURATIONS, TrialConfig
 from soil_mapping.motion import EightWayTrip
 from soil_mapping.stopwatch import Stopwatch

@@ -4,7 +4,7 @@ import hashlib
 
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from soil_mapping.config import TrialConfig
 from soil_mapping.trial_folder import TrialFolder, read_about
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import yaml
 
-from move_base_abstract.errors import ConfigurationError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments import plan, spec
 from move_base_abstract_experiments.report import command as report
 from move_base_abstract_experiments.report import extension, outcome

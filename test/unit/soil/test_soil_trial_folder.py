@@ -7,8 +7,8 @@ import signal
 import numpy as np
 import pytest
 
-from move_base_abstract.errors import ConfigurationError
-from move_base_abstract.own_files import MARKER, OutputError, whole_file
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.own_files import MARKER, OutputError, whole_file
 from soil_mapping import pictures, provenance, trial_folder
 from soil_mapping.trial_folder import KIND, TrialFolder, is_complete, read_about, read_trial
 

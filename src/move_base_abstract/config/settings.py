@@ -1,0 +1,322 @@
+"""The settings of one robot, read from the parameters of a new or of an existing move_base set-up."""
+import math
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Dict, List, Optional, Tuple, Union
+
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import (
+    Parameter,
+    boolean,
+    checked,
+    integer,
+    name,
+    number,
+    numbers,
+    one_of,
+    read_table,
+    text,
+    topic,
+    unknown_names,
+)
+from ..common.shown import shown
+from ..energy.battery import TABLE as BATTERY
+from ..energy.battery import BatterySettings, read_battery
+from ..faults.failures import TABLE as FAILURES
+from ..faults.failures import Failures, read_failures
+from ..goals.navigator import BadFramePolicy
+from ..goals.recovery import (
+    BEHAVIORS_WITHOUT_ROTATION,
+    DEFAULT_BEHAVIORS,
+    ROTATION_SECONDS,
+    RecoveryBehavior,
+    RecoveryPolicy,
+)
+from ..maps.costmaps import Costmaps, read_costmaps
+from ..maps.lane_map import LaneMap, read_lane_map
+from ..maps.planning import WorldBounds
+from ..maps.travel_matrix import TravelMatrix, read_travel_matrix
+from ..motion.approach import MotionPhases
+from ..motion.calibration import CalibratedDurations, read_calibration
+from ..motion.durations import TABLE as DURATIONS
+from ..motion.durations import Durations, read_durations
+from ..motion.geometry import Pose2D
+from ..motion.leg import MotionLimits, Tolerances
+from . import upstream
+from .local_planner import ACCELERATION as ACCELERATION_LIMIT
+from .local_planner import XY_TOLERANCE as XY_LIMIT
+from .local_planner import YAW_TOLERANCE as YAW_LIMIT
+from .local_planner import Found, PlannerGroup, leaves
+
+DEFAULT_SPEED = 0.5
+
+#: how a robot finds its way
+ROUTES = ('none', 'grid', 'lanes', 'matrix')
+
+_POSITIVE = 'a finite number > 0'
+_NOT_NEGATIVE = 'a finite number >= 0'
+_FINITE = 'a finite number'
+
+SPEED = Parameter('max_speed', DEFAULT_SPEED, number(above=0.0), _POSITIVE + ' [m/s]')
+ACCELERATION = Parameter('acceleration', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [m/s^2], 0 = unlimited')
+XY_TOLERANCE = Parameter('xy_goal_tolerance', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [m]')
+YAW_TOLERANCE = Parameter('yaw_goal_tolerance', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [rad]')
+
+TABLE = (
+    Parameter('turn_rate', 0.0, number(low=0.0), _NOT_NEGATIVE + ' [rad/s], 0 = turning takes no time'),
+    Parameter('start_x', 0.0, number(), _FINITE + ' [m, global frame]'),
+    Parameter('start_y', 0.0, number(), _FINITE + ' [m, global frame]'),
+    Parameter('start_yaw', 0.0, number(), _FINITE + ' [rad, global frame]'),
+    Parameter('global_frame', None, name, 'a frame name'),
+    Parameter('odom_frame', None, name, 'a frame name'),
+    Parameter('robot_base_frame', None, name, 'a frame name'),
+    Parameter('tf_prefix', None, text, 'a string'),
+    Parameter('feedback_freq', None, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
+    Parameter('max_feedback_rate', 50.0, number(0.1, 1000.0), 'a number in 0.1..1000 [Hz, wall]'),
+    Parameter('pose_update_freq', 10.0, number(0.0, 1000.0),
+              'a number in 0..1000 [Hz, simulated], 0 = at departure and arrival only'),
+    Parameter('max_pose_rate', 50.0, number(0.1, 1000.0), 'a number in 0.1..1000 [Hz, wall]'),
+    Parameter('tf_heartbeat_freq', 10.0, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
+    Parameter('backend', 'builtin', text, 'the name of a backend'),
+    Parameter('marker_topic', 'move_base_abstract/markers', name, 'a topic name'),
+    Parameter('marker_size', 1.0, number(above=0.0), _POSITIVE + " [m], the length of a robot's arrow"),
+    Parameter('stage_offset_x', 0.0, number(), _FINITE + " [m], the global frame's origin in Stage's world"),
+    Parameter('stage_offset_y', 0.0, number(), _FINITE + " [m], the global frame's origin in Stage's world"),
+    Parameter('stage_offset_yaw', 0.0, number(), _FINITE + " [rad], the global frame's x axis in Stage's world"),
+    Parameter('stage_world_frame', None, name, 'a frame name'),
+    Parameter('gazebo_model', None, name, "the name of one of Gazebo's models"),
+    Parameter('gazebo_reference_frame', 'world', name, "the name of a frame of Gazebo's"),
+    Parameter('gazebo_z', 0.0, number(), _FINITE + " [m], height of the model's origin"),
+    Parameter('log_motion', False, boolean, 'true or false'),
+    Parameter('bad_frame_policy', 'abort', one_of('abort', 'wait'), "'abort' or 'wait'"),
+    Parameter('frame_timeout', 1.0, number(0.0, 60.0), 'a number in 0..60 [s, wall]'),
+    Parameter('abort_policy', 'fast', one_of('fast', 'upstream'), "'fast' or 'upstream'"),
+    Parameter('status_list_timeout', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]'),
+    Parameter('min_answer_delay', 0.02, number(0.0, 1.0), 'a number in 0..1 [s, wall]'),
+    Parameter('world_bounds', None, numbers(4), 'a list [x_min, y_min, x_max, y_max] [m, global frame]'),
+    Parameter('use_map', False, boolean, 'true or false'),
+    Parameter('map_topic', None, topic, 'a topic name'),
+    Parameter('allow_unknown', True, boolean, 'true or false'),
+    Parameter('allow_occupied_goals', False, boolean, 'true or false'),
+    Parameter('routes', 'none', one_of(*ROUTES), "'none', 'grid', 'lanes' or 'matrix'"),
+    Parameter('lanes', None, text, 'the path of a file'),
+    Parameter('travel_matrix', None, text, 'the path of a file'),
+    Parameter('corners', 'keep', one_of('keep', 'stop'), "'keep' or 'stop'"),
+    Parameter('controller_frequency', 20.0, number(above=0.0), _POSITIVE + ' [Hz, simulated]'),
+    Parameter('planner_patience', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]'),
+    Parameter('max_planning_retries', -1, integer(-1), 'a whole number >= -1'),
+    Parameter('recovery_behavior_enabled', True, boolean, 'true or false'),
+    Parameter('clearing_rotation_allowed', True, boolean, 'true or false'),
+    Parameter('make_plan_add_unreachable_goal', True, boolean, 'true or false'),
+    Parameter('base_local_planner', upstream.DEFAULT_LOCAL_PLANNER, text, 'the name of a plugin'),
+    Parameter('base_global_planner', upstream.DEFAULT_GLOBAL_PLANNER, text, 'the name of a plugin'),
+    Parameter('seed', 0, integer(0), 'a whole number >= 0'),
+    *DURATIONS,
+    *FAILURES,
+    *BATTERY,
+    Parameter('calibration', None, text, 'the path of a calibration, or the name of one that ships'),
+)
+_ODOM = 'odom'
+#: (our parameter, the costmap that tells it in an existing set-up, its key there, the default)
+_COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
+                   ('robot_base_frame', 'global_costmap', 'robot_base_frame', 'base_link'),
+                   ('odom_frame', 'local_costmap', 'global_frame', None))
+_LIMITS = (SPEED, ACCELERATION, XY_TOLERANCE, YAW_TOLERANCE)
+OWN_NAMES = tuple(parameter.name for parameter in TABLE + _LIMITS) + ('recovery_behaviors', 'footprint', 'robot_radius')
+#: what a calibration says
+_CALIBRATED = tuple(parameter.name for parameter in _LIMITS + DURATIONS) + ('turn_rate',)
+#: what a robot's settings are made of, before all that is given, where time leaps from event to event: each of these
+#: would be an event more that time has to stop for
+EVENTS_ONLY = {'feedback_freq': 0.0, 'pose_update_freq': 0.0, 'tf_heartbeat_freq': 0.0}
+
+
+@dataclass
+class RobotSettings:
+    """All settings of one robot; units as in the docs of the ``move_base`` node."""
+
+    limits: MotionLimits
+    tolerances: Tolerances
+    speed_source: str
+    acceleration_source: str
+    start: Pose2D
+    bounds: WorldBounds
+    recovery: RecoveryPolicy
+    bad_frame_policy: BadFramePolicy
+    costmaps: Costmaps
+    values: dict
+    tf_prefix: Optional[str] = None
+    #: all recovery behaviours that there are, whether they are enabled or not
+    behaviors: Tuple[RecoveryBehavior, ...] = DEFAULT_BEHAVIORS
+    #: how goals differ from the law of motion; None: in nothing
+    durations: Union[Durations, CalibratedDurations, None] = None
+    #: what goes wrong; None: nothing
+    failures: Optional[Failures] = None
+    #: its battery; None: it has none, and needs none
+    battery: Optional[BatterySettings] = None
+    #: how legs begin and end; None: as of a Leg
+    phases: Optional[MotionPhases] = None
+    #: the LaneMap or TravelMatrix by which it goes; None: neither
+    network: Union[LaneMap, TravelMatrix, None] = None
+    #: {name: m/s} of the planner's parameters that the speed comes from
+    speeds: Dict[str, float] = field(default_factory=dict)
+    ignored: List[str] = field(default_factory=list)
+    warnings: List[str] = field(default_factory=list)
+
+    @property
+    def local_planner(self):
+        """The namespace of the local planner, below the node's own."""
+        return upstream.plugin_namespace(self.values['base_local_planner'])
+
+    @property
+    def global_planner(self):
+        """The namespace of the global planner, below the node's own."""
+        return upstream.plugin_namespace(self.values['base_global_planner'])
+
+    @property
+    def odom_frame(self):
+        """The full name of the odometry's frame; in a set-up without a map it may be the global frame itself."""
+        return self.frame(self.values['odom_frame'])
+
+    def frame(self, frame_id):
+        """Return the robot's own frame ``frame_id`` with its tf prefix, which is not put twice."""
+        if not self.tf_prefix or frame_id.startswith(self.tf_prefix + '/'):
+            return frame_id
+        return '{}/{}'.format(self.tf_prefix, frame_id)
+
+
+def read_settings(raw, where):
+    """Return the :class:`RobotSettings` in ``raw``, the dictionary of all parameters in the namespace ``where``.
+
+    :raises ConfigurationError: for a wrong type or an impossible value of a parameter that is used.
+    """
+    if not isinstance(raw, dict):
+        raise ConfigurationError('{}: got {}; allowed: a namespace of parameters'.format(where, shown(raw)))
+    values = read_table(raw, TABLE, where)
+    network = _check_routes(values, where)
+    planner = PlannerGroup(raw, where)
+    speed = _limit(raw, SPEED, where, planner.speed)
+    acceleration = _limit(raw, ACCELERATION, where, partial(planner.limit, ACCELERATION_LIMIT))
+    xy_tolerance = _limit(raw, XY_TOLERANCE, where, partial(planner.limit, XY_LIMIT))
+    yaw_tolerance = _limit(raw, YAW_TOLERANCE, where, partial(planner.limit, YAW_LIMIT))
+    costmaps, costmap_sources = read_costmaps(raw, where)
+    used = [path for found in (speed, acceleration, xy_tolerance, yaw_tolerance) for path in found.paths]
+    used += [source[1:] for source in costmap_sources] + _read_frames(raw, values, where)
+    if values['feedback_freq'] is None:
+        values['feedback_freq'] = values['controller_frequency']
+    behaviors = _behaviors(raw, values, where)
+    settings = RobotSettings(
+        limits=MotionLimits(speed.value, acceleration.value or math.inf, values['turn_rate'] or math.inf),
+        tolerances=Tolerances(xy_tolerance.value, yaw_tolerance.value),
+        speed_source=speed.source, acceleration_source=acceleration.source, speeds=planner.speeds,
+        start=Pose2D(values['start_x'], values['start_y'], values['start_yaw']),
+        bounds=_bounds(values['world_bounds'], where),
+        recovery=_recovery(values, behaviors), behaviors=behaviors,
+        bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
+        costmaps=costmaps, network=network, durations=read_durations(values, where),
+        failures=read_failures(values, where), battery=read_battery(values),
+        values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
+        **_other_names(raw, values, used, where, planner.warnings))
+    return settings if values['calibration'] is None else _calibrated(settings, raw, where)
+
+
+def _calibrated(settings, raw, where):
+    """Return ``settings`` with what their calibration says."""
+    own = [name for name in _CALIBRATED if name in raw]
+    if own:
+        raise ConfigurationError('parameter {}/{}: got {} with a calibration, which says it too; allowed: one of '
+                                 'them'.format(where.rstrip('/'), own[0], shown(raw[own[0]])))
+    calibration = read_calibration(settings.values['calibration'], where)
+    if settings.values['routes'] == 'matrix' or (settings.network and settings.network.has_speeds):
+        raise ConfigurationError("parameter {}/calibration: got {} with routes: {}; allowed: with 'none', 'grid', or "
+                                 "'lanes' whose edges have neither speed nor length".format(
+                                     where.rstrip('/'), shown(settings.values['calibration']),
+                                     settings.values['routes']))
+    source = 'calibration {}'.format(settings.values['calibration'])
+    return replace(settings, limits=calibration.limits, tolerances=calibration.tolerances, phases=calibration.phases,
+                   durations=calibration.durations, speed_source=source, acceleration_source=source)
+
+
+def _limit(raw, parameter, where, of_planner):
+    """Return the :class:`Found` limit: the robot's own, else what ``of_planner`` finds."""
+    if parameter.name in raw:
+        return Found(checked(raw[parameter.name], parameter.name, parameter, where), '~' + parameter.name)
+    return of_planner(parameter)
+
+
+def _read_frames(raw, values, where):
+    """Put the frames that are not given into ``values``; return the costmaps' parameters that were used."""
+    used = []
+    is_own = values['odom_frame'] is not None
+    for own, costmap, key, default in _COSTMAP_FRAMES:
+        group = raw.get(costmap)
+        if values[own] is None and isinstance(group, dict) and key in group:
+            path = '{}/{}'.format(costmap, key)
+            values[own] = checked(group[key], path, Parameter(key, None, name, 'a frame name'), where)
+            used.append(path)
+        elif values[own] is None:
+            values[own] = default
+    if not is_own and values['odom_frame'] in (None, values['global_frame']):
+        # A local costmap in the map's frame says nothing of odometry. Without a map odometry is the global frame.
+        is_mapless = _ODOM in values['global_frame'].rsplit('/', 1)[-1]
+        values['odom_frame'] = values['global_frame'] if is_mapless else _ODOM
+    if values['robot_base_frame'] in (values['global_frame'], values['odom_frame']):
+        raise ConfigurationError('parameter {}/robot_base_frame: got {}, which is the global or the odom frame too; '
+                                 'allowed: a name of its own'.format(
+                                     where.rstrip('/'), shown(values['robot_base_frame'])))
+    return used
+
+
+def _bounds(values, where):
+    if values is None:
+        return WorldBounds()
+    try:
+        return WorldBounds(*values)
+    except ValueError as error:
+        raise ConfigurationError('parameter {}/world_bounds: {}'.format(where.rstrip('/'), error)) from None
+
+
+def _check_routes(values, where):
+    """Check what goes with ``routes``, and return the LaneMap or the TravelMatrix that they need, or None."""
+    routes = values['routes']
+    if routes == 'grid':
+        for key, allowed in (('use_map', True), ('allow_occupied_goals', False)):
+            if values[key] is not allowed:
+                raise ConfigurationError(
+                    "parameter {}/routes: got 'grid' with {}: {}; allowed: with {}: {} only".format(
+                        where.rstrip('/'), key, str(not allowed).lower(), key, str(allowed).lower()))
+    for key, kind, read in (('lanes', 'lanes', read_lane_map), ('travel_matrix', 'matrix', read_travel_matrix)):
+        if routes == kind:
+            if values[key] is None:
+                raise ConfigurationError("parameter {}/routes: got '{}' without {}; allowed: with the path of a file "
+                                         'there'.format(where.rstrip('/'), kind, key))
+            return read(values[key], where)
+    return None
+
+
+def _recovery(values, behaviors):
+    patience = 0.0 if values['max_planning_retries'] >= 0 else values['planner_patience']
+    return RecoveryPolicy(fast=values['abort_policy'] == 'fast', patience=patience,
+                          behaviors=behaviors if values['recovery_behavior_enabled'] else ())
+
+
+def _behaviors(raw, values, where):
+    """Read move_base's list of {name, type}; a type that rotates takes one turn's time, others none."""
+    if 'recovery_behaviors' not in raw:
+        return DEFAULT_BEHAVIORS if values['clearing_rotation_allowed'] else BEHAVIORS_WITHOUT_ROTATION
+    try:
+        return tuple(RecoveryBehavior(str(entry['name']),
+                                      ROTATION_SECONDS if 'rotate' in str(entry['type']).lower() else 0.0)
+                     for entry in raw['recovery_behaviors'])
+    except (TypeError, KeyError):
+        raise ConfigurationError('parameter {}/recovery_behaviors: got {}; allowed: a list of {{name, type}}'.format(
+            where.rstrip('/'), shown(raw['recovery_behaviors']))) from None
+
+
+def _other_names(raw, values, used, where, warnings):
+    """Sort what is not ours into what upstream would use and what nobody knows."""
+    plugins = {upstream.plugin_namespace(values[key]) for key in ('base_local_planner', 'base_global_planner')}
+    behaviors = raw.get('recovery_behaviors', [])
+    groups = sorted(plugins) + [str(entry['name']) for entry in behaviors]
+    upstream_names = tuple(upstream.IGNORED_NAMES) + tuple(groups)
+    ignored = [path for path in leaves({key: raw[key] for key in raw if key in upstream_names}) if path not in used]
+    return {'ignored': ignored, 'warnings': warnings + unknown_names(raw, OWN_NAMES + upstream_names, where)}

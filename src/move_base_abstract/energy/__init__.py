@@ -1,0 +1,5 @@
+"""Batteries: the state of charge as a formula, and what a leg takes."""
+from ..common.handed_on import handed_on
+
+__getattr__ = handed_on(__name__, {
+    'battery': 'Battery BatterySettings read_battery', 'consumption': 'LegEnergy Mechanics'})

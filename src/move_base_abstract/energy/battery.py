@@ -1,0 +1,313 @@
+"""The battery of a robot: its parameters, and its state of charge at any instant, by a formula.
+
+The instants at which the charge passes a threshold follow from it, to the nanosecond; nothing is polled.
+"""
+import math
+import sys
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import Tuple
+
+from ..common.parameter_table import Parameter, number
+from ..common.units import LAST_NS, NS_PER_S
+from ..engine.alarm import Alarm
+from ..engine.event_queue import PARTICIPANTS
+from ..engine.instants import first_ns
+from ..goals.outcome import BATTERY_EMPTY
+from .consumption import LegEnergy, Mechanics
+
+_POSITIVE = number(above=0.0, high=1e9)
+_NOT_NEGATIVE = number(0.0, 1e9)
+_SHARE = number(0.0, 1.0)
+STATE_OF_CHARGE = Parameter('state_of_charge', None, _SHARE, 'a number in 0..1')
+
+
+def _thresholds(value):
+    if not isinstance(value, (list, tuple)):
+        raise ValueError
+    shares = tuple(sorted((number(above=0.0, high=1.0)(share) for share in value), reverse=True))
+    if len(set(shares)) != len(shares) or 1.0 in shares:
+        raise ValueError
+    return shares
+
+
+#: the defaults are those of a small robot of the demos of rmf
+TABLE = (
+    Parameter('battery_capacity', 0.0, _NOT_NEGATIVE, 'a number in 0..1e9 [Ah], 0 = no battery'),
+    Parameter('nominal_voltage', 12.0, _POSITIVE, 'a number > 0, <= 1e9 [V]'),
+    Parameter('charging_current', 5.0, _POSITIVE, 'a number > 0, <= 1e9 [A]'),
+    Parameter('mass', 70.0, _POSITIVE, 'a number > 0, <= 1e9 [kg]'),
+    Parameter('moment_of_inertia', 40.0, _POSITIVE, 'a number > 0, <= 1e9 [kg m^2]'),
+    Parameter('friction_coefficient', 0.22, _NOT_NEGATIVE, 'a number in 0..1e9'),
+    Parameter('ambient_power', 20.0, _NOT_NEGATIVE, 'a number in 0..1e9 [W]'),
+    Parameter('tool_power', 0.0, _NOT_NEGATIVE, 'a number in 0..1e9 [W]'),
+    Parameter('battery_start', 1.0, _SHARE, 'a number in 0..1'),
+    Parameter('battery_thresholds', (0.2,), _thresholds, 'a list of different numbers > 0, < 1'),
+    Parameter('battery_state_freq', 0.0, number(0.0, 1000.0),
+              'a number in 0..1000 [Hz, simulated], 0 = at changes only'),
+)
+FULL, EMPTY, ABOVE, BELOW, SET = 'full', 'empty', 'above', 'below', 'set'
+
+
+@dataclass(frozen=True)
+class BatterySettings:
+    """A battery and what it feeds, see TABLE; ``levels``: thresholds, falling, the last one 0."""
+
+    capacity: float
+    nominal_voltage: float
+    charging_current: float
+    mechanics: Mechanics
+    ambient_power: float
+    tool_power: float
+    start: float
+    levels: Tuple[float, ...]
+
+    @property
+    def energy(self):
+        """What it holds when it is full [J]."""
+        return self.capacity * self.nominal_voltage * 3600.0 or sys.float_info.min
+
+
+def read_battery(values):
+    """Return the :class:`BatterySettings` in ``values`` (of :data:`TABLE`), None for a robot without a battery."""
+    if not values['battery_capacity']:
+        return None
+    return BatterySettings(
+        values['battery_capacity'], values['nominal_voltage'], values['charging_current'],
+        Mechanics(values['mass'], values['moment_of_inertia'], values['friction_coefficient']),
+        values['ambient_power'], values['tool_power'], values['battery_start'], (*values['battery_thresholds'], 0.0))
+
+
+class Battery:
+    """One robot's. ``zones`` (Zone): those with a charger charge who stands in them; ``listener``: a NavigatorListener.
+
+    ``charger``: the Zone whose charger it is at, or None.
+    """
+
+    #: for which the navigator refuses goals
+    REASON = 'battery'
+
+    def __init__(self, settings, robot, navigator, simulation, zones, listener):
+        self.settings = settings
+        self.charger = None
+        self._robot = robot
+        self._navigator = navigator
+        self._simulation = simulation
+        self._chargers = [zone for zone in zones if zone.charger is not None]
+        self._listener = listener
+        self._tool_works = False
+        self._load = 0.0
+        self._soc = settings.start
+        self._energy = settings.energy
+        self._course = _Even(0.0, simulation.now_ns)
+        self.since_ns = simulation.now_ns  # of the formula
+        self._passed = self._count(self._soc)  # how many levels the charge is not above
+        self._alarm = Alarm(simulation.queue, robot.index, self._is_heard)
+        robot.follow(self._motion_changed)
+
+    def soc_at(self, now_ns):
+        """Return the state of charge in 0..1 at ``now_ns`` [ns], not before the present leg or stand."""
+        return min(1.0, max(0.0, self._soc - self._course.until(now_ns) / self._energy))
+
+    @property
+    def soc(self):
+        """The state of charge in 0..1, now."""
+        return self.soc_at(self._simulation.now_ns)
+
+    @property
+    def is_empty(self):
+        """Whether the robot stands because of it."""
+        return self._passed == len(self.settings.levels)
+
+    @property
+    def is_low(self):
+        """Whether the charge has fallen to a threshold."""
+        return self._passed > 0
+
+    @property
+    def current(self):
+        """The current [A] of a robot that stands, > 0 while it is charged; None: it drives."""
+        if isinstance(self._course, _Even):
+            return 0.0 if self.is_empty else -self._course.power / self.settings.nominal_voltage
+        return None
+
+    def set(self, soc, now_ns):
+        """Have the state of charge ``soc`` in 0..1 from ``now_ns`` [ns] on."""
+        self._motion_changed(now_ns)
+        self._soc = soc
+        self._listener.battery(soc, SET, now_ns)
+        self._pass_levels(now_ns)
+        self._schedule(now_ns)
+
+    def set_tool(self, works, now_ns):
+        """Feed the tool from ``now_ns`` [ns] on, or do so no more."""
+        self._tool_works = works
+        self._motion_changed(now_ns)
+
+    def load(self, watts, now_ns):
+        """Feed work that takes so much [W] from ``now_ns`` [ns] on; 0: none."""
+        self._load = watts
+        self._motion_changed(now_ns)
+
+    def reset(self, now_ns):
+        """The robot is about to be put to its start, its navigator is reset already: as at the start."""
+        self._soc, self._course = self.settings.start, _Even(0.0, now_ns)
+        self._tool_works, self._load = False, 0.0
+        self._passed = 0
+        self._pass_levels(now_ns, is_told=False)
+
+    def restart(self, by_ns):
+        """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]. The robot stands next."""
+        now_ns = self._simulation.now_ns
+        self._settle(now_ns - by_ns)
+        self._course = _Even(0.0, now_ns)
+
+    def close(self):
+        """The robot is gone."""
+        self._alarm.cancel()
+
+    def _is_heard(self):
+        heard = self._listener.is_battery_heard
+        return heard is not None and heard() == PARTICIPANTS
+
+    def begin(self, now_ns):
+        """The robot is whole, at ``now_ns`` [ns]: what is so from the beginning is told from now on."""
+        self._passed = 0
+        self._pass_levels(now_ns, is_told=False)
+        self._motion_changed(now_ns)
+
+    def _settle(self, now_ns):
+        self._soc, self._course = self.soc_at(now_ns), _Even(0.0, now_ns)
+        self.since_ns = now_ns
+
+    def _motion_changed(self, now_ns):
+        """Go by another formula from ``now_ns`` [ns] on."""
+        driven, leg, settings = self._course, self._robot.leg, self.settings
+        self._settle(now_ns)
+        is_same_leg = isinstance(driven, _Driving) and driven.leg is leg
+        if isinstance(driven, _Driving) and not is_same_leg and now_ns > driven.leg.depart_ns:
+            self._soc = max(0.0, self._soc - driven.energy.stopping(now_ns) / self._energy)
+        charger = self._charger_at(now_ns) if leg is None else None
+        if charger is not self.charger:
+            before, self.charger = self.charger, charger
+            self._listener.charging((charger or before).name, charger is not None, now_ns)
+        power = settings.ambient_power + self._load + (settings.tool_power if self._tool_works else 0.0)
+        if leg is not None:
+            energy = driven.energy if is_same_leg else LegEnergy(leg, settings.mechanics)
+            self._course = _Driving(leg, energy, energy.until(now_ns) if is_same_leg else 0.0, power, now_ns)
+        elif charger is None:
+            self._course = _Even(power, now_ns)
+        else:
+            current = settings.charging_current if charger.charger is True else charger.charger
+            self._course = _Even(-current * settings.nominal_voltage, now_ns)
+        self._schedule(now_ns)
+
+    def _charger_at(self, now_ns):
+        pose = self._robot.pose_at(now_ns)
+        return next((zone for zone in self._chargers if zone.contains(pose.x, pose.y)), None)
+
+    def _count(self, soc):
+        return sum(soc <= level for level in self.settings.levels)
+
+    def _schedule(self, now_ns):
+        """Have the next level noticed at its instant."""
+        due_ns, found = None, self._next_level()
+        if found is not None:
+            level, is_passed = found
+            due_ns = now_ns if is_passed(now_ns) else self._course.first_ns(
+                self._soc - level, self._energy, is_passed)
+        if due_ns is None:
+            self._alarm.cancel()
+        else:
+            self._alarm.set(due_ns, self._notice)
+
+    def _next_level(self):
+        """Return (level, test of the state of charge) of the next that may be passed, or None."""
+        levels = self.settings.levels
+        if self._course.is_charging:
+            if self._passed:
+                level = levels[self._passed - 1]
+                return level, lambda at_ns: self.soc_at(at_ns) > level
+            return (1.0, lambda at_ns: self.soc_at(at_ns) >= 1.0) if self._soc < 1.0 else None
+        if self._passed == len(levels):
+            return None
+        level = levels[self._passed]
+        return level, lambda at_ns: self.soc_at(at_ns) <= level
+
+    def _notice(self, now_ns):
+        if self._course.is_charging and not self._passed:
+            self._settle(now_ns)  # the charger feeds the robot, and no more
+            self._soc = 1.0
+            self._listener.battery(1.0, FULL, now_ns)
+        else:
+            self._pass_levels(now_ns)
+            self._schedule(now_ns)
+
+    def _pass_levels(self, now_ns, is_told=True):
+        """Note where the charge is among the levels."""
+        was_empty, before = self.is_empty, self._passed
+        self._passed = self._count(self.soc_at(now_ns))
+        levels = self.settings.levels
+        passed = [(levels[index], BELOW if levels[index] else EMPTY) for index in range(before, self._passed)]
+        risen = [(levels[index], ABOVE) for index in range(before - 1, self._passed - 1, -1)]
+        with ExitStack() as rest:  # which comes whatever goes wrong with telling it
+            if self.is_empty and not was_empty:
+                rest.callback(self._navigator.disable, self.REASON, BATTERY_EMPTY, now_ns)
+            elif was_empty and not self.is_empty:
+                rest.callback(self._navigator.enable, self.REASON)
+            for level, what in (passed or risen) if is_told else ():
+                self._listener.battery(level, what, now_ns)
+
+
+class _Even:
+    """``power`` [W] since ``since_ns`` [ns]; of a charger it is < 0."""
+
+    def __init__(self, power, since_ns):
+        self.power = power
+        self.is_charging = power < 0.0
+        self._since_ns = since_ns
+
+    def until(self, now_ns):
+        """Return the energy that has been taken up to ``now_ns`` [ns] [J]."""
+        return self.power * ((now_ns - self._since_ns) / NS_PER_S)
+
+    def first_ns(self, share, energy, is_passed):
+        """Return the first instant [ns] at which ``is_passed``, or None: ``share`` of ``energy`` [J] is gone."""
+        if not self.power:
+            return None
+        seconds = share * energy / self.power
+        if self._since_ns + (seconds + 1.0) * NS_PER_S > LAST_NS:
+            return None
+        near_ns, spread_ns = self._since_ns + max(0, math.ceil(seconds * NS_PER_S)), 4
+        if is_passed(near_ns) and not (near_ns > self._since_ns and is_passed(near_ns - 1)):
+            return near_ns
+        if not is_passed(LAST_NS):
+            return None  # so little that no number shows it
+        while not is_passed(near_ns + spread_ns) or (near_ns - spread_ns > self._since_ns
+                                                     and is_passed(near_ns - spread_ns)):
+            spread_ns *= 8  # rounding has moved it further
+        return first_ns(max(self._since_ns, near_ns - spread_ns), near_ns + spread_ns, is_passed)
+
+
+class _Driving:
+    """A leg from ``since_ns`` [ns] on: ``power`` [W] and its LegEnergy, of which ``before`` [J] has been taken."""
+
+    is_charging = False
+
+    def __init__(self, leg, energy, before, power, since_ns):
+        self.leg = leg
+        self.energy = energy
+        self._before = before
+        self._power = power
+        self._since_ns = since_ns
+
+    def until(self, now_ns):
+        """Return the energy that has been taken up to ``now_ns`` [ns] [J]: nothing at the departure yet."""
+        if now_ns <= self.leg.depart_ns:
+            return 0.0
+        return self.energy.until(now_ns) - self._before + self._power * ((now_ns - self._since_ns) / NS_PER_S)
+
+    def first_ns(self, _share, _energy, is_passed):
+        """As of :class:`_Even`, None: not on this leg."""
+        arrive_ns = self.leg.arrive_ns
+        return first_ns(self._since_ns, arrive_ns, is_passed) if is_passed(arrive_ns) else None

@@ -1,0 +1,43 @@
+"""Errors that nobody expected, in the midst of a goal: they end that goal, and nothing else.
+
+An object whose methods are :func:`guarded` has ``break_off(error)``. It puts things in order step by step
+(:func:`attempt_each`), so that what is broken keeps nothing else from being put in order.
+"""
+import functools
+import logging
+
+from ..common.shown import shown_text
+
+
+def guarded(method):
+    """Have whatever goes wrong in ``method`` handed to its object's ``break_off(error)``; it returns None then."""
+    @functools.wraps(method)
+    def guard(self, *arguments):
+        try:
+            return method(self, *arguments)
+        except Exception as error:
+            return self.break_off(error)
+    return guard
+
+
+def attempt_each(simulation, who, error, steps):
+    """Report ``error`` as of ``who`` (a text) and do each of ``steps``: (function, argument, ...).
+
+    What goes wrong in one of them is reported, too, and the next one comes.
+    """
+    simulation.report_fault(who, error)
+    for function, *arguments in steps:
+        try:
+            function(*arguments)
+        except Exception as another:
+            simulation.report_fault(who, another)
+
+
+def fault_text(error):
+    """Return the text with which a goal ends in whose midst ``error`` came up."""
+    return 'The goal cannot be worked on: {}: {}'.format(type(error).__name__, shown_text(str(error)))
+
+
+def log_fault(who, error):
+    """Log ``error`` with its traceback, as of ``who``, by Python's logging."""
+    logging.getLogger('move_base_abstract').error('%s: %s', who, fault_text(error), exc_info=error)

@@ -1,0 +1,5 @@
+"""What may go wrong with a robot, when, and what is out of the ordinary with it."""
+from ..common.handed_on import handed_on
+
+__getattr__ = handed_on(__name__, {
+    'condition': 'Condition', 'failing': 'Failing Failure', 'failures': 'Failures read_failures'})

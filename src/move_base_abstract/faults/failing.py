@@ -1,0 +1,228 @@
+"""One robot that fails and is repaired. Each instant follows from numbers that are drawn in advance; nothing is polled.
+
+How far a rate has come is an *exposure*: time with a goal, distance driven, goals driven. The next failure by that rate
+comes when the exposure has reached the sum of exponential numbers drawn so far. So the failures of each rate are a
+Poisson process of its exposure, in which a robot that has failed does not get on.
+"""
+import math
+from contextlib import ExitStack
+from typing import NamedTuple, Optional
+
+from ..common.units import LAST_NS, NS_PER_S, seconds_to_ns
+from ..engine.alarm import Alarm
+from ..engine.chance import Purpose
+from ..engine.instants import first_ns
+from ..goals.outcome import FAILED
+from .failures import ABORT, GOAL, HOUR, KM, SCRIPT, SILENT, Failures
+
+_PURPOSES = {HOUR: Purpose.FAILURE_HOURS, KM: Purpose.FAILURE_KM, GOAL: Purpose.FAILURE_GOALS}
+#: the unit of each exposure in that of its rate: ns in an hour, m in a km, goals
+_UNITS = {HOUR: 3600 * NS_PER_S, KM: 1000.0, GOAL: 1.0}
+
+
+class Failure(NamedTuple):
+    """How a robot has failed: of ``kind``, of what (``cause``), since when, and until when [ns] if that is known."""
+
+    kind: str
+    cause: str
+    since_ns: int
+    until_ns: Optional[int]
+
+
+class Failing:
+    """What :class:`Failures` mean for one robot; ``chance`` is its Chance, ``listener`` a NavigatorListener.
+
+    ``failure``: the :class:`Failure` that it has now, or None; ``count``: how many it has had.
+    """
+
+    #: for which the navigator is held, or refuses goals
+    REASON = 'failure'
+
+    def __init__(self, failures, robot, navigator, simulation, chance, listener):
+        self.failure = None
+        self.count = 0
+        self._failures: Failures = failures
+        self._robot = robot
+        self._navigator = navigator
+        self._queue = simulation.queue
+        self._chance = chance
+        self._listener = listener
+        self._draws = {cause: 0 for cause, _ in failures.rates}
+        self._rates = dict(failures.rates)
+        #: exposures at which the next failures come: of distance by the robot's odometer [m], of goals by _driven
+        self._next = {cause: self._draw(cause) for cause in (KM, GOAL) if cause in self._rates}
+        self._hours_left = self._draw_hours() if HOUR in self._rates else None  # ns
+        self._hours = Alarm(self._queue, robot.index)
+        self._on_leg = Alarm(self._queue, robot.index)
+        self._repair = Alarm(self._queue, robot.index)
+        self._driven = _DrivenGoals(navigator)
+        self._script = [self._queue.schedule(
+            one.at_ns, robot.index, lambda due_ns, _, one=one: self.fail(SCRIPT, due_ns, one.kind, one.repair),
+            keeps_going=_no) for one in failures.script if one.at_ns >= simulation.now_ns]
+        robot.follow(self._motion_changed)
+        navigator.follow(self._goal_changed)
+
+    def fail(self, cause, now_ns, kind=None, repair=None):
+        """Fail at ``now_ns`` [ns], for ``repair`` [s], None: as drawn; one that has failed does not fail again.
+
+        Return whether it has failed.
+        """
+        if self.failure is not None:
+            return False
+        self.count += 1
+        kind = kind or self._failures.kind
+        until_ns = self._repaired_at(now_ns, repair)
+        self.failure = Failure(kind, cause, now_ns, until_ns)
+        if until_ns is not None:
+            self._repair.set(until_ns, self.repair)
+        with ExitStack() as rest:  # which comes whatever goes wrong with telling it: the latter one first
+            if kind == ABORT:
+                rest.callback(self._navigator.disable, self.REASON, FAILED, now_ns)
+            else:
+                rest.callback(self._navigator.hold, self.REASON, now_ns)
+                if kind == SILENT:
+                    rest.callback(self._navigator.go_silent)
+            self._pause(now_ns)
+            self._listener.failed(kind, cause, now_ns)
+        return True
+
+    def _repaired_at(self, now_ns, repair):
+        if repair is None:
+            if self._failures.repair is None:
+                return None
+            repair = self._failures.repair.draw(lambda place: self._chance.uniform(self.count, Purpose.REPAIR, place))
+        until_ns = now_ns + seconds_to_ns(repair)
+        return until_ns if until_ns <= LAST_NS else None
+
+    def repair(self, now_ns):
+        """Be as before at ``now_ns`` [ns]; return whether there was anything to repair."""
+        failure = self.failure
+        if failure is None:
+            return False
+        with ExitStack() as rest:  # as above
+            rest.callback(self._goal_changed, now_ns)
+            rest.callback(self._navigator.release, self.REASON, now_ns)
+            if failure.kind == ABORT:
+                rest.callback(self._navigator.enable, self.REASON)
+            elif failure.kind == SILENT:
+                rest.callback(self._navigator.answer_again, now_ns)
+            self._forget(now_ns)
+        return True
+
+    def _forget(self, now_ns):
+        failure, self.failure = self.failure, None
+        self._repair.cancel()
+        if failure is not None:
+            self._listener.repaired(now_ns)
+        return failure
+
+    def reset(self, now_ns):
+        """The robot is put to its start, its odometer to 0, its navigator is reset already; what is drawn goes on."""
+        self._forget(now_ns)
+        if KM in self._next:
+            self._next[KM] -= self._robot.distance_at(now_ns)
+
+    def restart(self, by_ns):
+        """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]."""
+        for alarm in (self._hours, self._on_leg, self._repair):
+            alarm.shift(by_ns)
+        if self.failure is not None:
+            until_ns = self.failure.until_ns
+            self.failure = self.failure._replace(since_ns=self.failure.since_ns + by_ns,
+                                                 until_ns=None if until_ns is None else until_ns + by_ns)
+
+    def close(self):
+        """The robot is gone: nothing fails any more."""
+        for event in (self._hours, self._on_leg, self._repair, *self._script):
+            event.cancel()
+
+    def _draw(self, cause):
+        """Return after how much more exposure it fails again: exponential."""
+        self._draws[cause] += 1
+        number = self._chance.uniform(self._draws[cause], _PURPOSES[cause])
+        return -math.log(number) / self._rates[cause] * _UNITS[cause]
+
+    def _draw_hours(self):
+        return int(min(self._draw(HOUR), LAST_NS))  # [ns]; of a tiny rate it is infinite
+
+    def _goal_changed(self, now_ns):
+        """Time is counted while there is a goal and no failure."""
+        if self._hours_left is None:
+            return
+        counts = self._navigator.is_active and self.failure is None
+        if counts and self._hours.due_ns is None and now_ns + self._hours_left <= LAST_NS:
+            self._hours.set(now_ns + self._hours_left, self._fail_by_hour)
+        elif not counts:
+            self._pause(now_ns)
+
+    def _pause(self, now_ns):
+        if self._hours.due_ns is not None:
+            self._hours_left = self._hours.due_ns - now_ns
+            self._hours.cancel()
+
+    def _fail_by_hour(self, due_ns):
+        self._hours_left = self._draw_hours()
+        self.fail(HOUR, due_ns)
+
+    def _motion_changed(self, now_ns):
+        self._driven.leg_ends(now_ns)
+        self._on_leg.cancel()
+        leg = self._robot.leg
+        if leg is None:
+            return
+        self._driven.leg_begins(leg)
+        found = [(due_ns, cause) for cause, due_ns in (
+            (KM, self._km_due_ns(leg)), (GOAL, self._driven.reached_ns(self._next.get(GOAL, math.inf))))
+            if due_ns is not None]
+        if found:
+            due_ns, cause = min(found, key=lambda one: one[0])  # of equal instants that of the distance
+            self._on_leg.set(due_ns, lambda at_ns: self._fail_on_leg(cause, at_ns))
+
+    def _km_due_ns(self, leg):
+        at = self._next.get(KM)
+        if at is None or self._robot.distance_at(leg.arrive_ns) < at:
+            return None
+        return first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: self._robot.distance_at(at_ns) >= at)
+
+    def _fail_on_leg(self, cause, due_ns):
+        self._next[cause] += self._draw(cause)
+        self.fail(cause, due_ns)
+
+
+def _no():
+    """Return False: nothing goes on for a failure that is to come."""
+    return False
+
+
+class _DrivenGoals:
+    """How many goals a robot has driven to: of one that is under way, or was left, the share of its time.
+
+    A leg on which a goal goes on stands for what was left of it.
+    """
+
+    def __init__(self, navigator):
+        self._navigator = navigator
+        self._done = 0.0
+        self._of_goal = 0.0  # the share of the goal _number that is in _done
+        self._number = 0
+        self._leg = None
+
+    def leg_begins(self, leg):
+        self._leg = leg
+        if self._navigator.goal_number != self._number:
+            self._number, self._of_goal = self._navigator.goal_number, 0.0
+
+    def leg_ends(self, now_ns):
+        leg, self._leg = self._leg, None
+        if leg is not None:
+            share = 1.0 if now_ns >= leg.arrive_ns else (now_ns - leg.depart_ns) / leg.duration_ns
+            self._done += share * (1.0 - self._of_goal)
+            self._of_goal += share * (1.0 - self._of_goal)
+
+    def reached_ns(self, goals):
+        """Return when on the leg [ns] the number of ``goals`` is reached, or None."""
+        whole = 1.0 - self._of_goal
+        if self._done + whole < goals:
+            return None
+        share = max(0.0, goals - self._done) / whole if whole else 0.0
+        return self._leg.depart_ns + min(self._leg.duration_ns, math.ceil(share * self._leg.duration_ns))

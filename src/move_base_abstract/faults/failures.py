@@ -1,0 +1,103 @@
+"""What may go wrong with a robot: how often it fails, in which way, and how long until it is as before. Parameters."""
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Optional, Tuple
+
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, checked, number, one_of
+from ..common.units import seconds_to_ns
+from ..engine.factors import Constant, Lognormal
+
+ABORT, STALL, SILENT = KINDS = ('abort', 'stall', 'silent')
+#: what a failure comes of
+HOUR, KM, GOAL, SCRIPT, REQUEST = 'hour', 'km', 'goal', 'script', 'request'
+_NEVER = 'never'
+_MOST_SECONDS = 1e9
+_SECONDS = number(0.0, _MOST_SECONDS)
+_KIND = one_of(*KINDS)
+_KINDS_TEXT = "'abort', 'stall' or 'silent'"
+
+
+class Scripted(NamedTuple):
+    """A failure at the simulated instant ``at_ns`` [ns]; ``kind`` and ``repair`` [s] None: as of any other."""
+
+    at_ns: int
+    kind: Optional[str]
+    repair: Optional[float]
+
+
+def _script(value):
+    """Return the :class:`Scripted` in a list of seconds, or of mappings with at, and with kind and repair if wanted."""
+    if not isinstance(value, (list, tuple)):
+        raise ValueError
+    return tuple(sorted((_scripted(entry) for entry in value), key=lambda one: one.at_ns))
+
+
+def _scripted(entry):
+    if not isinstance(entry, dict):
+        entry = {'at': entry}
+    if 'at' not in entry or not set(entry) <= {'at', 'kind', 'repair'}:
+        raise ValueError
+    return Scripted(seconds_to_ns(_SECONDS(entry['at'])), _KIND(entry['kind']) if 'kind' in entry else None,
+                    _SECONDS(entry['repair']) if 'repair' in entry else None)
+
+
+TABLE = (
+    Parameter('failure_kind', 'none', one_of('none', *KINDS), "'none', " + _KINDS_TEXT),
+    Parameter('failures_per_hour', 0.0, number(0.0, 3600.0), 'a number in 0..3600 [1/h]'),
+    Parameter('failures_per_km', 0.0, number(0.0, 1e6), 'a number in 0..1e6 [1/km]'),
+    Parameter('failures_per_goal', 0.0, number(0.0, 1000.0), 'a number in 0..1000'),
+    Parameter('failure_times', (), _script, 'a list of seconds in 0..1e9 [s, simulated], or of mappings {at: seconds, '
+              'kind: ' + _KINDS_TEXT + ', repair: seconds}'),
+    Parameter('repair_time', 60.0, _SECONDS, 'a number in 0..1e9 [s, simulated]'),
+    Parameter('repair_distribution', 'fixed', one_of('fixed', 'lognormal', _NEVER), "'fixed', 'lognormal' or 'never'"),
+    Parameter('repair_cv', 0.0, number(0.0, 10.0), 'a number in 0..10'),
+)
+_REQUESTED_KIND = Parameter('kind', None, _KIND, _KINDS_TEXT)
+_REQUESTED_REPAIR = Parameter('repair', None, _SECONDS, 'a number in 0..1e9 [s, simulated]')
+_RATES = {HOUR: 'failures_per_hour', KM: 'failures_per_km', GOAL: 'failures_per_goal'}
+
+
+@dataclass(frozen=True)
+class Failures:
+    """What may go wrong with a robot.
+
+    ``kind`` (of KINDS), ``rates`` (((cause, rate), ...), each > 0: 1/h with a goal, 1/km, 1 per goal), ``script``
+    (of :class:`Scripted`, in the order of time), ``repair`` (a distribution of :mod:`.factors` [s], None: never).
+    """
+
+    kind: str
+    rates: Tuple[Tuple[str, float], ...] = ()
+    script: Tuple[Scripted, ...] = ()
+    repair: Any = Constant(60.0)
+
+
+def check_request(kind, repair, where):
+    """Check what a user asks for: a failure's ``kind`` and ``repair`` [s], None: as of any other.
+
+    :raises ConfigurationError: naming ``where`` and what is allowed.
+    """
+    for key, value, parameter in (('kind', kind, _REQUESTED_KIND), ('repair', repair, _REQUESTED_REPAIR)):
+        if value is not None:
+            checked(value, key, parameter, where)
+
+
+def read_failures(values, where):
+    """Return the :class:`Failures` in ``values`` (of :data:`TABLE`), None for a robot that never fails.
+
+    :raises ConfigurationError: for values that do not fit together.
+    """
+    where = where.rstrip('/')
+    kind, cv, distribution = values['failure_kind'], values['repair_cv'], values['repair_distribution']
+    if kind == 'none':
+        for key in (*_RATES.values(), 'failure_times'):
+            if values[key]:
+                raise ConfigurationError('parameter {}/failure_kind: got none with {}; allowed then: {}'.format(
+                    where, key, _KINDS_TEXT))
+        return None
+    if (distribution == 'lognormal') != (cv > 0.0):
+        raise ConfigurationError('parameter {}/repair_cv: got {:g} with repair_distribution: {}; allowed: > 0 with '
+                                 'lognormal, else 0'.format(where, cv, distribution))
+    mean = values['repair_time']
+    repair = None if distribution == _NEVER else Lognormal(mean, cv) if cv else Constant(mean)
+    rates = tuple((cause, values[key]) for cause, key in _RATES.items() if values[key])
+    return Failures(kind, rates, values['failure_times'], repair)

@@ -1,0 +1,5 @@
+"""Many robots in plain Python, without ROS."""
+from ..common.handed_on import handed_on
+
+__getattr__ = handed_on(__name__, {
+    'fleet': 'Fleet TraceEntry'})

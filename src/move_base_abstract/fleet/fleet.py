@@ -1,0 +1,380 @@
+"""A fleet in plain Python, without ROS: goals in, :meth:`Fleet.run`, a trace out. Also the oracle of the ROS fleet.
+
+    fleet = Fleet(make_scenario({'robots': [{'name': 'bot', 'max_speed': 2.0}]}))
+    fleet.send('bot', 10.0, 0.0)
+    fleet.run()
+    fleet.trace[-1]        # TraceEntry(time_ns=6000000000, robot='bot', kind='ended', ...)
+
+The robots are those of the nodes, with the same settings, and time is kept in the same integer nanoseconds.
+"""
+import itertools
+from functools import partial
+
+from ..common.arguments import as_float, as_ns, check_kind
+from ..common.errors import ConfigurationError, FrameError, TimeError
+from ..common.parameter_table import checked
+from ..common.units import NS_PER_S, seconds_to_ns
+from ..energy.battery import EMPTY, STATE_OF_CHARGE
+from ..engine.simulation import Simulation
+from ..faults.failures import KINDS, REQUEST, check_request
+from ..goals.navigator import GoalPose, NavigatorListener
+from ..goals.outcome import BATTERY_EMPTY, ROBOT_REMOVED, ROBOT_RESET
+from ..maps.map_check import MapCheck
+from ..motion.geometry import Pose2D, quaternion_of_yaw
+from ..runs.trace import RobotTrace, TraceEntry, as_entries
+from ..scenario import Scenario, make_robot
+from ..tasks.arrivals import check_task
+from ..tasks.place_tasks import Rooms
+from ..tasks.worker import Worker
+from ..traffic.control import DeadlockPolicy, Traffic
+from .robot_parts import make_planner, make_robot_parts
+
+__all__ = ['Fleet', 'TraceEntry']
+
+#: what a user schedules comes after the robots' own events of the same instant
+_USER_INDEX = 2 ** 31 - 1
+
+
+class Fleet:
+    """Robots on one event queue. At equal times: lower robot index first, then first scheduled, then users' calls.
+
+    ``on_end(robot, goal_id, state, text, now_ns)``, if given, is called when a goal ends, and may send the next one.
+    With ``trace=None`` nothing is recorded; else :attr:`trace` is a list that begins with these entries. ``occupancy``
+    (OccupancyMap, its frame the global one) is the map of the robots with ``use_map``; ``planner`` is in the place of
+    what the settings ask for. ``on_worked``: as ``on_end``, of tasks at places (:meth:`work`).
+    """
+
+    def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=(), occupancy=None,
+                 on_worked=None):
+        self.simulation = Simulation(as_ns(start_ns, 'start_ns'))
+        self._trace = None if trace is None else list(trace)
+        self._rows = []  # of the trace, that nobody has read
+        self._record = None if trace is None else self._rows.append
+        self.scenario = scenario
+        self._on_end = on_end
+        self._on_worked = on_worked
+        self._rooms = None if scenario.places is None else Rooms(self.simulation, scenario.places)
+        self._planner = planner
+        self._occupancy = occupancy
+        self.traffic = Traffic(self.simulation, scenario.zones, DeadlockPolicy(scenario.deadlock))
+        self._members = {}
+        self._indices = itertools.count()
+        for spec in scenario.robots:
+            self._add(spec)
+
+    @property
+    def trace(self):
+        """All that has happened, a list of :class:`TraceEntry` objects, or None; what is new is put into it now."""
+        if self._rows:
+            self._trace += as_entries(self._rows)
+            self._rows.clear()
+        return self._trace
+
+    @property
+    def now_ns(self):
+        """The present [ns]."""
+        return self.simulation.now_ns
+
+    @property
+    def names(self):
+        """The robots' names, in the order of their indices."""
+        return list(self._members)
+
+    def add(self, name, **parameters):
+        """Add a robot now; ``parameters`` as of the ``move_base`` node.
+
+        :raises ConfigurationError: if the name is taken or no ROS name, or a parameter is not allowed.
+        """
+        if name in self._members:
+            raise ConfigurationError("robot '{}' is there already".format(name))
+        self._add(make_robot(name, parameters, name))
+
+    def remove(self, name):
+        """Remove a robot; its goal, if any, is aborted."""
+        self._member(name).remove(self.now_ns)
+        del self._members[name]
+
+    def reset(self):
+        """Put all robots back to their start, without goals; time goes on."""
+        for member in self._members.values():
+            member.reset(self.now_ns)
+
+    def send(self, name, x, y, yaw=0.0, goal_id='', frame='map'):
+        """Send a goal [m, rad, in ``frame``] to a robot now; return its id. What is wrong with it ends it.
+
+        :raises ConfigurationError: for what is no goal: a text for a number, a robot that is not there.
+        """
+        if not type(x) is type(y) is type(yaw) is float:
+            x, y, yaw = as_float(x, 'x'), as_float(y, 'y'), as_float(yaw, 'yaw')
+        if not type(goal_id) is type(frame) is str:
+            check_kind(goal_id, str, 'goal_id')
+            check_kind(frame, str, 'frame')
+        member = self._members.get(name) or self._member(name)
+        goal_id = goal_id or '{}-{}'.format(name, next(member.goal_numbers))
+        goal = GoalPose(frame, 0, (x, y), quaternion_of_yaw(yaw))
+        member.navigator.receive(goal_id, 0, goal, self.simulation.now_ns)
+        return goal_id
+
+    def cancel(self, name, goal_id=''):
+        """Cancel a robot's goal ``goal_id``, or whatever goal it has."""
+        self._member(name).navigator.cancel(goal_id, 0, self.now_ns)
+
+    def work(self, name, task, goal_id=''):
+        """Have a robot, which stands there, do the ``task`` (:class:`arrivals.Task`) now; return the goal's id.
+
+        :raises ConfigurationError: if the scenario says nothing of places.
+        """
+        check_task(task)
+        check_kind(goal_id, str, 'goal_id')
+        goal_id = goal_id or task.task_id
+        self._worker(name).take(goal_id, 0, task, self.now_ns)
+        return goal_id
+
+    def cancel_work(self, name, goal_id=''):
+        """Cancel a robot's task ``goal_id``, or whatever task it has."""
+        self._worker(name).cancel(goal_id, 0, self.now_ns)
+
+    def place(self, name, pose):
+        """Put a robot at ``pose`` (Pose2D, global frame) at once; with a goal it goes on from there."""
+        check_kind(pose, Pose2D, 'pose')
+        self._member(name).navigator.place(pose, self.now_ns)
+
+    def hold(self, name, reason):
+        """Have a robot stand where it is for ``reason`` (a text), its goal still active, until :meth:`release`."""
+        check_kind(reason, str, 'reason')
+        self._member(name).navigator.hold(reason, self.now_ns)
+
+    def release(self, name, reason):
+        """End what :meth:`hold` began; without another reason the robot goes on, planned anew from where it is."""
+        self._member(name).navigator.release(reason, self.now_ns)
+
+    def fail(self, name, kind=None, repair=None):
+        """Have a robot fail now, as ``failure_kind`` says or in another way, for ``repair`` [s], None: as is drawn.
+
+        Return whether it has: one that has failed already does not. Nothing fails with ``failure_kind: none``.
+        """
+        failing = self._failing(name)
+        check_request(kind, repair, "robot '{}'".format(name))
+        return failing.fail(REQUEST, self.now_ns, kind, repair)
+
+    def repair(self, name):
+        """Repair a robot now; return whether it had failed."""
+        return self._failing(name).repair(self.now_ns)
+
+    def set_charge(self, name, state_of_charge):
+        """Have a robot's battery charged by ``state_of_charge`` (0..1) from now on."""
+        battery, where = self._battery(name), "robot '{}'".format(name)
+        battery.set(checked(state_of_charge, 'state_of_charge', STATE_OF_CHARGE, where), self.now_ns)
+
+    def set_tool(self, name, works):
+        """Have a robot's tool work from now on, or rest: it takes ``tool_power``."""
+        self._battery(name).set_tool(works, self.now_ns)
+
+    def condition(self, name):
+        """Return a robot's :class:`.condition.Condition`."""
+        return self._member(name).condition
+
+    def close_zone(self, name, closed=True):
+        """Let no robot into a zone from now on, or with ``closed=False`` let them in again.
+
+        :raises ConfigurationError: if there is no zone of that name.
+        """
+        self.traffic.close_zone(name, closed)
+
+    @property
+    def zones(self):
+        """Who is in the zones, and on the lanes with a capacity, and who waits: [:class:`.AreaState`, ...]."""
+        return self.traffic.states()
+
+    def use_map(self, occupancy):
+        """Have another map (OccupancyMap) from now on; routes that it cuts are planned again."""
+        self._occupancy = occupancy
+        for member in self._members.values():
+            member.use_map(occupancy)
+        for member in self._members.values():
+            member.navigator.map_changed(self.now_ns)
+
+    def pose(self, name):
+        """Return a robot's present pose (Pose2D, global frame)."""
+        return self._member(name).robot.pose_at(self.now_ns)
+
+    def distance(self, name):
+        """Return the distance that a robot has driven so far [m]."""
+        return self._member(name).robot.distance_at(self.now_ns)
+
+    def at(self, time_ns, action):
+        """Call ``action(fleet)`` at ``time_ns`` [ns], a whole number.
+
+        :raises TimeError: if that is past.
+        """
+        time_ns = as_ns(time_ns, 'time_ns')
+        if time_ns < self.now_ns:
+            raise TimeError('time {} ns is past, it is {} ns'.format(time_ns, self.now_ns))
+        self.simulation.queue.schedule(time_ns, _USER_INDEX, lambda due_ns, _now_ns: action(self))
+
+    def run(self, until_ns=None):
+        """Let everything happen up to ``until_ns`` [ns], or to the end of all events; return the time [ns].
+
+        Without ``until_ns`` it waits neither for batteries nor for failures that are to come.
+
+        :raises TimeError: if ``until_ns`` is past.
+        """
+        until_ns = None if until_ns is None else as_ns(until_ns, 'until_ns')
+        self.simulation.run(until_ns)
+        return self.now_ns
+
+    def run_for(self, seconds):
+        """Let ``seconds`` of simulated time pass; return the time [ns]."""
+        return self.run(self.now_ns + seconds_to_ns(as_float(seconds, 'seconds')))
+
+    def _add(self, spec):
+        self._members[spec.name] = _Member(self, spec, next(self._indices), self._planner, self._occupancy)
+
+    def _worker(self, name):
+        worker = self._member(name).worker
+        if worker is None:
+            raise ConfigurationError("robot '{}' cannot work: the scenario has no places; allowed: a list, also an "
+                                     'empty one'.format(name))
+        return worker.tasks
+
+    def _member(self, name):
+        try:
+            return self._members[name]
+        except KeyError:
+            raise ConfigurationError("robot '{}' is unknown; there are: {}".format(
+                name, ', '.join(list(self._members)[:10]) or 'none')) from None
+
+    def _failing(self, name):
+        failing = self._member(name).condition.failing
+        if failing is None:
+            raise ConfigurationError("robot '{}': failure_kind: got none; allowed, for a robot that is to fail: "
+                                     "{}".format(name, ', '.join(KINDS)))
+        return failing
+
+    def _battery(self, name):
+        battery = self._member(name).condition.battery
+        if battery is None:
+            raise ConfigurationError("robot '{}': battery_capacity: got 0; allowed, for a battery: > 0 [Ah]".format(
+                name))
+        return battery
+
+    def _tell(self, listener, robot, record, stamp_ns):
+        """Tell ``listener``, if there is one, of an ending: when its own event is over, at the end of this instant."""
+        if listener is not None:
+            simulation = self.simulation
+            now_ns = simulation.now_ns
+            simulation.queue.schedule(stamp_ns if stamp_ns > now_ns else now_ns, _USER_INDEX, partial(
+                _call, listener, robot, record, simulation))
+
+
+class _Member(NavigatorListener):
+    """One robot of a fleet."""
+
+    def __init__(self, fleet, spec, index, planner, occupancy):
+        settings = spec.settings
+        self._fleet = fleet
+        self._settings = settings
+        self._trace = RobotTrace(spec.name, fleet._record, settings.values['log_motion'])
+        self.goal_numbers = itertools.count(1)
+        values = settings.values
+        self._map_check = None
+        if occupancy is not None and values['use_map']:
+            self._map_check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
+        parts = make_robot_parts(settings, spec.name, index, fleet.simulation, self, self, _no_lookup,
+                                 planner or make_planner(settings, self._map_check), fleet.scenario.zones,
+                                 remembered_legs=1)  # nobody here can ask for the past
+        self.robot, self._ledger, self.navigator, self.condition = (
+            parts.robot, parts.ledger, parts.navigator, parts.condition)
+        self.worker = None
+        self._trace.motion(self.robot, fleet.now_ns)
+        self._traveller = fleet.traffic.join(self.navigator, settings.network, self._trace.note, self.warn)
+        if fleet._rooms is not None:
+            self.worker = Worker(fleet._rooms, self.robot, values['seed'], fleet._record,
+                                 lambda record, stamp_ns: fleet._tell(fleet._on_worked, spec.name, record, stamp_ns),
+                                 lambda: self.condition.is_out_of_order,
+                                 None if self.condition.battery is None else self.condition.battery.load)
+        self.condition.begin(fleet.now_ns)
+
+    def reset(self, now_ns):
+        if self.worker is not None:
+            self.worker.tasks.shut_down(ROBOT_RESET, now_ns)
+        self.navigator.reset(ROBOT_RESET, now_ns)
+        self._ledger.clear()
+        self.condition.reset(now_ns)
+        self.robot.reset(self._settings.start, now_ns)
+        self._trace.motion(self.robot, now_ns)
+        self.stands(self.robot, now_ns)
+
+    def remove(self, now_ns):
+        if self.worker is not None:
+            self.worker.tasks.shut_down(ROBOT_REMOVED, now_ns)
+        self.condition.close()
+        self.navigator.close(ROBOT_REMOVED, now_ns)
+        if self._traveller is not None:
+            self._traveller.leave(now_ns)
+        self._fleet.simulation.queue.guard(self.robot.index, None)
+
+    def use_map(self, occupancy):
+        if self._map_check is not None:
+            self._map_check.use(occupancy)
+
+    def departed(self, robot, goal, now_ns):
+        self._trace.departed(goal, now_ns, robot.leg.corners)
+        if self.worker is not None:
+            self.worker.tasks.moved(now_ns)
+        if self._traveller is not None:
+            self._traveller.departed(robot.leg, now_ns)
+
+    def stands(self, robot, now_ns):
+        try:
+            self._trace.stands(robot.pose_at(now_ns), now_ns)
+            if self.worker is not None:
+                self.worker.tasks.moved(now_ns)
+        finally:  # its places are its own, whatever goes wrong with the rest
+            if self._traveller is not None:
+                self._traveller.stands(now_ns)
+
+    def abandons(self, now_ns):
+        if self._traveller is not None:
+            self._traveller.abandons(now_ns)
+
+    def broken_off(self, now_ns):
+        if self._traveller is not None:
+            self._traveller.put_in_order(now_ns)
+
+    def held(self, reasons, now_ns):
+        self._trace.held(reasons, now_ns)
+
+    def failed(self, kind, cause, now_ns):
+        self._trace.failed(kind, cause, now_ns)
+        if self.worker is not None:
+            self.worker.tasks.failed(now_ns)
+
+    def battery(self, level, what, now_ns):
+        self._trace.battery(level, what, now_ns)
+        if what == EMPTY and self.worker is not None:
+            self.worker.tasks.shut_down(BATTERY_EMPTY, now_ns)
+
+    def charging(self, charger, is_charging, now_ns):
+        self._trace.charging(charger, is_charging, now_ns)
+
+    def repaired(self, now_ns):
+        self._trace.repaired(now_ns)
+
+    def publish_status(self):
+        pass
+
+    def new_id(self, now_ns):
+        return '{}-{}'.format(self.robot.name, now_ns)
+
+    def publish_result(self, record, stamp_ns):
+        self._trace.ended(record, stamp_ns)
+        self._fleet._tell(self._fleet._on_end, self.robot.name, record, stamp_ns)
+
+
+def _call(listener, robot, record, simulation, _due_ns, _now_ns):
+    listener(robot, record.goal_id, record.state, record.text, simulation.now_ns)
+
+
+def _no_lookup(frame_id, _stamp_ns):
+    raise FrameError("frame '{}' is unknown; without ROS there are only a robot's own frames".format(frame_id))

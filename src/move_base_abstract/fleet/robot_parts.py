@@ -1,0 +1,77 @@
+"""One robot and what works on its goals, put together in one place: for the nodes and for the plain Python fleet."""
+from typing import NamedTuple
+
+from ..common.errors import ConfigurationError
+from ..common.units import seconds_to_ns
+from ..energy.battery import Battery
+from ..engine.chance import Chance
+from ..faults.condition import Condition
+from ..faults.failing import Failing
+from ..goals.ledger import GoalLedger
+from ..goals.navigator import Navigator
+from ..maps.planning import StraightLinePlanner
+from ..maps.travel_matrix import MatrixPlanner
+from ..motion.durations import GoalDurations
+from ..motion.frames import RobotFrames
+from ..motion.robot import Robot
+from ..motion.route import CornerLaw
+
+
+class RobotParts(NamedTuple):
+    """The robot, its frames, the book of its goals, who works on them, and its condition."""
+
+    robot: Robot
+    frames: RobotFrames
+    ledger: GoalLedger
+    navigator: Navigator
+    condition: Condition
+
+
+def make_robot_parts(settings, name, index, simulation, answers, listener, lookup, planner=None, zones=(),
+                     remembered_legs=64):
+    """Return the RobotParts of the robot ``name``, which stands at the start of its ``settings`` (RobotSettings).
+
+    ``answers`` has ``publish_status()``, ``publish_result(record, stamp_ns)`` and ``new_id(now_ns)``, as of GoalLedger;
+    ``listener`` is a NavigatorListener; ``lookup(frame_id, stamp_ns)`` finds foreign frames, as of RobotFrames;
+    ``planner`` is in the place of that of :func:`make_planner` without a map; ``remembered_legs``: as of Robot.
+    Feedback is not switched on: see Navigator.set_feedback_frequency.
+    """
+    values = settings.values
+    robot = Robot(index, name, settings.start, settings.limits, settings.tolerances, simulation.now_ns,
+                  CornerLaw(values['corners']), settings.phases, remembered_legs)
+    frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
+                         settings.frame(values['robot_base_frame']), lookup)
+    ledger = GoalLedger(answers.publish_status, answers.publish_result, answers.new_id,
+                        seconds_to_ns(values['status_list_timeout']))
+    durations = None
+    if settings.durations is not None:
+        durations = GoalDurations(settings.durations, values['seed'], name)
+    navigator = Navigator(robot, simulation, ledger, frames, listener, planner or make_planner(settings),
+                          settings.bad_frame_policy, settings.recovery, durations)
+    simulation.queue.guard(index, navigator.break_off)
+    failing = None
+    if settings.failures is not None:
+        failing = Failing(settings.failures, robot, navigator, simulation, Chance(values['seed'], name), listener)
+    battery = None
+    if settings.battery is not None:
+        battery = Battery(settings.battery, robot, navigator, simulation, zones, listener)
+    return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery))
+
+
+def make_planner(settings, map_check=None):
+    """Return the planner that ``settings`` (RobotSettings) ask for; ``map_check`` (MapCheck) judges by a map.
+
+    :raises ConfigurationError: where ways are to be planned on a map and there is none.
+    """
+    routes = settings.values['routes']
+    if routes == 'none':
+        return StraightLinePlanner(settings.bounds, map_check)
+    if routes == 'matrix':
+        return MatrixPlanner(settings.network, settings.bounds, map_check)
+    if routes == 'lanes':
+        from ..maps.lane_planner import LanePlanner, LaneWays  # only who plans pays for networkx
+        return LanePlanner(LaneWays.on(settings.network, settings.limits.max_speed), settings.bounds, map_check)
+    if map_check is None:
+        raise ConfigurationError("routes: got 'grid' for robots that have no map; allowed: with a map only")
+    from ..maps.grid_planner import GridPlanner  # likewise, for numpy
+    return GridPlanner(map_check, settings.costmaps.global_footprint.inscribed_radius, settings.bounds)

@@ -1,0 +1,7 @@
+"""Where robots can go: cells of a map, nets of lanes, tables of times; the planners that find ways on them."""
+from ..common.handed_on import handed_on
+
+__getattr__ = handed_on(__name__, {
+    'grid_planner': 'GridPlanner', 'lane_map': 'LaneMap make_lane_map read_lane_map', 'lane_planner': 'LanePlanner',
+    'map_check': 'MapCheck', 'occupancy': 'OccupancyMap', 'planning': 'StraightLinePlanner WorldBounds',
+    'travel_matrix': 'MatrixPlanner TravelMatrix make_travel_matrix read_travel_matrix'})

@@ -1,0 +1,172 @@
+"""What of a costmap's parameters can be shown without a costmap: the robot's footprint and the local window."""
+import math
+import re
+from dataclasses import dataclass
+from typing import Tuple
+
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, checked, number
+from ..motion.geometry import share_along
+
+GLOBAL, LOCAL = 'global_costmap', 'local_costmap'
+
+_RADIUS = 0.46  # m, as costmap_2d's
+_PADDING = 0.01  # m, likewise
+_CORNERS = 16  # of the polygon that stands for a circle, likewise
+_MAX_POINTS = 1000
+_MAX_TEXT = 100_000
+_MAX_CELLS = 4_000_000
+_POINTS = '3 to 1000 points [[x, y], ...] [m, base frame], as a list or as its text'
+_ROBOT_RADIUS = Parameter('robot_radius', _RADIUS, number(low=0.0), 'a finite number >= 0 [m]')
+_FOOTPRINT_PADDING = Parameter('footprint_padding', _PADDING, number(), 'a finite number [m]')
+_WINDOW = (Parameter('width', 10.0, number(above=0.0), 'a finite number > 0 [m]'),
+           Parameter('height', 10.0, number(above=0.0), 'a finite number > 0 [m]'),
+           Parameter('resolution', 0.05, number(above=0.0), 'a finite number > 0 [m/cell]'))
+
+
+@dataclass(frozen=True)
+class Window:
+    """A grid of ``columns`` x ``rows`` cells of ``resolution`` [m] that goes with the robot."""
+
+    columns: int = 200
+    rows: int = 200
+    resolution: float = 0.05
+
+    def corner(self, pose):
+        """Return (x, y) [m] of the south-west corner around ``pose``, on whole cells, in the frame of the pose."""
+        return self._edge(pose.x, self.columns), self._edge(pose.y, self.rows)
+
+    def _edge(self, centre, cells):
+        edge = centre - 0.5 * cells * self.resolution
+        number_of_cells = edge / self.resolution
+        # Where a float is coarser than a cell there are no whole cells.
+        return math.floor(number_of_cells) * self.resolution if abs(number_of_cells) < 2 ** 53 else edge
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """The outline of the robot: its corners (x, y) [m] in the base frame."""
+
+    points: Tuple[Tuple[float, float], ...]
+
+    @property
+    def inscribed_radius(self):
+        """The distance [m] from the base frame's origin to the nearest point of the outline, as costmap_2d's."""
+        return min(_distance_to(begin, end) for begin, end in zip(self.points, self.points[1:] + self.points[:1]))
+
+    def at(self, pose):
+        """Return the corners [m] of the robot at ``pose``, in the frame of the pose."""
+        cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
+        return [(pose.x + cos * x - sin * y, pose.y + sin * x + cos * y) for x, y in self.points]
+
+
+@dataclass(frozen=True)
+class Costmaps:
+    """The footprints of both costmaps, and the window of the local one."""
+
+    global_footprint: Footprint
+    local_footprint: Footprint
+    window: Window = Window()
+
+
+def read_costmaps(raw, where):
+    """Return (:class:`Costmaps`, paths of the parameters used) of ``raw``, the parameters in the namespace ``where``.
+
+    As costmap_2d: ``footprint`` in the costmap's group or else outside of it, then ``robot_radius`` in this order, then
+    a radius of 0.46 m; and ``footprint_padding`` of the group, 0.01 m.
+
+    :raises ConfigurationError: for a wrong type or an impossible value.
+    """
+    used = []
+    footprints = [_read_footprint(raw, costmap, used, where) for costmap in (GLOBAL, LOCAL)]
+    group = _group(raw, LOCAL)
+    width, height, resolution = (_read(group, LOCAL, parameter, used, where) for parameter in _WINDOW)
+    cells = [max(1.0, side / resolution) for side in (width, height)]
+    if not cells[0] * cells[1] <= _MAX_CELLS:
+        raise ConfigurationError('parameters {}/{}: got a width of {:g} m, a height of {:g} m and a resolution of {:g} '
+                                 'm/cell; allowed: at most {} cells'.format(where.rstrip('/'), LOCAL, width, height,
+                                                                            resolution, _MAX_CELLS))
+    return Costmaps(*footprints, Window(int(cells[0]), int(cells[1]), resolution)), used
+
+
+def _distance_to(begin, end):
+    """Return the distance from (0, 0) to the straight piece between two points (x, y) [m]."""
+    share = share_along(begin, end, 0.0, 0.0)
+    return math.hypot(*(one + share * (other - one) for one, other in zip(begin, end)))
+
+
+def _group(raw, costmap):
+    group = raw.get(costmap)
+    return group if isinstance(group, dict) else {}
+
+
+def _read(group, path, parameter, used, where):
+    """Return the value of ``parameter`` in ``group``, which lies below ``path``, or the default."""
+    if parameter.name not in group:
+        return parameter.default
+    name = '{}/{}'.format(path, parameter.name).lstrip('/')
+    used.append('~' + name)
+    return checked(group[parameter.name], name, parameter, where)
+
+
+def _read_footprint(raw, costmap, used, where):
+    group = _group(raw, costmap)
+    points = _first(raw, group, costmap, _FOOTPRINT, used, where)
+    if not points:
+        radius = _first(raw, group, costmap, _ROBOT_RADIUS, used, where)
+        angles = [2.0 * math.pi * number / _CORNERS for number in range(_CORNERS)]
+        points = [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
+    padding = _read(group, costmap, _FOOTPRINT_PADDING, used, where)
+    return Footprint(tuple((_padded(x, padding), _padded(y, padding)) for x, y in points))
+
+
+def _first(raw, group, costmap, parameter, used, where):
+    if parameter.name in group:
+        return _read(group, costmap, parameter, used, where)
+    return _read(raw, '', parameter, used, where)
+
+
+def _padded(value, padding):
+    return value + math.copysign(padding, value) if value else value
+
+
+def _points(value):
+    """Return ((x, y), ...) of a footprint as a list or as its text, which may be empty; ValueError for others."""
+    if isinstance(value, str):
+        value = _parse(value)
+    if not isinstance(value, (list, tuple)) or not (len(value) == 0 or 3 <= len(value) <= _MAX_POINTS):
+        raise ValueError
+    single = number()
+    points = []
+    for point in value:
+        if not isinstance(point, (list, tuple)) or len(point) != 2:
+            raise ValueError
+        points.append((single(point[0]), single(point[1])))
+    return tuple(points)
+
+
+def _parse(text):
+    """Return the list of lists of numbers that ``text`` says, as costmap_2d reads it: commas are blanks."""
+    if len(text) > _MAX_TEXT:
+        raise ValueError
+    points, point, depth = [], None, 0
+    for token in re.findall(r'[\[\]]|[^\s,\[\]]+', text):
+        if token == '[':
+            depth += 1
+            point = [] if depth == 2 else None
+        elif token == ']':
+            depth -= 1
+            if depth == 1:
+                points.append(point)
+        elif depth == 2:
+            point.append(float(token))
+        else:
+            raise ValueError
+        if not 0 <= depth <= 2:
+            raise ValueError
+    if depth:
+        raise ValueError
+    return points
+
+
+_FOOTPRINT = Parameter('footprint', None, _points, _POINTS)

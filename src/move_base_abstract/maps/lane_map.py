@@ -1,0 +1,185 @@
+"""Lanes: a net of nodes and edges on which robots drive, from a file.
+
+    nodes:
+      - {name: depot, x: 0.0, y: 0.0, yaw: 1.57}
+      - {name: gate, x: 10.0, y: 0.0}
+    edges:
+      - {from: depot, to: gate, speed: 0.5, capacity: 1}
+      - {from: gate, to: depot, one_way: true, points: [[10, 4], [0, 4]]}
+
+Maps of L-CAS' topological navigation (``tmap2``) are read, too: see :mod:`topological_map`.
+"""
+import math
+import os
+from functools import lru_cache
+from typing import Dict, NamedTuple, Optional, Tuple
+
+from ..common.bounded_yaml import file_version, load_yaml_file
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, boolean, checked, integer, number
+from ..common.shown import shown
+from ..common.unknown_keys import check_keys
+from ..motion.geometry import Pose2D
+from .topological_map import is_topological_map, plain_map
+
+_COORDINATE = number(-1e9, 1e9)
+_NODE_TABLE = {
+    'x': Parameter('x', None, _COORDINATE, 'a number in -1e9..1e9 [m, global frame]'),
+    'y': Parameter('y', None, _COORDINATE, 'a number in -1e9..1e9 [m, global frame]'),
+    'yaw': Parameter('yaw', 0.0, number(), 'a finite number [rad]'),
+}
+
+
+def _points(value):
+    if not isinstance(value, (list, tuple)):
+        raise ValueError
+    return tuple((_COORDINATE(x), _COORDINATE(y)) for x, y in value)
+
+
+_EDGE_TABLE = {
+    'points': Parameter('points', (), _points, 'a list of [x, y] [m, global frame, within +-1e9]'),
+    'length': Parameter('length', None, number(1e-6, 1e9), 'a number in 1e-6..1e9 [m]'),
+    'speed': Parameter('speed', None, number(1e-6, 1e6), 'a number in 1e-6..1e6 [m/s]'),
+    'capacity': Parameter('capacity', None, integer(1), 'a whole number >= 1'),
+    'one_way': Parameter('one_way', False, boolean, 'true or false'),
+}
+
+
+class Edge(NamedTuple):
+    """A lane from the node ``begin`` to ``end`` along ``points`` ((x, y), ...) [m], those of the nodes included.
+
+    ``speed`` [m/s], ``capacity`` [robots]: None, no limit; ``share`` of a robot's speed at which it is driven, so that
+    it takes as long as its ``length`` says, where one is given. ``capacity`` counts both directions together.
+    """
+
+    begin: str
+    end: str
+    points: Tuple[Tuple[float, float], ...]
+    speed: Optional[float]
+    capacity: Optional[int]
+    one_way: bool
+    share: float
+
+
+class LaneMap(NamedTuple):
+    """``nodes`` {name: Pose2D} and ``edges`` (Edge, ...), both in the order of the file; ``source``: its path."""
+
+    nodes: Dict[str, Pose2D]
+    edges: Tuple[Edge, ...]
+    source: str
+
+    @property
+    def has_capacities(self):
+        """Whether on any edge there is place for some robots only."""
+        return any(edge.capacity is not None for edge in self.edges)
+
+    @property
+    def has_speeds(self):
+        """Whether any edge says how fast it is driven."""
+        return any(edge.speed is not None or edge.share != 1.0 for edge in self.edges)
+
+
+def read_lane_map(path, where):
+    """Return the :class:`LaneMap` in the file ``path``.
+
+    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` has the parameter.
+    """
+    return _lane_map_in(*found(path, 'lanes', where))
+
+
+def found(path, key, where):
+    """Return (path, time of its last change [ns], size [bytes]) of a file that the parameter ``key`` names.
+
+    :raises ConfigurationError: if the path is not absolute, or there is no such file.
+    """
+    if not os.path.isabs(path):
+        raise ConfigurationError('parameter {}/{}: got {}; allowed: an absolute path, in a scenario file also one from '
+                                 'its folder'.format(where.rstrip('/'), key, shown(path)))
+    return (path, *file_version(path, 'parameter {}/{}'.format(where.rstrip('/'), key)))
+
+
+@lru_cache(maxsize=16)
+def _lane_map_in(path, _mtime_ns, _size):
+    """Return the lanes in a file; many robots ask for the same one."""
+    return make_lane_map(load_yaml_file(path), path)
+
+
+def make_lane_map(raw, where='lanes'):
+    """Return the :class:`LaneMap` in the dictionary ``raw``, ours or a tmap2; ``where`` begins the text of an error.
+
+    :raises ConfigurationError: for unknown keys and nodes, values that are not allowed, and what is there twice.
+    """
+    if is_topological_map(raw):
+        raw = plain_map(raw, where)
+    if not isinstance(raw, dict) or not all(isinstance(raw.get(key), list) for key in ('nodes', 'edges')):
+        raise ConfigurationError('{}: got {}; allowed: a mapping with the lists nodes and edges, or a tmap2'.format(
+            where, shown(raw)))
+    check_keys(raw, ('nodes', 'edges'), where, '')
+    nodes: Dict[str, Pose2D] = {}
+    for index, entry in enumerate(raw['nodes']):
+        name, pose = _node(entry, '{}: nodes[{}]'.format(where, index))
+        if name in nodes:
+            raise ConfigurationError('{}: nodes[{}]: the name {} is there twice'.format(where, index, shown(name)))
+        nodes[name] = pose
+    if not nodes:
+        raise ConfigurationError('{}: nodes: got none; allowed: at least one'.format(where))
+    edges = [_edge(entry, nodes, '{}: edges[{}]'.format(where, index)) for index, entry in enumerate(raw['edges'])]
+    _check_different(edges, where)
+    return LaneMap(nodes, tuple(edges), where)
+
+
+def is_place_name(value):
+    """Return whether ``value`` can name a node or a place: a text of 1 to 200 characters that can be printed."""
+    return isinstance(value, str) and 0 < len(value) <= 200 and value.isprintable()
+
+
+def _node(raw, where):
+    _check_mapping(raw, ('name', *_NODE_TABLE), ('name', 'x', 'y'), where)
+    if not is_place_name(raw['name']):
+        raise ConfigurationError('{}: name: got {}; allowed: 1 to 200 characters'.format(where, shown(raw['name'])))
+    return raw['name'], Pose2D(*(checked(raw.get(key, parameter.default), key, parameter, where)
+                                 for key, parameter in _NODE_TABLE.items()))
+
+
+def _edge(raw, nodes, where):
+    _check_mapping(raw, ('from', 'to', *_EDGE_TABLE), ('from', 'to'), where)
+    for key in ('from', 'to'):
+        if not isinstance(raw[key], str) or raw[key] not in nodes:
+            raise ConfigurationError('{}: {}: got {}; allowed: the name of a node'.format(where, key, shown(raw[key])))
+    if raw['from'] == raw['to']:
+        raise ConfigurationError('{}: got from and to {}; allowed: two nodes'.format(where, shown(raw['to'])))
+    values = {key: checked(raw[key], key, parameter, where) if key in raw else parameter.default
+              for key, parameter in _EDGE_TABLE.items()}
+    begin, end = nodes[raw['from']], nodes[raw['to']]
+    points = ((begin.x, begin.y), *values['points'], (end.x, end.y))
+    length = path_length(points)
+    if not all(one != other for one, other in zip(points, points[1:])):
+        raise ConfigurationError('{}: got the same place twice in a row; allowed: places that differ'.format(where))
+    share = 1.0 if values['length'] is None else length / values['length']
+    return Edge(raw['from'], raw['to'], points, values['speed'], values['capacity'], values['one_way'], share)
+
+
+def path_length(points):
+    """Return the length [m] of the way along ``points`` ((x, y), ...)."""
+    return math.fsum(math.hypot(x - a, y - b) for (a, b), (x, y) in zip(points, points[1:]))
+
+
+def _check_mapping(raw, known, needed, where):
+    if not isinstance(raw, dict):
+        raise ConfigurationError('{}: got {}; allowed: a mapping with {}'.format(where, shown(raw), ', '.join(needed)))
+    check_keys(raw, known, where, '')
+    missing = [key for key in needed if key not in raw]
+    if missing:
+        raise ConfigurationError('{}: {} is missing; allowed: a mapping with {}'.format(
+            where, missing[0], ', '.join(needed)))
+
+
+def _check_different(edges, where):
+    """Refuse two edges that lead the same way between the same nodes."""
+    indices: Dict[Tuple[str, str], int] = {}
+    for index, edge in enumerate(edges):
+        for pair in [(edge.begin, edge.end)] + [(edge.end, edge.begin)] * (not edge.one_way):
+            first = indices.setdefault(pair, index)
+            if first != index:
+                raise ConfigurationError('{}: edges[{}]: edges[{}] leads from {} to {}, too; allowed: one edge for '
+                                         'each direction'.format(where, index, first, *map(shown, pair)))

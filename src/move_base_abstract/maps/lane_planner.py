@@ -1,0 +1,239 @@
+"""Ways along lanes: from where a robot is to the net, over it by the shortest time, and from it to the goal."""
+import math
+from collections import OrderedDict
+from typing import NamedTuple, Tuple
+
+import networkx
+import numpy as np
+
+from ..common.units import NS_PER_S
+from ..motion.planned_way import PieceLimit, PlannedWay
+from .lane_map import path_length
+from .planning import StraightLinePlanner, WorldBounds
+
+NEAR = 0.01  # m; who is as near as this to a node or a lane is there
+_KEPT_WAYS = 10_000
+_KEPT_NETS = 64
+_FREE = PieceLimit()
+
+_shared = OrderedDict()  # {(id of a LaneMap, speed): LaneWays, which keep the map}
+
+
+class _Lane(NamedTuple):
+    """One direction of the edge ``edge`` (its index), in which it is driven in ``cost`` [ns] at full speed."""
+
+    edge: int
+    begin: str
+    end: str
+    points: Tuple[Tuple[float, float], ...]
+    limit: PieceLimit
+    cost: int
+
+
+class _Piece(NamedTuple):
+    """A straight piece up to ``to`` (x, y) [m], on the edge of that index or off the net (None)."""
+
+    to: Tuple[float, float]
+    limit: PieceLimit
+    edge: object
+
+
+class _Access(NamedTuple):
+    """How a place and the net meet: at ``node`` by ``pieces``, which take ``cost`` [ns] at full speed."""
+
+    node: str
+    pieces: Tuple[_Piece, ...]
+    cost: int
+
+
+class LaneWays:
+    """The ways on a :class:`.lane_map.LaneMap` for robots of ``max_speed`` [m/s]. What is found is kept.
+
+    Shortest is what takes the least time at full speed, in whole nanoseconds an edge. Of equally short ways the one
+    counts whose next node, seen from the start, comes first in the file, at each node where they part.
+    """
+
+    def __init__(self, lane_map, max_speed):
+        self._map = lane_map
+        self._places = {name: (pose.x, pose.y) for name, pose in lane_map.nodes.items()}
+        self._lanes = [lane for index, edge in enumerate(lane_map.edges) for lane in _lanes(index, edge, max_speed)]
+        order = {name: number for number, name in enumerate(lane_map.nodes)}
+        self._leaving = {name: [] for name in order}
+        backwards = networkx.DiGraph()
+        backwards.add_nodes_from(order)
+        for lane in sorted(self._lanes, key=lambda lane: order[lane.end]):
+            self._leaving[lane.begin].append(lane)
+            backwards.add_edge(lane.end, lane.begin, cost=lane.cost)
+        self._backwards = backwards
+        self._costs = {}  # {goal node: {node: ns}}
+        self._ways = OrderedDict()
+        self._nodes_xy = np.array(list(self._places.values()))
+        pieces = [(number, index, *one, *other) for number, lane in enumerate(self._lanes)
+                  for index, (one, other) in enumerate(zip(lane.points, lane.points[1:]))]
+        self._pieces = np.array(pieces, float).reshape(len(pieces), 6)
+
+    @classmethod
+    def on(cls, lane_map, max_speed):
+        """Return the ways on the LaneMap ``lane_map``, which all robots of one ``max_speed`` [m/s] share."""
+        key = id(lane_map), max_speed
+        if key not in _shared:
+            _shared[key] = cls(lane_map, max_speed)
+            if len(_shared) > _KEPT_NETS:
+                _shared.popitem(last=False)
+        return _shared[key]
+
+    def way(self, start, goal):
+        """Return the :class:`.PlannedWay` from ``start`` to ``goal`` ((x, y), m), or None where no lanes lead there."""
+        key = start, goal
+        if key not in self._ways:
+            self._ways[key] = self._find(start, goal)
+            if len(self._ways) > _KEPT_WAYS:
+                self._ways.popitem(last=False)
+        return self._ways[key]
+
+    def _find(self, start, goal):
+        if math.dist(start, goal) <= NEAR:
+            return PlannedWay()
+        candidates = self._along_one_lane(start, goal)
+        for first in self._accesses(start):
+            for last in self._accesses(goal, to_goal=True):
+                cost = self._costs_to(last.node).get(first.node)
+                if cost is not None:
+                    candidates.append((first.cost + cost + last.cost, first, last))
+        if not candidates:
+            return None
+        _, first, last = min(candidates, key=lambda candidate: candidate[0])
+        if last is None:
+            return _planned(start, first, goal, True)
+        lanes = self._lanes_between(first.node, last.node)
+        over = [piece for lane in lanes for piece in _pieces(lane, lane.points[1:])]
+        return _planned(start, [*first.pieces, *over, *last.pieces], goal, bool(last.pieces))
+
+    def _costs_to(self, node):
+        if node not in self._costs:
+            self._costs[node] = networkx.single_source_dijkstra_path_length(self._backwards, node, weight='cost')
+        return self._costs[node]
+
+    def _lanes_between(self, node, last):
+        """Return the lanes of the shortest way; see the class for which of equal ones."""
+        costs, lanes = self._costs_to(last), []
+        while node != last:
+            lane = next(lane for lane in self._leaving[node]
+                        if lane.end in costs and lane.cost + costs[lane.end] == costs[node])
+            lanes.append(lane)
+            node = lane.end
+        return lanes
+
+    def _accesses(self, place, to_goal=False):
+        """Return how to go from ``place`` to the net, or from the net to it: along the lanes it is on, else straight.
+
+        Straight means by the nearest node; of equally near ones the first of the file.
+        """
+        node, is_there = self._nearest(place)
+        if is_there:
+            return [_Access(node, (), 0)]
+        accesses = []
+        for number, index, share in self._lanes_at(place):
+            lane = self._lanes[number]
+            points = [*lane.points[1:index + 1], place] if to_goal else lane.points[index + 1:]
+            covered = path_length(lane.points[:index + 1]) + share * path_length(lane.points[index:index + 2])
+            part = covered / path_length(lane.points)
+            cost = round((part if to_goal else 1.0 - part) * lane.cost)
+            accesses.append(_Access(lane.begin if to_goal else lane.end, _pieces(lane, points), cost))
+        if accesses:
+            return accesses
+        return [_Access(node, () if to_goal else (_Piece(self._places[node], _FREE, None),), 0)]
+
+    def _nearest(self, place):
+        """Return the node that is nearest to ``place``, and whether that is there."""
+        far = np.hypot(*(self._nodes_xy - place).T)
+        nearest = int(np.round(far, 6).argmin())
+        return list(self._places)[nearest], far[nearest] <= NEAR
+
+    def _lanes_at(self, place):
+        """Return (number of a lane, of its piece, share of that) for each lane that ``place`` lies on."""
+        if not len(self._pieces):
+            return []
+        begin, along = self._pieces[:, 2:4], self._pieces[:, 4:6] - self._pieces[:, 2:4]
+        shares = np.clip(((place - begin) * along).sum(1) / (along * along).sum(1), 0.0, 1.0)
+        near = np.flatnonzero(np.hypot(*(begin + shares[:, None] * along - place).T) <= NEAR)
+        found = {}
+        for one in near:
+            found.setdefault(int(self._pieces[one, 0]), (int(self._pieces[one, 1]), float(shares[one])))
+        return [(number, *where) for number, where in found.items()]
+
+    def _along_one_lane(self, start, goal):
+        """Return the candidates that never leave the lane on which both are, and neither is at a node."""
+        if self._nearest(start)[1] or self._nearest(goal)[1]:
+            return []
+        ends = {number: where for number, *where in self._lanes_at(goal)}
+        candidates = []
+        for number, *begin in self._lanes_at(start):
+            if number in ends and begin <= ends[number]:
+                lane, last = self._lanes[number], ends[number][0]
+                points = [*lane.points[begin[0] + 1:last + 1], goal]
+                cost = round(path_length([start, *points]) / path_length(lane.points) * lane.cost)
+                candidates.append((cost, _pieces(lane, points), None))
+        return candidates
+
+
+class LanePlanner(StraightLinePlanner):
+    """Plans ways along the lanes of ``ways`` (LaneWays); ``bounds`` and the map judge goals only."""
+
+    goes_straight = False
+
+    def __init__(self, ways, bounds=WorldBounds(), map_check=None):
+        super().__init__(bounds, map_check)
+        self._ways = ways
+
+    def refusal_of_way(self, start, goal):
+        """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
+        refusal = self.refusal(goal)
+        if refusal is None and self.reachable(goal):
+            return 'No lanes lead from ({:g}, {:g}) to the goal ({:g}, {:g}).'.format(start.x, start.y, goal.x, goal.y)
+        return refusal
+
+    def corners(self, start, goal):
+        """Return the :class:`.PlannedWay`, or None where there is no way."""
+        return self._ways.way((start.x, start.y), (goal.x, goal.y)) if self.reachable(goal) else None
+
+    @staticmethod
+    def is_clear(_points):
+        """Return whether a robot may go straight on from point to point: lanes do not depend on a map."""
+        return True
+
+    def _leads(self, start, goal):
+        return self.corners(start, goal) is not None
+
+
+def _lanes(index, edge, max_speed):
+    """Return the directions in which an edge may be driven."""
+    limit = PieceLimit(math.inf if edge.speed is None else edge.speed, edge.share)
+    cost = max(1, round(path_length(edge.points) / limit.of(max_speed) * NS_PER_S))
+    lanes = [_Lane(index, edge.begin, edge.end, edge.points, limit, cost)]
+    if not edge.one_way:
+        lanes.append(_Lane(index, edge.end, edge.begin, edge.points[::-1], limit, cost))
+    return lanes
+
+
+def _pieces(lane, points):
+    return tuple(_Piece(point, lane.limit, lane.edge) for point in points)
+
+
+def _planned(start, pieces, goal, ends_on_lane):
+    """Return the PlannedWay from ``start`` by ``pieces`` to ``goal``, without pieces that have no length."""
+    kept = _without_rests(start, pieces)
+    if kept and math.dist(kept[-1].to, goal) <= NEAR:
+        kept[-1] = kept[-1]._replace(to=goal)
+    else:
+        kept.append(_Piece(goal, _FREE, None))
+    return PlannedWay([piece.to for piece in kept[:-1]], [piece.limit for piece in kept],
+                      [piece.edge for piece in kept], ends_on_lane=ends_on_lane)
+
+
+def _without_rests(start, pieces):
+    kept = []
+    for piece in pieces:
+        if piece.to != (kept[-1].to if kept else start):
+            kept.append(piece)
+    return kept

@@ -1,0 +1,202 @@
+"""The map: what is free, occupied or unknown, and how an image becomes one. Pure values; nothing here reads a file."""
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from ..common.errors import ConfigurationError
+from ..motion.geometry import Pose2D
+from .map_check import Ground
+
+#: the cell values of a nav_msgs/OccupancyGrid
+FREE, OCCUPIED, UNKNOWN = 0, 100, -1
+
+_WHITE = 255
+_DIGITS = 12  # of sine and cosine of a map's angle
+
+
+class MapMode(Enum):
+    """How the shade of a pixel becomes the value of a cell."""
+
+    TRINARY = 'trinary'
+    SCALE = 'scale'
+    RAW = 'raw'
+
+
+class OccupancyMap:
+    """An immutable grid of cells, int8, row 0 in the south and column 0 in the west of the map's own axes.
+
+    ``resolution`` is the side of a cell [m], ``origin`` the pose of the grid's south-west corner in the map's frame;
+    its yaw turns the grid about that corner. The resolution is taken in 32 bits, as in nav_msgs/MapMetaData: so a place
+    on a cell's border is in the same cell for a map from a file and for the same one from a topic.
+
+    :raises ConfigurationError: if ``cells`` is not a 2-D int8 array with cells in it, or ``resolution`` is not > 0.
+    """
+
+    def __init__(self, cells, resolution, origin=Pose2D()):
+        cells = np.asarray(cells)
+        if cells.dtype != np.int8 or cells.ndim != 2 or not cells.size:
+            raise ConfigurationError('map: got cells of type {} and shape {}; allowed: a 2-D array of int8 that is '
+                                     'not empty'.format(cells.dtype, cells.shape))
+        if not (resolution > 0.0 and math.isfinite(resolution)):
+            raise ConfigurationError('map: resolution: got {!r}; allowed: a finite number > 0 [m/cell]'.format(
+                resolution))
+        self._cells = cells.view()
+        self._cells.flags.writeable = False
+        with np.errstate(over='ignore', under='ignore'):
+            self._resolution = float(np.float32(resolution))
+        if not 0.0 < self._resolution < math.inf:
+            raise ConfigurationError('map: resolution: got {!r}; allowed: a number > 0 that 32 bits hold '
+                                     '[m/cell]'.format(resolution))
+        self._origin = origin
+        # A map on a topic has its angle as a quaternion: its last digits are not those of the file.
+        self._cos, self._sin = round(math.cos(origin.yaw), _DIGITS), round(math.sin(origin.yaw), _DIGITS)
+
+    @property
+    def cells(self):
+        """The values of the cells, [row from the south, column from the west]; not writable."""
+        return self._cells
+
+    @property
+    def resolution(self):
+        """The side of a cell [m]."""
+        return self._resolution
+
+    @property
+    def origin(self):
+        """The pose of the south-west corner in the map's frame."""
+        return self._origin
+
+    @property
+    def width(self):
+        """Number of columns."""
+        return self._cells.shape[1]
+
+    @property
+    def height(self):
+        """Number of rows."""
+        return self._cells.shape[0]
+
+    @property
+    def size(self):
+        """(east-west, north-south) extent along the map's own axes [m]."""
+        return self.width * self._resolution, self.height * self._resolution
+
+    def cell_at(self, x, y):
+        """Return the value of the cell at (x, y) [m, map frame], or None off the map. A cell has its lower edges."""
+        column, row = self.to_cells(x, y)
+        if not (0.0 <= column < self.width and 0.0 <= row < self.height):
+            return None
+        return int(self._cells[int(row), int(column)])
+
+    def to_cells(self, x, y):
+        """Return (column, row) of (x, y) [m, map frame], in cells from the south-west corner, with fractions."""
+        dx, dy = x - self._origin.x, y - self._origin.y
+        return ((self._cos * dx + self._sin * dy) / self._resolution,
+                (self._cos * dy - self._sin * dx) / self._resolution)
+
+    def from_cells(self, column, row):
+        """Return (x, y) [m, map frame] of a place in cells, the reverse of :meth:`to_cells`."""
+        east, north = column * self._resolution, row * self._resolution
+        return (self._origin.x + self._cos * east - self._sin * north,
+                self._origin.y + self._sin * east + self._cos * north)
+
+    def ground_at(self, x, y):
+        """Return the :class:`Ground` at (x, y) [m, map frame]."""
+        value = self.cell_at(x, y)
+        if value is None:
+            return Ground.OFF_MAP
+        if value == UNKNOWN:
+            return Ground.UNKNOWN
+        return Ground.FREE if 0 <= value < OCCUPIED else Ground.OCCUPIED
+
+    def is_free(self, pose, unknown_is_free=True):
+        """Return whether the cell under ``pose`` (map frame) is free; off the map nothing is."""
+        ground = self.ground_at(pose.x, pose.y)
+        return ground is Ground.FREE or (unknown_is_free and ground is Ground.UNKNOWN)
+
+    def cut(self, x, y, columns, rows, resolution):
+        """Return a grid [row from the south, column from the west] of int8 with its south-west corner at (x, y).
+
+        ``x``, ``y`` [m] and the grid's axes are those of the map's frame, ``resolution`` [m] is the side of its cells.
+        Each gets the value that the map has under its centre; off the map that is UNKNOWN.
+        """
+        east = x - self._origin.x + (np.arange(columns) + 0.5) * resolution
+        north = (y - self._origin.y + (np.arange(rows) + 0.5) * resolution)[:, np.newaxis]
+        column = (self._cos * east + self._sin * north) / self._resolution
+        row = (self._cos * north - self._sin * east) / self._resolution
+        inside = (column >= 0.0) & (column < self.width) & (row >= 0.0) & (row < self.height)
+        values = np.full((rows, columns), UNKNOWN, np.int8)
+        values[inside] = self._cells[row[inside].astype(int), column[inside].astype(int)]
+        return values
+
+    def reach_from(self, x, y):
+        """Return the distance [m] from (x, y) [m, map frame] to the corner of the map that is farthest from it."""
+        east, north = self.size
+        corners = [self._origin.compose(Pose2D(a, b)) for a in (0.0, east) for b in (0.0, north)]
+        return max(math.hypot(corner.x - x, corner.y - y) for corner in corners)
+
+
+@dataclass(frozen=True)
+class ImageRule:
+    """How an image is read: mode, whether white is occupied (``negate``), and the two thresholds of occupancy (0..1).
+
+    :raises ConfigurationError: if a threshold is not a number.
+    """
+
+    mode: MapMode = MapMode.TRINARY
+    negate: bool = False
+    occupied_thresh: float = 0.65
+    free_thresh: float = 0.196
+
+    def __post_init__(self):
+        for name in ('occupied_thresh', 'free_thresh'):
+            if not math.isfinite(getattr(self, name)):
+                raise ConfigurationError('{}: got {!r}; allowed: a finite number, 0..1 as a rule'.format(
+                    name, getattr(self, name)))
+
+    def cell_of_shade(self, shade):
+        """Return the cell value of an opaque pixel of ``shade`` (0 black .. 255 white, fractions allowed).
+
+        As in map_server of ROS Noetic, to the letter: black is occupied; the thresholds are exclusive; fractions are
+        cut off, not rounded; raw takes the shade as one byte, so that 255 is -1 (unknown) and 101..254 have no meaning.
+        """
+        if self.negate:
+            shade = _WHITE - shade
+        if self.mode is MapMode.RAW:
+            return int(np.uint8(shade).view(np.int8))
+        occupancy = (_WHITE - shade) / float(_WHITE)
+        if occupancy > self.occupied_thresh:
+            return OCCUPIED
+        if occupancy < self.free_thresh:
+            return FREE
+        if self.mode is MapMode.TRINARY:
+            return UNKNOWN
+        span = self.occupied_thresh - self.free_thresh
+        return int(1 + 98 * ((occupancy - self.free_thresh) / span)) if span > 0.0 else 1
+
+
+def cells_of_image(pixels, rule):
+    """Return the int8 cells (row 0 in the south) of ``pixels``, uint8 (rows from the top, columns, channels).
+
+    Channels: 1 = grey, 3 = colour, 4 = colour and alpha. The shade of a pixel is the mean of its channels. In
+    mode trinary the alpha channel is one of those (as in map_server); in mode scale a fully transparent pixel
+    between the thresholds is unknown.
+
+    :raises ConfigurationError: if ``pixels`` is anything else.
+    """
+    pixels = np.asarray(pixels)
+    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] not in (1, 3, 4) or not pixels.size:
+        raise ConfigurationError('image: got pixels of type {} and shape {}; allowed: uint8 of shape (rows, columns, '
+                                 'channels) with 1, 3 or 4 channels'.format(pixels.dtype, pixels.shape))
+    channels = pixels.shape[2]
+    has_alpha = channels == 4
+    counted = 3 if has_alpha and rule.mode is not MapMode.TRINARY else channels
+    sums = pixels[:, :, :counted].sum(axis=2, dtype=np.uint16)
+    table = np.array([rule.cell_of_shade(total / float(counted)) for total in range(_WHITE * counted + 1)], np.int8)
+    cells = table[sums]
+    if has_alpha and rule.mode is MapMode.SCALE:
+        between = (cells != FREE) & (cells != OCCUPIED)
+        cells[between & (pixels[:, :, 3] == 0)] = UNKNOWN
+    return np.ascontiguousarray(cells[::-1])

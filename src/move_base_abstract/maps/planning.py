@@ -1,0 +1,141 @@
+"""Where a robot can go, and the way there: straight, whatever lies between. Without a map every place is free.
+
+Ways around what a map shows are made by :mod:`grid_planner`.
+"""
+import itertools
+import math
+from dataclasses import dataclass
+
+from ..motion.geometry import Pose2D
+from .map_check import square_rings
+
+_PATH_SPACING = 0.25
+_MAX_PATH_STEPS = 10_000
+_CELLS_BETWEEN_TRIES = 3
+_MAX_TRIES = 1_000_000  # some seconds
+
+
+@dataclass(frozen=True)
+class WorldBounds:
+    """The rectangle [m, global frame] outside of which nothing can be reached.
+
+    :raises ValueError: if a bound is NaN, or a lower bound is not below its upper one.
+    """
+
+    x_min: float = -math.inf
+    y_min: float = -math.inf
+    x_max: float = math.inf
+    y_max: float = math.inf
+
+    def __post_init__(self):
+        if not (self.x_min < self.x_max and self.y_min < self.y_max):
+            raise ValueError('bounds must be [x_min, y_min, x_max, y_max] with x_min < x_max and y_min < y_max, '
+                             'got {!r}'.format([self.x_min, self.y_min, self.x_max, self.y_max]))
+
+    def contains(self, pose):
+        """Return whether ``pose`` lies in the rectangle, its edge included."""
+        return self.x_min <= pose.x <= self.x_max and self.y_min <= pose.y <= self.y_max
+
+    def nearest(self, pose):
+        """Return the pose in the rectangle that is nearest to ``pose``, with the same heading."""
+        return Pose2D(min(max(pose.x, self.x_min), self.x_max), min(max(pose.y, self.y_min), self.y_max), pose.yaw)
+
+
+class StraightLinePlanner:
+    """Plans straight ways to places inside ``bounds`` and, with a :class:`MapCheck`, to those that the map allows."""
+
+    #: whether no way has corners, so that none depends on what lies between
+    goes_straight = True
+
+    def __init__(self, bounds=WorldBounds(), map_check=None):
+        self._bounds = bounds
+        self._map_check = map_check
+
+    @property
+    def lacking(self):
+        """What is missing before goals can be judged, as a text, or None."""
+        if self._map_check is None or self._map_check.occupancy is not None:
+            return None
+        return self._map_check.lacking
+
+    def refusal(self, goal):
+        """Return what the map has against ``goal``, as a text, or None."""
+        return None if self._map_check is None else self._map_check.refusal(goal)
+
+    def refusal_of_way(self, _start, goal):
+        """Return why there is no way to ``goal``, as a text, or None."""
+        return self.refusal(goal)
+
+    def reachable(self, goal):
+        """Return whether ``goal`` can be reached at all."""
+        return self._bounds.contains(goal) and (self._map_check is None or self.refusal(goal) is None)
+
+    def plan(self, start, goal):
+        """Return the way from ``start`` to ``goal`` as a list of poses some 0.25 m apart, or [] where there is none."""
+        corners = self.corners(start, goal)
+        return [] if corners is None else path_along(start, corners, goal)
+
+    def corners(self, _start, goal):
+        """Return the corners ((x, y), ...) [m] of the way, here none, or None where there is no way."""
+        return () if self.reachable(goal) else None
+
+    def plan_near(self, start, goal, tolerance, add_goal=True):
+        """Return the way to ``goal``, or to a place near it that lies within ``tolerance`` [m], or [].
+
+        Without a map that is the nearest place inside the bounds, with one the first of move_base's search: on squares
+        around the goal, three cells apart. With ``add_goal`` a goal that was missed is appended all the same, as
+        move_base does by default.
+        """
+        path = self.plan(start, goal)
+        if path:
+            return path
+        near = self._near(start, goal, tolerance)
+        if near is None:
+            return []
+        path = self.plan(start, near)
+        return path + [goal] if add_goal else path
+
+    def _leads(self, _start, goal):
+        """Return whether there is a way to ``goal``."""
+        return self.reachable(goal)
+
+    def _near(self, start, goal, tolerance):
+        """Return a pose within ``tolerance`` [m] of ``goal`` to which a way leads, or None."""
+        if self._map_check is None:
+            near = self._bounds.nearest(goal)
+            return near if near.distance_to(goal) <= tolerance else None
+        occupancy = self._map_check.occupancy
+        if occupancy is None or not tolerance > 0.0:
+            return None
+        increment = min(_CELLS_BETWEEN_TRIES * occupancy.resolution, tolerance)
+        limit = min(tolerance, occupancy.reach_from(goal.x, goal.y) + increment)
+        offsets = itertools.islice(square_rings(increment, limit), _MAX_TRIES)
+        tries = (Pose2D(goal.x + dx, goal.y + dy, goal.yaw) for dx, dy in offsets)
+        return next((pose for pose in tries if self._leads(start, pose)), None)
+
+
+def path_along(start, corners, goal):
+    """Return poses from ``start`` by ``corners`` [(x, y), m] to ``goal``, as of :func:`straight_path` for each piece.
+
+    At a corner the pose heads on to the next one.
+    """
+    points = [start] + [Pose2D(x, y) for x, y in corners] + [goal]
+    most = max(1, _MAX_PATH_STEPS // (len(points) - 1))
+    path = []
+    for begin, end in zip(points, points[1:]):
+        turns = path and begin.distance_to(end) > 0.0
+        place = Pose2D(begin.x, begin.y, begin.bearing_to(end)) if turns else begin
+        path += straight_path(place, end, most)[:-1]
+    return path + [goal]
+
+
+def straight_path(start, goal, most_steps=_MAX_PATH_STEPS):
+    """Return poses from ``start`` to ``goal`` on a straight line, heading along it, the last one being the goal.
+
+    They are 0.25 m apart at most, but no more than ``most_steps``: a way that is very long has longer steps.
+    """
+    distance = start.distance_to(goal)
+    steps = max(1, int(math.ceil(min(distance / _PATH_SPACING, most_steps))))
+    course = start.bearing_to(goal) if distance > 0.0 else start.yaw
+    dx, dy = (goal.x - start.x) / steps, (goal.y - start.y) / steps
+    return [start] + [Pose2D(start.x + k * dx, start.y + k * dy, course) for k in range(1, steps)] + [goal]

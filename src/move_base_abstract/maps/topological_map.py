@@ -1,0 +1,60 @@
+"""Maps of L-CAS' topological navigation (``tmap2``), taken as lanes: nodes, and edges that lead one way each.
+
+The format: https://github.com/LCAS/topological_navigation. What is used of it: the name and the pose of a node, and of
+its edges where they lead and the top speed that ``config`` sets for a local planner. A node whose ``parent_frame`` is
+the child frame of the map's ``transformation`` is brought into the parent's. Actions, areas of influence, policies and
+restrictions mean nothing here.
+"""
+from ..common.errors import ConfigurationError
+from ..common.shown import shown
+from ..motion.geometry import Pose2D, yaw_of_quaternion
+
+#: names of parameters that are the top speed of a local planner
+_SPEEDS = ('max_vel_x', 'max_vel_trans', 'max_trans_vel')
+
+
+def is_topological_map(raw):
+    """Return whether the document ``raw`` is a tmap2: its nodes have a ``node`` each."""
+    nodes = raw.get('nodes') if isinstance(raw, dict) else None
+    return isinstance(nodes, list) and bool(nodes) and isinstance(nodes[0], dict) and 'node' in nodes[0]
+
+
+def plain_map(raw, where):
+    """Return the tmap2 ``raw`` as nodes and edges in our own form; of edges to the same node the first counts.
+
+    :raises ConfigurationError: if a part of it is not what the format says; the text begins with ``where``.
+    """
+    nodes, edges = [], []
+    for index, entry in enumerate(raw['nodes']):
+        place = '{}: nodes[{}]'.format(where, index)
+        try:
+            node = entry['node']
+            pose = _origin(raw, node).compose(_pose(node['pose']['position'], node['pose']['orientation']))
+            nodes.append({'name': node['name'], 'x': pose.x, 'y': pose.y, 'yaw': pose.yaw})
+            edges += _edges(node)
+        except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+            raise ConfigurationError('{}: got {}, which is no node of a tmap2 ({}: {})'.format(
+                place, shown(entry), type(error).__name__, shown(str(error)))) from None
+    return {'nodes': nodes, 'edges': edges}
+
+
+def _origin(raw, node):
+    """Return where the frame lies in which the node is given (Pose2D, global frame)."""
+    transformation = raw.get('transformation')
+    if not transformation or node.get('parent_frame') != transformation['child']:
+        return Pose2D()
+    return _pose(transformation['translation'], transformation['rotation'])
+
+
+def _pose(position, orientation):
+    quaternion = [float(orientation[axis]) for axis in 'xyzw']
+    return Pose2D(float(position['x']), float(position['y']), yaw_of_quaternion(quaternion))
+
+
+def _edges(node):
+    edges = {}
+    for edge in node.get('edges') or ():
+        speeds = [float(entry['value']) for entry in edge.get('config') or () if entry['name'] in _SPEEDS]
+        speed = {'speed': min(speeds)} if speeds else {}
+        edges.setdefault(edge['node'], {'from': node['name'], 'to': edge['node'], 'one_way': True, **speed})
+    return list(edges.values())

@@ -1,0 +1,198 @@
+"""Travel matrices: how long it takes from place to place, for worlds that give times and no geometry.
+
+    places:
+      - {name: depot, x: 0.0, y: 0.0}
+      - {name: field, x: 40.0, y: 10.0}
+    times:
+      - {from: depot, to: field, seconds: 75.0}
+
+or as CSV: from,from_x,from_y,to,to_x,to_y,seconds. Each direction stands for itself.
+"""
+import math
+from collections import OrderedDict
+from functools import lru_cache
+from typing import Dict, NamedTuple, Tuple
+
+from ..common.bounded_yaml import load_yaml_file
+from ..common.csv_files import open_csv, rows_of
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, checked, number
+from ..common.shown import shown
+from ..common.unknown_keys import check_keys
+from ..motion.geometry import share_along
+from ..motion.planned_way import PlannedWay
+from .lane_map import found, is_place_name
+from .planning import StraightLinePlanner, WorldBounds
+
+AT_PLACE = 0.1  # m; who is as near as this to a place is there
+_ON_LINE = 0.01  # m; likewise, of the straight line between two
+CSV_COLUMNS = ['from', 'from_x', 'from_y', 'to', 'to_x', 'to_y', 'seconds']
+_COORDINATE = number(-1e9, 1e9)
+_XY = Parameter('x', None, _COORDINATE, 'a number in -1e9..1e9 [m, global frame]')
+_SECONDS = Parameter('seconds', None, number(0.0, 1e9), 'a number in 0..1e9 [s, simulated]')
+
+
+class TravelMatrix(NamedTuple):
+    """``places`` {name: (x, y) [m]} in the order of the file, ``seconds`` {(from, to): s}; ``source``: its path."""
+
+    places: Dict[str, Tuple[float, float]]
+    seconds: Dict[Tuple[str, str], float]
+    source: str
+
+
+def read_travel_matrix(path, where):
+    """Return the :class:`TravelMatrix` in the file ``path``, CSV if its name ends so, else YAML.
+
+    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` has the parameter.
+    """
+    return _matrix_in(*found(path, 'travel_matrix', where))
+
+
+@lru_cache(maxsize=16)
+def _matrix_in(path, _mtime_ns, _size):
+    """Return the matrix in a file; many robots ask for the same one."""
+    return make_travel_matrix(_read_csv(path) if path.endswith('.csv') else load_yaml_file(path), path)
+
+
+def make_travel_matrix(raw, where='travel_matrix'):
+    """Return the :class:`TravelMatrix` in the dictionary ``raw``; ``where`` begins the text of an error.
+
+    :raises ConfigurationError: for unknown keys and places, values that are not allowed, and what is there twice.
+    """
+    if not isinstance(raw, dict) or not all(isinstance(raw.get(key), list) for key in ('places', 'times')):
+        raise ConfigurationError('{}: got {}; allowed: a mapping with the lists places and times'.format(
+            where, shown(raw)))
+    check_keys(raw, ('places', 'times'), where, '')
+    places: Dict[str, Tuple[float, float]] = {}
+    for index, entry in enumerate(raw['places']):
+        place = '{}: places[{}]'.format(where, index)
+        _check_entry(entry, ('name', 'x', 'y'), place)
+        if not is_place_name(entry['name']) or entry['name'] in places:
+            raise ConfigurationError('{}: name: got {}; allowed: 1 to 200 characters, given once'.format(
+                place, shown(entry['name'])))
+        places[entry['name']] = checked(entry['x'], 'x', _XY, place), checked(entry['y'], 'y', _XY, place)
+    _check_apart(places, where)
+    seconds: Dict[Tuple[str, str], float] = {}
+    for index, entry in enumerate(raw['times']):
+        place = '{}: times[{}]'.format(where, index)
+        _check_entry(entry, ('from', 'to', 'seconds'), place)
+        for key in ('from', 'to'):
+            if not isinstance(entry[key], str) or entry[key] not in places:
+                raise ConfigurationError('{}: {}: got {}; allowed: the name of a place'.format(
+                    place, key, shown(entry[key])))
+        pair = entry['from'], entry['to']
+        if pair in seconds:
+            raise ConfigurationError('{}: from {} to {} is there twice'.format(place, *map(shown, pair)))
+        seconds[pair] = checked(entry['seconds'], 'seconds', _SECONDS, place)
+    return TravelMatrix(places, seconds, where)
+
+
+def _check_entry(raw, keys, where):
+    if not isinstance(raw, dict) or any(key not in raw for key in keys):
+        raise ConfigurationError('{}: got {}; allowed: a mapping with {}'.format(where, shown(raw), ', '.join(keys)))
+    check_keys(raw, keys, where, '')
+
+
+def _check_apart(places, where):
+    """Refuse two places at which a robot would be at once."""
+    ordered = sorted(places.items(), key=lambda place: place[1])
+    for number_, (name, (x, y)) in enumerate(ordered):
+        for other, (a, b) in ordered[number_ + 1:]:
+            if a - x > 2.0 * AT_PLACE:
+                break
+            if math.hypot(a - x, b - y) <= 2.0 * AT_PLACE:
+                raise ConfigurationError('{}: places: {} and {} are {:g} m apart; allowed: more than {:g} m'.format(
+                    where, shown(name), shown(other), math.hypot(a - x, b - y), 2.0 * AT_PLACE))
+
+
+def _read_csv(path):
+    places, times = OrderedDict(), []
+    with open_csv(path) as stream:
+        for where, row in rows_of(stream, path):
+            if list(row) != CSV_COLUMNS:
+                raise ConfigurationError('{}: got the columns {}; allowed: {}'.format(
+                    path, shown(list(row)), ','.join(CSV_COLUMNS)))
+            try:
+                numbers = [float(row[key]) for key in ('from_x', 'from_y', 'to_x', 'to_y', 'seconds')]
+            except (TypeError, ValueError):
+                raise ConfigurationError('{}: got {}; allowed: numbers but for the names'.format(
+                    where, shown(dict(row)))) from None
+            for name, place in ((row['from'], tuple(numbers[:2])), (row['to'], tuple(numbers[2:4]))):
+                if places.setdefault(name, place) != place:
+                    raise ConfigurationError('{}: {} is at {} and at {}; allowed: one place for each name'.format(
+                        where, shown(name), places[name], place))
+            times.append({'from': row['from'], 'to': row['to'], 'seconds': numbers[4]})
+    return {'places': [{'name': name, 'x': x, 'y': y} for name, (x, y) in places.items()], 'times': times}
+
+
+class MatrixPlanner(StraightLinePlanner):
+    """Plans straight ways between the places of ``matrix`` (TravelMatrix) that take as long as it says.
+
+    ``bounds`` and the map judge goals only.
+    """
+
+    goes_straight = False
+
+    def __init__(self, matrix, bounds=WorldBounds(), map_check=None):
+        super().__init__(bounds, map_check)
+        self._matrix = matrix
+        self._places = list(matrix.places.items())
+
+    def refusal_of_way(self, start, goal):
+        """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
+        refusal = self.refusal(goal)
+        if refusal or not self.reachable(goal):
+            return refusal
+        name = self._at(goal)
+        if name is None:
+            return 'The goal ({:g}, {:g}) lies at no place of the travel matrix.'.format(goal.x, goal.y)
+        return 'The travel matrix has no time from {} to {}.'.format(shown(self._nearest(start)[0]), shown(name))
+
+    def corners(self, start, goal):
+        """Return the :class:`.PlannedWay`, which has no corners but a time, or None where there is no way."""
+        name = self._at(goal) if self.reachable(goal) else None
+        seconds = None if name is None else self._seconds(start, name)
+        return None if seconds is None else PlannedWay(seconds=seconds)
+
+    @staticmethod
+    def is_clear(_points):
+        """Return whether a robot may go straight on from point to point: times do not depend on a map."""
+        return True
+
+    def _leads(self, start, goal):
+        return self.corners(start, goal) is not None
+
+    def _nearest(self, pose):
+        """Return (name, distance [m]) of the nearest place; of equally near ones the first of the file."""
+        return min(((name, math.hypot(x - pose.x, y - pose.y)) for name, (x, y) in self._places),
+                   key=lambda place: round(place[1], 6), default=(None, math.inf))
+
+    def _at(self, pose):
+        name, distance = self._nearest(pose)
+        return name if distance <= AT_PLACE else None
+
+    def _seconds(self, start, goal_name):
+        """Return how long it takes from ``start`` [s], or None. Who is between two places has a share left to go."""
+        name = self._at(start)
+        if name == goal_name:
+            return self._matrix.seconds.get((name, name), 0.0)
+        if name is not None:
+            return self._matrix.seconds.get((name, goal_name))
+        x, y = self._matrix.places[goal_name]
+        left = math.hypot(x - start.x, y - start.y)
+        on_line = [(math.hypot(a - x, b - y), one) for one, (a, b) in self._places if one != goal_name
+                   and (one, goal_name) in self._matrix.seconds and _is_between((a, b), (x, y), start)]
+        if on_line:
+            whole, one = min(on_line, key=lambda place: round(place[0], 6))
+            return self._matrix.seconds[one, goal_name] * min(1.0, left / whole)
+        others = ((name, place) for name, place in self._places if name != goal_name)
+        nearest = min(((round(math.hypot(a - start.x, b - start.y), 6), one) for one, (a, b) in others),
+                      key=lambda place: place[0], default=(0.0, None))[1]
+        return self._matrix.seconds.get((nearest, goal_name))
+
+
+def _is_between(begin, end, pose):
+    """Return whether ``pose`` lies on the straight line from ``begin`` to ``end``."""
+    share = share_along(begin, end, pose.x, pose.y)
+    return math.hypot(begin[0] + share * (end[0] - begin[0]) - pose.x,
+                      begin[1] + share * (end[1] - begin[1]) - pose.y) <= _ON_LINE

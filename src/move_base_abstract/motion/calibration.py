@@ -1,0 +1,174 @@
+"""A robot as it was recorded: limits, phases, spread, tail and failures, from a file that ``calibrate`` has written."""
+import math
+import os
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from statistics import NormalDist
+from typing import Any, Tuple
+
+from ..common.bounded_yaml import file_version, load_yaml_file
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, ascending_pairs, number, read_table, text
+from ..common.shown import shown
+from ..common.units import NS_PER_S
+from ..engine.chance import Purpose
+from ..engine.factors import Gamma, along
+from .approach import MotionPhases
+from .leg import MotionLimits, Tolerances
+
+FORMAT = 1
+_NAME = re.compile(r'[A-Za-z0-9_]+')
+_NORMAL = NormalDist()
+_LEAST_FACTOR = 0.5  # a leg takes no less than this share of what its phases say
+_REQUIRED = object()
+_FAILURES = ascending_pairs(number(low=0.0), number(0.0, 1.0))
+
+
+def _row(name, convert, allowed):
+    return Parameter(name, _REQUIRED, convert, allowed)
+
+
+def _number(name, low, high, unit=''):
+    allowed = 'a number in {:g}..{:g}'.format(low, high)
+    return _row(name, number(low, high), '{} [{}]'.format(allowed, unit) if unit else allowed)
+
+
+TABLE = (
+    _row('source', text, 'a text'),
+    _number('max_speed', 0.001, 100.0, 'm/s'),
+    _number('acceleration', 0.001, 1000.0, 'm/s^2'),
+    _number('xy_goal_tolerance', 0.0, 10.0, 'm'),
+    _number('yaw_goal_tolerance', 0.0, math.pi, 'rad'),
+    _number('start_delay', 0.0, 3600.0, 's'),
+    _number('start_turn_linear', 0.0, 1000.0, 's/rad'),
+    _number('start_turn_square', 0.0, 1000.0, 's/rad^2'),
+    _number('braking_gain', 0.001, 1000.0, '1/s'),
+    _number('braking_offset', 0.001, 100.0, 'm'),
+    _number('turning_speed', 0.001, 1000.0, 'rad/s'),
+    _number('turning_gain', 0.001, 1000.0, '1/s'),
+    _number('turning_offset', 0.001, 100.0, 'rad'),
+    _number('bow_length', 0.0, 1000.0, 'm'),
+    _number('spread', 0.0, 3600.0, 's'),
+    _number('delay_share', 0.0, 10.0, 's per s of motion'),
+    _number('tail_rate', 0.0, 10.0, '1/s of motion'),
+    _row('tail_chance_by_turn', ascending_pairs(number(0.0, 3.15), number(0.0, 1.0)),
+         'a list of [start turn in 0..3.15 rad, chance in 0..1], the turns ascending'),
+    _number('tail_mean', 0.001, 86400.0, 's'),
+    _number('tail_cv', 0.01, 10.0),
+    _row('failure_by_length', lambda value: () if value == [] else _FAILURES(value),
+         'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending'),
+)
+
+
+@dataclass(frozen=True)
+class CalibratedDurations:
+    """What the phases do not say of how long a goal takes.
+
+    ``delay`` [s] at rest first. Then either the motion differs by a normal ``spread`` [s] and by small delays,
+    exponential of mean ``delay_share`` times the motion's time; or the goal is one of the tail: it comes as many
+    seconds later as ``tail`` (Gamma) says, at rest at the start too. The chance of that is ``tail_rate`` [1/s] over
+    the motion's time, and rises with the start turn as ``tail_chances`` ((rad, chance), ...) say. ``failures`` as of
+    :class:`.durations.Durations`.
+    """
+
+    delay: float
+    spread: float
+    delay_share: float
+    tail_rate: float
+    tail_chances: Tuple[Tuple[float, float], ...]
+    tail: Any
+    failures: Tuple[Tuple[float, float], ...] = ()
+
+    def draw(self, leg, uniform):
+        """Return (overhead [s], factor) of a goal with its first leg (PhasedRoute), by ``uniform(purpose, place)``."""
+        motion = leg.duration_ns / NS_PER_S
+        if uniform(Purpose.TAIL, 0) < self.tail_chance(motion, leg.start_turn):
+            return self.delay + self.tail.draw(lambda place: uniform(Purpose.TAIL_SECONDS, place)), 1.0
+        if not motion > 0.0:
+            return self.delay, 1.0
+        late = self.spread * _NORMAL.inv_cdf(uniform(Purpose.SPREAD, 0)) / motion
+        late -= self.delay_share * math.log(uniform(Purpose.SMALL_DELAYS, 0))
+        return self.delay, max(_LEAST_FACTOR, 1.0 + late)
+
+    def tail_chance(self, motion, start_turn):
+        """Return the chance of the tail for a ``motion`` [s] after a turn by ``start_turn`` [rad]."""
+        return 1.0 - math.exp(-self.tail_rate * motion) * (1.0 - along(self.tail_chances, abs(start_turn)))
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """A robot's limits, tolerances and phases, how its goals differ from them, and a line on where that comes from."""
+
+    source: str
+    limits: MotionLimits
+    tolerances: Tolerances
+    phases: MotionPhases
+    durations: CalibratedDurations
+
+
+def calibration_file(name, where):
+    """Return the path of the calibration ``name``: an absolute path, or the name of one that ships.
+
+    :raises ConfigurationError: if it is neither; ``where`` has the parameter.
+    """
+    path = name if os.path.isabs(name) else _shipped().get(name)
+    if path is None:
+        raise ConfigurationError(
+            'parameter {}/calibration: got {}; allowed: an absolute path, in a scenario file also one from its folder '
+            'that ends with .yaml, or one of those that ship: {}'.format(
+                where.rstrip('/'), shown(name), ', '.join(sorted(_shipped())) or 'none'))
+    return str(path)
+
+
+def read_calibration(name, where):
+    """Return the :class:`Calibration` ``name``, as of :func:`calibration_file`.
+
+    :raises ConfigurationError: if there is none, or it cannot be used; ``where`` has the parameter.
+    """
+    path = calibration_file(name, where)
+    return _calibration_in(path, *file_version(path, 'parameter {}/calibration'.format(where.rstrip('/'))))
+
+
+@lru_cache(maxsize=64)
+def _calibration_in(path, _mtime_ns, _size):
+    """Return the calibration in a file; many robots ask for the same one."""
+    return make_calibration(load_yaml_file(path), path)
+
+
+def make_calibration(raw, where):
+    """Return the :class:`Calibration` in the dictionary ``raw``.
+
+    :raises ConfigurationError: if it is none, a value is missing or not allowed; the text begins with ``where``.
+    """
+    names = tuple(parameter.name for parameter in TABLE)
+    if not isinstance(raw, dict) or raw.get('format') != FORMAT:
+        raise ConfigurationError('{}: got {}; allowed: a calibration with format: {}'.format(where, shown(raw), FORMAT))
+    for wrong, names_of_it in (('unknown', [key for key in raw if key not in (*names, 'format')]),
+                               ('missing', [name for name in names if name not in raw])):
+        if names_of_it:
+            raise ConfigurationError('{}: {}: {}; allowed: format, {}'.format(
+                where, wrong, ', '.join(map(shown, names_of_it[:5])), ', '.join(names)))
+    values = read_table(raw, TABLE, where)
+    return Calibration(
+        values['source'], MotionLimits(values['max_speed'], values['acceleration']),
+        Tolerances(values['xy_goal_tolerance'], values['yaw_goal_tolerance']),
+        MotionPhases((values['start_turn_linear'], values['start_turn_square']), values['braking_gain'],
+                     values['braking_offset'], values['turning_speed'], values['turning_gain'],
+                     values['turning_offset'], values['bow_length']),
+        CalibratedDurations(values['start_delay'], values['spread'], values['delay_share'], values['tail_rate'],
+                            values['tail_chance_by_turn'], Gamma(values['tail_mean'], values['tail_cv']),
+                            values['failure_by_length']))
+
+
+@lru_cache(maxsize=1)
+def _shipped():
+    """Return {name: path} of the calibrations that ship: beside the sources, or where they are installed."""
+    here = Path(__file__).resolve()
+    for parent in here.parents:
+        for share in (parent, parent / 'share' / 'move_base_abstract'):
+            folder = share / 'config' / 'calibrated'
+            if folder.is_dir():
+                return {path.stem: str(path) for path in sorted(folder.glob('*.yaml')) if _NAME.fullmatch(path.stem)}
+    return {}

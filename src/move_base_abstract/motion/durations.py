@@ -1,0 +1,148 @@
+"""How long goals really take: an overhead, a factor, failures on the way. Drawn once per goal, see :mod:`chance`."""
+import os
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Optional, Tuple
+
+from ..common.bounded_yaml import file_version, load_yaml_file
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, ascending_pairs, checked, number, one_of, text
+from ..common.shown import shown
+from ..common.units import seconds_to_ns
+from ..engine.chance import Chance, Purpose
+from ..engine.factors import Constant, Gamma, Lognormal, Quantiles, along
+from ..engine.instants import first_ns
+from .pace import Pace, PacedLeg
+
+_FAILURES = ascending_pairs(number(low=0.0), number(0.0, 1.0))
+_POINTS = ascending_pairs(number(0.0, 1.0), number(high=1e6, above=0.0))
+_FACTORS = {'lognormal': Lognormal, 'gamma': Gamma}
+DISTRIBUTIONS = ('constant', *_FACTORS, 'quantiles')
+
+TABLE = (
+    Parameter('goal_overhead', 0.0, number(0.0, 86400.0), 'a number in 0..86400 [s, simulated]'),
+    Parameter('duration_factor', 1.0, number(0.001, 1000.0), 'a number in 0.001..1000'),
+    Parameter('duration_distribution', 'constant', one_of(*DISTRIBUTIONS),
+              ', '.join("'{}'".format(one) for one in DISTRIBUTIONS[:-1]) + " or 'quantiles'"),
+    Parameter('duration_cv', 0.0, number(0.0, 10.0), 'a number in 0..10'),
+    Parameter('duration_quantiles', None, text, 'the path of a file'),
+    Parameter('failure_by_length', (), _FAILURES,
+              'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending'),
+)
+_POINTS_PARAMETER = Parameter('quantiles', None, _POINTS,
+                              'a list of [probability, factor > 0 and <= 1e6], the probabilities ascending from 0 to 1')
+
+
+@dataclass(frozen=True)
+class Durations:
+    """What may happen to each goal.
+
+    ``overhead`` [s] at rest first; a ``factor`` (as of :mod:`factors`) on the leg's time; a chance of failure by the
+    leg's length, ``failures`` ((m, chance), ...), straight from one to the next.
+    """
+
+    overhead: float = 0.0
+    factor: Any = Constant()
+    failures: Tuple[Tuple[float, float], ...] = ()
+
+    def draw(self, _leg, uniform):
+        """Return (overhead [s], factor) of a goal with its first leg; ``uniform(purpose, place)`` in (0, 1)."""
+        return self.overhead, self.factor.draw(lambda place: uniform(Purpose.FACTOR, place))
+
+
+def read_durations(values, where):
+    """Return the :class:`Durations` in ``values`` (of :data:`TABLE`), None where all goes by the law alone.
+
+    :raises ConfigurationError: for values that do not fit together, and for a file that cannot be used.
+    """
+    kind, mean, cv = values['duration_distribution'], values['duration_factor'], values['duration_cv']
+    if (kind in _FACTORS) != (cv > 0.0):
+        raise ConfigurationError('parameter {}/duration_cv: got {:g} with duration_distribution: {}; allowed: > 0 '
+                                 'with {}, else 0'.format(where.rstrip('/'), cv, kind, ' and '.join(_FACTORS)))
+    if (kind == 'quantiles') != (values['duration_quantiles'] is not None):
+        raise ConfigurationError(
+            'parameter {}/duration_quantiles: got {} with duration_distribution: {}; allowed: the path of a file with '
+            'quantiles, else none'.format(where.rstrip('/'), shown(values['duration_quantiles']), kind))
+    if kind in _FACTORS:
+        factor = _FACTORS[kind](mean, cv)
+    else:
+        factor = Constant(mean) if kind == 'constant' else Quantiles(
+            mean, _read_quantiles(values['duration_quantiles'], where))
+    durations = Durations(values['goal_overhead'], factor, values['failure_by_length'])
+    return None if durations == Durations() else durations
+
+
+def _read_quantiles(path, where):
+    if not os.path.isabs(path):
+        raise ConfigurationError(
+            'parameter {}/duration_quantiles: got {}; allowed: an absolute path, in a scenario file also one from its '
+            'folder'.format(where.rstrip('/'), shown(path)))
+    return _quantiles_in(path, *file_version(path, 'parameter {}/duration_quantiles'.format(where.rstrip('/'))))
+
+
+@lru_cache(maxsize=64)
+def _quantiles_in(path, _mtime_ns, _size):
+    """Return the points in a file; many robots ask for the same one."""
+    raw = load_yaml_file(path)
+    if not isinstance(raw, dict) or list(raw) != ['quantiles']:
+        raise ConfigurationError('{}: got {}; allowed: a mapping with quantiles alone'.format(path, shown(raw)))
+    points = checked(raw['quantiles'], 'quantiles', _POINTS_PARAMETER, path)
+    factors = [factor for _, factor in points]
+    if (points[0][0], points[-1][0]) != (0.0, 1.0) or factors != sorted(factors):
+        raise ConfigurationError('{}: quantiles: got {}; allowed: {}, the factors too not descending'.format(
+            path, shown(raw['quantiles']), _POINTS_PARAMETER.allowed))
+    return points
+
+
+class GoalDurations:
+    """What :class:`Durations` mean for the goals of one robot, one after the other.
+
+    ``durations`` (:class:`Durations`, or what draws as they do). A robot that goes by the law alone has none.
+    What is drawn holds for a goal, also where it goes on from another place or by another way: its overhead is waited
+    for once, whether it fails is judged by the length of its first leg.
+    """
+
+    def __init__(self, durations, seed=0, robot_name=''):
+        self._durations = durations
+        self._chance = Chance(seed, robot_name)
+        self._number = 0
+        self._factor: Optional[float] = None
+        self._ready_ns = 0
+        self._fails: Optional[bool] = None
+        self._failure_ns: Optional[int] = None
+        self._way_to_failure: Optional[float] = None
+
+    def next_goal(self):
+        """The robot works on its next goal."""
+        self._number += 1
+        self._factor = self._fails = self._way_to_failure = None
+
+    def paced(self, leg):
+        """Return ``leg`` at the pace of its goal."""
+        if self._factor is None:
+            overhead, self._factor = self._durations.draw(leg, self._uniform)
+            self._ready_ns = leg.depart_ns + seconds_to_ns(overhead)
+        return PacedLeg(leg, Pace(max(0, self._ready_ns - leg.depart_ns), self._factor))
+
+    def failure_ns(self, leg):
+        """Return at which instant [ns] of ``leg`` the robot fails, or None: it arrives."""
+        if not self._durations.failures:
+            return None
+        if self._fails is None:
+            self._fails = self._uniform(Purpose.FAILURE) < along(self._durations.failures, leg.distance)
+        if not self._fails:
+            return None
+        way, self._way_to_failure = self._way_to_failure, None
+        if way is None:
+            self._failure_ns = leg.depart_ns + int(self._uniform(Purpose.FAILURE_PLACE) * leg.duration_ns)
+        else:
+            self._failure_ns = first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= way)
+        return self._failure_ns
+
+    def interrupted(self, leg, now_ns):
+        """It stands on its ``leg`` at ``now_ns`` [ns] and will go on: if it is to fail, then at the same place."""
+        if self._fails and self._way_to_failure is None:
+            self._way_to_failure = leg.distance_at(self._failure_ns) - leg.distance_at(now_ns)
+
+    def _uniform(self, purpose, place=0):
+        return self._chance.uniform(self._number, purpose, place)

@@ -1,0 +1,60 @@
+"""The frames in which a goal may be given (REP 105: map -> odom -> base_link)."""
+from ..common.errors import FrameError, TimeError
+from .geometry import Pose2D, yaw_of_quaternion
+
+
+class RobotFrames:
+    """Relates frames to the global frame: a robot's own in closed form, others by ``lookup``.
+
+    ``lookup(frame_id, stamp_ns)`` returns the :class:`Pose2D` of a foreign frame in the global frame at ``stamp_ns``
+    [ns; 0 = latest] or raises :class:`FrameError`.
+    """
+
+    def __init__(self, robot, global_frame, odom_frame, base_frame, lookup):
+        self.global_frame = global_frame
+        self.odom_frame = odom_frame
+        self.base_frame = base_frame
+        self._robot = robot
+        self._lookup = lookup
+
+    def is_foreign(self, frame_id):
+        """Return whether ``frame_id`` can only be found by the look-up."""
+        return bool(frame_id) and frame_id not in (self.global_frame, self.odom_frame, self.base_frame)
+
+    def is_fixed(self, frame_id):
+        """Return whether the frame never moves, so that a stamp does not matter."""
+        return frame_id == self.global_frame or frame_id == self.odom_frame
+
+    def locate(self, frame_id, stamp_ns, now_ns):
+        """Return the pose of ``frame_id`` in the global frame at ``stamp_ns`` [ns; 0 = now].
+
+        :raises FrameError: if the frame or its place at that time is not known; the text names the frame.
+        """
+        if self.is_fixed(frame_id):
+            return Pose2D()
+        try:
+            if frame_id == self.base_frame:
+                return self._robot.pose_at(stamp_ns or now_ns)
+            self._check_name(frame_id)
+            return self._lookup(frame_id, stamp_ns)
+        except (FrameError, TimeError) as error:
+            raise FrameError("Failed to transform the goal pose from '{}' into the '{}' frame: {}".format(
+                frame_id, self.global_frame, error)) from None
+
+    def place(self, goal, now_ns):
+        """Return where the :class:`GoalPose` ``goal`` is in the global frame, at its stamp or now.
+
+        :raises FrameError: as of :meth:`locate`. :raises ValueError: if it is no place.
+        """
+        x, y = goal.position
+        if self.is_fixed(goal.frame_id):
+            return Pose2D(0.0 + x, 0.0 + y, 0.0 + yaw_of_quaternion(goal.quaternion))  # as composed: never -0.0
+        place = self.locate(goal.frame_id, goal.stamp_ns, now_ns)
+        return place.compose(Pose2D(x, y, yaw_of_quaternion(goal.quaternion)))
+
+    @staticmethod
+    def _check_name(frame_id):
+        if not frame_id:
+            raise FrameError('the frame_id is empty; a goal must name the frame it is given in')
+        if frame_id.startswith('/'):
+            raise FrameError("a frame_id must not begin with a slash; did you mean '{}'?".format(frame_id.lstrip('/')))

@@ -1,0 +1,251 @@
+"""How a robot travels: a straight leg in closed form, from which any instant's pose is computed exactly.
+
+Nothing is integrated, so nothing accumulates: :meth:`Leg.pose_at` may be asked for any instant, in any order.
+"""
+import math
+from dataclasses import dataclass, field
+
+from ..common.units import NS_PER_S, seconds_to_ns
+from .geometry import Pose2D, normalize_angle
+
+
+@dataclass(frozen=True)
+class MotionLimits:
+    """Limits of one robot's motion in the plane.
+
+    ``max_speed`` [m/s, > 0] along base_link x; ``acceleration`` [m/s^2, > 0; inf = speed changes take no time];
+    ``turn_rate`` [rad/s, > 0; inf = turning takes no time].
+
+    :raises ValueError: if a limit is not > 0 (NaN included), or the speed is not finite.
+    """
+
+    max_speed: float
+    acceleration: float = math.inf
+    turn_rate: float = math.inf
+
+    def __post_init__(self):
+        for name, unit in (('max_speed', 'm/s'), ('acceleration', 'm/s^2'), ('turn_rate', 'rad/s')):
+            value = getattr(self, name)
+            if not value > 0.0:
+                raise ValueError('{} must be > 0 {}, got {!r}'.format(name, unit, value))
+        if math.isinf(self.max_speed):
+            raise ValueError('max_speed must be finite, got inf')
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """How close to its goal a robot stops: ``xy`` [m, >= 0] short of it, ``yaw`` [rad, >= 0] short of its heading.
+
+    :raises ValueError: if a tolerance is negative or NaN.
+    """
+
+    xy: float = 0.0
+    yaw: float = 0.0
+
+    def __post_init__(self):
+        for name, unit in (('xy', 'm'), ('yaw', 'rad')):
+            value = getattr(self, name)
+            if not value >= 0.0:
+                raise ValueError('{} tolerance must be >= 0 {}, got {!r}'.format(name, unit, value))
+
+
+def trip(distance, max_speed, acceleration):
+    """Return (highest speed [m/s], how long speeding up takes [s], how long all takes [s]) of a :class:`SpeedProfile`.
+
+    A robot that asks for nothing else needs none.
+    """
+    if math.isinf(acceleration):
+        return max_speed, 0.0, distance / max_speed if distance > 0.0 and max_speed > 0.0 else 0.0
+    product = acceleration * distance
+    # The product of two tiny numbers is 0, and a robot that never starts would be there at once.
+    peak = min(max_speed, math.sqrt(product) if product else math.sqrt(acceleration) * math.sqrt(distance))
+    ramp = peak / acceleration
+    return peak, ramp, 0.0 if distance <= 0.0 or peak <= 0.0 else distance / peak + ramp
+
+
+@dataclass(frozen=True, init=False)
+class SpeedProfile:
+    """Travel over ``distance`` [m] from rest to rest: accelerate, cruise, decelerate.
+
+    With acceleration a and top speed v, a trip shorter than v^2/a never reaches v: it peaks at sqrt(a*distance) after
+    half its 2*sqrt(distance/a) seconds. A longer one takes distance/v + v/a. (Uniformly accelerated motion.)
+    """
+
+    distance: float
+    max_speed: float
+    acceleration: float
+    #: the highest speed that is reached [m/s]
+    peak_speed: float = field(repr=False, compare=False)
+    #: how long speeding up takes, and slowing down [s]
+    ramp_seconds: float = field(repr=False, compare=False)
+    #: how long the trip takes [s]
+    seconds: float = field(repr=False, compare=False)
+
+    def __init__(self, distance, max_speed, acceleration=math.inf):
+        peak, ramp, seconds = trip(distance, max_speed, acceleration)
+        self.__dict__.update(distance=distance, max_speed=max_speed, acceleration=acceleration, peak_speed=peak,
+                             ramp_seconds=ramp, seconds=seconds)  # past the class being frozen
+
+    def covered(self, elapsed):
+        """Return the distance [m] covered ``elapsed`` [s] after the start, clamped to the trip."""
+        total = self.seconds
+        if elapsed >= total:
+            return self.distance
+        if elapsed <= 0.0:
+            return 0.0
+        ramp, peak = self.ramp_seconds, self.peak_speed
+        if elapsed < ramp:
+            return 0.5 * self.acceleration * elapsed * elapsed
+        if elapsed > total - ramp:
+            left = total - elapsed
+            return self.distance - 0.5 * self.acceleration * left * left
+        return peak * (elapsed - 0.5 * ramp)
+
+    def elapsed(self, covered):
+        """Return when [s after the start] ``covered`` [m] are covered, clamped to the trip: the reverse of covered."""
+        if covered <= 0.0 or self.seconds == 0.0:
+            return 0.0
+        left = self.distance - covered
+        if left <= 0.0:
+            return self.seconds
+        ramp_length = 0.5 * self.peak_speed * self.ramp_seconds
+        if covered < ramp_length:
+            return math.sqrt(2.0 * covered / self.acceleration)
+        if left < ramp_length:
+            return self.seconds - math.sqrt(2.0 * left / self.acceleration)
+        return covered / self.peak_speed + 0.5 * self.ramp_seconds
+
+    def changes(self, pieces):
+        """Return instants [s after the start] that part the times of changing speed into ``pieces`` equal ones each."""
+        ramp = [self.ramp_seconds * number / pieces for number in range(1, pieces + 1)]
+        return [*ramp, *(self.seconds - seconds for seconds in ramp)]
+
+    def speed(self, elapsed):
+        """Return the speed [m/s] at ``elapsed`` [s] after the start; 0 outside the trip."""
+        total = self.seconds
+        if elapsed < 0.0 or elapsed >= total:
+            return 0.0
+        if elapsed < self.ramp_seconds:
+            return self.acceleration * elapsed
+        if elapsed > total - self.ramp_seconds:
+            return self.acceleration * (total - elapsed)
+        return self.peak_speed
+
+
+class Leg:
+    """One trip: turn towards the goal, drive straight, turn to the goal's heading. Immutable.
+
+    The robot stops where it first is within the tolerances. ``depart_ns`` and ``arrive_ns`` are simulated time [ns];
+    each of the three phases lasts a whole number of nanoseconds.
+    """
+
+    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance',
+                 '_limits', '_kept_profile', '_course', '_first_turn', '_last_turn', '_drive_ns', '_last_turn_ns')
+
+    #: none: it is straight, see :class:`.route.Route`
+    corners = ()
+
+    def __init__(self, start, goal, limits, tolerances=Tolerances(), depart_ns=0):
+        dx, dy = goal.x - start.x, goal.y - start.y
+        gap = math.hypot(dx, dy)
+        self.distance = gap - tolerances.xy if gap > tolerances.xy else 0.0
+        self._course = math.atan2(dy, dx) if self.distance > 0.0 else start.yaw
+        self.start = start
+        self._limits = limits
+        self._kept_profile = None
+        self.depart_ns = depart_ns
+        seconds = trip(self.distance, limits.max_speed, limits.acceleration)[2]
+        if limits.turn_rate == math.inf and tolerances.yaw == 0.0:  # as of most: no turn is ever under way
+            self.end = self._end_pose(goal, gap, goal.yaw)
+            self._drive_ns = depart_ns
+            self._last_turn_ns = self.arrive_ns = depart_ns + seconds_to_ns(seconds)
+            return
+        self._first_turn = normalize_angle(self._course - start.yaw)
+        self._last_turn = turn_within(normalize_angle(goal.yaw - self._course), tolerances.yaw)
+        self.end = self._end_pose(goal, gap, goal.yaw if tolerances.yaw == 0.0 else self._course + self._last_turn)
+        self._drive_ns = depart_ns + seconds_to_ns(abs(self._first_turn) / limits.turn_rate)
+        self._last_turn_ns = self._drive_ns + seconds_to_ns(seconds)
+        self.arrive_ns = self._last_turn_ns + seconds_to_ns(abs(self._last_turn) / limits.turn_rate)
+
+    def _end_pose(self, goal, gap, yaw):
+        start = self.start
+        if self.distance <= 0.0:
+            return Pose2D(start.x, start.y, yaw)
+        share = self.distance / gap
+        if share == 1.0:
+            return goal if yaw is goal.yaw else Pose2D(goal.x, goal.y, yaw)
+        return Pose2D(start.x + share * (goal.x - start.x), start.y + share * (goal.y - start.y), yaw)
+
+    @property
+    def _profile(self):
+        """How fast it drives: made when somebody asks for what lies between its ends."""
+        if self._kept_profile is None:
+            limits = self._limits
+            self._kept_profile = SpeedProfile(self.distance, limits.max_speed, limits.acceleration)
+        return self._kept_profile
+
+    @property
+    def duration_ns(self):
+        """How long the trip takes, simulated [ns]."""
+        return self.arrive_ns - self.depart_ns
+
+    @property
+    def way(self):
+        """The places ((x, y), ...) [m] between which it goes straight, up to where it ends."""
+        return (self.start.x, self.start.y), (self.end.x, self.end.y)
+
+    @property
+    def course(self):
+        """The direction of the drive [rad]."""
+        return self._course
+
+    @staticmethod
+    def corners_ahead(_now_ns):
+        """Return the corners that are still to come: none."""
+        return ()
+
+    def even_instants_ns(self, ramp_pieces):
+        """As of :meth:`.route.Route.even_instants_ns`."""
+        changes = (self._drive_ns + seconds_to_ns(elapsed) for elapsed in self._profile.changes(ramp_pieces))
+        return sorted({self.depart_ns, self._drive_ns, *changes, self._last_turn_ns, self.arrive_ns})
+
+    def distance_at(self, now_ns):
+        """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
+        if now_ns >= self._last_turn_ns:
+            return self.distance
+        return self._profile.covered((now_ns - self._drive_ns) / NS_PER_S) if now_ns > self._drive_ns else 0.0
+
+    def guess_ns(self, distance):
+        """Return about when ``distance`` [m] are driven [ns]: rounding may make it a few ns too early or too late."""
+        return self._drive_ns + int(self._profile.elapsed(distance) * NS_PER_S)
+
+    def pose_at(self, now_ns):
+        """Return the pose at ``now_ns`` [ns]: the start before the departure, the end from the arrival on."""
+        if now_ns < self.depart_ns:
+            return self.start
+        if now_ns >= self.arrive_ns:
+            return self.end
+        if now_ns < self._drive_ns:
+            turned = math.copysign(self._limits.turn_rate * (now_ns - self.depart_ns) / NS_PER_S, self._first_turn)
+            return Pose2D(self.start.x, self.start.y, self.start.yaw + turned)
+        if now_ns < self._last_turn_ns:
+            covered = self.distance_at(now_ns)
+            return Pose2D(self.start.x + covered * math.cos(self._course),
+                          self.start.y + covered * math.sin(self._course), self._course)
+        turned = math.copysign(self._limits.turn_rate * (now_ns - self._last_turn_ns) / NS_PER_S, self._last_turn)
+        return Pose2D(self.end.x, self.end.y, self._course + turned)
+
+    def velocity_at(self, now_ns):
+        """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
+        if now_ns < self.depart_ns or now_ns >= self.arrive_ns:
+            return 0.0, 0.0
+        if now_ns < self._drive_ns:
+            return 0.0, math.copysign(self._limits.turn_rate, self._first_turn)
+        if now_ns < self._last_turn_ns:
+            return self._profile.speed((now_ns - self._drive_ns) / NS_PER_S), 0.0
+        return 0.0, math.copysign(self._limits.turn_rate, self._last_turn)
+
+
+def turn_within(turn, tolerance):
+    """Return the part of ``turn`` [rad] that brings the heading within ``tolerance`` [rad]."""
+    return math.copysign(max(0.0, abs(turn) - tolerance), turn)

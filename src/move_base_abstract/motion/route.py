@@ -1,0 +1,264 @@
+"""How a robot travels along corners: a polyline in closed form. A :class:`Leg` is the route without any.
+
+As of a leg, any instant's pose is computed exactly, in any order; nothing is integrated.
+"""
+import math
+from bisect import bisect_right
+from enum import Enum
+from itertools import accumulate, repeat
+from typing import NamedTuple, Optional
+
+from ..common.units import NS_PER_S, seconds_to_ns
+from .geometry import Pose2D, normalize_angle
+from .leg import SpeedProfile, Tolerances, turn_within
+from .limited_profile import profile_over
+from .planned_way import PieceLimit, PlannedWay
+
+
+class CornerLaw(Enum):
+    """What a robot does at a corner: it keeps its speed and heads on at once, or it stops, turns and starts again."""
+
+    KEEP = 'keep'
+    STOP = 'stop'
+
+
+class Segment(NamedTuple):
+    """A straight piece of a route: where it begins [m], its direction [rad], its length [m, > 0] and its PieceLimit."""
+
+    x: float
+    y: float
+    course: float
+    length: float
+    limit: Optional[PieceLimit] = None
+
+    def at(self, covered):
+        """Return the pose ``covered`` [m] behind the beginning, heading along it."""
+        return Pose2D(self.x + covered * math.cos(self.course), self.y + covered * math.sin(self.course), self.course)
+
+
+class Route:
+    """One trip along ``corners`` [(x, y), m]: turn, drive from corner to corner, turn to the goal's heading. Immutable.
+
+    ``corners`` may be a :class:`.PlannedWay`, whose pieces have speed limits of their own.
+
+    With ``CornerLaw.KEEP`` one speed profile runs over the whole length, and headings change at once; with
+    ``CornerLaw.STOP`` each straight piece is driven from rest to rest, after a turn at the turn rate. The robot stops
+    where it first is within the tolerances. Each turn and each drive lasts a whole number of nanoseconds; ``depart_ns``
+    and ``arrive_ns`` are simulated time [ns].
+    """
+
+    __slots__ = ('depart_ns', 'arrive_ns', 'start', 'end', 'distance', 'corners', 'way', '_begins_ns', '_parts')
+
+    def __init__(self, start, goal, corners, limits, tolerances=Tolerances(), depart_ns=0, law=CornerLaw.KEEP):
+        segments, place = _segments(start, goal, corners, tolerances.xy)
+        drives = [segments] if law is CornerLaw.KEEP and segments else [[segment] for segment in segments]
+        self.start = start
+        self.corners = corners if isinstance(corners, PlannedWay) else tuple(corners)
+        #: the places ((x, y), ...) [m] between which it goes straight, up to where it ends
+        self.way = (*((segment.x, segment.y) for segment in segments or [start]), place)
+        self.distance = math.fsum(segment.length for segment in segments)
+        self.depart_ns = self.arrive_ns = depart_ns
+        self._begins_ns, self._parts = [], []
+        yaw, driven = start.yaw, 0.0
+        for pieces in drives:
+            first = pieces[0]
+            self._turn_to_drive(first, yaw, normalize_angle(first.course - yaw), limits, driven)
+            drive = _Drive(pieces, self._profile_along(pieces, limits), driven)
+            self._add(drive, drive.profile.seconds)
+            yaw = pieces[-1].course
+            driven += drive.profile.distance
+        whole = normalize_angle(goal.yaw - yaw)
+        turn = turn_within(whole, tolerances.yaw)
+        self._turn_at_goal(Pose2D(*place, yaw), turn, whole, limits, tolerances)
+        self.end = Pose2D(*place, goal.yaw if tolerances.yaw == 0.0 else yaw + turn)
+
+    def _add(self, part, seconds):
+        self._begins_ns.append(self.arrive_ns)
+        self._parts.append(part)
+        self.arrive_ns += seconds_to_ns(seconds)
+
+    def _turn_to_drive(self, first, yaw, turn, limits, driven):
+        """Add the turn by ``turn`` [rad] from ``yaw`` [rad] before the drive that begins with the piece ``first``."""
+        self._add(Turn(first.x, first.y, yaw, turn, limits.turn_rate, driven), abs(turn) / limits.turn_rate)
+
+    def _turn_at_goal(self, begin, turn, _whole, limits, _tolerances):
+        """Add the turn by ``turn`` [rad] at the end, from ``begin`` (Pose2D); ``_whole``: up to the goal's heading."""
+        part = Turn(begin.x, begin.y, begin.yaw, turn, limits.turn_rate, self.distance)
+        self._add(part, abs(turn) / limits.turn_rate)
+
+    def _profile_along(self, pieces, limits):
+        """Return the profile of a drive over ``pieces`` (Segment, ...)."""
+        if pieces[0].limit is None:
+            return self._profile(list(accumulate(piece.length for piece in pieces))[-1], limits)
+        return profile_over([(piece.length, piece.limit.of(limits.max_speed)) for piece in pieces], limits.acceleration)
+
+    @staticmethod
+    def _profile(length, limits):
+        """Return the profile of a drive over ``length`` [m]."""
+        return SpeedProfile(length, limits.max_speed, limits.acceleration)
+
+    @property
+    def duration_ns(self):
+        """How long the trip takes, simulated [ns]."""
+        return self.arrive_ns - self.depart_ns
+
+    def distance_at(self, now_ns):
+        """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
+        if now_ns < self.depart_ns:
+            return 0.0
+        if now_ns >= self.arrive_ns:  # also at the departure, where all of it takes less than a nanosecond
+            return self.distance
+        part, elapsed_ns = self._part(now_ns)
+        return part.distance_at(elapsed_ns)
+
+    def guess_ns(self, distance):
+        """Return about when ``distance`` [m] are driven [ns]: rounding may make it a few ns too early or too late."""
+        for begin_ns, part in zip(self._begins_ns, self._parts):
+            elapsed = part.guess(distance)
+            if elapsed is not None:
+                return begin_ns + int(elapsed * NS_PER_S)
+        return self.arrive_ns
+
+    def pose_at(self, now_ns):
+        """Return the pose at ``now_ns`` [ns]: the start before the departure, the end from the arrival on."""
+        if now_ns < self.depart_ns:
+            return self.start
+        if now_ns >= self.arrive_ns:
+            return self.end
+        part, elapsed_ns = self._part(now_ns)
+        return part.pose_at(elapsed_ns)
+
+    def velocity_at(self, now_ns):
+        """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
+        if now_ns < self.depart_ns or now_ns >= self.arrive_ns:
+            return 0.0, 0.0
+        part, elapsed_ns = self._part(now_ns)
+        return part.velocity_at(elapsed_ns)
+
+    def corners_ahead(self, now_ns):
+        """Return those of the ``corners`` that are not reached at ``now_ns`` [ns]."""
+        if now_ns >= self.arrive_ns:
+            return ()
+        passed = self.distance_at(now_ns)
+        points = [(self.start.x, self.start.y), *self.corners]
+        lengths = accumulate(math.hypot(x - a, y - b) for (a, b), (x, y) in zip(points, points[1:]))
+        return tuple(corner for corner, length in zip(self.corners, lengths) if length > passed)
+
+    def even_instants_ns(self, ramp_pieces):
+        """Return the instants [ns] between which the robot turns in place, or drives straight at nearly one speed.
+
+        While it changes its speed that is so in ``ramp_pieces`` equal times.
+        """
+        instants = {self.depart_ns, self.arrive_ns, *self._begins_ns}
+        for begin_ns, part in zip(self._begins_ns, self._parts):
+            instants.update(begin_ns + seconds_to_ns(elapsed) for elapsed in part.even_instants(ramp_pieces))
+        return sorted(instants)
+
+    def _part(self, now_ns):
+        """Return the turn or drive of ``now_ns`` [ns] and how long it has been going on [ns]."""
+        index = bisect_right(self._begins_ns, now_ns) - 1
+        return self._parts[index], now_ns - self._begins_ns[index]
+
+
+class Turn:
+    """A turn in place at (x, y) [m] by ``turn`` [rad] from ``yaw`` [rad], ``driven`` [m] after the departure."""
+
+    __slots__ = ('_x', '_y', '_yaw', '_turn', '_rate', '_driven')
+
+    def __init__(self, x, y, yaw, turn, rate, driven):
+        self._x, self._y, self._yaw, self._turn, self._rate, self._driven = x, y, yaw, turn, rate, driven
+
+    @staticmethod
+    def even_instants(_ramp_pieces):
+        """Return the instants [s after its begin] between which it is even enough: none."""
+        return ()
+
+    @staticmethod
+    def guess(_distance):
+        """Return when [s after its begin] a distance is driven: None, it drives nowhere."""
+
+    def pose_at(self, elapsed_ns):
+        """Return the pose ``elapsed_ns`` [ns] after its begin."""
+        turned = math.copysign(self._rate * elapsed_ns / NS_PER_S, self._turn)
+        return Pose2D(self._x, self._y, self._yaw + turned)
+
+    def velocity_at(self, _elapsed_ns):
+        """Return (forward [m/s], turning [rad/s])."""
+        return 0.0, math.copysign(self._rate, self._turn)
+
+    def distance_at(self, _elapsed_ns):
+        """Return the distance [m] driven since the departure."""
+        return self._driven
+
+
+class _Drive:
+    """Straight pieces driven from rest to rest, ``driven`` [m] after the departure, by ``profile``."""
+
+    __slots__ = ('profile', '_pieces', '_begins', '_driven')
+
+    def __init__(self, pieces, profile, driven):
+        ends = list(accumulate(piece.length for piece in pieces))
+        self.profile = profile
+        self._pieces = pieces
+        self._begins = [0.0] + ends[:-1]
+        self._driven = driven
+
+    def even_instants(self, ramp_pieces):
+        """Return when [s] corners are passed, and the ends of the pieces in which the speed changes."""
+        return [*(self.profile.elapsed(begin) for begin in self._begins), *self.profile.changes(ramp_pieces)]
+
+    def guess(self, distance):
+        """Return when [s after its begin] ``distance`` [m] are driven since the departure, None: later than it ends."""
+        covered = distance - self._driven
+        return self.profile.elapsed(covered) if covered <= self.profile.distance else None
+
+    def pose_at(self, elapsed_ns):
+        covered = self.profile.covered(elapsed_ns / NS_PER_S)
+        index = bisect_right(self._begins, covered) - 1
+        return self._pieces[index].at(covered - self._begins[index])
+
+    def velocity_at(self, elapsed_ns):
+        return self.profile.speed(elapsed_ns / NS_PER_S), 0.0
+
+    def distance_at(self, elapsed_ns):
+        return self._driven + self.profile.covered(elapsed_ns / NS_PER_S)
+
+
+def _segments(start, goal, corners, tolerance):
+    """Return the pieces [:class:`Segment`] up to where ``tolerance`` [m] is first met, and that place (x, y) [m]."""
+    segments = []
+    begin = start
+    points = [*(Pose2D(x, y) for x, y in corners), goal]
+    for end, limit in zip(points, getattr(corners, 'limits', ()) or repeat(None)):
+        length = begin.distance_to(end)
+        reach = _first_within(begin, end, length, goal, tolerance)
+        covered = length if reach is None else reach
+        if length > 0.0 and covered > 0.0:
+            segments.append(Segment(begin.x, begin.y, begin.bearing_to(end), covered, limit))
+        if reach is not None:
+            share = reach / length if length > 0.0 else 0.0
+            if share == 1.0:
+                return segments, (end.x, end.y)
+            return segments, (begin.x + share * (end.x - begin.x), begin.y + share * (end.y - begin.y))
+        begin = end
+    raise AssertionError('a route that does not end at its goal')
+
+
+def _first_within(begin, end, length, goal, tolerance):
+    """Return how far from ``begin`` [m] the way to ``end`` comes within ``tolerance`` [m] of ``goal``, or None.
+
+    Where a line enters a circle: the root of a quadratic equation.
+    """
+    if end is goal:
+        return max(0.0, length - tolerance)
+    if tolerance == 0.0 or length <= 0.0:
+        return None
+    dx, dy = goal.x - begin.x, goal.y - begin.y
+    along = (dx * (end.x - begin.x) + dy * (end.y - begin.y)) / length
+    rest = tolerance * tolerance - (dx * dx + dy * dy - along * along)
+    if rest < 0.0:
+        return None
+    half = math.sqrt(rest)
+    if along + half < 0.0 or along - half > length:
+        return None
+    return max(0.0, along - half)

@@ -1,0 +1,6 @@
+"""Whether clocks and other simulators do what they are told, and are still there."""
+from ..common.handed_on import handed_on
+
+__getattr__ = handed_on(__name__, {
+    'clock_source': 'ClockSource', 'follow_check': 'FollowCheck', 'rate_cap': 'RateCap',
+    'silence_watch': 'SilenceWatch', 'stamp_check': 'StampCheck'})

@@ -1,0 +1,50 @@
+"""Telling whether another simulator goes by the same clock: the stamps of what it says against the present."""
+from ..common.units import NS_PER_S
+
+_SPEED_SECONDS = 0.5  # wall; over which the speed of time is measured
+
+
+class StampCheck:
+    """Compares stamps with the present, within ``tolerance``: s of simulated time, or of the wall's where that is more.
+
+    Messages are late by some of the wall's time, which is the more simulated time the faster that runs. Only stamps
+    that are off for ``patience`` [s, wall] count as a lapse. Wall times are arguments [s, of one clock that never goes
+    back].
+    """
+
+    def __init__(self, tolerance=1.0, patience=2.0):
+        self._tolerance = tolerance
+        self._patience = patience
+        self._off_since = None
+        self._told = False
+        self._speed = 1.0
+        self._mark = None
+
+    @property
+    def is_alike(self):
+        """Whether the latest stamp was of the present."""
+        return self._off_since is None
+
+    def reported(self, stamp_ns, now_ns, wall):
+        """Take a stamp in; return by how much it lies in the past [s], once for each lapse, else None."""
+        self._measure_speed(stamp_ns, now_ns, wall)
+        gap = (now_ns - stamp_ns) / NS_PER_S
+        if abs(gap) <= self._tolerance * self._speed:
+            self._off_since, self._told = None, False
+            return None
+        if self._off_since is None:
+            self._off_since = wall
+        if self._told or wall - self._off_since < self._patience:
+            return None
+        self._told = True
+        return gap
+
+    def _measure_speed(self, stamp_ns, now_ns, wall):
+        """Find the speed of the faster one of the two clocks, at least 1."""
+        if self._mark is None:
+            self._mark = (stamp_ns, now_ns, wall)
+        mark_stamp_ns, mark_now_ns, mark_wall = self._mark
+        if wall - mark_wall >= _SPEED_SECONDS:
+            fastest = max(stamp_ns - mark_stamp_ns, now_ns - mark_now_ns) / NS_PER_S / (wall - mark_wall)
+            self._speed = max(1.0, fastest)
+            self._mark = (stamp_ns, now_ns, wall)

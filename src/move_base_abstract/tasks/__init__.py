@@ -1,0 +1,6 @@
+"""Where robots work and what that takes; tasks that arrive; who works at a place."""
+from ..common.handed_on import handed_on
+
+__getattr__ = handed_on(__name__, {
+    'arrivals': 'Listed Poisson Task read_arrivals', 'place_tasks': 'PlaceTaskListener PlaceTaskRunner Room Rooms',
+    'places': 'Place Work read_places', 'timed_task': 'TimedTaskRunner', 'worker': 'Worker'})

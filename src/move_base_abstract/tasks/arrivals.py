@@ -1,0 +1,252 @@
+"""Tasks that arrive: at random instants, or at those of a file; the same ones for the same seed, whoever does them.
+
+    arrivals:
+      - {place: dock, rate_per_hour: 20.0}
+      - {name: field, area: [0.0, 0.0, 40.0, 40.0], rate: 0.05, count: 50, duration: 10.0}
+      - {name: orders, file: orders.csv}
+
+Instants count from a beginning that whoever publishes the tasks chooses.
+"""
+import heapq
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Optional, Tuple
+
+from ..common.arguments import as_float, as_ns, check_kind
+from ..common.bounded_yaml import load_yaml_file
+from ..common.csv_files import open_csv, rows_of
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, checked, integer, number, numbers, text
+from ..common.shown import shown
+from ..common.units import LAST_NS, seconds_to_ns
+from ..engine.chance import Chance, Purpose
+from ..engine.factors import Constant
+from ..motion.geometry import Pose2D
+from .places import MAX_SECONDS, NAME, POSE_TABLE, WORK_TABLE, Place, Work, place_name, read_entry, read_work
+
+MAX_TASKS = 1_000_000  # of a file
+MAX_ENTRIES = 10_000
+_PLACE = Parameter('place', None, place_name, 'the name of one of the places')
+ARRIVAL_TABLE = (
+    NAME,
+    _PLACE,
+    Parameter('area', None, numbers(4), 'a list [x_min, y_min, x_max, y_max] [m, global frame], x_min <= x_max, '
+              'y_min <= y_max'),
+    Parameter('rate', None, number(1e-12, 1e9), 'a number in 1e-12..1e9 [1/s, simulated]'),
+    Parameter('rate_per_hour', None, number(1e-9, 1e12), 'a number in 1e-9..1e12 [1/h, simulated]'),
+    Parameter('count', None, integer(1), 'a whole number >= 1'),
+    Parameter('until', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS)),
+    Parameter('file', None, text, 'the path of a file: .csv, .yaml or .yml'),
+    *WORK_TABLE,
+)
+_TIME = Parameter('time', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS))
+_DURATION, _, _, _POWER, _ENERGY = WORK_TABLE
+_ROW = (_TIME, _PLACE, *POSE_TABLE, _DURATION, _POWER, _ENERGY)
+
+
+@dataclass(frozen=True)
+class Task:
+    """Something to be done: where ``place`` ('': anywhere) and ``pose`` (Pose2D, global frame) say.
+
+    It arrives ``arrival_ns`` [ns] after the beginning. ``duration_ns`` [ns] 0: as long as at the place.
+    """
+
+    task_id: str
+    arrival_ns: int
+    place: str
+    pose: Pose2D
+    duration_ns: int = 0
+    power: float = 0.0
+    energy: float = 0.0
+
+
+def check_task(task):
+    """Check that ``task`` is a :class:`Task`, and that its values are of their kinds.
+
+    :raises ConfigurationError: if not, naming the value.
+    """
+    check_kind(task, Task, 'task')
+    for name, kind in (('task_id', str), ('place', str), ('pose', Pose2D)):
+        check_kind(getattr(task, name), kind, 'task: ' + name)
+    as_ns(task.duration_ns, 'task: duration_ns')
+    for name in ('power', 'energy'):
+        as_float(getattr(task, name), 'task: ' + name)
+
+
+@dataclass(frozen=True)
+class Poisson:
+    """Tasks at ``place``, or evenly over ``area`` (x_min, y_min, x_max, y_max) [m], with gaps exponential of a rate.
+
+    ``rate`` [1/s]; at most ``count`` (None: endless), none after ``until_ns`` [ns].
+    """
+
+    name: str
+    rate: float
+    work: Work
+    place: Optional[Place] = None
+    area: Tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    count: Optional[int] = None
+    until_ns: int = LAST_NS
+
+    def tasks(self, seed):
+        """Yield the :class:`Task` objects of a ``seed``, in the order of their arrival."""
+        chance = Chance(seed, 'arrivals {}'.format(self.name))
+        arrival_ns, number_ = 0, 0
+        while self.count is None or number_ < self.count:
+            number_ += 1
+            gap = -math.log(chance.uniform(number_, Purpose.ARRIVAL)) / self.rate
+            arrival_ns = min(LAST_NS + 1, arrival_ns + max(1, seconds_to_ns(min(gap, MAX_SECONDS))))
+            if arrival_ns > self.until_ns:
+                return
+            yield Task('{}_{}'.format(self.name, number_), arrival_ns, self.place.name if self.place else '',
+                       self._pose(chance, number_), self._duration_ns(chance, number_), self.work.power,
+                       self.work.energy)
+
+    def _pose(self, chance, number_):
+        if self.place is not None:
+            return self.place.pose
+        x_min, y_min, x_max, y_max = self.area
+        return Pose2D(x_min + (x_max - x_min) * chance.uniform(number_, Purpose.TASK_X),
+                      y_min + (y_max - y_min) * chance.uniform(number_, Purpose.TASK_Y))
+
+    def _duration_ns(self, chance, number_):
+        return drawn_ns(self.work.seconds, lambda place: chance.uniform(number_, Purpose.TASK_DURATION, place))
+
+
+@dataclass(frozen=True)
+class Listed:
+    """Tasks of a file, in the order of their arrival: (number in the file, Task, distribution of its duration)."""
+
+    name: str
+    rows: Tuple[Tuple[int, Task, Any], ...] = ()
+
+    def tasks(self, seed):
+        """Yield the tasks; what differs from seed to seed are durations that are drawn."""
+        chance = Chance(seed, 'arrivals {}'.format(self.name))
+        for number_, task, seconds in self.rows:
+            yield replace(task, duration_ns=drawn_ns(
+                seconds, lambda place, number_=number_: chance.uniform(number_, Purpose.TASK_DURATION, place)))
+
+
+def drawn_ns(seconds, uniform):
+    """Return a duration [ns] of the distribution ``seconds``, at least 1 ns, by ``uniform(place)`` in (0, 1)."""
+    return max(1, seconds_to_ns(min(seconds.draw(uniform), MAX_SECONDS)))
+
+
+def merged(arrivals, seed):
+    """Return an iterator of all tasks in the order of their instants; at one instant, of the entry that comes first."""
+    return heapq.merge(*(entry.tasks(seed) for entry in arrivals), key=lambda task: task.arrival_ns)
+
+
+def read_arrivals(raw, places, where):
+    """Return what arrives, of the list ``raw``: Poisson processes and files; ``places``: {name: Place}.
+
+    :raises ConfigurationError: naming ``where``, the entry and what is allowed.
+    """
+    if not isinstance(raw, list) or len(raw) > MAX_ENTRIES:
+        raise ConfigurationError('{}: arrivals: got {}; allowed: a list of at most {} entries'.format(
+            where, shown(raw), MAX_ENTRIES))
+    arrivals, names = [], set()
+    for index, entry in enumerate(raw):
+        here = '{}: arrivals[{}]'.format(where, index)
+        one = _read_one(read_entry(entry, ARRIVAL_TABLE, here), places, here)
+        if one.name in names:
+            raise ConfigurationError("{}: name: '{}' is given to more than one entry; allowed: a name of its own "
+                                     '(where none is given, it is that of the place)'.format(here, one.name))
+        names.add(one.name)
+        arrivals.append(one)
+    return tuple(arrivals)
+
+
+def _read_one(values, places, where):
+    given = [key for key in ('place', 'area', 'file') if values[key] is not None]
+    if len(given) != 1:
+        raise ConfigurationError('{}: got {}; allowed: one of place, area and file'.format(
+            where, ' and '.join(given) or 'none of place, area and file'))
+    name = checked(values['name'] or values['place'], 'name', NAME, where)
+    rates = [values['rate'], None if values['rate_per_hour'] is None else values['rate_per_hour'] / 3600.0]
+    if values['file'] is not None:
+        return _read_file(name, values, rates, places, where)
+    if rates.count(None) != 1:
+        raise ConfigurationError('{}: got {} rate and rate_per_hour; allowed: one of them'.format(
+            where, 'neither' if None in rates else 'both'))
+    place = None if values['place'] is None else find_place(values['place'], places, where)
+    area = values['area'] or (0.0,) * 4
+    if area[0] > area[2] or area[1] > area[3]:
+        raise ConfigurationError('{}: area: got {}; allowed: {}'.format(where, shown(list(area)),
+                                                                        ARRIVAL_TABLE[2].allowed))
+    work = read_work(values, where, place.work if place else Work())
+    if work.seconds is None:
+        raise ConfigurationError('{}: duration: not given, neither here nor by a place; allowed: {}'.format(
+            where, _DURATION.allowed))
+    until_ns = LAST_NS if values['until'] is None else seconds_to_ns(values['until'])
+    return Poisson(name, rates[0] or rates[1], work, place, area, values['count'], until_ns)
+
+
+def find_place(name, places, where):
+    """Return the place ``name``.
+
+    :raises ConfigurationError: if there is none.
+    """
+    if name not in places:
+        raise ConfigurationError('{}: place: got {}; allowed: {}'.format(
+            where, shown(name), ', '.join(list(places)[:10]) or 'none: there are no places'))
+    return places[name]
+
+
+def _read_file(name, values, rates, places, where):
+    path = values['file']
+    others = [key for key in ('count', 'until', 'duration') if values[key] is not None]
+    others += [key for key, rate in zip(('rate', 'rate_per_hour'), rates) if rate is not None]
+    others += [key for key in ('power', 'energy', 'duration_cv') if values[key]]
+    if others:
+        raise ConfigurationError('{}: {}: got {} with a file, which says it; allowed: name and file'.format(
+            where, others[0], shown(values[others[0]])))
+    rows = [(index + 1, *_task_of(row, index, name, places, here))
+            for index, (here, row) in enumerate(_rows(path, where))]
+    if not rows:
+        raise ConfigurationError('{}: got no tasks; allowed: at least one'.format(path))
+    return Listed(name, tuple(sorted(rows, key=lambda row: row[1].arrival_ns)))
+
+
+def _rows(path, where):
+    """Yield (where a row is, mapping) of a file of tasks, a table or YAML."""
+    if path.endswith('.csv'):
+        with open_csv(path) as stream:
+            for index, (here, row) in enumerate(rows_of(stream, path)):
+                if index >= MAX_TASKS:
+                    raise ConfigurationError('{}: got more rows; allowed: at most {} tasks'.format(here, MAX_TASKS))
+                yield here, {key: cell.strip() if key == 'place' else _value(cell) for key, cell in row.items() if cell}
+        return
+    if not path.endswith(('.yaml', '.yml')):
+        raise ConfigurationError('{}: file: got {}; allowed: {}'.format(where, shown(path), ARRIVAL_TABLE[7].allowed))
+    raw = load_yaml_file(path)
+    if not isinstance(raw, dict) or list(raw) != ['tasks'] or not isinstance(raw['tasks'], list):
+        raise ConfigurationError('{}: got {}; allowed: a mapping with a list of tasks alone'.format(path, shown(raw)))
+    for index, row in enumerate(raw['tasks']):
+        yield '{}: tasks {}'.format(path, index), row
+
+
+def _value(cell):
+    try:
+        return float(cell)
+    except ValueError:
+        return cell
+
+
+def _task_of(row, index, name, places, where):
+    """Return a row's :class:`Task`, but for how long it takes, and the distribution of that."""
+    values = read_entry(row, _ROW, where)
+    has_place, own = 'place' in row, [key for key in ('x', 'y', 'yaw') if key in row]
+    if 'time' not in row or has_place == bool(own):
+        raise ConfigurationError('{}: got {}; allowed: a time, and either a place or x, y and yaw'.format(
+            where, shown(row)))
+    place = find_place(values['place'], places, where) if has_place else None
+    work = place.work if place else Work()
+    seconds = work.seconds if values['duration'] is None else Constant(values['duration'])
+    if seconds is None:
+        raise ConfigurationError('{}: duration: not given, neither here nor by a place; allowed: {}'.format(
+            where, _DURATION.allowed))
+    pose = place.pose if place else Pose2D(values['x'], values['y'], values['yaw'])
+    return Task('{}_{}'.format(name, index + 1), seconds_to_ns(values['time']), place.name if place else '', pose, 0,
+                values['power'] or work.power, values['energy'] or work.energy), seconds

@@ -1,0 +1,283 @@
+"""Tasks at places: a robot that stands there waits until there is room for it, works, and draws from its battery."""
+import bisect
+import itertools
+import math
+from contextlib import ExitStack
+
+from ..common.shown import shown_text
+from ..common.units import NS_PER_S
+from ..engine.chance import Chance, Purpose
+from ..engine.guard import guarded
+from ..goals.outcome import FAILED, aborted
+from .arrivals import drawn_ns
+from .places import Place
+from .timed_task import TimedTaskRunner
+
+LEFT = aborted('The robot has left the place of its task.')
+#: who is let in is decided behind all that robots and users do at an instant
+_ADMISSION_INDEX = 2 ** 31 - 1
+
+
+class Room:
+    """Who works at a place with a ``capacity`` (>= 1), and who waits: first come, at one instant by lower index."""
+
+    def __init__(self, queue, capacity):
+        self._queue = queue
+        self._numbers = itertools.count()
+        self.capacity = capacity
+        self._waiting = []  # (since [ns], robot index, number, begin, wait, robot's name)
+        self._working = {}  # {number: robot's name}
+        self._event = None
+        self._followers = []
+
+    @property
+    def workers(self):
+        """The names of the robots that work, in the order in which they began."""
+        return tuple(self._working.values())
+
+    @property
+    def waiters(self):
+        """The names of the robots that wait, first come first."""
+        return tuple(entry[5] for entry in self._waiting)
+
+    def follow(self, changed):
+        """Call ``changed()`` when somebody else works or waits."""
+        self._followers.append(changed)
+
+    def ask(self, robot_index, robot_name, now_ns, begin, wait):
+        """Have ``begin(due_ns)`` called as soon as there is room, not before the end of this instant; return a ticket.
+
+        ``wait(due_ns)`` is called at the end of this instant if there is none.
+        """
+        ticket = next(self._numbers)
+        bisect.insort(self._waiting, (now_ns, robot_index, ticket, begin, wait, robot_name))
+        self._look(now_ns)
+        return ticket
+
+    def give_back(self, ticket, now_ns):
+        """Who got the ``ticket`` waits or works no more."""
+        self._working.pop(ticket, None)
+        self._waiting = [entry for entry in self._waiting if entry[2] != ticket]
+        self._look(now_ns)
+        self._changed()
+
+    def _look(self, now_ns):
+        if self._waiting and self._event is None:
+            self._event = self._queue.schedule(now_ns, _ADMISSION_INDEX, self._admit)
+
+    def _admit(self, due_ns, _now_ns):
+        self._event = None
+        while self._waiting and len(self._working) < self.capacity:
+            _, _, ticket, begin, _, name = self._waiting.pop(0)
+            self._working[ticket] = name
+            begin(due_ns)
+        for since_ns, _, _, _, wait, _ in self._waiting:
+            if since_ns == due_ns:
+                wait(due_ns)
+        self._changed()
+
+    def _changed(self):
+        for changed in self._followers:
+            changed()
+
+
+class Rooms:
+    """The places (``{name: Place}``) of a world and the room at each."""
+
+    def __init__(self, simulation, places):
+        self.simulation = simulation
+        self.places = places
+        self._rooms = {name: Room(simulation.queue, place.capacity) for name, place in places.items()
+                       if place.capacity is not None}
+
+    def of(self, place):
+        """Return the :class:`Room` at the place of this name, or None: there is no end of it."""
+        return self._rooms.get(place)
+
+    def place_of(self, task):
+        """Return the Place of a Task; of one without a name the place that its pose is."""
+        return self.places[task.place] if task.place else Place('its place', task.pose)
+
+
+class PlaceTaskListener:
+    """What a :class:`PlaceTaskRunner` tells the outside. Times in ns."""
+
+    #: a function: whether progress would be heard; None: it is told anyhow, see Series
+    is_progress_heard = None
+
+    def waits(self, record, place, now_ns):
+        """The task of the goal ``record`` waits for room at ``place`` (its name)."""
+
+    def waited(self, record, place, now_ns):
+        """It waits no more."""
+
+    def begins(self, record, duration_ns, now_ns):
+        """Work on the goal ``record`` begins."""
+
+    def progress(self, record, elapsed_ns, duration_ns, now_ns):
+        """So much of the work is done."""
+
+    def load(self, watts, now_ns):
+        """From now on the work draws so much [W] from the robot's battery, besides what the robot needs itself."""
+
+
+class PlaceTaskRunner(TimedTaskRunner):
+    """The life of one robot's tasks at places, from the goal to the ending, which ``ledger`` (GoalLedger) publishes.
+
+    ``robot`` (Robot), or None of a robot that is not known here: nobody asks where it stands. ``seed`` and
+    ``robot_name`` are of what is drawn for tasks that do not say how long they take. ``has_failed()``: whether the
+    robot cannot work now.
+    """
+
+    def __init__(self, rooms, robot_index, robot_name, seed, ledger, listener, robot=None, progress_frequency=0.0,
+                 has_failed=lambda: False):
+        super().__init__(rooms.simulation, robot_index, ledger, None, self._work_begins, listener.progress,
+                         progress_frequency, listener.is_progress_heard)
+        self._rooms = rooms
+        self._robot = robot
+        self._has_failed = has_failed
+        self._robot_name = robot_name
+        self._seed = seed
+        self._chance = None
+        self._listener = listener
+        self._number = 0
+        self._task = None
+        self._room = self._ticket = None
+        self._is_admitted = False
+        self._asked_ns = 0
+        self._draws = False
+        self._waits = None  # the record of the goal that waits, where that has been told
+
+    @property
+    def is_waiting(self):
+        """Whether the robot waits for room."""
+        return self._waits is not None
+
+    @property
+    def is_working(self):
+        """Whether the robot works."""
+        return self._end is not None
+
+    def waited_ns(self, now_ns):
+        """Return for how long the latest task has waited [ns]."""
+        return (now_ns if self._is_pending else self._began_ns) - self._asked_ns
+
+    @property
+    def _is_pending(self):
+        return self._ticket is not None and not self._is_admitted
+
+    @guarded
+    def take(self, goal_id, stamp_ns, task, now_ns, fault=None):
+        """Take the goal ``task`` (Task) in; the task that was under way is ended by it. ``fault``: what is wrong."""
+        record = self._ledger.receive(goal_id, stamp_ns, now_ns)
+        if record is None:
+            return
+        self._stop()
+        self._number += 1
+        self._asked_ns = self._began_ns = now_ns
+        self._duration_ns = 0
+        self._task = task
+        if self._has_failed():
+            self._ledger.finish(FAILED, now_ns)
+            return
+        fault = fault or self._fault(task)
+        if fault:
+            self._ledger.finish(aborted(fault), now_ns)
+            return
+        self._room = self._rooms.of(task.place)
+        if self._room is None:
+            self._begin(record, self._length_ns(task), now_ns)
+            return
+        self._is_admitted = False
+        self._ticket = self._room.ask(self._robot_index, self._robot_name, now_ns, self._admitted, self._told_to_wait)
+
+    @guarded
+    def moved(self, now_ns):
+        """The robot has set out or stands elsewhere: its task ends where that is too far away."""
+        if self._task is not None and self._ledger.active is not None and self._distance_fault(self._task):
+            self.shut_down(LEFT, now_ns)
+
+    def failed(self, now_ns):
+        """The robot has failed: its task ends."""
+        self.shut_down(FAILED, now_ns)
+
+    @guarded
+    def _told_to_wait(self, due_ns):
+        if self._waits is None:
+            self._waits = self._ledger.active
+            self._listener.waits(self._waits, self._task.place, due_ns)
+
+    @guarded
+    def _admitted(self, due_ns):
+        self._is_admitted = True
+        self._end_waiting(due_ns)
+        self._begin(self._ledger.active, self._length_ns(self._task), due_ns)
+        if self._end is None:  # no task takes so long
+            self._stop()
+
+    def _end_waiting(self, now_ns):
+        if self._waits is not None:
+            record, self._waits = self._waits, None
+            self._listener.waited(record, self._task.place, now_ns)
+
+    def _work_begins(self, record, duration_ns, now_ns):
+        self._listener.begins(record, duration_ns, now_ns)
+        watts = self._task.power + self._task.energy * NS_PER_S / duration_ns
+        if watts > 0.0:
+            self._draws = True
+            self._listener.load(watts, now_ns)
+
+    def _stop(self):
+        super()._stop()
+        now_ns = self._simulation.now_ns
+        if self._is_pending:
+            self._began_ns = now_ns
+        with ExitStack() as rest:  # which comes whatever goes wrong: the latter one first
+            rest.callback(self._give_ticket_back, now_ns)
+            rest.callback(self._stop_drawing, now_ns)
+            self._end_waiting(now_ns)
+
+    def _stop_drawing(self, now_ns):
+        if self._draws:
+            self._draws = False
+            self._listener.load(0.0, now_ns)
+
+    def _give_ticket_back(self, now_ns):
+        if self._ticket is not None:
+            ticket, self._ticket = self._ticket, None
+            self._room.give_back(ticket, now_ns)
+
+    def _length_ns(self, task):
+        """Return how long the work takes [ns]: as the task says, else as one drawn for its place."""
+        if task.duration_ns:
+            return task.duration_ns
+        if self._chance is None:
+            self._chance = Chance(self._seed, self._robot_name)
+        return drawn_ns(self._rooms.places[task.place].work.seconds,
+                        lambda place: self._chance.uniform(self._number, Purpose.TASK_DURATION, place))
+
+    def _fault(self, task):
+        """Return why the robot cannot work on the task, or None."""
+        places = self._rooms.places
+        if task.place and task.place not in places:
+            return 'place: got {}; allowed: {}'.format(
+                shown_text(task.place), ', '.join(list(places)[:10]) or 'none: there are no places')
+        if not task.duration_ns and (not task.place or places[task.place].work.seconds is None):
+            return 'duration: got 0 s and no place that says one; allowed: > 0 s'
+        for name in ('power', 'energy'):
+            value = getattr(task, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                return '{}: got {:g}; allowed: a finite number >= 0'.format(name, value)
+        return self._distance_fault(task)
+
+    def _distance_fault(self, task):
+        if self._robot is None:
+            return None
+        place = self._rooms.place_of(task)
+        if self._robot.leg is not None:
+            return 'The robot is on its way; it has to stand within {:g} m of {}.'.format(place.reach, place.name)
+        pose = self._robot.pose_at(self._simulation.now_ns)
+        if not place.holds(pose):
+            return 'The robot stands at ({:.3f}, {:.3f}); it has to stand within {:g} m of {} at ({:g}, {:g}).'.format(
+                pose.x, pose.y, place.reach, place.name, place.pose.x, place.pose.y)
+        return None

@@ -1,0 +1,121 @@
+"""Places where robots work: where they are, how many may work there at once, and what work there takes.
+
+    places:
+      - {name: dock, x: 12.0, y: 3.0, yaw: 1.57, capacity: 2, duration: 40.0, power: 120.0}
+
+Key by key: docs/tasks.md.
+"""
+import math
+from dataclasses import dataclass
+from typing import Any, Optional
+
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, checked, integer, number, one_of, read_table
+from ..common.ros_names import ROBOT_NAME_RULE, is_robot_name
+from ..common.shown import shown
+from ..common.unknown_keys import check_keys
+from ..engine.factors import Constant, Gamma, Lognormal
+from ..motion.geometry import Pose2D
+
+MIN_SECONDS, MAX_SECONDS = 1e-9, 2.0 ** 31 - 1.0  # of a duration in ROS that is not 0
+MAX_PLACES = 100_000
+_FACTORS = {'lognormal': Lognormal, 'gamma': Gamma}
+
+
+def place_name(value):
+    """Return ``value`` if it can be the name of a place."""
+    if not is_robot_name(value):
+        raise ValueError
+    return value
+
+
+NAME = Parameter('name', None, place_name, ROBOT_NAME_RULE)
+#: what work takes, of a place and of arrivals
+WORK_TABLE = (
+    Parameter('duration', None, number(MIN_SECONDS, MAX_SECONDS),
+              'a number in {:g}..{:.0f} [s, simulated]'.format(MIN_SECONDS, MAX_SECONDS)),
+    Parameter('duration_distribution', 'constant', one_of('constant', *_FACTORS), "'constant', 'lognormal' or 'gamma'"),
+    Parameter('duration_cv', 0.0, number(0.0, 10.0), 'a number in 0..10'),
+    Parameter('power', 0.0, number(low=0.0), 'a finite number >= 0 [W]'),
+    Parameter('energy', 0.0, number(low=0.0), 'a finite number >= 0 [J]'),
+)
+POSE_TABLE = (
+    Parameter('x', 0.0, number(), 'a finite number [m, global frame]'),
+    Parameter('y', 0.0, number(), 'a finite number [m, global frame]'),
+    Parameter('yaw', 0.0, number(), 'a finite number [rad, global frame]'),
+)
+PLACE_TABLE = (
+    NAME,
+    *POSE_TABLE,
+    Parameter('capacity', None, integer(1), 'a whole number >= 1'),
+    Parameter('reach', 0.5, number(above=0.0), 'a finite number > 0 [m]'),
+    *WORK_TABLE,
+)
+
+
+@dataclass(frozen=True)
+class Work:
+    """What work takes: ``seconds`` (as of :mod:`factors`; None: not said), ``power`` [W], and ``energy`` [J] in all."""
+
+    seconds: Any = None
+    power: float = 0.0
+    energy: float = 0.0
+
+
+@dataclass(frozen=True)
+class Place:
+    """A place: pose (Pose2D, global frame), how many may work there at once (None: any number), and how near.
+
+    ``reach`` [m]: a robot that is no farther away is there.
+    """
+
+    name: str
+    pose: Pose2D
+    capacity: Optional[int] = None
+    reach: float = 0.5
+    work: Work = Work()
+
+    def holds(self, pose):
+        """Return whether a robot at ``pose`` (Pose2D) is there."""
+        return math.hypot(pose.x - self.pose.x, pose.y - self.pose.y) <= self.reach
+
+
+def read_places(raw, where):
+    """Return {name: :class:`Place`} of the list ``raw``.
+
+    :raises ConfigurationError: naming ``where``, the entry and what is allowed.
+    """
+    if not isinstance(raw, list) or len(raw) > MAX_PLACES:
+        raise ConfigurationError('{}: places: got {}; allowed: a list of at most {} places'.format(
+            where, shown(raw), MAX_PLACES))
+    places = {}
+    for index, entry in enumerate(raw):
+        here = '{}: places[{}]'.format(where, index)
+        values = read_entry(entry, PLACE_TABLE, here)
+        name = checked(values['name'], 'name', NAME, here)
+        if name in places:
+            raise ConfigurationError("{}: name: '{}' is given to more than one place".format(here, name))
+        places[name] = Place(name, Pose2D(values['x'], values['y'], values['yaw']), values['capacity'],
+                             values['reach'], read_work(values, here))
+    return places
+
+
+def read_entry(entry, table, where):
+    """Return {name: value} for each Parameter of ``table``, from a mapping that has no other keys."""
+    if not isinstance(entry, dict):
+        raise ConfigurationError('{}: got {}; allowed: a mapping'.format(where, shown(entry)))
+    check_keys(entry, tuple(parameter.name for parameter in table), where, '')
+    return read_table(entry, table, where)
+
+
+def read_work(values, where, default=Work()):
+    """Return the :class:`Work` in ``values`` (of :data:`WORK_TABLE`); ``default`` where it says no duration."""
+    kind, mean, cv = values['duration_distribution'], values['duration'], values['duration_cv']
+    if (kind in _FACTORS) != (cv > 0.0) or (kind in _FACTORS and not mean):
+        raise ConfigurationError('{}: duration_cv: got {:g} with duration: {} and duration_distribution: {}; allowed: '
+                                 '> 0 with {}, and a duration > 0 then; else 0'.format(
+                                     where, cv, mean, kind, ' and '.join(_FACTORS)))
+    if mean is None:
+        return Work(default.seconds, values['power'] or default.power, values['energy'] or default.energy)
+    seconds = _FACTORS[kind](mean, cv) if kind in _FACTORS else Constant(mean)
+    return Work(seconds, values['power'] or default.power, values['energy'] or default.energy)

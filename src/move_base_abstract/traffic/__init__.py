@@ -1,0 +1,5 @@
+"""Who holds a place in zones and on lanes, who waits, and who waits for whom."""
+from ..common.handed_on import handed_on
+
+__getattr__ = handed_on(__name__, {
+    'control': 'DeadlockPolicy Traffic Traveller', 'outline': 'Outline', 'zones': 'Zone read_zones'})

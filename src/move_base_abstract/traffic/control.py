@@ -1,0 +1,339 @@
+"""Traffic: zones and lanes with place for some robots only, on top of Navigator.hold.
+
+A robot asks for a place when it comes to the border. If there is none it waits there, outside, its goal active; first
+come, first served, at one instant the lower robot index first, and nobody overtakes. It gives a place back when it
+comes to the border on its way out, and where it comes out of one area into another, when it has got its place there.
+"""
+from contextlib import ExitStack
+from enum import Enum
+
+from ..common.errors import ConfigurationError
+from ..common.shown import shown_text
+from ..goals.outcome import NO_CONTROL
+from ..maps.lane_map import LaneMap
+from .area import Area, Request
+from .outline import BORDER
+from .passages import instant_at
+from .waiting_circle import waiting_circle
+from .way import ZoneIndex, crossings, stays_on_lanes
+
+#: who only leaves an area comes before all that robots do at the instant
+_LEAVING_INDEX = -1
+
+
+class DeadlockPolicy(Enum):
+    """What becomes of a circle of waiting: nothing, or the goal of the robot that closed it is aborted."""
+
+    WAIT = 'wait'
+    ABORT = 'abort'
+
+
+class Traffic:
+    """The zones (Zone, ...) and lanes of one process, and who holds a place in them.
+
+    Not thread-safe: as the simulation.
+    """
+
+    def __init__(self, simulation, zones=(), policy=DeadlockPolicy.WAIT):
+        self.simulation = simulation
+        self.policy = policy
+        self._followers = []
+        self._zones = {zone.name: Area('zone', zone.name, zone.capacity, zone.outline) for zone in zones}
+        #: the areas of all zones (ZoneIndex), in the order of the scenario
+        self.zones = ZoneIndex(self._zones.values())
+        self._lanes = {}  # {(file, index of the edge): Area}
+        self._dirty = []  # areas in which there may be place now, in the order in which that came
+        self._serves = False
+        self._is_told = True
+
+    def join(self, navigator, network, note, warn):
+        """Return the :class:`Traveller` of a robot that is there from now on, None if nothing here concerns it.
+
+        ``network``: the LaneMap by which it goes, or anything else; ``note(kind, now_ns, *values)`` puts a row into the
+        log, ``warn(text)`` tells the user.
+        """
+        has_lanes = isinstance(network, LaneMap) and network.has_capacities
+        if has_lanes:
+            for index, edge in enumerate(network.edges):
+                if edge.capacity is not None:
+                    self._lanes.setdefault((network.source, index), Area(
+                        'lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity))
+        if not has_lanes and not self._zones:
+            return None
+        traveller = Traveller(self, navigator, network.source if has_lanes else None, note, warn)
+        traveller.placed(self.simulation.now_ns)
+        return traveller
+
+    def states(self):
+        """Return the AreaState of each zone, in the order of the scenario, then of each lane with a capacity."""
+        return [area.state() for area in self.areas()]
+
+    def close_zone(self, name, is_closed):
+        """Let nobody into a zone from now on, or let robots in again; who is inside stays and may leave.
+
+        :raises ConfigurationError: if there is no zone of that name.
+        """
+        area = self._zones.get(name)
+        if area is None:
+            raise ConfigurationError("zone '{}' is unknown; there are: {}".format(
+                shown_text(name), ', '.join(list(self._zones)[:10]) or 'none'))
+        area.is_closed = is_closed
+        self.changed(area)
+        self.freed(area)
+        self.serve(self.simulation.now_ns)
+
+    def lane(self, source, edge):
+        """Return the area of an edge, or None if its place is not limited."""
+        return self._lanes.get((source, edge))
+
+    def freed(self, area):
+        """There may be place in ``area`` now: see :meth:`serve`."""
+        if area.queue and area not in self._dirty:
+            self._dirty.append(area)
+
+    def areas(self):
+        """Return all areas: the zones in the order of the scenario, then the lanes."""
+        return [*self._zones.values(), *self._lanes.values()]
+
+    def changed(self, *areas):
+        """Who holds a place in ``areas`` or waits for one is another now; :meth:`serve` says so."""
+        self._is_told = False
+        for area in areas:
+            area.changed()
+
+    def follow(self, changed):
+        """Call ``changed()`` when anything in :meth:`states` is another."""
+        self._followers.append(changed)
+
+    def serve(self, now_ns):
+        """Let those in, one after the other, for whom there is a place; say what has changed."""
+        if self._serves:
+            return  # who called it further up goes on with it
+        self._serves = True
+        try:
+            while self._dirty:
+                area = self._dirty[0]
+                request = area.queue[0] if area.queue else None
+                if request is not None and request.is_first():
+                    request.traveller.serve(Traveller.go_on, now_ns)
+                    continue
+                self._dirty.pop(0)
+                if request is not None:  # it may have been opened, or have held more robots than there is place for
+                    request.traveller.serve(Traveller.look_for_circle, now_ns)
+        finally:
+            self._serves = False
+        if not self._is_told:
+            self._is_told = True
+            for changed in self._followers:
+                changed()
+
+
+class Traveller:
+    """One robot in traffic. ``held``: {Area: True}, where it holds a place, in the order in which it came there."""
+
+    def __init__(self, traffic, navigator, source, note, warn):
+        self.index = navigator.robot.index
+        self.name = navigator.robot.name
+        self.held = {}
+        self.request = None
+        self._traffic = traffic
+        self._navigator = navigator
+        self._source = source
+        self._note = note
+        self._warn = warn
+        self._leg = None
+        self._pose = None  # of one that stands
+        self._crossings = []
+        self._event = None
+        self._granted = ()  # the areas that it has been let into and has not set out for yet
+        self._reason = None  # for which it is held here
+
+    def serve(self, step, now_ns):
+        """Do the ``step`` (a function of this class) in another's turn; what goes wrong is this robot's alone."""
+        try:
+            step(self, now_ns)
+        except Exception as error:
+            self._navigator.break_off(error)
+
+    def put_in_order(self, now_ns):
+        """Something went wrong half way: hold a place where the robot stands and nowhere else, and wait for none."""
+        self._forget_crossings()
+        granted, pose = self._granted, self._navigator.robot.pose_at(now_ns)
+        self._leg, self._granted, self.request, self._pose = None, (), None, pose
+        self.held.clear()
+        rows = []
+        for area in self._traffic.areas():
+            area.queue[:] = [request for request in area.queue if request.traveller is not self]
+            had = self in area.holders
+            has = area.outline.contains(pose.x, pose.y) if area.outline is not None else had and area not in granted
+            if has:
+                self.held[area] = area.holders[self] = True
+            else:
+                area.holders.pop(self, None)
+            if has != had:
+                rows.append(('entered' if has else 'left', area.name))
+            self._traffic.changed(area)
+            self._traffic.freed(area)
+        with ExitStack() as rest:  # which comes whatever goes wrong with the rows: the latter one first
+            rest.callback(self._traffic.serve, now_ns)
+            rest.callback(self._end_hold, now_ns)
+            for kind, name in rows:
+                self._note(kind, now_ns, name)
+
+    def _end_hold(self, now_ns):
+        reason, self._reason = self._reason, None
+        if reason is not None:
+            self._navigator.release(reason, now_ns)
+    def departed(self, leg, now_ns):
+        """The robot starts on ``leg``."""
+        self._leg = leg
+        self._granted = ()
+        stays = self._traffic.zones.stays(leg.way)
+        if self._source is not None:
+            stays += tuple(stays_on_lanes(leg, lambda edge: self._traffic.lane(self._source, edge)))
+        self._crossings = crossings(stays, self.held) if leg.distance > BORDER else []
+        if self._crossings and self._crossings[0].distance == 0.0:
+            self._cross(now_ns)
+        else:
+            self._await_crossing()
+        self._traffic.serve(now_ns)
+
+    def stands(self, now_ns):
+        """The robot stands: it has arrived, was stopped, or was placed somewhere else."""
+        pose = self._navigator.robot.pose_at(now_ns)
+        before = self._pose if self._leg is None else self._leg.pose_at(now_ns)
+        self._leg = None
+        self._forget_crossings()
+        if before is None or (before.x, before.y) != (pose.x, pose.y):
+            self.placed(now_ns)
+        else:
+            self._pose = pose
+            self._take_what_holds_it(now_ns, pose)
+            self._traffic.serve(now_ns)
+
+    def placed(self, now_ns):
+        """The robot is where it is without having driven there: places elsewhere are given back, those here taken."""
+        self._forget_crossings()
+        pose = self._pose = self._navigator.robot.pose_at(now_ns)
+        self._give_back([area for area in self.held if area.outline is None or not area.outline.contains(
+            pose.x, pose.y)], now_ns)
+        if self.request is not None:
+            self.abandons(now_ns)
+        self._take_what_holds_it(now_ns, pose)
+        self._traffic.serve(now_ns)
+
+    def abandons(self, now_ns):
+        """Where the robot was going it goes no more: it leaves the queues, and stands where it stands."""
+        if self.request is not None:
+            request, self.request = self.request, None
+            request.withdraw()
+            self._traffic.changed(*request.areas)
+            for area in request.areas:
+                self._traffic.freed(area)
+            self._end_hold(now_ns)
+            self._traffic.serve(now_ns)
+        elif self._granted:  # something else holds it outside
+            self._give_back_what_was_granted(now_ns)
+            self._traffic.serve(now_ns)
+
+    def leave(self, now_ns):
+        """The robot is taken out of the world."""
+        self._forget_crossings()
+        self.abandons(now_ns)
+        self._give_back(list(self.held), now_ns)
+        self._traffic.serve(now_ns)
+
+    def go_on(self, now_ns):
+        """There is a place in all areas that the robot waits for; what it leaves it gives back when it departs."""
+        request, self.request = self.request, None
+        request.withdraw()
+        self._take(request.areas, now_ns)
+        self._granted = request.areas
+        for area in request.areas:
+            self._traffic.freed(area)  # there may be place for more
+        self._end_hold(now_ns)
+        if self._leg is None and self.request is None and not self._navigator.held_for:  # there is no way any more
+            self._give_back_what_was_granted(now_ns)
+
+    def _give_back_what_was_granted(self, now_ns):
+        granted, self._granted = self._granted, ()
+        self._give_back([area for area in granted if area.outline is None
+                         or not area.outline.contains(self._pose.x, self._pose.y)], now_ns)
+
+    def _take_what_holds_it(self, now_ns, pose):
+        """Hold a place in each zone that the robot stands in, whether there is one or not."""
+        for area in self._traffic.zones.at(pose.x, pose.y):
+            if area not in self.held:
+                if not area.has_room():
+                    self._warn('{} stands in {}, in which there is no place: {} robots of {} are there{}'.format(
+                        self.name, area.name, len(area.holders) + 1, area.capacity,
+                        ', and it is closed' if area.is_closed else ''))
+                self._take((area,), now_ns)
+
+    def _await_crossing(self):
+        if not self._crossings:
+            return
+        crossing = self._crossings[0]
+        due_ns = instant_at(self._leg, crossing.distance)
+        index = self.index if crossing.enters else _LEAVING_INDEX
+        self._event = self._traffic.simulation.queue.schedule(due_ns, index, self._happen)
+
+    def _happen(self, due_ns, _now_ns):
+        self._event = None
+        try:
+            self._cross(due_ns)
+            self._traffic.serve(due_ns)
+        except Exception as error:
+            self._navigator.break_off(error)
+
+    def _cross(self, now_ns):
+        """The robot is at the first of its crossings: it comes in and leaves, or waits."""
+        crossing = self._crossings.pop(0)
+        enters = tuple(area for area in crossing.enters if area not in self.held)
+        if all(area.has_room() and not area.queue for area in enters):
+            self._take(enters, now_ns)
+            self._give_back(crossing.leaves, now_ns)
+            self._await_crossing()
+            return
+        self._forget_crossings()
+        self.request = Request(now_ns, self, enters)
+        self._traffic.changed(*enters)
+        self._reason = self.request.reason
+        self._navigator.hold(self._reason, now_ns)
+        self.look_for_circle(now_ns)
+
+    def look_for_circle(self, now_ns):
+        """The robot waits, and may close a circle of waiting: say so, once."""
+        circle = waiting_circle(self.request) if self.request is not None else None  # None: it was broken off
+        if circle is None or all(traveller.request.is_in_circle for traveller, _ in circle):
+            return
+        for traveller, _ in circle:
+            traveller.request.is_in_circle = True
+        pairs = [(traveller.name, area.name) for traveller, area in circle]
+        self._note('deadlock', now_ns, *(name for pair in pairs for name in pair))
+        aborts = self._traffic.policy is DeadlockPolicy.ABORT
+        self._warn('Robots wait for one another in a circle: {}.{}'.format(
+            '; '.join('{} for {}'.format(*pair) for pair in pairs),
+            ' The goal of {}, who closed it, is aborted.'.format(self.name) if aborts else ''))
+        if aborts:
+            self._navigator.shut_down(NO_CONTROL, now_ns)
+
+    def _take(self, areas, now_ns):
+        for area in areas:
+            self.held[area] = area.holders[self] = True
+            self._traffic.changed(area)
+            self._note('entered', now_ns, area.name)
+
+    def _give_back(self, areas, now_ns):
+        for area in areas:
+            if area in self.held:
+                del self.held[area], area.holders[self]
+                self._traffic.changed(area)
+                self._note('left', now_ns, area.name)
+                self._traffic.freed(area)
+
+    def _forget_crossings(self):
+        self._crossings = []
+        if self._event is not None:
+            self._event.cancel()
+            self._event = None

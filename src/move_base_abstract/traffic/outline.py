@@ -1,0 +1,155 @@
+"""The outline of an area in the plane: whether it holds a place, and which pieces of a way lie inside.
+
+Inside is what lies more than a micrometre from the border, so that no answer hangs on how a number was rounded: who
+stands on the border, touches a corner or goes along an edge is outside.
+"""
+import math
+from fractions import Fraction
+from itertools import combinations
+
+from ..motion.geometry import share_along
+
+BORDER = 1e-6  # m; as near as this is on the border
+MAX_POINTS = 200
+
+
+class Outline:
+    """A simple polygon of ``points`` ((x, y), ...) [m], in either direction; the last one may repeat the first.
+
+    :raises ValueError: if it has less than 3 points or more than 200, or touches or crosses itself.
+    """
+
+    def __init__(self, points):
+        points = tuple((float(x), float(y)) for x, y in points)
+        if len(points) > 1 and points[0] == points[-1]:
+            points = points[:-1]
+        if not 3 <= len(points) <= MAX_POINTS:
+            raise ValueError('has {} different points'.format(len(points)))
+        self.points = points
+        self._edges = tuple(zip(points, points[1:] + points[:1]))
+        fault = _fault(self._edges)
+        if fault:
+            raise ValueError(fault)
+        xs, ys = zip(*points)
+        #: (x_min, y_min, x_max, y_max) [m]
+        self.box = min(xs), min(ys), max(xs), max(ys)
+
+    def contains(self, x, y):
+        """Return whether (x, y) [m] is inside."""
+        x_min, y_min, x_max, y_max = self.box
+        if not (x_min < x < x_max and y_min < y < y_max):
+            return False
+        return self._is_within(x, y) and all(_distance(edge, x, y) > BORDER for edge in self._edges)
+
+    def _is_within(self, x, y):
+        """Return whether a ray from (x, y) crosses the border an odd number of times."""
+        is_within = False
+        for (ax, ay), (bx, by) in self._edges:
+            if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
+                is_within = not is_within
+        return is_within
+
+    def pieces_inside(self, way):
+        """Return the pieces of ``way`` ((x, y), ...) [m] that lie inside: [(from, to), ...] in m along it, in order.
+
+        Between two meetings with the border a piece is inside if its middle is. A piece of a micrometre is none, nor is
+        a gap of one.
+        """
+        pieces, begun = [], 0.0
+        for begin, end in zip(way, way[1:]):
+            length = math.hypot(end[0] - begin[0], end[1] - begin[1])
+            for one, other in self._pieces_of(begin, end, length) if length > 0.0 else ():
+                if pieces and begun + one - pieces[-1][1] <= BORDER:
+                    pieces[-1] = pieces[-1][0], begun + other
+                else:
+                    pieces.append((begun + one, begun + other))
+            begun += length
+        return [piece for piece in pieces if piece[1] - piece[0] > BORDER]
+
+    def _pieces_of(self, begin, end, length):
+        ux, uy = (end[0] - begin[0]) / length, (end[1] - begin[1]) / length
+        if not self._meets_box(begin, end, ux, uy):
+            return []
+        meetings = (at for edge in self._edges for at in _meetings(edge, begin, ux, uy))
+        cuts = [0.0, *sorted(at for at in meetings if 0.0 < at < length), length]
+        middles = ((one, other, 0.5 * (one + other)) for one, other in zip(cuts, cuts[1:]) if other > one)
+        return [(one, other) for one, other, middle in middles
+                if self.contains(begin[0] + middle * ux, begin[1] + middle * uy)]
+
+    def _meets_box(self, begin, end, ux, uy):
+        x_min, y_min, x_max, y_max = self.box
+        width, height = x_max - x_min, y_max - y_min
+        aside = ux * (y_min + 0.5 * height - begin[1]) - uy * (x_min + 0.5 * width - begin[0])  # of the box's middle
+        if abs(aside) > 0.5 * (abs(ux) * height + abs(uy) * width) + BORDER:
+            return False
+        return (min(begin[0], end[0]) < x_max and max(begin[0], end[0]) > x_min
+                and min(begin[1], end[1]) < y_max and max(begin[1], end[1]) > y_min)
+
+
+def rectangle(x_min, y_min, x_max, y_max):
+    """Return the Outline of a rectangle [m].
+
+    :raises ValueError: if a lower bound is not below its upper one.
+    """
+    if not (x_min < x_max and y_min < y_max):
+        raise ValueError('has no area')
+    return Outline(((x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)))
+
+
+def _meetings(edge, begin, ux, uy):
+    """Return where the line from ``begin`` in the direction (ux, uy) meets ``edge`` [m along the line], if it does."""
+    (ax, ay), (bx, by) = edge
+    ax, ay, bx, by = ax - begin[0], ay - begin[1], bx - begin[0], by - begin[1]
+    left_a, left_b = ux * ay - uy * ax, ux * by - uy * bx
+    found = [ux * x + uy * y for x, y, left in ((ax, ay, left_a), (bx, by, left_b)) if abs(left) <= BORDER]
+    if (left_a > 0.0) != (left_b > 0.0) and left_a != left_b:
+        share = left_a / (left_a - left_b)
+        found.append(ux * (ax + share * (bx - ax)) + uy * (ay + share * (by - ay)))
+    return found
+
+
+def _distance(edge, x, y):
+    """Return the distance [m] of (x, y) from ``edge``."""
+    (ax, ay), (bx, by) = edge
+    share = share_along(*edge, x, y)
+    return math.hypot(x - ax - share * (bx - ax), y - ay - share * (by - ay))
+
+
+def _fault(edges):
+    """Return why ``edges`` are not the border of a simple polygon, or None. Decided in exact numbers."""
+    for (first, one), (second, other) in combinations(enumerate(edges), 2):
+        if one[0] == one[1] or other[0] == other[1]:
+            return 'has the same point twice in a row'
+        apart = second - first
+        if apart in (1, len(edges) - 1):
+            corner, (before, after) = (one[1], (one[0], other[1])) if apart == 1 else (one[0], (other[0], one[1]))
+            if _side(before, corner, after) == 0 and _dot(corner, before, after) > 0:
+                return 'turns back on itself at ({:g}, {:g})'.format(*corner)
+        elif _touch(one, other):
+            return 'crosses or touches itself: the edges from ({:g}, {:g}) and from ({:g}, {:g}) meet'.format(
+                *one[0], *other[0])
+    return None
+
+
+def _touch(one, other):
+    if any(max(a[axis] for a in one) < min(b[axis] for b in other)
+           or max(b[axis] for b in other) < min(a[axis] for a in one) for axis in (0, 1)):
+        return False
+    return (_side(*one, other[0]) * _side(*one, other[1]) <= 0
+            and _side(*other, one[0]) * _side(*other, one[1]) <= 0)
+
+
+def _side(a, b, c):
+    """Return > 0, 0 or < 0: on which side of the line from ``a`` to ``b`` the point ``c`` lies."""
+    (ax, ay), (bx, by), (cx, cy) = _exact(a), _exact(b), _exact(c)
+    product = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    return (product > 0) - (product < 0)
+
+
+def _dot(corner, one, other):
+    (x, y), (ax, ay), (bx, by) = _exact(corner), _exact(one), _exact(other)
+    return (ax - x) * (bx - x) + (ay - y) * (by - y)
+
+
+def _exact(point):
+    return Fraction(point[0]), Fraction(point[1])

@@ -1,0 +1,44 @@
+"""At which instants a robot on its way comes into an area and leaves it: computed, never looked for at a rate."""
+import math
+from typing import NamedTuple, Optional
+
+from ..engine.instants import first_ns
+from .outline import BORDER
+
+
+class Passage(NamedTuple):
+    """A robot's stay in an area on one leg: ``enter_ns`` and ``leave_ns`` [ns], None if the leg ends inside.
+
+    From ``enter_ns`` on the robot is at the border or inside, from ``leave_ns`` on at the border or outside: each is
+    the first nanosecond of which that is so. A robot that is inside at the departure, or at the border on its way in,
+    enters at the departure.
+    """
+
+    enter_ns: int
+    leave_ns: Optional[int]
+
+
+def passages(leg, outline):
+    """Return the :class:`Passage` objects of a leg or route through ``outline`` (Outline), in their order.
+
+    One that is at rest at first, and one that turns on the spot at the border, comes in or leaves when it has covered
+    the distance of the border, so before it turns.
+    """
+    way = leg.way
+    pieces = outline.pieces_inside(way)
+    ends_inside = outline.contains(*way[-1])
+    if not pieces:
+        return [Passage(leg.depart_ns, None)] if ends_inside and way[0] == way[-1] else []
+    length = math.fsum(math.hypot(x - a, y - b) for (a, b), (x, y) in zip(way, way[1:]))
+    return [Passage(instant_at(leg, begin) if begin > BORDER else leg.depart_ns,
+                    None if ends_inside and end >= length - BORDER else instant_at(leg, end))
+            for begin, end in pieces]
+
+
+def instant_at(leg, distance):
+    """Return the first instant [ns] of ``leg`` at which ``distance`` [m] are covered, or the arrival.
+
+    To the nanosecond: the distance never falls. What the law's reverse says is where the search begins.
+    """
+    return first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= distance,
+                    leg.guess_ns(distance))
