@@ -32,13 +32,21 @@ def bound_names(tree):
     return names | {'__name__', '__file__', '__doc__'}
 
 
+def handed_on(tree):
+    """Return the names that a package hands on of its modules: ``__getattr__ = handed_on(__name__, {MODULE: NAMES})``."""
+    return {name for node in tree.body if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
+            and getattr(node.value.func, 'id', '') == 'handed_on'
+            for names in node.value.args[1].values for name in names.value.split()}
+
+
 def our_modules():
     """Return the top-level names of each of our modules, and of each package the modules in it, by dotted name."""
     modules = {}
     for path in sorted(SOURCE.rglob('*.py')):
         parts = path.relative_to(SOURCE).with_suffix('').parts
         parts = parts[:-1] if parts[-1] == '__init__' else parts
-        modules.setdefault('.'.join(parts), set()).update(bound_names(ast.parse(path.read_text())))
+        tree = ast.parse(path.read_text())
+        modules.setdefault('.'.join(parts), set()).update(bound_names(tree), handed_on(tree))
         if len(parts) > 1:
             modules.setdefault('.'.join(parts[:-1]), set()).add(parts[-1])
     return modules

@@ -46,7 +46,7 @@ struct SessionMember {
   bool silence_told = false;  // of the latest grant
   bool input_told = false;
   bool has_changed = false;  // a parameter that it asks for, since its latest grant
-  bool listed = false;  // has a report or departs
+  bool listed = false;       // has a report or departs
 };
 
 using SessionMembers = std::map<MemberId, SessionMember>;

@@ -37,8 +37,8 @@ struct LockstepSettings {
   // "TOPIC" or "NODE=TOPIC": what is heard there is handed over with the next grant there is anyway
   std::vector<std::string> stored_topics;
   bool keep_unread = true;  // what roscpp programs look at by themselves is; false: for comparing
-  std::vector<std::string> not_covered;      // why the log does not say all: labels of the run
-  std::string secret;                        // that a HELLO must have; empty: none
+  std::vector<std::string> not_covered;  // why the log does not say all: labels of the run
+  std::string secret;                    // that a HELLO must have; empty: none
 };
 
 /** @return @p settings. @throws std::invalid_argument if one is out of its range. */

@@ -49,20 +49,7 @@ def connected(workers, scheduler, has_dashboard=False):
     except ImportError as error:
         raise ClusterError(f'{error.name} is not installed for {sys.executable}; Debian has it as '
                            'python3-distributed (make deps)') from None
-    warnings.filterwarnings('ignore', module='distributed')
-    dask.config.set({'distributed.logging.distributed': 'critical', 'distributed.comm.timeouts.connect': _CONNECT_S,
-                     'distributed.scheduler.allowed-failures': LOSSES,
-                     'distributed.deploy.lost-worker-timeout': f'{LOST_S:g}s',
-                     'distributed.worker.daemon': False,
-                     'distributed.scheduler.transition-log-length': _MOST_LOGGED,
-                     'distributed.scheduler.events-log-length': _MOST_LOGGED,
-                     'distributed.admin.low-level-log-length': _MOST_LOGGED,
-                     # Else it reads the program's text each time that something is handed over.
-                     'distributed.diagnostics.computations.ignore-modules': ['.*'],
-                     'distributed.diagnostics.computations.nframes': 0})
-    _quiet()
-    if not has_dashboard:
-        dask.config.set({'distributed.scheduler.http.routes': [], 'distributed.worker.http.routes': []})
+    _configure(dask, has_dashboard)
     own = shared = None
     with contextlib.ExitStack() as stack:
         if scheduler is None:
@@ -83,6 +70,23 @@ def connected(workers, scheduler, has_dashboard=False):
             raise ClusterError(f'the scheduler {scheduler} cannot be reached: {error}') from None
         stack.callback(_close, client)
         yield client, Workers(client, own, workers, spool=shared)
+
+
+def _configure(dask, has_dashboard):
+    warnings.filterwarnings('ignore', module='distributed')
+    dask.config.set({'distributed.logging.distributed': 'critical', 'distributed.comm.timeouts.connect': _CONNECT_S,
+                     'distributed.scheduler.allowed-failures': LOSSES,
+                     'distributed.deploy.lost-worker-timeout': f'{LOST_S:g}s',
+                     'distributed.worker.daemon': False,
+                     'distributed.scheduler.transition-log-length': _MOST_LOGGED,
+                     'distributed.scheduler.events-log-length': _MOST_LOGGED,
+                     'distributed.admin.low-level-log-length': _MOST_LOGGED,
+                     # Else it reads the program's text each time that something is handed over.
+                     'distributed.diagnostics.computations.ignore-modules': ['.*'],
+                     'distributed.diagnostics.computations.nframes': 0})
+    _quiet()
+    if not has_dashboard:
+        dask.config.set({'distributed.scheduler.http.routes': [], 'distributed.worker.http.routes': []})
 
 
 @contextlib.contextmanager

@@ -18,8 +18,8 @@ namespace move_base_abstract {
  *
  * While the run goes on, the file is PATH.part; a proper end renames it to PATH, so that what a
  * crash leaves behind cannot be taken for a whole run. The format is told in docs/time_master.md
- * and read by move_base_abstract/runs/event_log.py. Thread-safe; only flush() and finish() wait for the
- * disk, and add() where nobody has flushed for long.
+ * and read by move_base_abstract/runs/event_log.py. Thread-safe; only flush() and finish() wait for
+ * the disk, and add() where nobody has flushed for long.
  */
 class EventLogWriter {
  public:

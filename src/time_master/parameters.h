@@ -324,6 +324,13 @@ inline void readLookahead(ParameterReader& reader, NodeParameters& parameters) {
   }
 }
 
+inline void readTopics(ParameterReader& reader, LockstepSettings& lockstep) {
+  lockstep.excluded_topics = readExcludedTopics(reader);
+  reader.read("stored_topics", lockstep.stored_topics);
+  lockstep.stored_topics = checkedStoredTopics(lockstep.stored_topics);
+  reader.read("keep_unread", lockstep.keep_unread);
+}
+
 inline void readLockstepParameters(ParameterReader& reader, NodeParameters& parameters) {
   LockstepSettings& lockstep = parameters.lockstep;
   int max_microsteps = static_cast<int>(lockstep.max_microsteps);
@@ -348,10 +355,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("lockstep_secret", secret);
   reader.read("lockstep_secret_file", secret_file);
   lockstep.secret = runSecret(secret, secret_file);
-  lockstep.excluded_topics = readExcludedTopics(reader);
-  reader.read("stored_topics", lockstep.stored_topics);
-  lockstep.stored_topics = checkedStoredTopics(lockstep.stored_topics);
-  reader.read("keep_unread", lockstep.keep_unread);
+  readTopics(reader, lockstep);
   lockstep.participants = absoluteNames("participants", lockstep.participants);
   checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
   if (lockstep.limit != 0.0) {
