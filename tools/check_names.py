@@ -33,7 +33,7 @@ def bound_names(tree):
 
 
 def handed_on(tree):
-    """Return the names that a package hands on of its modules: ``__getattr__ = handed_on(__name__, {MODULE: NAMES})``."""
+    """Return the names of its modules that a package hands on, as move_base_abstract.common.handed_on does it."""
     return {name for node in tree.body if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
             and getattr(node.value.func, 'id', '') == 'handed_on'
             for names in node.value.args[1].values for name in names.value.split()}

@@ -291,11 +291,10 @@ inline void readEnd(ParameterReader& reader, NodeParameters& parameters) {
   }
 }
 
-inline void readOutputs(ParameterReader& reader, NodeParameters& parameters) {
-  reader.read("event_log", parameters.event_log);
-  reader.read("message_bytes", parameters.message_bytes);
-  parameters.lockstep.keeps_bytes = !parameters.message_bytes.empty();
-  reader.read("not_covered", parameters.lockstep.not_covered);
+inline void readStoredTopics(ParameterReader& reader, LockstepSettings& lockstep) {
+  reader.read("stored_topics", lockstep.stored_topics);
+  lockstep.stored_topics = checkedStoredTopics(lockstep.stored_topics);
+  reader.read("keep_unread", lockstep.keep_unread);
 }
 
 inline void readCores(ParameterReader& reader, NodeParameters& parameters) {
@@ -324,13 +323,6 @@ inline void readLookahead(ParameterReader& reader, NodeParameters& parameters) {
   }
 }
 
-inline void readTopics(ParameterReader& reader, LockstepSettings& lockstep) {
-  lockstep.excluded_topics = readExcludedTopics(reader);
-  reader.read("stored_topics", lockstep.stored_topics);
-  lockstep.stored_topics = checkedStoredTopics(lockstep.stored_topics);
-  reader.read("keep_unread", lockstep.keep_unread);
-}
-
 inline void readLockstepParameters(ParameterReader& reader, NodeParameters& parameters) {
   LockstepSettings& lockstep = parameters.lockstep;
   int max_microsteps = static_cast<int>(lockstep.max_microsteps);
@@ -349,13 +341,17 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("sim_time_factor_is_limit", parameters.sim_time_factor_is_limit);
   reader.read("lockstep_port", parameters.lockstep_port);
   readCores(reader, parameters);
-  readOutputs(reader, parameters);
+  reader.read("event_log", parameters.event_log);
+  reader.read("message_bytes", parameters.message_bytes);
+  lockstep.keeps_bytes = !parameters.message_bytes.empty();
+  reader.read("not_covered", lockstep.not_covered);
   reader.read("event_log_of_ends", parameters.event_log_of_ends);
   std::string secret, secret_file;
   reader.read("lockstep_secret", secret);
   reader.read("lockstep_secret_file", secret_file);
   lockstep.secret = runSecret(secret, secret_file);
-  readTopics(reader, lockstep);
+  lockstep.excluded_topics = readExcludedTopics(reader);
+  readStoredTopics(reader, lockstep);
   lockstep.participants = absoluteNames("participants", lockstep.participants);
   checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
   if (lockstep.limit != 0.0) {
