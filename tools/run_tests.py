@@ -30,7 +30,7 @@ ROSTEST = '/usr/bin/rostest'
 # Wall seconds; it only ends a step that would never end. A busy machine may need 20 times what an idle one does.
 LIMIT_S = 1800.0
 GRACE_S = 20.0  # wall seconds between the request to stop and the kill
-FEWEST_JOBS, MOST_JOBS = 2, 4  # most of a step is waiting: for processes to start, or for time to pass
+FEWEST_JOBS, MOST_JOBS = 3, 4  # most of a step is waiting: for processes to start, or for time to pass
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,8 @@
 #include <memory>
 #include <sstream>
 
+#include "whole_file.h"
+
 namespace move_base_abstract {
 namespace {
 
@@ -36,8 +38,7 @@ std::vector<pid_t> threadsOf(pid_t process) {
 
 /** @return when the process began, in the kernel's ticks; '' if there is none. */
 std::string beginOf(pid_t process) {
-  std::ifstream file(folderOf(process) + "/stat");
-  const std::string line{std::istreambuf_iterator<char>(file), {}};
+  const std::string line = wholeFile(folderOf(process) + "/stat");
   const std::size_t name_end = line.rfind(')');
   std::istringstream fields(name_end == std::string::npos ? "" : line.substr(name_end + 1));
   std::string field;
