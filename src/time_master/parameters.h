@@ -283,6 +283,8 @@ inline void readEnd(ParameterReader& reader, NodeParameters& parameters) {
   reader.read("end_at", lockstep.end_at);
   reader.read("end_with", lockstep.end_with);
   lockstep.end_with = absoluteNames("end_with", lockstep.end_with);
+  reader.read("end_when_idle", lockstep.end_when_idle);
+  reader.read("strict", lockstep.strict);
   reader.read("idle_nodes", lockstep.idle_nodes);
   lockstep.idle_nodes = absoluteNames("idle_nodes", lockstep.idle_nodes);
   if (lockstep.end_at != 0.0) {
@@ -291,7 +293,9 @@ inline void readEnd(ParameterReader& reader, NodeParameters& parameters) {
   }
 }
 
-inline void readStoredTopics(ParameterReader& reader, LockstepSettings& lockstep) {
+inline void readTopics(ParameterReader& reader, LockstepSettings& lockstep) {
+  lockstep.excluded_topics = readExcludedTopics(reader);
+  reader.read("not_covered", lockstep.not_covered);
   reader.read("stored_topics", lockstep.stored_topics);
   lockstep.stored_topics = checkedStoredTopics(lockstep.stored_topics);
   reader.read("keep_unread", lockstep.keep_unread);
@@ -334,9 +338,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
                 lockstep.on_silence);
   reader.choose("on_death", {{"go_on", OnDeath::kGoOn}, {"end", OnDeath::kEnd}}, lockstep.on_death);
   reader.read("max_microsteps", max_microsteps);
-  reader.read("end_when_idle", lockstep.end_when_idle);
   readEnd(reader, parameters);
-  reader.read("strict", lockstep.strict);
   reader.read("log_messages", lockstep.log_messages);
   reader.read("sim_time_factor_is_limit", parameters.sim_time_factor_is_limit);
   reader.read("lockstep_port", parameters.lockstep_port);
@@ -344,14 +346,12 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("event_log", parameters.event_log);
   reader.read("message_bytes", parameters.message_bytes);
   lockstep.keeps_bytes = !parameters.message_bytes.empty();
-  reader.read("not_covered", lockstep.not_covered);
   reader.read("event_log_of_ends", parameters.event_log_of_ends);
   std::string secret, secret_file;
   reader.read("lockstep_secret", secret);
   reader.read("lockstep_secret_file", secret_file);
   lockstep.secret = runSecret(secret, secret_file);
-  lockstep.excluded_topics = readExcludedTopics(reader);
-  readStoredTopics(reader, lockstep);
+  readTopics(reader, lockstep);
   lockstep.participants = absoluteNames("participants", lockstep.participants);
   checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
   if (lockstep.limit != 0.0) {
