@@ -149,7 +149,7 @@ class EndsTest(unittest.TestCase):
         self.assertIn('has ended its work', self.output)
 
     def _end_of(self, role, act):
-        """Start a node, let it wait, do act(time master, node); it must end, as must what act() returns."""
+        """Start a node, let it wait, do act(time master, node); it must end. What act() returns is ended."""
         RUNS.ros.set_param('/time_master/lockstep_address', '')
         master, _path = RUNS.start_master([role])
         node = RUNS.start_node('threads', role)
