@@ -49,7 +49,8 @@ class Step:
 def all_steps():
     """Return the steps in the order in which they begin: the quick ones first."""
     steps = [_gtest(name) for name in ('time_master_test', 'lockstep_test', 'event_log_writer_test', 'shim_fit_test',
-                                       'shim_heap_test', 'pending_parameters_test')]
+                                       'shim_heap_test', 'pending_parameters_test',
+                                       'parameters_at_start_test')]
     steps += [_pytest('unit', ROOT / 'test' / 'unit', VENV_PYTHON)]
     steps += [_pytest(name, ROOT / 'test' / name) for name in ('export', 'browser')]
     steps += [_rostest(path) for path in sorted((ROOT / 'test' / 'rostest').glob('*.test'))]

@@ -66,40 +66,15 @@ void ParameterKeeper::remember() {
   XmlRpc::XmlRpcValue request;
   request[0] = ros::this_node::getName();
   request[1] = "/";
-  auto all = std::make_unique<XmlRpc::XmlRpcValue>();
-  masterProbe().call("getParam", request, kLimit, *all);
+  XmlRpc::XmlRpcValue all;
+  masterProbe().call("getParam", request, kLimit, all);
   const std::lock_guard<std::mutex> lock(mutex_);
-  at_start_ = std::move(all);
+  at_start_.remember(all);
 }
 
-/** @return whether @p value is what the parameter had at the start, and no participant set it
- * since. What is told before the start was remembered is so, even if the run has just begun. */
 bool ParameterKeeper::isAsAtTheStart(const std::string& name, const XmlRpc::XmlRpcValue& value) {
-  using Value = XmlRpc::XmlRpcValue;
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto concerns = [&name](const std::string& other) {
-    const std::size_t size = std::min(name.size(), other.size());
-    return name.compare(0, size, other, 0, size) == 0;
-  };
-  if (!at_start_) {
-    return true;
-  }
-  if (at_start_->getType() != Value::TypeStruct ||  // the ROS master has not answered
-      std::any_of(changed_.begin(), changed_.end(), concerns)) {
-    return false;
-  }
-  Value at = *at_start_;
-  for (std::size_t begin = 1; begin < name.size();) {
-    const std::size_t end = std::min(name.find('/', begin), name.size());
-    const std::string part = name.substr(begin, end - begin);
-    if (at.getType() != Value::TypeStruct || !at.hasMember(part)) {
-      return value.getType() == Value::TypeStruct && value.size() == 0;  // it is deleted
-    }
-    const Value below = at[part];
-    at = below;
-    begin = end + 1;
-  }
-  return at == value;
+  return at_start_.hold(name, value);
 }
 
 /** roscpp waits for a call that is under way. */
@@ -147,7 +122,7 @@ void ParameterKeeper::applySome(const std::vector<ParameterChange>& changes,
       continue;
     }
     const std::lock_guard<std::mutex> lock(mutex_);
-    changed_.insert(change.name);
+    at_start_.change(change.name);
     if (change.value.empty()) {
       ++deleted_[change.name];
     }

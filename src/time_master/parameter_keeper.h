@@ -6,15 +6,11 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "lockstep/parameters.h"
-
-namespace XmlRpc {
-class XmlRpcValue;
-}
+#include "parameters_at_start.h"
 
 namespace move_base_abstract {
 
@@ -57,8 +53,7 @@ class ParameterKeeper {
   Listener outside_;
   std::unique_ptr<NodeProbe> master_;  // of apply()
   std::mutex mutex_;
-  std::unique_ptr<XmlRpc::XmlRpcValue> at_start_;  // all parameters
-  std::set<std::string> changed_;                  // by apply()
+  ParametersAtStart at_start_;
   std::map<std::string, int> deleted_;  // by apply(), of which the ROS master is going to tell
 };
 
