@@ -51,8 +51,8 @@ wire::Log note(std::string_view what) { return {0, "r", what, "[]"}; }
 /** @brief Both publish and hear one topic; it is 1100 ms, and the links are told. */
 struct Talkers : Stage {
   explicit Talkers(const LockstepSettings& settings = ahead({"/a", "/b"})) : Stage(settings) {
-    join(1, "/a");
-    join(2, "/b");
+    join(1, settings.participants[0]);
+    join(2, settings.participants[1]);
     for (const ConnectionId id : {1, 2}) {
       grant(id);
       report(id, 1100 * kMilli, {advertise(1, "/t"), subscribe(1, "/t")});
@@ -193,6 +193,32 @@ TEST(Windows, TheRunEndsAtTheInstantAtWhichTheOneLeavesThatItEndsWith) {
   EXPECT_EQ(lines(both.session), std::vector<std::string>{"1110 r in time []"});
   EXPECT_EQ(both.phase(), "ended");
   EXPECT_TRUE(both.said("left at 1.11 s"));
+}
+
+TEST(Windows, WhatSeveralDoAtOneInstantIsAppliedInTheOrderOfNamesNotOfJoining) {
+  const auto label = [](std::string_view why) {
+    return wire::Note{wire::NoteKind::kNotRepeatable, why};
+  };
+  Talkers both(ahead({"/b", "/a"}));
+  both.grant(1);
+  both.grant(2);
+  both.report(1, kNever, {label("first to report")});
+  both.report(2, kNever, {label("second")});
+  EXPECT_EQ(both.session.status().not_repeatable,
+            (std::vector<std::string>{"'/a': second", "'/b': first to report"}));
+}
+
+TEST(Windows, WhoDiesInOneRoundHasGoneInTheOrderOfNames) {
+  Talkers both(ahead({"/b", "/a"}));
+  both.grant(1);
+  both.grant(2);
+  both.cut(1);
+  both.cut(2);
+  std::vector<std::string> names;
+  for (const LockstepStatus::Departure& departure : both.session.status().departures) {
+    names.push_back(departure.name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"/a", "/b"}));
 }
 
 TEST(Windows, ATargetEndsTheWindowAndOneInTheWindowUnderWayIsRefused) {
