@@ -31,11 +31,18 @@ inline bool ownNameIsTaken() {
          NodeProbe(host, static_cast<int>(port)).answers(std::chrono::seconds(1));
 }
 
-/** @brief Listens to /clock and remembers for a while which other nodes were heard. */
+/**
+ * @brief Listens to /clock and remembers for a while which other nodes were heard.
+ *
+ * What it hears, its own node's messages too, waits in a queue of its own until update(): nobody is
+ * to be woken by each.
+ */
 class ClockWatch {
  public:
-  explicit ClockWatch(ros::NodeHandle& node)
-      : subscriber_(node.subscribe("/clock", 100, &ClockWatch::onClock, this)) {}
+  explicit ClockWatch(ros::NodeHandle node) {
+    node.setCallbackQueue(&queue_);
+    subscriber_ = node.subscribe("/clock", 100, &ClockWatch::onClock, this);
+  }
 
   /** @return the nodes heard in the last seconds, in alphabetical order. */
   std::vector<std::string> heard() const {
@@ -46,8 +53,10 @@ class ClockWatch {
     return names;
   }
 
-  /** @brief Forget who fell silent. @return whether heard() is another list than before. */
+  /** @brief Hear who publishes, forget who fell silent. @return whether heard() is another list
+   * than before. */
   bool update() {
+    queue_.callAvailable();
     const auto now = WallClock::now();
     for (auto other = others_.begin(); other != others_.end();) {
       if (now - other->second.heard > kMemory) {
@@ -67,7 +76,7 @@ class ClockWatch {
   std::vector<std::string> listen(std::chrono::milliseconds limit) {
     const auto deadline = WallClock::now() + limit;
     while (ros::ok() && others_.empty() && WallClock::now() < deadline) {
-      ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
+      queue_.callAvailable(ros::WallDuration(0.05));
     }
     return heard();
   }
@@ -120,6 +129,7 @@ class ClockWatch {
 
   std::map<std::string, Other> others_;
   bool changed_ = false;
+  ros::CallbackQueue queue_;
   ros::Subscriber subscriber_;
 };
 
