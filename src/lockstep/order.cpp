@@ -56,17 +56,17 @@ bool naturalLess(std::string_view a, std::string_view b) {
   return order != 0 ? order < 0 : a < b;  // "a01" and "a1" are level, but not one name
 }
 
-bool isBefore(const MailOrder& a, const MailOrder& b, const LockstepRules& rules) {
-  if (rules.sort_by_rank && a.rank != b.rank) {
+bool isBefore(const MailOrder& a, const MailOrder& b) {
+  if (a.rank != b.rank) {
     return a.rank < b.rank;
   }
-  if (rules.sort_by_sub && a.sub != b.sub) {
+  if (a.sub != b.sub) {
     return a.sub < b.sub;
   }
   if (a.place != b.place) {
     return a.place < b.place;
   }
-  return rules.fifo_within_sender ? a.number < b.number : a.number > b.number;
+  return a.number < b.number;
 }
 
 void NamePlaces::add(MemberId id, const std::string& name) {
@@ -95,9 +95,9 @@ void NamePlaces::arrange() const {
   for (const auto& [id, name] : names_) {
     names.emplace_back(name, id);
   }
-  std::sort(names.begin(), names.end(), [this](const auto& a, const auto& b) {
+  std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) {
     if (a.first != b.first) {
-      return rules_.natural_order ? naturalLess(a.first, b.first) : a.first < b.first;
+      return naturalLess(a.first, b.first);
     }
     return a.second < b.second;
   });

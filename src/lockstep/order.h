@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 
-#include "rules.h"
 
 namespace move_base_abstract {
 
@@ -26,13 +25,11 @@ struct MailOrder {
 };
 
 /** @brief Whether @p a comes before @p b. */
-bool isBefore(const MailOrder& a, const MailOrder& b, const LockstepRules& rules);
+bool isBefore(const MailOrder& a, const MailOrder& b);
 
 /** @brief The place of each member's name among all of them, found out when it is asked for. */
 class NamePlaces {
  public:
-  explicit NamePlaces(const LockstepRules& rules) : rules_(rules) {}
-
   void add(MemberId id, const std::string& name);
   void remove(MemberId id);
   /** @return 0 for one that is not there. */
@@ -41,7 +38,6 @@ class NamePlaces {
  private:
   void arrange() const;
 
-  LockstepRules rules_;
   std::map<MemberId, std::string> names_;
   mutable std::map<MemberId, std::uint32_t> places_;
   mutable bool changed_ = false;

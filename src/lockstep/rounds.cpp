@@ -11,11 +11,9 @@ constexpr Nanoseconds kLastInstant = TimeMaster::kLastInstant;
 
 }  // namespace
 
-LockstepRounds::LockstepRounds(const LockstepSettings& settings, const LockstepRules& rules)
+LockstepRounds::LockstepRounds(const LockstepSettings& settings)
     : settings_(checkedSettings(settings)),
-      rules_(rules),
       lookahead_(toNanoseconds(settings.lookahead)),
-      places_(rules),
       time_(std::max<Nanoseconds>(1, toNanoseconds(settings.start_time))),
       paused_(settings.start_paused),
       limit_(checkedLimit(settings.limit)) {}
@@ -45,7 +43,7 @@ void LockstepRounds::gone(MemberId id) {
   setNext(id, member, kNever);
   member.foreseen.clear();
   member.open = member.idle = 0;
-  if (member.owes && rules_.dead_not_awaited) {
+  if (member.owes) {
     member.owes = false;
     --owing_;
   }
@@ -61,7 +59,7 @@ void LockstepRounds::remove(MemberId id) {
 void LockstepRounds::knock(MemberId id) {
   MemberState& member = at(id);
   member.knocked = true;
-  if (started_ && rules_.knock_counts) {
+  if (started_) {
     makeReady(id, member);
   }
 }
@@ -84,7 +82,7 @@ void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, N
   member.happened = foreseen.empty() ? std::nullopt : std::optional<std::uint32_t>(0);
   member.foreseen = std::move(foreseen);
   setNext(id, member, member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
-  if (next <= (hasWindows() ? member.latest : time_) && rules_.time_never_back) {
+  if (next <= (hasWindows() ? member.latest : time_)) {
     makeReady(id, member);
   }
 }
@@ -123,12 +121,7 @@ void LockstepRounds::setNext(MemberId id, MemberState& member, Nanoseconds next)
 
 // ---- decisions -------------------------------------------------------------------------------
 
-bool LockstepRounds::settled() const {
-  if (!rules_.barrier) {
-    return owing_ == 0 || owing_ < granted_.size();
-  }
-  return owing_ == 0;
-}
+bool LockstepRounds::settled() const { return owing_ == 0; }
 
 std::vector<LockstepRounds::Grant> LockstepRounds::decide(Nanoseconds wall) {
   if (ended_ || zero_delay_loop_) {
@@ -145,11 +138,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::decide(Nanoseconds wall) {
   if (ready_.empty()) {
     wakeResting();
   }
-  const bool leap_first = !rules_.deliver_before_leap && !due_.empty();
-  if (ready_.empty() || leap_first) {
-    return leap(wall);
-  }
-  return nextMicrostep(wall);
+  return ready_.empty() ? leap(wall) : nextMicrostep(wall);
 }
 
 bool LockstepRounds::mayStart(Nanoseconds wall) const {
@@ -157,7 +146,7 @@ bool LockstepRounds::mayStart(Nanoseconds wall) const {
     return false;
   }
   if (!settings_.participants.empty()) {
-    return !rules_.start_waits_for_named || missing().empty();
+    return missing().empty();
   }
   return wall >= addSaturated(last_join_, toNanoseconds(settings_.settle));
 }
@@ -178,14 +167,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::nextMicrostep(Nanoseconds wal
   std::vector<MemberId> ids;
   for (const MemberId id : ready_) {
     const auto found = members_.find(id);
-    // A member may be busy only where the tests let others go on without it.
-    if (found != members_.end() && found->second.ready && !found->second.owes) {
-      ids.push_back(id);
-    }
-  }
-  if (!rules_.grant_only_concerned) {
-    ids.clear();
-    for (const auto& [id, member] : members_) {
+    if (found != members_.end() && found->second.ready) {
       ids.push_back(id);
     }
   }
@@ -196,13 +178,13 @@ std::vector<LockstepRounds::Grant> LockstepRounds::nextMicrostep(Nanoseconds wal
   if (isLoop()) {
     return {};
   }
-  microstep_ += rules_.later_than_sent ? 1 : 0;
+  ++microstep_;
   return grant(std::move(ids), wall);
 }
 
 /** @brief Before one more round at the present instant. @return whether there were too many. */
 bool LockstepRounds::isLoop() {
-  if (rules_.microstep_bound && microstep_ >= settings_.max_microsteps) {
+  if (microstep_ >= settings_.max_microsteps) {
     zero_delay_loop_ = true;
     events_.push_back({Event::Kind::kZeroDelayLoop});
   }
@@ -225,15 +207,15 @@ bool LockstepRounds::goTo(Nanoseconds next, Nanoseconds wall) {
   if (next == kNever) {
     becomeIdle();
   }
-  if (paused_ && rules_.gate_pause) {
+  if (paused_) {
     return false;
   }
-  const bool to_target = target_ && next > *target_ && rules_.gate_target;
+  const bool to_target = target_ && next > *target_;
   const Nanoseconds to = to_target ? *target_ : next;
   if (to == kNever) {
     return false;
   }
-  held_by_limit_ = rules_.gate_limit && wall < leapWall(to);
+  held_by_limit_ = wall < leapWall(to);
   if (held_by_limit_) {
     return false;
   }
@@ -305,7 +287,7 @@ LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member,
   member.ready = false;
   member.resting = false;
   member.knocked = false;
-  owing_ += member.owes ? 0 : 1;
+  ++owing_;
   member.owes = true;
   setNext(id, member, kNever);
   member.foreseen.clear();  // what comes now may change all that was to come
@@ -329,14 +311,13 @@ void LockstepRounds::becomeIdle() {
     return;
   }
   idle_ = true;
-  const bool stuck = rules_.deadlock_named && isStuck();
-  events_.push_back({stuck ? Event::Kind::kDeadlock : Event::Kind::kIdle});
+  events_.push_back({isStuck() ? Event::Kind::kDeadlock : Event::Kind::kIdle});
 }
 
 /** @brief Who waits for work is stuck only while an answer is owed, which it may be the one to
  * give. */
 bool LockstepRounds::isStuck() const {
-  const bool is_owed = owed_ > 0 || !rules_.work_is_not_owed;
+  const bool is_owed = owed_ > 0;
   return std::any_of(members_.begin(), members_.end(), [is_owed](const auto& entry) {
     const MemberState& member = entry.second;
     return (member.open > 0 && !member.waits_for_work) ||
@@ -351,7 +332,7 @@ void LockstepRounds::watch(Nanoseconds wall) {
   silence_check_ = kNever;  // once per silence
   for (const MemberId id : granted_) {
     const auto found = members_.find(id);
-    if (found == members_.end() || !found->second.owes || !rules_.silence_named) {
+    if (found == members_.end() || !found->second.owes) {
       continue;
     }
     found->second.silence_told = true;

@@ -13,7 +13,6 @@
 
 #include "clock/scaled_clock.h"
 #include "order.h"
-#include "rules.h"
 #include "settings.h"
 #include "wire.h"
 
@@ -31,7 +30,6 @@ enum class Keep {
 struct Mail {
   MailOrder order;
   wire::GrantItem item;  // its texts and bytes are kept alive by whoever posted it
-  bool waits = false;    // no reason for a grant by itself; only where a test switches a rule off
   Keep keep = Keep::kNot;
 };
 
@@ -132,7 +130,7 @@ class LockstepRounds {
   };
 
   /** @throws std::invalid_argument if a setting is out of its range. */
-  explicit LockstepRounds(const LockstepSettings& settings, const LockstepRules& rules = {});
+  explicit LockstepRounds(const LockstepSettings& settings);
 
   // ---- members ----
   void add(MemberId id, const std::string& name, std::int32_t rank, Nanoseconds wall);
@@ -271,7 +269,6 @@ class LockstepRounds {
   void refuseIfEnded(const char* call) const;
 
   LockstepSettings settings_;
-  LockstepRules rules_;
   const Nanoseconds lookahead_;
   std::optional<Nanoseconds> applied_;  // the instant whose turns are being applied
   std::vector<MemberId> posted_;        // to these at that instant

@@ -115,10 +115,7 @@ Nanoseconds LockstepRounds::nextTime() const {
   if (std::none_of(due_.begin(), due_.end(), counts)) {
     return kNever;
   }
-  if (rules_.leap_to_smallest || due_.size() == 1) {
-    return due_.begin()->first;
-  }
-  return std::next(due_.begin())->first;
+  return due_.begin()->first;
 }
 
 bool LockstepRounds::atRest() const {
@@ -142,7 +139,7 @@ LockstepPhase LockstepRounds::phase(Nanoseconds wall) const {
     });
     return working ? LockstepPhase::kRunning : LockstepPhase::kWaiting;
   }
-  if (idle_ && rules_.deadlock_named && isStuck()) {
+  if (idle_ && isStuck()) {
     return LockstepPhase::kDeadlock;
   }
   if (paused_) {
@@ -184,7 +181,7 @@ bool LockstepRounds::before(MemberId a, MemberId b) const {
 }
 
 bool LockstepRounds::before(const MailOrder& a, const MailOrder& b) const {
-  return isBefore(a, b, rules_);
+  return isBefore(a, b);
 }
 
 }  // namespace move_base_abstract

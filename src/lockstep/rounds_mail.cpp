@@ -38,9 +38,7 @@ void LockstepRounds::post(MemberId id, Mail mail) {
     kept_.push_back(id);
   } else {
     mail.keep = Keep::kNot;
-    if (!mail.waits) {
-      makeReady(id, member);
-    }
+    makeReady(id, member);
   }
   member.mail.push_back(mail);
   ++mail_waiting_;

@@ -27,8 +27,8 @@ Keep keepFor(wire::Hearing what, bool is_stored) {
 
 }  // namespace
 
-MessageRouter::MessageRouter(Post post, Place place, Trace trace, const LockstepRules& rules)
-    : post_(std::move(post)), place_(std::move(place)), trace_(std::move(trace)), rules_(rules) {}
+MessageRouter::MessageRouter(Post post, Place place, Trace trace)
+    : post_(std::move(post)), place_(std::move(place)), trace_(std::move(trace)) {}
 
 void MessageRouter::add(MemberId id, const std::string& name) { participants_[id].name = name; }
 
@@ -195,10 +195,9 @@ void MessageRouter::link(const Action& by, const Topic& topic, const Advertised&
   const MailOrder order = place_(by.sender, router::kFirstSub, by.number);
   post_(subscriber.member, {order,
                             wire::Publisher{subscriber.topic, publisher.member, publisher.type,
-                                            publisher.md5, publisher.latched, publisher.definition},
-                            !rules_.links_are_mail});
+                                            publisher.md5, publisher.latched, publisher.definition}});
   post_(publisher.member,
-        {order, wire::Subscriber{publisher.topic, subscriber.member}, !rules_.links_are_mail});
+        {order, wire::Subscriber{publisher.topic, subscriber.member}});
   if (toPublishers(subscriber.hears) != wire::Hearing::kAll) {
     tellHearing(by, publisher, subscriber);
   }
@@ -227,8 +226,7 @@ void MessageRouter::tellHearing(const Action& by, const Advertised& publisher,
                                 const Subscribed& subscriber) {
   post_(publisher.member,
         {place_(by.sender, router::kFirstSub, by.number),
-         wire::Heard{publisher.topic, subscriber.member, toPublishers(subscriber.hears)},
-         !rules_.links_are_mail});
+         wire::Heard{publisher.topic, subscriber.member, toPublishers(subscriber.hears)}});
 }
 
 bool MessageRouter::linked(const Topic& topic, MemberId publisher, MemberId subscriber) const {
@@ -246,11 +244,9 @@ void MessageRouter::finishRound() {
       continue;
     }
     if (closing.publisher) {
-      post_(closing.receiver, {closing.order, wire::NoPublisher{closing.number, closing.other},
-                               !rules_.links_are_mail});
+      post_(closing.receiver, {closing.order, wire::NoPublisher{closing.number, closing.other}});
     } else {
-      post_(closing.receiver, {closing.order, wire::NoSubscriber{closing.number, closing.other},
-                               !rules_.links_are_mail});
+      post_(closing.receiver, {closing.order, wire::NoSubscriber{closing.number, closing.other}});
     }
   }
   closings_.clear();
@@ -272,7 +268,7 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
       continue;
     }
     post_(subscriber.member, {order, wire::Deliver{subscriber.topic, by.sender, item.payload},
-                              false, keepFor(subscriber.hears, subscriber.is_stored)});
+                              keepFor(subscriber.hears, subscriber.is_stored)});
     ++messages_;
     is_received = true;
     if (trace_) {
@@ -281,7 +277,7 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
   }
   if (topic.part == OpenGoals::Part::kResult) {
     goals_.answered(topic.name, item.payload);
-  } else if (topic.part == OpenGoals::Part::kGoal && is_received && rules_.goals_are_counted &&
+  } else if (topic.part == OpenGoals::Part::kGoal && is_received &&
              awaitsResults(by.sender, topic.name)) {
     goals_.sent(by.sender, topic.name, item.payload);
   }

@@ -58,7 +58,7 @@ class MessageRouter {
    * @param post takes mail for a member. @param place says where an action comes in its round.
    * @param trace if given, is told of everything that was delivered.
    */
-  MessageRouter(Post post, Place place, Trace trace = {}, const LockstepRules& rules = {});
+  MessageRouter(Post post, Place place, Trace trace = {});
 
   /** @brief What members hear on these is kept for their next grant. To be called first. */
   void setStored(StoredTopics topics) { stored_ = std::move(topics); }
@@ -196,7 +196,6 @@ class MessageRouter {
   Post post_;
   Place place_;
   Trace trace_;
-  LockstepRules rules_;
   StoredTopics stored_;
   std::set<std::string, std::less<>> texts_;  // names, types and definitions, kept for good
   std::unordered_map<std::string_view, std::string_view> definitions_;  // by md5

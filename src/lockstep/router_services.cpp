@@ -59,7 +59,7 @@ void MessageRouter::act(const Action& by, const wire::Serve& item) {
   service.servers.push_back({by.sender, item.service, item.sub});
   const MailOrder order = place_(by.sender, item.sub, by.number);
   for (const MemberId watcher : service.watchers) {
-    post_(watcher, {order, wire::Found{service.name}, false});
+    post_(watcher, {order, wire::Found{service.name}});
     participant(watcher).watched.erase(index);
   }
   service.watchers.clear();
@@ -81,9 +81,6 @@ void MessageRouter::stopServing(const Action& by, Index index) {
   const auto server = router::findMember(service.servers, by.sender);
   if (server != service.servers.end()) {
     service.servers.erase(server);
-  }
-  if (!rules_.dead_cancels_calls) {
-    return;
   }
   const MailOrder order = place_(by.sender, router::kLastSub, by.number);
   for (auto call = calls_.begin(); call != calls_.end();) {
@@ -113,8 +110,7 @@ void MessageRouter::act(const Action& by, const wire::Call& item) {
   const Service& service = services_[known->second];
   const Server& server = service.servers.back();
   calls_[{by.sender, item.number}] = {known->second, server};
-  post_(server.member, {order, wire::CallIn{server.service, by.sender, item.number, item.request},
-                        !rules_.calls_in_next_round});
+  post_(server.member, {order, wire::CallIn{server.service, by.sender, item.number, item.request}});
   if (trace_) {
     trace_({Delivery::Kind::kCall,
             order,
@@ -149,7 +145,7 @@ void MessageRouter::act(const Action& by, const wire::Response& item) {
 void MessageRouter::answer(MemberId caller, std::uint32_t number, wire::CallStatus status,
                            std::string_view bytes, MemberId server, std::string_view service,
                            const MailOrder& order) {
-  post_(caller, {order, wire::Answer{number, status, bytes}, false});
+  post_(caller, {order, wire::Answer{number, status, bytes}});
   if (trace_) {
     trace_({Delivery::Kind::kResponse, order, service, server, {caller}, status, bytes});
   }
@@ -160,7 +156,7 @@ void MessageRouter::act(const Action& by, const wire::Watch& item) {
   Service& service = services_[index];
   if (!service.servers.empty()) {
     post_(by.sender,
-          {place_(by.sender, router::kFirstSub, by.number), wire::Found{service.name}, false});
+          {place_(by.sender, router::kFirstSub, by.number), wire::Found{service.name}});
   } else if (participant(by.sender).watched.insert(index).second) {
     service.watchers.push_back(by.sender);
   }

@@ -15,11 +15,9 @@ constexpr std::size_t kMostDepartures = 1000;                   // that are kept
 
 }  // namespace
 
-LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds wall,
-                                 const LockstepRules& rules)
+LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds wall)
     : settings_(settings),
-      rules_(rules),
-      rounds_(settings, rules),
+      rounds_(settings),
       log_(rounds_, settings.keeps_bytes),
       router_([this](MemberId id, Mail mail) { rounds_.post(id, mail); },
               [this](MemberId id, std::uint32_t sub, std::uint64_t number) {
@@ -28,8 +26,7 @@ LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds w
               settings.log_messages ? MessageRouter::Trace([this](const auto& delivery) {
                 log_.add(delivery, [this](MemberId id) { return text_.nameOf(id); });
               })
-                                    : MessageRouter::Trace(),
-              rules),
+                                    : MessageRouter::Trace()),
       wall_(wall),
       began_(wall),
       missing_due_(settings.participants.empty() ? kNever : wall + kMissingGap),
@@ -91,14 +88,11 @@ void LockstepSession::applyRound() {
   }
   std::vector<MemberId> ids;
   ids.swap(changed_);
-  if (rules_.apply_in_order) {
-    std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return rounds_.before(a, b); });
-  }
+  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return rounds_.before(a, b); });
   for (const MemberId id : ids) {
     Member& member = members_.at(id);
     member.listed = false;
-    const bool cancelled = member.dead && !rules_.dead_delivers;
-    if (member.turn.frame && !cancelled) {
+    if (member.turn.frame) {
       applyTurn(id, member);
     }
     if (member.departing) {
@@ -205,9 +199,7 @@ void LockstepSession::applyDeparture(MemberId id) {
               : why;
   }
   router_.remove(id, member.actions);
-  if (!member.dead || rules_.dead_not_awaited) {
-    rounds_.remove(id);
-  }
+  rounds_.remove(id);
   members_.erase(id);
   gone_.push_back(id);
 }

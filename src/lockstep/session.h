@@ -41,8 +41,7 @@ class LockstepSession {
   using Output = ConnectionOutput;
 
   /** @throws std::invalid_argument if a setting is out of its range. */
-  LockstepSession(const LockstepSettings& settings, Nanoseconds wall,
-                  const LockstepRules& rules = {});
+  LockstepSession(const LockstepSettings& settings, Nanoseconds wall);
   LockstepSession(const LockstepSession&) = delete;
   LockstepSession& operator=(const LockstepSession&) = delete;
 
@@ -160,7 +159,6 @@ class LockstepSession {
   std::string reason() const;
 
   const LockstepSettings settings_;
-  const LockstepRules rules_;
   LockstepRounds rounds_;
   RoundLog log_;
   MessageRouter router_;

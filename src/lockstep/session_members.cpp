@@ -154,9 +154,7 @@ void LockstepSession::checkHello(const wire::Hello& hello) const {
 
 void LockstepSession::hello(ConnectionId id, const wire::Hello& hello) {
   checkHello(hello);
-  if (rules_.replace) {
-    replaceOlder(hello.name);
-  }
+  replaceOlder(hello.name);
   const MemberId own = freshId(hello.name);
   connections_.greeted(id, own);
   Member& member = members_[own];

@@ -1,5 +1,5 @@
 // Whatever the order in which bytes arrive, a run is the same, and it keeps to the rules; and each
-// rule is missed when it is switched off.
+// rule is missed when it is broken (test/mutants).
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "broken.h"
 #include "lockstep_client.h"
 #include "lockstep_world.h"
 
@@ -47,7 +48,7 @@ TEST_P(EveryOrder, GivesTheSameRun) {
     do {
       WorldOptions options;
       options.grants = GetParam().grants;
-      World world(GetParam().nodes, seed, options, all.choices(), {});
+      World world(GetParam().nodes, seed, options, all.choices());
       ASSERT_EQ(world.run(), "") << "seed " << seed << ", run " << runs;
       first = runs == 0 ? world.transcript() : first;
       ASSERT_EQ(world.transcript(), first) << "seed " << seed << ", run " << runs;
@@ -66,7 +67,7 @@ TEST(AnyOrder, OfBytesInPiecesGivesTheSameRun) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     std::string first;
     for (std::uint64_t order = 0; order < 10; ++order) {
-      World world(kFour, seed, busy(25), randomChoices(order), {});
+      World world(kFour, seed, busy(25), randomChoices(order));
       ASSERT_EQ(world.run(), "") << "seed " << seed << ", order " << order;
       first = order == 0 ? world.transcript() : first;
       ASSERT_EQ(world.transcript(), first) << "seed " << seed << ", order " << order;
@@ -79,7 +80,7 @@ TEST(AnyOrder, WithInputFromOutsideKeepsToTheRules) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     WorldOptions options = busy(15);
     options.knocks = true;
-    World world(seed % 2 == 0 ? kFour : kReversed, seed, options, randomChoices(seed), {});
+    World world(seed % 2 == 0 ? kFour : kReversed, seed, options, randomChoices(seed));
     ASSERT_EQ(world.run(), "") << "seed " << seed;
   }
 }
@@ -89,7 +90,7 @@ TEST(AnyOrder, WithDeathsInTheMiddleOfAFrameKeepsToTheRules) {
     WorldOptions options = busy(15);
     options.deaths = true;
     options.knocks = seed % 3 == 0;
-    World world(kFour, seed, options, randomChoices(seed), {});
+    World world(kFour, seed, options, randomChoices(seed));
     ASSERT_EQ(world.run(), "") << "seed " << seed;
   }
 }
@@ -106,10 +107,10 @@ void check(Checks& failed, bool holds, const std::string& name) {
   }
 }
 
-void zeroDelayLoop(const LockstepRules& rules, Checks& failed) {
+void zeroDelayLoop(Checks& failed) {
   LockstepSettings settings = named({"/a"});
   settings.max_microsteps = 20;
-  Stage stage(settings, rules);
+  Stage stage(settings);
   stage.join(1, "/a");
   int grants = 0;
   while (stage.grant(1) && grants < 100) {
@@ -121,8 +122,8 @@ void zeroDelayLoop(const LockstepRules& rules, Checks& failed) {
   check(failed, reason.find("'/a'") != std::string::npos && stage.said(reason), "zero-delay loop");
 }
 
-void replaced(const LockstepRules& rules, Checks& failed) {
-  Stage stage(named({"/a", "/b"}), rules);
+void replaced(Checks& failed) {
+  Stage stage(named({"/a", "/b"}));
   stage.join(1, "/a");
   stage.join(2, "/b");
   stage.grant(1);
@@ -135,8 +136,8 @@ void replaced(const LockstepRules& rules, Checks& failed) {
 }
 
 /** @brief What /a had reported arrives, and nobody waits for it or for its answer. */
-void lastWords(const LockstepRules& rules, Checks& failed) {
-  Stage stage(named({"/a", "/b"}), rules);
+void lastWords(Checks& failed) {
+  Stage stage(named({"/a", "/b"}));
   stage.join(1, "/a");
   stage.join(2, "/b");
   stage.grant(1);
@@ -158,8 +159,8 @@ void lastWords(const LockstepRules& rules, Checks& failed) {
   check(failed, got.count("no publisher 1 1") == 1, "closed link");
 }
 
-void silence(const LockstepRules& rules, Checks& failed) {
-  Stage stage(named({"/a", "/b"}), rules);
+void silence(Checks& failed) {
+  Stage stage(named({"/a", "/b"}));
   stage.join(1, "/a");
   stage.join(2, "/b");
   stage.grant(1);
@@ -171,8 +172,8 @@ void silence(const LockstepRules& rules, Checks& failed) {
   check(failed, stage.said("the report of round 1"), "silence");
 }
 
-void deadlock(const LockstepRules& rules, Checks& failed) {
-  Stage stage(named({"/a"}), rules);
+void deadlock(Checks& failed) {
+  Stage stage(named({"/a"}));
   stage.join(1, "/a");
   stage.grant(1);
   stage.report(1, kNever, {wire::Note{wire::NoteKind::kWaitsFor, "a result"}}, 1);
@@ -182,10 +183,10 @@ void deadlock(const LockstepRules& rules, Checks& failed) {
 }
 
 /** @brief A thread that waits for work is idle, and no more so while a goal is open. */
-void idleThreads(const LockstepRules& rules, Checks& failed) {
+void idleThreads(Checks& failed) {
   const std::string begin(12, '\0');  // of an action's messages: a header, its frame, a stamp
   const std::string goal = begin + std::string(12, '\0') + std::string("\1\0\0\0g", 5);
-  Stage stage(named({"/a", "/b"}), rules);
+  Stage stage(named({"/a", "/b"}));
   stage.join(1, "/a");
   stage.join(2, "/b");
   stage.grant(1);
@@ -217,8 +218,8 @@ void idleThreads(const LockstepRules& rules, Checks& failed) {
   check(failed, stage.phase() == "idle", "waiting for work");
 }
 
-void gates(const LockstepRules& rules, Checks& failed) {
-  Stage stage(named({"/a"}), rules);
+void gates(Checks& failed) {
+  Stage stage(named({"/a"}));
   stage.session.pause();
   stage.join(1, "/a");
   stage.grant(1);
@@ -233,8 +234,8 @@ void gates(const LockstepRules& rules, Checks& failed) {
   check(failed, stage.session.now() == 3 * kOne && stage.point(1) == "none", "target");
 }
 
-void limit(const LockstepRules& rules, Checks& failed) {
-  Stage stage(named({"/a"}), rules);
+void limit(Checks& failed) {
+  Stage stage(named({"/a"}));
   stage.session.setLimit(2.0);
   stage.join(1, "/a");
   stage.grant(1);
@@ -245,11 +246,11 @@ void limit(const LockstepRules& rules, Checks& failed) {
   check(failed, stage.point(1) == "2000+0", "limit is no pause");
 }
 
-Checks failedScenarios(const LockstepRules& rules) {
+Checks failedScenarios() {
   Checks failed;
   for (const auto& scenario :
        {zeroDelayLoop, replaced, lastWords, silence, deadlock, idleThreads, gates, limit}) {
-    scenario(rules, failed);
+    scenario(failed);
   }
   return failed;
 }
@@ -257,14 +258,14 @@ Checks failedScenarios(const LockstepRules& rules) {
 // ---- every rule is worth its test
 // ------------------------------------------------------------------
 
-/** @return the names of all checks that fail under @p rules, in runs of all kinds. */
-Checks failedChecks(const LockstepRules& rules) {
-  Checks failed = failedScenarios(rules);
+/** @return the names of all checks that fail, in runs of all kinds. */
+Checks failedChecks() {
+  Checks failed = failedScenarios();
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     WorldOptions options = busy(12);
     options.knocks = seed % 3 == 1;
     options.deaths = seed % 3 == 2;
-    World world(seed % 4 == 3 ? kReversed : kFour, seed, options, randomChoices(seed), rules);
+    World world(seed % 4 == 3 ? kReversed : kFour, seed, options, randomChoices(seed));
     const std::string violation = world.run();
     if (!violation.empty()) {
       failed.insert(violation.substr(0, violation.find(':')));
@@ -275,18 +276,16 @@ Checks failedChecks(const LockstepRules& rules) {
 
 struct RuleCase {
   const char* name;
-  bool LockstepRules::*rule;
   Checks expected;  // one of these has to fail
 };
 
 std::ostream& operator<<(std::ostream& out, const RuleCase& rule) { return out << rule.name; }
 
-class RuleOff : public testing::TestWithParam<RuleCase> {};
+class RuleBroken : public testing::TestWithParam<RuleCase> {};
 
-TEST_P(RuleOff, IsNoticed) {
-  LockstepRules rules;
-  rules.*GetParam().rule = false;
-  const Checks failed = failedChecks(rules);
+TEST_P(RuleBroken, IsNoticed) {
+  const Broken broken(GetParam().name);
+  const Checks failed = failedChecks();
   bool noticed = false;
   std::string all;
   for (const std::string& name : failed) {
@@ -296,39 +295,38 @@ TEST_P(RuleOff, IsNoticed) {
   EXPECT_TRUE(noticed) << "failed were: " << all;
 }
 
-TEST(AllRulesOn, NothingIsViolated) { EXPECT_EQ(failedChecks({}), Checks{}); }
+TEST(NoRuleBroken, NothingIsViolated) { EXPECT_EQ(failedChecks(), Checks{}); }
 
-using Rules = LockstepRules;
 INSTANTIATE_TEST_SUITE_P(
-    Each, RuleOff,
+    Each, RuleBroken,
     testing::Values(
-        RuleCase{"barrier", &Rules::barrier, {"barrier"}},
-        RuleCase{"grant_only_concerned", &Rules::grant_only_concerned, {"extra grant"}},
-        RuleCase{"deliver_before_leap", &Rules::deliver_before_leap, {"undelivered"}},
-        RuleCase{"later_than_sent", &Rules::later_than_sent, {"microstep"}},
-        RuleCase{"leap_to_smallest", &Rules::leap_to_smallest, {"leap"}},
-        RuleCase{"time_never_back", &Rules::time_never_back, {"time back"}},
-        RuleCase{"microstep_bound", &Rules::microstep_bound, {"zero-delay loop"}},
-        RuleCase{"sort_by_rank", &Rules::sort_by_rank, {"mail order"}},
-        RuleCase{"sort_by_sub", &Rules::sort_by_sub, {"mail order"}},
-        RuleCase{"natural_order", &Rules::natural_order, {"mail order"}},
-        RuleCase{"fifo_within_sender", &Rules::fifo_within_sender, {"mail order"}},
-        RuleCase{"apply_in_order", &Rules::apply_in_order, {"mail", "mail order"}},
-        RuleCase{"links_are_mail", &Rules::links_are_mail, {"missing grant", "undelivered"}},
-        RuleCase{"replace", &Rules::replace, {"replaced"}},
-        RuleCase{"calls_in_next_round", &Rules::calls_in_next_round, {"undelivered", "stall"}},
-        RuleCase{"knock_counts", &Rules::knock_counts, {"stall", "missing grant"}},
-        RuleCase{"dead_not_awaited", &Rules::dead_not_awaited, {"stall"}},
-        RuleCase{"dead_delivers", &Rules::dead_delivers, {"last words"}},
-        RuleCase{"dead_cancels_calls", &Rules::dead_cancels_calls, {"cancelled call"}},
-        RuleCase{"silence_named", &Rules::silence_named, {"silence"}},
-        RuleCase{"deadlock_named", &Rules::deadlock_named, {"deadlock"}},
-        RuleCase{"work_is_not_owed", &Rules::work_is_not_owed, {"waiting for work"}},
-        RuleCase{"goals_are_counted", &Rules::goals_are_counted, {"open goal"}},
-        RuleCase{"gate_pause", &Rules::gate_pause, {"pause"}},
-        RuleCase{"gate_target", &Rules::gate_target, {"target"}},
-        RuleCase{"gate_limit", &Rules::gate_limit, {"limit"}},
-        RuleCase{"start_waits_for_named", &Rules::start_waits_for_named, {"start"}}),
+        RuleCase{"barrier", {"barrier"}},
+        RuleCase{"grant_only_concerned", {"extra grant"}},
+        RuleCase{"deliver_before_leap", {"undelivered"}},
+        RuleCase{"later_than_sent", {"microstep"}},
+        RuleCase{"leap_to_smallest", {"leap"}},
+        RuleCase{"time_never_back", {"time back"}},
+        RuleCase{"microstep_bound", {"zero-delay loop"}},
+        RuleCase{"sort_by_rank", {"mail order"}},
+        RuleCase{"sort_by_sub", {"mail order"}},
+        RuleCase{"natural_order", {"mail order"}},
+        RuleCase{"fifo_within_sender", {"mail order"}},
+        RuleCase{"apply_in_order", {"mail", "mail order"}},
+        RuleCase{"links_are_mail", {"missing grant", "undelivered"}},
+        RuleCase{"replace", {"replaced"}},
+        RuleCase{"calls_in_next_round", {"undelivered", "stall"}},
+        RuleCase{"knock_counts", {"stall", "missing grant"}},
+        RuleCase{"dead_not_awaited", {"stall"}},
+        RuleCase{"dead_delivers", {"last words"}},
+        RuleCase{"dead_cancels_calls", {"cancelled call"}},
+        RuleCase{"silence_named", {"silence"}},
+        RuleCase{"deadlock_named", {"deadlock"}},
+        RuleCase{"work_is_not_owed", {"waiting for work"}},
+        RuleCase{"goals_are_counted", {"open goal"}},
+        RuleCase{"gate_pause", {"pause"}},
+        RuleCase{"gate_target", {"target"}},
+        RuleCase{"gate_limit", {"limit"}},
+        RuleCase{"start_waits_for_named", {"start"}}),
     [](const auto& rule_case) { return std::string(rule_case.param.name); });
 
 }  // namespace

@@ -31,8 +31,7 @@ struct ClientGrant {
 /** @brief A session, the wall clock, and what each connection got. */
 class Stage {
  public:
-  explicit Stage(const LockstepSettings& settings, const LockstepRules& rules = {})
-      : session(settings, 0, rules) {}
+  explicit Stage(const LockstepSettings& settings) : session(settings, 0) {}
 
   /** @brief A participant says HELLO over connection @p id. */
   void join(ConnectionId id, const std::string& name, std::int32_t rank = 0, bool declared = true) {

@@ -29,11 +29,11 @@ using Choose = std::function<std::size_t(std::size_t)>;
 class World {
  public:
   World(std::vector<ScriptNode> nodes, std::uint64_t seed, const WorldOptions& options,
-        Choose choose, const LockstepRules& rules)
+        Choose choose)
       : nodes_(std::move(nodes)),
         options_(options),
         choose_(std::move(choose)),
-        session_(settings(nodes_), 0, rules),
+        session_(settings(nodes_), 0),
         model_(nodes_, kStart),
         wires_(nodes_.size()) {
     for (std::size_t k = 0; k < nodes_.size(); ++k) {
