@@ -4,7 +4,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from move_base_abstract.common.units import NS_PER_S
 
 from . import beforehand, conversions, lockstep, packing
-from .host import Heartbeat
+from .heartbeat import Heartbeat
 from .outlets import Outlet
 
 _FREQUENCY = 1.0  # Hz, simulated; that of upstream's updaters

@@ -6,12 +6,11 @@ import rospy
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import Parameter, integer, number, read_table
 from move_base_abstract.config.rates import Rates
-from move_base_abstract.engine.event_queue import NOBODY
 
+from .diagnostics import Diagnostics
+from .heartbeat import SHARED_INDEX, Heartbeat
 from .single_connections import connect_one_at_a_time
 
-#: heartbeats come after the robots' own events of the same instant
-_SHARED_INDEX = 2 ** 31 - 1
 _STATUS_RATE_CAP = 5.0  # Hz, wall
 _PUBLICATIONS_PER_SECOND = 500.0  # wall; the robots of a process share them
 
@@ -67,7 +66,7 @@ class Host:
         self.clock = clock
         self.timing = timing
         simulation = clock.simulation
-        simulation.queue.guard(_SHARED_INDEX, lambda error: simulation.report_fault(rospy.get_name(), error))
+        simulation.queue.guard(SHARED_INDEX, lambda error: simulation.report_fault(rospy.get_name(), error))
         self.options = read_action_options(timing.status_frequency)
         self.is_crowded = is_crowded
         self.zones = zones
@@ -96,7 +95,6 @@ class Host:
     def diagnostics(self):
         """Return the :class:`.diagnostics.Diagnostics` of the process, made when it is first asked for."""
         if self._diagnostics is None:
-            from .diagnostics import Diagnostics  # which needs Heartbeat
             self._diagnostics = Diagnostics(self)
         return self._diagnostics
 
@@ -107,41 +105,3 @@ class Host:
     def shortest_period(self):
         """Return the time between two publications of one robot when all publish alike [s, wall]."""
         return self._robot_count / _PUBLICATIONS_PER_SECOND
-
-
-class Heartbeat:
-    """Calls all its members ``frequency`` times a simulated second, at most ``rate_cap`` times a wall second."""
-
-    def __init__(self, host, frequency, rate_cap):
-        self._clock = host.clock
-        self._batch = host.timing.batch
-        self._members = []
-        self._hearers = []
-        self._throttle = host.throttle(rate_cap)
-        with self._clock.lock:
-            series = self._clock.simulation.series(_SHARED_INDEX, frequency, self._beat, only_tells=True,
-                                                   is_heard=host.timing.when_heard(self._is_heard))
-            if series is not None:
-                series.start(self._clock.now_ns())
-
-    def add(self, member, is_heard):
-        """Call ``member(now_ns)`` from now on; ``is_heard()``: who would notice, as of Series."""
-        with self._clock.lock:
-            self._members.append(member)
-            self._hearers.append(is_heard)
-
-    def remove(self, member):
-        """Call ``member`` no more."""
-        with self._clock.lock:
-            place = self._members.index(member)
-            del self._members[place], self._hearers[place]
-
-    def _is_heard(self):
-        return max((is_heard() for is_heard in self._hearers), default=NOBODY)
-
-    def _beat(self, _due_ns, now_ns):
-        if self._throttle.ready():
-            with self._batch():
-                for member in self._members:
-                    member(now_ns)
-        return self._clock.wall_to_ns(self._throttle.remaining())

@@ -15,13 +15,12 @@ from typing import NamedTuple
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog, EventLogError
 
+from ..lockstep.failures import ASKED, UNASKED, UNCAUGHT, words_of
 from ..replaced import replace
 
 TIME_MASTER = '/time_master'
 FAIL, ALLOW = 'fail', 'allow'
 POLICIES = (FAIL, ALLOW)  # what a crash does to a run: it fails, or it is told only
-UNCAUGHT = 'uncaught'  # kind of the events of exceptions that nobody catches
-UNASKED, ASKED = 'unasked', 'asked'  # of those that wait for somebody who asks for a job's outcome, and has asked
 KINDS = (UNCAUGHT, UNASKED, ASKED)  # of the events by which runs are judged
 LINE = 'lockstep_launch: crash: '  # begins the line that lockstep_launch says of each
 LAST_LINES = 12  # that are kept of what a process has printed
@@ -34,7 +33,6 @@ _SHOWN = re.compile(r'bad callback: |^Exception in thread |Error processing requ
                     r'|Exception in your execute callback: |Exception thrown while processing service call: ')
 _SHUT_DOWN = re.compile(r'rospy\.exceptions\.ROSInterruptException')
 _OF_SHUT_DOWN = (1, 130)  # what it makes of the exit code: Python's, and our launcher's
-_NUMBERED = re.compile(r'(Thread|Dummy)-[0-9]+')
 # Colours, times of the wall clock, addresses.
 _NOISE = re.compile(r'\x1b\[[0-9;]*m|\[[0-9]+\.[0-9]+(, *[0-9.]+)?\]:? ?| at 0x[0-9a-f]+')
 
@@ -213,12 +211,6 @@ def note_threads():
         return _excepthook
     replace('threading.excepthook', noting)
     return noted
-
-
-def words_of(thread):
-    """Return a thread in words: by its name, unless Python has numbered it, which another run may do otherwise."""
-    name = getattr(thread, 'name', '')
-    return 'thread {}'.format(name) if name and not _NUMBERED.match(name) else 'a thread'
 
 
 def _plain(line):

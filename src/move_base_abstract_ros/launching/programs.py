@@ -8,10 +8,9 @@ from importlib.machinery import PathFinder
 from roslib import packages
 from rospkg import ResourceNotFound, RosPack
 
-from ..lockstep import recorders
+from ..lockstep import command_line, recorders
 from ..lockstep.binary import links_to_roscpp
 from ..lockstep.shell_scripts import programs_in
-from ..nodes import lockstep_launcher
 
 _RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space
 _EXTENDS = re.compile(rb"^__extended_path = ['\"]([^'\"\n]+)['\"]", re.MULTILINE)  # of catkin, for a package there
@@ -31,7 +30,7 @@ _MOST_FILES = 300
 def kind_of(path):
     """Return 'rospy' or 'roscpp', or None and why the program at ``path`` cannot take part: a pair."""
     try:
-        kind, path, _ = lockstep_launcher.find([path])
+        kind, path, _ = command_line.find([path])
         if kind == 'binary':
             return ('roscpp', '') if links_to_roscpp(path) else (None, 'it is a binary without roscpp')
     except ValueError as error:
@@ -48,7 +47,7 @@ def _kind_of_shell(path):
     if b'python' in text and any(name.split('.')[0] in _ROSPY for name in _imports(text)):
         return 'rospy', ''  # both at once: to the shell, and to the Python that it has read the file
     for found in programs_in(path, text.decode('utf-8', 'replace'), _package, _nodes):
-        if lockstep_launcher.kind_of(found) == 'script' and uses_rospy(found):
+        if command_line.kind_of(found) == 'script' and uses_rospy(found):
             return 'rospy', ''
     return None, 'it is a shell script, and no rospy program is to be seen in it (binaries that one starts are not ' \
                  'followed; --participant has it take part)'
@@ -76,7 +75,7 @@ def uses_rospy(path):
 def publishes_clock(path):
     """Return whether a Python script, or a module that it imports, has a publisher of /clock in its text."""
     try:
-        kind, path, _ = lockstep_launcher.find([path])
+        kind, path, _ = command_line.find([path])
     except ValueError:
         return False
     return kind == 'script' and any(_CLOCK.search(source) for source in _sources(path) if b'clock' in source)

@@ -72,8 +72,8 @@ def _is_shadowed(words):
 
     Python would take that one. words: of the launcher.
     """
-    from ..nodes import lockstep_launcher
-    path = lockstep_launcher.script_of(words)
+    from ..lockstep import command_line
+    path = command_line.script_of(words)
     if path is None:
         return False
     folder = os.path.dirname(os.path.realpath(path))

@@ -10,9 +10,9 @@ from types import SimpleNamespace
 
 import rospy
 
-from ..launching.ends import ASKED, UNASKED
 from ..replaced import replace
 from . import uncaught
+from .failures import ASKED, UNASKED
 from .imports import when_imported
 
 _JOB, _TASK = 'a job whose outcome nobody has asked for', 'a task whose outcome nobody has asked for'

@@ -11,8 +11,8 @@ import rospy
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from ..launching.ends import UNCAUGHT, words_of
 from ..replaced import replace
+from .failures import UNCAUGHT, words_of
 from .own_code import is_library
 
 _state = SimpleNamespace(participant=None)

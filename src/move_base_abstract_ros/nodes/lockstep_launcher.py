@@ -11,18 +11,16 @@ lockstep the program runs as if this were not here.
 import argparse
 import os
 import re
-import shutil
 import sys
 
 from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.wire import MAX_RANK
 
 from ..lockstep import address_layout, native_library, shell_scripts
+from ..lockstep.command_line import PYTHON, find, kind_of, own_words, path_of, split_interpreter
 
-_PYTHON = re.compile(r'python[0-9.]*$')
 _WHOLE_NUMBER = re.compile(r'[+-]?[0-9]{1,18}\Z', re.ASCII)
 _AS_SCRIPT = '--as-script'
-_WITH_VALUE = ('-W', '-X', '--check-hash-based-pycs')  # options of Python whose value is a word of its own
 
 
 def main():
@@ -49,7 +47,7 @@ def main():
 
 def _is_binary(word):
     """Whether the program is a binary that is no Python: it does not matter to it with which Python this one runs."""
-    path = None if word == '-m' or _PYTHON.match(os.path.basename(word)) else _path(word)
+    path = None if word == '-m' or PYTHON.match(os.path.basename(word)) else path_of(word)
     return path is not None and kind_of(path) == 'binary'
 
 
@@ -76,7 +74,7 @@ def _parse(words):
     # From this launcher to itself: the words after a Python interpreter, which it has started again with.
     parser.add_argument(_AS_SCRIPT, action='store_true', help=argparse.SUPPRESS)
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
-    split = _own_words(words)
+    split = own_words(words)
     options = parser.parse_args(words[:split])
     if split == len(words):
         parser.error('no program was given')
@@ -97,15 +95,6 @@ def _rank(text):
     return value
 
 
-def _own_words(words):
-    """Return how many words are options of the launcher: those before the program or its -m."""
-    at = 0
-    while at < len(words) and words[at].startswith('-') and words[at] != '-m':
-        with_value = words[at] in ('--rank', '--sleep', '--seed')
-        at += 2 if with_value else 1
-    return min(at, len(words))
-
-
 def _start_again(launcher, command, is_new_layout):
     """Start again, once, with the Python that the program wants, with one order of sets and one layout for all runs.
 
@@ -119,86 +108,3 @@ def _start_again(launcher, command, is_new_layout):
         return
     os.environ.setdefault('PYTHONHASHSEED', '0')
     os.execv(interpreter[0], interpreter + launcher + ([_AS_SCRIPT] if words != command else []) + words)
-
-
-def split_interpreter(command):
-    """Return ([Python, its options...], words of the program) of a command line.
-
-    Which Python is this one, unless a path says another: before the program, or in the first line of a script.
-
-    :raises ValueError: if a Python has nothing to run, or cannot be used for this.
-    """
-    if not _PYTHON.match(os.path.basename(command[0])):
-        path = _path(command[0])
-        return [_of_script(path) if path else sys.executable], command
-    at = 1
-    while at < len(command) and command[at].startswith('-') and command[at] != '-m':
-        if command[at][:2] in ('-c', '-i') or command[at] == '-':
-            raise ValueError("'{}' of a Python interpreter is not possible here; allowed: a script or -m MODULE".format(
-                command[at]))
-        at += 2 if command[at] in _WITH_VALUE else 1
-    if at >= len(command):
-        raise ValueError('a Python interpreter needs a script or -m MODULE here')
-    return [command[0] if '/' in command[0] else sys.executable] + command[1:at], command[at:]
-
-
-def _of_script(path):
-    """Return the Python of a script's first line if that is a path of its own kind, as of a virtual environment."""
-    with open(path, 'rb') as stream:
-        first = stream.readline(500)
-    words = first[2:].split() if first.startswith(b'#!') else []
-    python = os.fsdecode(words[0]) if words else ''
-    is_other = _PYTHON.match(os.path.basename(python)) and os.access(python, os.X_OK) and os.path.isfile(
-        os.path.join(os.path.dirname(os.path.dirname(python)), 'pyvenv.cfg'))
-    return python if is_other else sys.executable
-
-
-def find(command, is_script=False):
-    """Return ('module' | 'script' | 'shell' | 'binary', name or path, arguments) of a command line.
-
-    ``is_script``: it came after a Python interpreter, so that whatever file it is, it is a script.
-
-    :raises ValueError: if there is no such program, or it is of another kind.
-    """
-    if command[0] == '-m':
-        if len(command) < 2:
-            raise ValueError('-m needs the name of a module')
-        return 'module', command[1], command[2:]
-    path = command[0] if is_script else _path(command[0])
-    if path is None or not os.path.isfile(path):
-        raise ValueError("there is no program '{}'".format(command[0]))
-    kind = 'script' if is_script else kind_of(path)
-    if kind is None:
-        raise ValueError("'{}' is neither a Python or shell script nor a binary; programs that it starts can be given "
-                         'themselves'.format(path))
-    return kind, path, command[1:]
-
-
-def script_of(words):
-    """Return the path of the Python script that words of a command line have the launcher run, or None."""
-    command = words[_own_words(words):]
-    try:
-        kind, path, _ = find(command) if command and command[0] != '-m' else (None, None, None)
-    except (ValueError, OSError):
-        return None
-    return path if kind == 'script' else None
-
-
-def _path(word):
-    """Return the path of a program, or None."""
-    path = word if os.path.isfile(word) else shutil.which(word)
-    return path if path is not None and os.path.isfile(path) else None
-
-
-def kind_of(path):
-    """Return 'binary', 'shell' or 'script', or None of a file."""
-    with open(path, 'rb') as stream:
-        begin = stream.read(200)
-    if begin.startswith(b'\x7fELF'):
-        return 'binary'
-    first = begin.split(b'\n', 1)[0]
-    if shell_scripts.is_shell(first):
-        return 'shell'
-    if path.endswith('.py') or (first.startswith(b'#!') and b'python' in first):
-        return 'script'
-    return None

@@ -1,0 +1,43 @@
+"""What a process tells of all its robots at once, at one rate."""
+from move_base_abstract.engine.event_queue import NOBODY
+
+#: heartbeats come after the robots' own events of the same instant
+SHARED_INDEX = 2 ** 31 - 1
+
+
+class Heartbeat:
+    """Calls all its members ``frequency`` times a simulated second, at most ``rate_cap`` times a wall second."""
+
+    def __init__(self, host, frequency, rate_cap):
+        self._clock = host.clock
+        self._batch = host.timing.batch
+        self._members = []
+        self._hearers = []
+        self._throttle = host.throttle(rate_cap)
+        with self._clock.lock:
+            series = self._clock.simulation.series(SHARED_INDEX, frequency, self._beat, only_tells=True,
+                                                   is_heard=host.timing.when_heard(self._is_heard))
+            if series is not None:
+                series.start(self._clock.now_ns())
+
+    def add(self, member, is_heard):
+        """Call ``member(now_ns)`` from now on; ``is_heard()``: who would notice, as of Series."""
+        with self._clock.lock:
+            self._members.append(member)
+            self._hearers.append(is_heard)
+
+    def remove(self, member):
+        """Call ``member`` no more."""
+        with self._clock.lock:
+            place = self._members.index(member)
+            del self._members[place], self._hearers[place]
+
+    def _is_heard(self):
+        return max((is_heard() for is_heard in self._hearers), default=NOBODY)
+
+    def _beat(self, _due_ns, now_ns):
+        if self._throttle.ready():
+            with self._batch():
+                for member in self._members:
+                    member(now_ns)
+        return self._clock.wall_to_ns(self._throttle.remaining())
