@@ -4,7 +4,7 @@ import os
 import numpy as np
 
 from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract_ros.map_files import load_map, read_description
+from move_base_abstract_ros.maps.map_files import load_map, read_description
 
 from .packed import Packer
 

@@ -9,9 +9,9 @@ import rospy
 from actionlib_msgs.msg import GoalID
 from move_base_msgs.msg import MoveBaseActionGoal
 
-from . import packing
-from .outlets import Outlet
-from .unpacking import ResultIn
+from .messages import packing
+from .messages.outlets import Outlet
+from .messages.unpacking import ResultIn
 
 
 class GoalClient:

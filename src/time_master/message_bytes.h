@@ -15,7 +15,7 @@ namespace move_base_abstract {
  * its order: twice a length (4 bytes, little endian) and as many bytes.
  *
  * It ends with what would make it longer than kLimit, and where the disk is full. Read by
- * move_base_abstract_ros/message_fields.py.
+ * move_base_abstract_ros/messages/message_fields.py.
  */
 class MessageBytes {
  public:

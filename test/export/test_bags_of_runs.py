@@ -14,9 +14,9 @@ from geometry_msgs.msg import PoseArray, PoseStamped  # noqa: E402
 from std_msgs.msg import Float64, String  # noqa: E402
 
 from move_base_abstract.runs.event_log import EventLog  # noqa: E402
-from move_base_abstract_ros import bag_difference, message_fields  # noqa: E402
-from move_base_abstract_ros.launching import bags  # noqa: E402
+from move_base_abstract_ros.launching import bag_difference, bags  # noqa: E402
 from move_base_abstract_ros.lockstep import recorders  # noqa: E402
+from move_base_abstract_ros.messages import message_fields  # noqa: E402
 from move_base_abstract_ros.nodes import compare  # noqa: E402
 
 PAST = '/clock|/rosout|/rosout_agg|/time_master/.*'

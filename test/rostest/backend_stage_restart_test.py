@@ -16,7 +16,7 @@ from rosgraph_msgs.msg import Clock, Log
 from tf2_msgs.msg import TFMessage
 
 from move_base_abstract.msg import TimedTaskActionGoal, TimedTaskActionResult
-from move_base_abstract_ros import conversions
+from move_base_abstract_ros.messages import conversions
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 RESTARTED = 'Aborting on the goal because simulated time has started anew'

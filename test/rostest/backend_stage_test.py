@@ -15,7 +15,7 @@ from robot_harness import GUARD, Record, go, pose_stamped, simple_client, to_tra
 from rosgraph_msgs.msg import Clock, Log
 
 from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract_ros import conversions
+from move_base_abstract_ros.messages import conversions
 
 QUARTER_TURN = 1.5707963267948966
 PERIOD = 0.05  # s, wall

@@ -9,7 +9,7 @@ import unittest
 import rostest
 from lockstep_launcher_run import HERE, run_programs
 
-from move_base_abstract_ros import replaced
+from move_base_abstract_ros.replacing import replaced
 
 PROBE = os.path.join(HERE, 'lockstep_nodes', 'replaced_probe.py')
 

@@ -22,7 +22,7 @@ from robot_harness import (
 )
 from rosgraph_msgs.msg import Log
 
-from move_base_abstract_ros.map_listener import MapListener
+from move_base_abstract_ros.maps.map_listener import MapListener
 
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'data')
 FREE, OCCUPIED, UNKNOWN, OFF = (1.25, 0.25), (2.25, 0.25), (4.25, 0.25), (10.0, 0.0)

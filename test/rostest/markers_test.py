@@ -14,9 +14,9 @@ from visualization_msgs.msg import Marker, MarkerArray
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import PlaceTaskAction, PlaceTaskGoal, Task
 from move_base_abstract.srv import AddRobot, RemoveRobot
-from move_base_abstract_ros import marker_builder, world_markers
-from move_base_abstract_ros.marker_builder import ARROW, GOAL, LEG, NAME, Look, View
-from move_base_abstract_ros.world_markers import OUTLINE, SIGN
+from move_base_abstract_ros.markers import marker_builder, world_markers
+from move_base_abstract_ros.markers.marker_builder import ARROW, GOAL, LEG, NAME, Look, View
+from move_base_abstract_ros.markers.world_markers import OUTLINE, SIGN
 
 TOPIC = '/move_base_abstract/markers'
 LOOK = Look('robot_7', 7, 'map', 2.0)

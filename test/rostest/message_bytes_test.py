@@ -24,8 +24,9 @@ from tf2_msgs.msg import TFMessage
 
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import TimedTaskFeedback, TimedTaskResult
-from move_base_abstract_ros import conversions, packing, task_server
-from move_base_abstract_ros.unpacking import GoalIn, ResultIn
+from move_base_abstract_ros.messages import conversions, packing
+from move_base_abstract_ros.messages.unpacking import GoalIn, ResultIn
+from move_base_abstract_ros.robot import task_server
 
 S = 1_000_000_000
 TEXTS = ('', 'map', 'robot_0/base_link', 'größer als 10 µm', '東京', 'x' * 300)

@@ -17,7 +17,7 @@ from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseActionResult, MoveBaseGoal
 from rospy.impl.registration import get_topic_manager
 
-from move_base_abstract_ros import conversions
+from move_base_abstract_ros.messages import conversions
 
 GUARD = 30.0
 SPEED = 2.0  # m/s, as in the .test files

@@ -19,7 +19,7 @@ from rosgraph_msgs.msg import Clock
 
 from move_base_abstract.common.units import seconds_to_ns
 from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract_ros import conversions
+from move_base_abstract_ros.messages import conversions
 
 STEP_NS = 100_000_000
 PERIOD = 0.02  # s, wall

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import rospy  # noqa: TID251 (no node, no ROS master)
 
-from move_base_abstract_ros import outlets  # noqa: TID251
+from move_base_abstract_ros.messages import outlets  # noqa: TID251
 
 
 class Making:

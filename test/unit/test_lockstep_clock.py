@@ -7,7 +7,7 @@ from move_base_abstract.goals.navigator import GoalPose, NavigatorListener
 from move_base_abstract.motion.geometry import quaternion_of_yaw
 from move_base_abstract.runs.trace import RobotTrace
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract_ros.lockstep_clock import LockstepClock  # noqa: TID251 (knows no ROS)
+from move_base_abstract_ros.clocks.lockstep_clock import LockstepClock  # noqa: TID251 (knows no ROS)
 
 S = 1_000_000_000
 SCENARIO = {'defaults': {'max_speed': 2.0}, 'robots': [{'name': 'r', 'count': 3}]}

@@ -10,7 +10,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.maps.map_check import Ground
 from move_base_abstract.maps.occupancy import ImageRule, MapMode
 from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract_ros.map_files import (  # noqa: TID251 (reads files, knows no ROS)
+from move_base_abstract_ros.maps.map_files import (  # noqa: TID251 (reads files, knows no ROS)
     MapDescription,
     load_map,
     read_description,

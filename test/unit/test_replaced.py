@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from move_base_abstract_ros import replaced  # noqa: TID251 (knows no ROS)
+from move_base_abstract_ros.replacing import replaced  # noqa: TID251 (knows no ROS)
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 SOURCES = os.path.join(ROOT, 'src')

@@ -7,19 +7,33 @@ from pathlib import Path
 import pytest
 
 SRC = Path(__file__).resolve().parents[2] / 'src'
-CORE = SRC / 'move_base_abstract'
 MOST_MODULES = 25
-# Each room, and those below it that it may import from. `common` is for all.
+# Of each package: each room or module at its door, and those below it that it may import from, besides LOWEST.
+LOWEST = {'move_base_abstract': 'common'}
 MAY_IMPORT = {
-    'common': '', 'engine': '', 'runs': '', 'supervision': '', 'lockstep': '', 'motion': 'engine', 'maps': 'motion',
-    'goals': 'engine motion maps', 'faults': 'engine goals', 'energy': 'engine goals',
-    'traffic': 'engine motion maps goals', 'tasks': 'engine motion goals runs',
-    'config': 'motion maps goals faults energy', 'scenario': 'config motion traffic tasks', 'mission': 'motion',
-    'fleet': 'scenario config tasks traffic energy faults goals maps motion engine runs'}
+    'move_base_abstract': {
+        'common': '', 'engine': '', 'runs': '', 'supervision': '', 'lockstep': '', 'motion': 'engine', 'maps': 'motion',
+        'goals': 'engine motion maps', 'faults': 'engine goals', 'energy': 'engine goals',
+        'traffic': 'engine motion maps goals', 'tasks': 'engine motion goals runs',
+        'config': 'motion maps goals faults energy', 'scenario': 'config motion traffic tasks', 'mission': 'motion',
+        'fleet': 'scenario config tasks traffic energy faults goals maps motion engine runs'},
+    'move_base_abstract_ros': {
+        'replacing': '', 'loopback': '', 'time_master_client': '', 'process': 'replacing',
+        'lockstep': 'replacing process', 'messages': 'lockstep', 'goal_client': 'messages',
+        'transforms': 'replacing lockstep messages', 'maps': 'lockstep messages', 'map_files': 'maps',
+        'markers': 'lockstep messages', 'clocks': 'process lockstep messages transforms',
+        'backends': 'lockstep messages transforms clocks',
+        'robot': 'replacing lockstep messages transforms maps markers clocks backends',
+        'fleet': 'replacing messages markers robot', 'launching': 'replacing loopback lockstep messages',
+        'nodes': 'replacing loopback process lockstep messages transforms maps clocks backends robot fleet launching'}}
+STILL_LARGE = ('lockstep',)
+OF_THE_CORE = {  # what these rooms of ROS may know of the core: nothing of robots
+    'replacing': 'common', 'loopback': '', 'time_master_client': 'srv msg',
+    'process': 'common', 'lockstep': 'common lockstep'}
 
 
 def imports_of(path):
-    """Return the modules of the package that a file imports, as tuples of names below the package."""
+    """Return all modules and names that a file imports, as tuples of names."""
     base = path.relative_to(SRC).with_suffix('').parts[:-1]
     found = []
     for node in ast.walk(ast.parse(path.read_text())):
@@ -29,29 +43,35 @@ def imports_of(path):
             found += [(*parts, alias.name) for alias in node.names] if parts else []
         elif isinstance(node, ast.Import):
             found += [tuple(alias.name.split('.')) for alias in node.names]
-    return [parts[1:] for parts in found if parts[0] == 'move_base_abstract' and len(parts) > 1]
-
-
-def room_of(parts):
-    """Return the room of a module by the names below the package."""
-    return parts[0]
+    return found
 
 
 def files():
-    return sorted(path for path in CORE.rglob('*.py') if path.parent != CORE or path.name != '__init__.py')
+    """Return (package, room, path) of all modules but those of the packages themselves."""
+    return [(package, path.relative_to(SRC / package).with_suffix('').parts[0], path)
+            for package in MAY_IMPORT for path in sorted((SRC / package).rglob('*.py'))
+            if path != SRC / package / '__init__.py']
 
 
-@pytest.mark.parametrize('path', files(), ids=lambda path: str(path.relative_to(CORE)))
-def test_a_room_knows_only_those_below_it(path):
-    own = path.relative_to(CORE).with_suffix('').parts[0]
+def rooms_of(package):
+    return sorted(path.parent for path in (SRC / package).glob('*/__init__.py'))
+
+
+@pytest.mark.parametrize('package, own, path', files(), ids=lambda value: getattr(value, 'stem', value))
+def test_a_room_knows_only_those_below_it(package, own, path):
+    allowed = {own, LOWEST.get(package), *MAY_IMPORT[package][own].split()}
     for parts in imports_of(path):
-        if parts[0] != own:
-            assert parts[0] in ('common', *MAY_IMPORT[own].split()), f'{own} must not import {".".join(parts)}'
+        if parts[0] == package and len(parts) > 1:
+            assert parts[1] in allowed, f'{own} must not import {".".join(parts)}'
+        elif package == 'move_base_abstract_ros' and own in OF_THE_CORE and parts[0] == 'move_base_abstract':
+            of_robots = parts[1:2] and parts[1] not in OF_THE_CORE[own].split()
+            assert not of_robots, f'{own} must not know {".".join(parts)}'
 
 
-def test_there_are_no_circles_among_the_rooms():
-    known = {'common'}
-    left = {room: set(below.split()) for room, below in MAY_IMPORT.items() if room != 'common'}
+@pytest.mark.parametrize('package', MAY_IMPORT)
+def test_there_are_no_circles_among_the_rooms(package):
+    known = {LOWEST.get(package)}
+    left = {room: set(below.split()) for room, below in MAY_IMPORT[package].items() if room not in known}
     while left:
         free = sorted(room for room, below in left.items() if below <= known)
         assert free, f'a circle among {sorted(left)}'
@@ -60,24 +80,41 @@ def test_there_are_no_circles_among_the_rooms():
             del left[room]
 
 
-def test_every_room_is_listed_and_has_few_modules_and_a_sentence():
-    rooms = sorted(path.parent for path in CORE.glob('*/__init__.py'))
-    assert {path.name for path in rooms} | {'scenario', 'mission'} == set(MAY_IMPORT)
-    for room in rooms:
-        assert len([path for path in room.glob('*.py') if path.name != '__init__.py']) <= MOST_MODULES, room
+@pytest.mark.parametrize('package', MAY_IMPORT)
+def test_every_room_is_listed_and_has_few_modules_and_a_sentence(package):
+    folders = [path for path in (SRC / package).iterdir() if path.is_dir() and any(path.glob('*.py'))]
+    assert sorted(folders) == rooms_of(package)
+    doors = {path.stem for path in (SRC / package).glob('*.py')} - {'__init__'}
+    assert {path.name for path in folders} | doors == set(MAY_IMPORT[package])
+    for room in folders:
+        few = room.name in STILL_LARGE or len(set(room.glob('*.py')) - {room / '__init__.py'}) <= MOST_MODULES
+        assert few, room
         assert ast.get_docstring(ast.parse((room / '__init__.py').read_text())), room
 
 
-@pytest.mark.parametrize('room', sorted(path.parent.name for path in CORE.glob('*/__init__.py')))
-def test_the_names_that_a_room_hands_on_are_there(room):
-    text = (CORE / room / '__init__.py').read_text()
-    package = importlib.import_module('move_base_abstract.' + room)
-    names = [name for own in re.findall(r"'[a-z_]+': '([A-Za-z_ ]+)'", text) for name in own.split()]
-    assert names or room == 'lockstep'
-    for name in names:
-        assert getattr(package, name).__name__ == name
+def handing_on():
+    return [(package, room.name) for package in MAY_IMPORT for room in rooms_of(package)
+            if 'handed_on(__name__' in (room / '__init__.py').read_text()]
+
+
+@pytest.mark.parametrize('package, room', handing_on())
+def test_the_names_that_a_room_hands_on_are_there(package, room):
+    text = (SRC / package / room / '__init__.py').read_text()
+    names = [(module, name) for module, own in re.findall(r"'([a-z_]+)': '([A-Za-z_ ]+)'", text)
+             for name in own.split()]
+    assert names
+    for module, name in names:
+        tree = ast.parse((SRC / package / room / (module + '.py')).read_text())
+        known = {getattr(node, 'name', None) for node in tree.body} | {
+            alias.name for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+        assert name in known, f'{module} has no {name}'
     with pytest.raises(AttributeError, match='has no attribute'):
-        importlib.import_module(package.__name__).__getattr__('what_nobody_hands_on')
+        importlib.import_module(f'{package}.{room}').__getattr__('what_nobody_hands_on')
+
+
+def test_each_room_of_the_core_hands_names_on():
+    handed_on = [room for package, room in handing_on() if package == 'move_base_abstract']
+    assert set(handed_on) == {room.name for room in rooms_of('move_base_abstract')} - {'lockstep'}
 
 
 def test_what_users_need_is_at_the_door():

@@ -3,7 +3,7 @@ import ast
 import os
 
 SOURCES = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'src')
-TIMING = os.path.join(SOURCES, 'move_base_abstract_ros', 'timing.py')
+TIMING = os.path.join(SOURCES, 'move_base_abstract_ros', 'clocks', 'timing.py')
 
 
 def trees():
@@ -23,7 +23,7 @@ def names_in(tree):
 def test_nobody_asks_which_clock_it_is_but_timing_and_the_rooms_of_lockstep():
     asking = [path for path, tree in trees() if 'is_lockstep' in names_in(tree)]
     others = [path for path in asking if not path.startswith(os.path.join('move_base_abstract_ros', 'lockstep', ''))]
-    assert others == [os.path.join('move_base_abstract_ros', 'timing.py')]
+    assert others == [os.path.join('move_base_abstract_ros', 'clocks', 'timing.py')]
 
 
 def test_both_timings_answer_the_same_questions_in_the_same_form():

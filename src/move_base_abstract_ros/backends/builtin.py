@@ -4,9 +4,10 @@ from nav_msgs.msg import Odometry
 
 from move_base_abstract.motion.geometry import Pose2D
 
-from .. import beforehand, tf_hub
-from ..outlets import LatchedOutlets
-from ..packing import InFrame
+from ..lockstep import beforehand
+from ..messages.outlets import LatchedOutlets
+from ..messages.packing import InFrame
+from ..transforms import tf_hub
 
 
 class BuiltinBackend:

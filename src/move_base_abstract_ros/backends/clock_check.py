@@ -4,7 +4,7 @@ import threading
 import rosgraph
 import rospy
 
-from ..throttle import WallThrottle
+from ..clocks.throttle import WallThrottle
 
 _first_time = threading.Lock()
 _first_machine_clock = threading.Lock()

@@ -6,8 +6,8 @@ import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
 
-from .. import conversions
-from ..throttle import WallThrottle
+from ..clocks.throttle import WallThrottle
+from ..messages import conversions
 from . import clock_check
 
 SERVICE = '/gazebo/set_model_state'

@@ -11,9 +11,10 @@ from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.supervision.follow_check import FollowCheck
 from move_base_abstract.supervision.stamp_check import StampCheck
 
-from .. import conversions, tf_hub
-from ..packing import InFrame
-from ..tf_lookup import TfLookup
+from ..messages import conversions
+from ..messages.packing import InFrame
+from ..transforms import tf_hub
+from ..transforms.tf_lookup import TfLookup
 from . import clock_check, stage_watch
 
 _REMINDER_SECONDS = 10.0

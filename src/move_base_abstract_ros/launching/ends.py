@@ -16,7 +16,7 @@ from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog, EventLogError
 
 from ..lockstep.failures import ASKED, UNASKED, UNCAUGHT, words_of
-from ..replaced import replace
+from ..replacing.replaced import replace
 
 TIME_MASTER = '/time_master'
 FAIL, ALLOW = 'fail', 'allow'

@@ -4,7 +4,8 @@ import re
 
 from move_base_abstract.runs import run_difference
 
-from .. import bag_difference, message_fields
+from ..messages import message_fields
+from . import bag_difference
 
 _MOST_CAUSES = 12
 # What the launcher's warnings of sources that are not followed, and labels, have in them.

@@ -8,7 +8,7 @@ import os
 
 import rospkg
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 
 programs = {}  # (package, type): path, of what has been found
 

@@ -57,7 +57,7 @@ def _serve(client, launcher):
     """Fork for each request. Only forks read these: they all begin with the same memory, whoever was started before."""
     for name in _NODES:
         importlib.import_module(name)
-    from ..replaced import look_up
+    from ..replacing.replaced import look_up
     from . import warm_nodes
     look_up()
     warm_nodes.log_settings()

@@ -13,7 +13,7 @@ import zlib
 
 from move_base_abstract.lockstep.seen import Entropy
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 from .callers import asker, is_own, own_frame, sees_run
 from .told import told
 

@@ -8,7 +8,7 @@ from move_base_abstract.lockstep import seen
 from move_base_abstract.lockstep.loops import TIME_STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 from .callers import asker, is_own, sees_run
 from .told import told
 

@@ -24,7 +24,7 @@ from move_base_abstract.lockstep.asked import ASK, FILE_TIME, HASHED
 from move_base_abstract.lockstep.numbered import Numbered, is_hashed_by_address
 from move_base_abstract.lockstep.own_cores import own_cores
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 from . import chance
 from .callers import is_own, own_frame
 from .clocks import is_moment

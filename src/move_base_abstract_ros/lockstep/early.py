@@ -17,7 +17,7 @@ from rospy.impl import tcpros_service
 
 from move_base_abstract.lockstep import wire
 
-from ..replaced import replaced
+from ..replacing.replaced import replaced
 from .access import secret
 from .connection import Closed, Connection
 from .waits import replaced_within

@@ -20,7 +20,7 @@ from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
 from move_base_abstract.lockstep.seen import UPTIME
 from move_base_abstract.lockstep.wire import NEVER
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 from . import outcomes
 from .callers import is_own, own_frame
 from .imports import when_imported

@@ -15,8 +15,8 @@ import rospy
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from ..process_end import leave
-from ..replaced import replace
+from ..process.process_end import leave
+from ..replacing.replaced import replace
 from . import uncaught
 from .waits import replace_within
 

@@ -6,7 +6,7 @@ many of these turns have come to pass; the others are taken back.
 """
 from move_base_abstract.lockstep import wire
 
-from .. import beforehand
+from . import beforehand
 from .links import sender
 
 _MOST_TURNS = 64  # of a report; what is taken back was computed in vain

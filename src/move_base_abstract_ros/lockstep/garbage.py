@@ -6,7 +6,7 @@ cycle, or the callback of a weak reference, is called. Rounds are the same in ea
 import gc
 from types import SimpleNamespace
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 
 #: after this many rounds: which generation, the oldest first
 _EVERY = ((16384, 2), (1024, 1), (64, 0))

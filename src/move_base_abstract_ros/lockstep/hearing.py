@@ -13,7 +13,7 @@ from rospy.impl import registration
 
 from move_base_abstract.lockstep.wire import Hearing as Heard
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 
 
 class Hearing:

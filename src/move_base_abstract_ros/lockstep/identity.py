@@ -12,7 +12,7 @@ import threading
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep.seen import DATE, UPTIME
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 from .callers import sees_run
 from .told import told
 

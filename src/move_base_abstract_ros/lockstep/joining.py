@@ -10,7 +10,7 @@ from move_base_abstract.common.parameter_table import Parameter, checked, intege
 from move_base_abstract.lockstep.charge import make_charge
 from move_base_abstract.lockstep.wire import MAX_RANK
 
-from .. import replaced
+from ..replacing import replaced
 from . import finish, fork, looks, outcomes, threads, uncaught, waits
 from .access import connect, is_lockstep
 from .master_calls import calls

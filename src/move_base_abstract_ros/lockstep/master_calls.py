@@ -13,7 +13,7 @@ import rospy.core  # noqa: F401 - replaced by name
 
 from move_base_abstract.lockstep.parameters import in_order
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 
 QUESTIONS = ('getPublishedTopics', 'getTopicTypes', 'getSystemState', 'lookupNode', 'lookupService')
 CHANGES = ('setParam', 'deleteParam')

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import rospy
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 from . import uncaught
 from .failures import ASKED, UNASKED
 from .imports import when_imported

@@ -12,7 +12,7 @@ import rospy
 from move_base_abstract.lockstep.open_waits import WORK
 from move_base_abstract.lockstep.wire import NEVER
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 
 _OF_PROCESSES = ('concurrent.futures.process', 'multiprocessing.queues')
 _POOL = 'multiprocessing.pool'

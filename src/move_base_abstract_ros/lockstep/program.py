@@ -8,8 +8,8 @@ from importlib.machinery import SourceFileLoader
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from .. import rospy_start
-from ..replaced import replace
+from ..replacing import rospy_start
+from ..replacing.replaced import replace
 from . import (
     address_layout,
     binary,

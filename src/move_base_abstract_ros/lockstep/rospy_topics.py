@@ -1,7 +1,7 @@
 """Where rospy's own topics hand over to :class:`topics.Topics`: its manager and its connections."""
 import rospy
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 
 _OWN = ('move_base_abstract_ros.', 'soil_mapping.')
 

@@ -16,7 +16,7 @@ from rospy.impl import registration, tcpros_service
 from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 from .links import creating_index
 from .master_calls import aside
 

@@ -9,7 +9,7 @@ import sys
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep.seen import DATE
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 from .callers import own_frame
 from .files import files
 from .imports import when_imported

@@ -14,7 +14,7 @@ from move_base_abstract.lockstep.locks import CooperativeLock, CooperativeRLock,
 from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 from . import pools, uncaught
 from .callers import is_own, own_frame
 from .told import told
@@ -22,7 +22,7 @@ from .waits import to_ns
 
 #: where threads and their work are from that are never the application's
 _FOREIGN = ('rosgraph.', 'xmlrpc.', 'socketserver.', 'http.', 'logging.', 'move_base_abstract_ros.lockstep.',
-            'move_base_abstract_ros.outbox.')
+            'move_base_abstract_ros.messages.outbox.')
 #: rospy's own threads are started here; rospy.spin, say, may well be the work of a thread of the application
 _ROSPY = 'rospy.impl.'
 _numbers = itertools.count(1)  # of threads without a name, which Python itself calls so

@@ -11,7 +11,7 @@ import rospy
 
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 from .failures import UNCAUGHT, words_of
 from .own_code import is_library
 

@@ -16,7 +16,7 @@ from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 from move_base_abstract.lockstep.wire import NEVER
 
-from .. import replaced
+from ..replacing import replaced
 
 
 def install(participant):

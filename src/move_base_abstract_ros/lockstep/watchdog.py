@@ -7,7 +7,7 @@ import rospy
 from move_base_abstract.lockstep.loops import STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from ..replaced import replace
+from ..replacing.replaced import replace
 from .callers import own_frame
 from .queries import settle
 from .told import told

@@ -16,7 +16,7 @@ import sys
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog, EventLogError
 
-from .. import bag_difference
+from ..launching import bag_difference
 
 
 def main(words=None):

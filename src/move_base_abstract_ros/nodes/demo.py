@@ -17,10 +17,11 @@ import rospy
 from move_base_abstract import mission
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown_text
-from move_base_abstract_ros import lockstep, rospy_start
+from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
 from move_base_abstract_ros.nodes import demo_nodes, demo_report
 from move_base_abstract_ros.nodes.demo_mission import MissionFailed, MissionRun
+from move_base_abstract_ros.replacing import rospy_start
 
 LAST_LOOK_SECONDS = 1.0  # wall
 FACTOR_MIN, FACTOR_MAX = 0.01, 1e6  # those of the time master

@@ -9,8 +9,9 @@ import rospy
 
 from move_base_abstract.common.errors import SimulatorError
 
-from .. import lockstep, rospy_start
-from ..node_process import parse_no_arguments
+from .. import lockstep
+from ..process.node_process import parse_no_arguments
+from ..replacing import rospy_start
 
 
 def main():

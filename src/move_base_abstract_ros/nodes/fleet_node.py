@@ -9,11 +9,11 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import Parameter, boolean, integer, read_table, text, unknown_names
 from move_base_abstract.scenario import check_one_process, make_scenario, read_scenario
 
-from ..fleet_server import FleetServer, robot_names
-from ..host import Host
-from ..node_process import parse_no_arguments, run_node
-from ..own_parameters import own_parameters
-from ..timing import make_timing
+from ..clocks.timing import make_timing
+from ..fleet.fleet_server import FleetServer, robot_names
+from ..process.node_process import parse_no_arguments, run_node
+from ..process.own_parameters import own_parameters
+from ..robot.host import Host
 from .move_base_node import LOCKSTEP_PARAMETERS, start
 
 _LAST_WORDS_SECONDS = 0.2

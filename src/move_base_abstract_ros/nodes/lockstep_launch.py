@@ -22,7 +22,7 @@ from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep import stored_topics
 
 from ..launching import ends, light_imports, warm_client
-from ..process_end import leave
+from ..process.process_end import leave
 
 _CANNOT, _CRASHED = 2, 3
 

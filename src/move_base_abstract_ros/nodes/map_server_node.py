@@ -19,10 +19,10 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import Parameter, integer, name, number, read_table
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.maps.occupancy import ImageRule
-from move_base_abstract_ros import conversions
-from move_base_abstract_ros.map_files import MapDescription, load_map, read_description
-from move_base_abstract_ros.node_process import run_node
-from move_base_abstract_ros.timing import make_timing
+from move_base_abstract_ros.clocks.timing import make_timing
+from move_base_abstract_ros.maps.map_files import MapDescription, load_map, read_description
+from move_base_abstract_ros.messages import conversions
+from move_base_abstract_ros.process.node_process import run_node
 
 try:
     from nav_msgs.srv import LoadMap, LoadMapResponse

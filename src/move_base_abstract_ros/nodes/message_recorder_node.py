@@ -16,8 +16,9 @@ from roslib.message import get_message_class
 
 from move_base_abstract.common.errors import SimulatorError
 
-from .. import lockstep, rospy_start
-from ..node_process import parse_no_arguments
+from .. import lockstep
+from ..process.node_process import parse_no_arguments
+from ..replacing import rospy_start
 
 
 def main():

@@ -5,14 +5,14 @@ from dataclasses import replace
 import rospy
 
 from move_base_abstract.config.settings import read_settings
-from move_base_abstract_ros.host import Host
-from move_base_abstract_ros.move_base_server import MoveBaseServer
-from move_base_abstract_ros.names import RobotNames
-from move_base_abstract_ros.node_process import parse_no_arguments, run_node
-from move_base_abstract_ros.own_parameters import own_parameters
-from move_base_abstract_ros.robot_map import wait_for_maps
-from move_base_abstract_ros.tf_lookup import listen_to_static_frames
-from move_base_abstract_ros.timing import make_timing
+from move_base_abstract_ros.clocks.timing import make_timing
+from move_base_abstract_ros.maps.robot_map import wait_for_maps
+from move_base_abstract_ros.process.node_process import parse_no_arguments, run_node
+from move_base_abstract_ros.process.own_parameters import own_parameters
+from move_base_abstract_ros.robot.host import Host
+from move_base_abstract_ros.robot.move_base_server import MoveBaseServer
+from move_base_abstract_ros.robot.names import RobotNames
+from move_base_abstract_ros.transforms.tf_lookup import listen_to_static_frames
 
 _LAST_WORDS_SECONDS = 0.1
 #: private parameters that are read elsewhere

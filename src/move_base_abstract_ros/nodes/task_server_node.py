@@ -12,14 +12,14 @@ from move_base_abstract.tasks.place_tasks import Rooms
 from move_base_abstract.tasks.timed_task import DrawnDurations
 
 from .. import lockstep
-from ..bulk_registration import bulk_registration
-from ..host import Host
-from ..node_process import parse_no_arguments, run_node
-from ..own_parameters import own_parameters
-from ..task_server import TaskServer
-from ..timing import make_timing
-from ..work_server import ACTION as WORK
-from ..work_server import WorkServer
+from ..clocks.timing import make_timing
+from ..process.node_process import parse_no_arguments, run_node
+from ..process.own_parameters import own_parameters
+from ..replacing.bulk_registration import bulk_registration
+from ..robot.host import Host
+from ..robot.task_server import TaskServer
+from ..robot.work_server import ACTION as WORK
+from ..robot.work_server import WorkServer
 from .move_base_node import LOCKSTEP_PARAMETERS
 
 _LAST_WORDS_SECONDS = 0.1

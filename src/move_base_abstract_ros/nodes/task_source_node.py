@@ -7,11 +7,11 @@ from move_base_abstract.common.units import LAST_NS
 from move_base_abstract.msg import Task
 from move_base_abstract.scenario import make_scenario, read_scenario
 
-from .. import conversions, packing
-from ..node_process import parse_no_arguments, run_node
-from ..outlets import Outlet
-from ..own_parameters import own_parameters
-from ..timing import make_timing
+from ..clocks.timing import make_timing
+from ..messages import conversions, packing
+from ..messages.outlets import Outlet
+from ..process.node_process import parse_no_arguments, run_node
+from ..process.own_parameters import own_parameters
 from .move_base_node import LOCKSTEP_PARAMETERS
 
 _TABLE = (

@@ -22,7 +22,7 @@ import rosgraph
 import rospy
 
 from move_base_abstract.msg import TimeState
-from move_base_abstract_ros import rospy_start
+from move_base_abstract_ros.replacing import rospy_start
 
 HELP = ('what usually helps: a loop that waits for something waits in ROS time (rospy.sleep, rospy.Rate, '
         'ros::Duration::sleep); a wait for a file, a socket or another process holds everybody up until it is over; '

@@ -14,11 +14,12 @@ import rospy
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.ros_names import NAMESPACE_RULE, is_namespace
 from move_base_abstract.common.shown import shown
-from move_base_abstract_ros import lockstep, rospy_start
-from move_base_abstract_ros.clock_watch import watch_clock
-from move_base_abstract_ros.log_files import survive_full_disk
-from move_base_abstract_ros.node_process import parse_no_arguments, tell_error
-from move_base_abstract_ros.process_end import ProcessEnd
+from move_base_abstract_ros import lockstep
+from move_base_abstract_ros.process.clock_watch import watch_clock
+from move_base_abstract_ros.process.node_process import parse_no_arguments, tell_error
+from move_base_abstract_ros.process.process_end import ProcessEnd
+from move_base_abstract_ros.replacing import rospy_start
+from move_base_abstract_ros.replacing.log_files import survive_full_disk
 from soil_mapping.config import TrialConfig
 from soil_mapping.coordinator import Coordinator
 from soil_mapping.field import field_of

@@ -24,8 +24,8 @@ import actionlib  # noqa: F401
 import rosgraph
 import rospy
 
-from move_base_abstract_ros import replaced
 from move_base_abstract_ros.lockstep import program
+from move_base_abstract_ros.replacing import replaced
 
 WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random',
            'os', '_thread', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc',

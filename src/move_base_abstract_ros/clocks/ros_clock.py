@@ -1,0 +1,166 @@
+"""The present, as this process sees it, and the thread that lets events happen when it moves.
+
+Threading contract: whoever touches a simulation holds :attr:`RosClock.lock`. Events run in the thread that receives
+``/clock``, with no hand-over to another thread in between.
+"""
+import threading
+import time
+
+import rospy
+from rosgraph_msgs.msg import Clock
+
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.engine.simulation import Simulation
+from move_base_abstract.supervision.clock_source import ClockSource, Step
+
+from ..process.clock_watch import watch_clock
+from .fault_log import FaultLog
+from .throttle import WallThrottle
+
+_POLL_SECONDS = 0.01
+_WAIT_POLL_SECONDS = 0.02
+_REMINDER_SECONDS = 5.0
+_WARNINGS_RATE = 0.2  # Hz, wall
+_SPEED_WINDOW_SECONDS = 0.02
+
+
+class RosClock:
+    """Drives one :class:`Simulation` by ``/clock``, or by the machine's clock where ROS uses that."""
+
+    def __init__(self):
+        self.lock = threading.RLock()
+        self.simulation = None
+        self._restart_followers = []
+        self._source = ClockSource()
+        self._behind_throttle = WallThrottle(_WARNINGS_RATE)
+        self._arrived = threading.Event()
+        self._latest_ns = 0
+        self._subscriber = None
+        self._speeds = (1.0, 1.0)
+        self._speed_mark = (0.0, 0)
+
+    def start(self):
+        """Wait for the first ``/clock`` and start the simulation at that time; False if ROS shuts down meanwhile."""
+        if rospy.get_param('/use_sim_time', False):
+            self._subscriber = rospy.Subscriber('/clock', Clock, self._on_clock, queue_size=1, tcp_nodelay=True)
+            if not self._wait_for_clock():
+                return False
+            watch_clock()
+        else:
+            self._latest_ns = rospy.Time.now().to_nsec()
+            threading.Thread(target=self._follow_machine, name='machine_clock', daemon=True).start()
+        with self.lock:
+            self.simulation = Simulation(self._latest_ns, FaultLog())
+        return True
+
+    def _wait_for_clock(self):
+        warned = time.monotonic()
+        while not self._arrived.wait(0.1):
+            if rospy.is_shutdown():
+                return False
+            if time.monotonic() - warned > _REMINDER_SECONDS:
+                warned = time.monotonic()
+                rospy.logwarn('%s: use_sim_time is true but nothing has come on /clock yet: is a time master running, '
+                              'or a simulator that publishes /clock?', rospy.get_name())
+        return True
+
+    def now_ns(self):
+        """Bring the simulation up to the present and return that [ns]. The caller holds the lock."""
+        if self._subscriber is None:
+            self._latest_ns = max(self._latest_ns, rospy.Time.now().to_nsec())
+        self.simulation.advance(max(self._latest_ns, self.simulation.now_ns))
+        return self.simulation.now_ns
+
+    def look_ns(self):
+        """As :meth:`now_ns`."""
+        return self.now_ns()
+
+    def follow_restarts(self, follower):
+        """Call ``follower(before_ns, now_ns)``, in order and under the lock, when ``/clock`` has started anew.
+
+        The simulation goes on at ``now_ns`` [ns], the old time had come to ``before_ns`` [ns].
+        """
+        self._restart_followers.append(follower)
+
+    def show_rates(self, _text):
+        """As of LockstepClock; what is told at a rate is told anyhow."""
+
+    def rates_changed(self):
+        """As of :meth:`show_rates`."""
+
+    def leave_restarts(self, follower):
+        """Call it no more."""
+        self._restart_followers.remove(follower)
+
+    def serve(self):
+        """Nothing to do: rospy's own threads call back from the start."""
+
+    def keep_causal_rows(self):
+        """As of LockstepClock."""
+
+    def record(self, _index):
+        """Return None: only lockstep has an event log."""
+
+    def wait_until(self, condition, seconds, _what):
+        """Wait until ``condition()`` holds, for at most ``seconds`` of the wall clock. May block; no lock is held."""
+        deadline = time.monotonic() + seconds
+        while not condition() and time.monotonic() < deadline and not rospy.is_shutdown():
+            time.sleep(_WAIT_POLL_SECONDS)
+
+    def falls_silent(self, _robot, _teller, _parameter):
+        """As of LockstepClock; what is switched off here was switched off by name."""
+
+    def wall_to_ns(self, seconds):
+        """Return how far simulated time [ns] moves in ``seconds`` of the wall clock, at its present speed.
+
+        Rather too little than too much, since who sleeps too long misses an instant: after a stall of this process
+        time seems to run fast for a moment.
+        """
+        return int(seconds * min(self._speeds) * NS_PER_S)
+
+    def _measure_speed(self, time_ns):
+        wall = time.monotonic()
+        mark_wall, mark_ns = self._speed_mark
+        if wall - mark_wall >= _SPEED_WINDOW_SECONDS:
+            if mark_ns:
+                self._speeds = (self._speeds[1], (time_ns - mark_ns) / NS_PER_S / (wall - mark_wall))
+            self._speed_mark = (wall, time_ns)
+
+    def _on_clock(self, message):
+        with self.lock:
+            self._take(message.clock.to_nsec(), message._connection_header['callerid'])
+
+    def _take(self, time_ns, source):
+        before_ns = self._source.latest_ns
+        step = self._source.judge(time_ns, source, time.monotonic())
+        if step is Step.BEHIND and self._behind_throttle.ready():
+            rospy.logwarn('%s: two clocks are running: it is %.3f s by %s; the %.3f s that %s publishes on /clock are '
+                          'ignored. Stop one of them', rospy.get_name(), before_ns / NS_PER_S, self._source.leader,
+                          time_ns / NS_PER_S, source)
+        if step in (Step.BEHIND, Step.SAME):
+            return
+        self._latest_ns = time_ns
+        if self.simulation is None:
+            self._arrived.set()
+        elif step is Step.ANEW:
+            self._restart(time_ns, source)
+        else:
+            self._measure_speed(time_ns)
+            self.simulation.advance(time_ns)
+
+    def _restart(self, time_ns, source):
+        before_ns = self.simulation.now_ns
+        rospy.logwarn('%s: /clock went back from %.3f s to %.3f s: %s has started anew. Goals under way are aborted, '
+                      'and all goes on from where it is', rospy.get_name(), before_ns / NS_PER_S,
+                      time_ns / NS_PER_S, source)
+        self._speed_mark = (0.0, 0)
+        self.simulation.restart(time_ns)
+        for follower in list(self._restart_followers):
+            follower(before_ns, time_ns)
+
+    def _follow_machine(self):
+        while not rospy.is_shutdown():
+            time.sleep(_POLL_SECONDS)
+            with self.lock:
+                if self.simulation is not None:
+                    self.now_ns()

@@ -1,0 +1,131 @@
+"""Many robots in one process: each a :class:`MoveBaseServer`, added, removed and reset by services."""
+import threading
+from dataclasses import replace
+
+import rospy
+from std_srvs.srv import Trigger, TriggerResponse
+
+from move_base_abstract.common.bounded_yaml import REQUEST, load_yaml_text
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown, shown_text
+from move_base_abstract.scenario import check_frame, counted_places, make_robot
+from move_base_abstract.srv import AddRobot, AddRobotResponse, RemoveRobot, RemoveRobotResponse
+from move_base_abstract.tasks.place_tasks import Rooms
+
+from ..markers import world_markers
+from ..replacing.bulk_registration import bulk_registration
+from ..robot.move_base_server import MoveBaseServer
+from ..robot.names import RobotNames
+from .traffic_interface import TrafficInterface, make_traffic
+
+
+def robot_names(namespace, name):
+    """Return the RobotNames of the robot ``name`` of a fleet in ``namespace``."""
+    return RobotNames('{}/{}'.format(namespace.rstrip('/'), name))
+
+
+#: what the fields x, y and yaw of a request say
+_OF_REQUEST = {'start_x': 'x', 'start_y': 'y', 'start_yaw': 'yaw'}
+
+
+class FleetServer:
+    """The robots of one process below ``namespace``, in the order of their indices."""
+
+    def __init__(self, namespace, host, specs, scenario, indices):
+        """``specs``: (index, RobotSpec) pairs of ``scenario`` (Scenario); ``indices``: those of robots added later."""
+        self._namespace = namespace
+        self._host = host
+        self._defaults = scenario.defaults
+        self._traffic = make_traffic(host.clock.simulation, scenario)
+        self._rooms = None if scenario.places is None else Rooms(host.clock.simulation, scenario.places)
+        self._robots = {}
+        self._frames = {}  # {tf frame: name of its robot}
+        self._indices = indices
+        self._changes = threading.Lock()  # rospy has a thread for each call of a service
+        if counted_places(scenario):
+            host.clock.keep_causal_rows()
+        with bulk_registration():
+            for index, spec in specs:
+                self._add(spec, index)
+        if self._traffic.states():
+            self._traffic_interface = TrafficInterface(self._traffic, host.clock)
+        world_markers.add(host.clock, scenario, self._traffic, self._rooms)
+        # Services come last: who finds them finds the robots.
+        self._services = [rospy.Service('~add_robot', AddRobot, self._on_add),
+                          rospy.Service('~remove_robot', RemoveRobot, self._on_remove),
+                          rospy.Service('~reset', Trigger, self._on_reset)]
+
+    @property
+    def names(self):
+        """The robots' names, in the order of their indices."""
+        return list(self._robots)
+
+    def shut_down(self):
+        """End all active goals as a killed move_base does."""
+        for robot in list(self._robots.values()):
+            robot.shut_down()
+
+    def _add(self, spec, index):
+        settings = spec.settings
+        check_frame(spec, self._frames, 'robots')
+        if settings.tf_prefix is None:
+            settings = replace(settings, tf_prefix=spec.name)
+        try:
+            self._robots[spec.name] = MoveBaseServer(robot_names(self._namespace, spec.name), settings, self._host,
+                                                     index, self._traffic, self._rooms)
+        except BaseException:
+            self._forget_frame(spec.name)
+            raise
+
+    def _forget_frame(self, name):
+        self._frames = {frame: robot for frame, robot in self._frames.items() if robot != name}
+
+    def _on_add(self, request):
+        with self._changes:
+            return self._add_requested(request)
+
+    def _add_requested(self, request):
+        try:
+            if request.name in self._robots:
+                raise ConfigurationError("robot '{}' is there already".format(request.name))
+            spec = make_robot(request.name, self._parameters(request), 'robot ' + shown_text(request.name))
+            with bulk_registration():
+                self._add(spec, next(self._indices))
+        except ConfigurationError as error:
+            rospy.logwarn('%s: add_robot is refused: %s', rospy.get_name(), error)
+            return AddRobotResponse(False, str(error))
+        rospy.loginfo('%s: robot %s is added', rospy.get_name(), request.name)
+        return AddRobotResponse(True, '')
+
+    def _parameters(self, request):
+        own = load_yaml_text(request.parameters, 'parameters', REQUEST) or {}
+        if not isinstance(own, dict):
+            raise ConfigurationError('parameters: got {}; allowed: a YAML mapping of settings'.format(shown(own)))
+        for key, field in _OF_REQUEST.items():
+            if key in own:
+                raise ConfigurationError("parameters: {}: unknown here; the request's own field {} says it".format(
+                    key, field))
+        return {**self._defaults, 'start_x': request.x, 'start_y': request.y, 'start_yaw': request.yaw, **own}
+
+    def _on_remove(self, request):
+        with self._changes:
+            return self._remove_requested(request)
+
+    def _remove_requested(self, request):
+        robot = self._robots.pop(request.name, None)
+        if robot is None:
+            return RemoveRobotResponse(False, "robot '{}' is unknown; there are: {}".format(
+                shown_text(request.name), ', '.join(self.names[:10]) or 'none'))
+        robot.close()
+        self._forget_frame(request.name)
+        rospy.loginfo('%s: robot %s is removed', rospy.get_name(), request.name)
+        return RemoveRobotResponse(True, '')
+
+    def _on_reset(self, _request):
+        with self._changes:
+            robots = list(self._robots.values())
+            with self._host.clock.lock:
+                for robot in robots:
+                    robot.reset()
+        rospy.loginfo('%s: %d robots are reset', rospy.get_name(), len(robots))
+        return TriggerResponse(True, '{} robots are at their start'.format(len(robots)))

@@ -1,0 +1,49 @@
+"""The zones of a fleet towards ROS: the topic ``~zones`` and the service ``~close_zone``."""
+import rospy
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.msg import ZoneState, ZoneStates
+from move_base_abstract.srv import CloseZone, CloseZoneResponse
+from move_base_abstract.traffic.control import DeadlockPolicy, Traffic
+
+from ..messages import conversions
+from ..messages.outlets import LatchedOutlet
+from ..messages.packing import of_message
+
+_MOST_PLACES = 2 ** 32 - 1  # that a message can name
+
+
+def make_traffic(simulation, scenario):
+    """Return the :class:`Traffic` of a scenario's zones and lanes."""
+    return Traffic(simulation, scenario.zones, DeadlockPolicy(scenario.deadlock))
+
+
+class TrafficInterface:
+    """Shows the areas of ``traffic`` (Traffic) and has its zones closed; made when all robots are there."""
+
+    def __init__(self, traffic, clock):
+        self._traffic = traffic
+        self._clock = clock
+        self._outlet = LatchedOutlet('~zones', ZoneStates, self._pack, queue_size=1)
+        with clock.lock:
+            traffic.follow(self._show)
+            self._show()
+        self._service = rospy.Service('~close_zone', CloseZone, self._on_close)
+
+    def _show(self):
+        self._outlet.show(self._traffic.states(), self._traffic.simulation.now_ns)
+
+    def _pack(self, states, now_ns):
+        zones = [ZoneState(state.kind, state.name, min(state.capacity or 0, _MOST_PLACES), state.closed,
+                           list(state.robots), list(state.waiting)) for state in states]
+        return of_message(ZoneStates(conversions.to_time(now_ns), zones))
+
+    def _on_close(self, request):
+        with self._clock.lock:
+            self._clock.now_ns()
+            try:
+                self._traffic.close_zone(request.zone, request.closed)
+            except ConfigurationError as error:
+                return CloseZoneResponse(False, str(error))
+        rospy.loginfo('%s: the zone %s is %s', rospy.get_name(), request.zone, 'closed' if request.closed else 'open')
+        return CloseZoneResponse(True, '')

@@ -1,0 +1,118 @@
+"""The costmaps' topics, so that existing RViz set-ups show something: the map as it is, and the footprint."""
+import rospy
+from geometry_msgs.msg import PolygonStamped
+from map_msgs.msg import OccupancyGridUpdate
+from nav_msgs.msg import OccupancyGrid
+
+from move_base_abstract.maps.costmaps import Window
+
+from ..lockstep import beforehand
+from ..messages import conversions
+from ..messages.outlets import LatchedOutlet, LatchedOutlets
+from ..messages.packing import InFrame, of_message
+
+_CELLS = 100
+_WINDOW_RATE = 5.0  # Hz, wall
+_FLOAT32_MAX = 3.4e38
+
+
+class CostmapTopics:
+    """Grids and footprints of one robot.
+
+    The global costmap is the map in the global frame. Without a map it is free everywhere inside the bounds; without
+    these the world has no end and thus no grid: then its topic is there and stays silent. The local one is a window of
+    it that goes with the robot, in the odom frame, which coincides with the global one.
+    """
+
+    def __init__(self, names, settings, host, robot_map):
+        self._global_frame = settings.values['global_frame']
+        self._local_frame = settings.odom_frame
+        self._costmaps = settings.costmaps
+        self._map = robot_map
+        self._throttle = host.throttle(_WINDOW_RATE)
+        self._latest = None
+        self._grid = rospy.Publisher(names.own('global_costmap/costmap'), OccupancyGrid, queue_size=1, latch=True)
+        self._window = LatchedOutlet(names.own('local_costmap/costmap'), OccupancyGrid, self._pack_window,
+                                     queue_size=1)
+        self._updates = [rospy.Publisher(names.own(costmap + '/costmap_updates'), OccupancyGridUpdate, queue_size=1)
+                         for costmap in ('global_costmap', 'local_costmap')]
+        self._footprints = LatchedOutlets()
+        for costmap, frame_id, footprint in (
+                ('global_costmap', self._global_frame, self._costmaps.global_footprint),
+                ('local_costmap', self._local_frame, self._costmaps.local_footprint)):
+            self._footprints.add(names.own(costmap + '/footprint'), PolygonStamped,
+                                 _footprint_packer(footprint, frame_id), queue_size=1)
+        if settings.values['world_bounds'] and robot_map.check is None:
+            self._grid.publish(_free_grid(settings.bounds, self._global_frame))
+        robot_map.follow(self._show_map)
+
+    def moved(self, pose, stamp_ns, is_event):
+        """Show the robot at ``pose`` (global frame); ``is_event``: it starts or stands, which no cap leaves out."""
+        self._footprints.show(pose, stamp_ns)
+        beforehand.changes(self, '_latest')
+        self._latest = pose, stamp_ns
+        if is_event or self._throttle.ready():
+            self._window.show()
+
+    def is_heard(self):
+        """Return who listens to what moves with the robot: 0 is nobody."""
+        return max(self._footprints.is_heard(), self._window.is_heard())
+
+    def hearers(self):
+        """Return (topic, name) of each node that listens to what moves with the robot."""
+        return self._footprints.hearers() + self._window.hearers()
+
+    def close(self):
+        """Leave the graph."""
+        for topic in (self._grid, self._window, *self._updates, self._footprints):
+            topic.unregister()
+
+    def _show_map(self, message, _occupancy):
+        """Publish the map's own message: all robots of the process share it."""
+        self._grid.publish(message)
+        if self._latest is not None:
+            self._window.show()
+
+    def _pack_window(self):
+        pose, stamp_ns = self._latest
+        window = self._costmaps.window
+        x, y = window.corner(pose)
+        grid = _grid(self._local_frame, stamp_ns, x, y, window)
+        occupancy = None if self._map.check is None else self._map.check.occupancy
+        if occupancy is None:
+            grid.data = [0] * (window.columns * window.rows)
+        else:
+            grid.data = occupancy.cut(x, y, window.columns, window.rows, window.resolution).ravel().tolist()
+        return of_message(grid)
+
+
+def _footprint_packer(footprint, frame_id):
+    frame = InFrame(frame_id)
+
+    def make(pose, stamp_ns):
+        points = [(_to_float32(x), _to_float32(y)) for x, y in footprint.at(pose)]
+        return lambda seq: frame.polygon(seq, points, stamp_ns)
+    return make
+
+
+def _to_float32(value):
+    """Return what a Point32 can hold of ``value``."""
+    return max(-_FLOAT32_MAX, min(_FLOAT32_MAX, value))
+
+
+def _grid(frame_id, stamp_ns, x, y, window):
+    grid = OccupancyGrid(header=conversions.to_header(frame_id, stamp_ns))
+    grid.info.resolution = window.resolution
+    grid.info.width, grid.info.height = window.columns, window.rows
+    grid.info.origin.position.x, grid.info.origin.position.y = x, y
+    grid.info.origin.orientation.w = 1.0
+    return grid
+
+
+def _free_grid(bounds, frame_id):
+    width, height = bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min
+    resolution = max(width, height) / _CELLS
+    window = Window(max(1, int(round(width / resolution))), max(1, int(round(height / resolution))), resolution)
+    grid = _grid(frame_id, 0, bounds.x_min, bounds.y_min, window)
+    grid.data = [0] * (window.columns * window.rows)
+    return grid

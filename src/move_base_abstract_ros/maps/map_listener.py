@@ -1,0 +1,98 @@
+"""Maps that come on a topic: one subscription and one copy per topic and process, whatever the number of robots."""
+import threading
+import time
+
+import rospy
+from nav_msgs.msg import OccupancyGrid
+from rospy.numpy_msg import numpy_msg
+
+from move_base_abstract.maps.occupancy import OccupancyMap
+
+from ..messages import conversions
+
+_REMINDER_SECONDS = 5.0
+
+
+class MapListener:
+    """Receives the maps of one topic; use :meth:`on` to get the process's listener of a topic.
+
+    Threading: ``follow`` and ``leave`` from any thread; followers are called in the thread that receives maps, one at a
+    time and without a lock that ``follow`` or ``leave`` wait for, or in that of ``follow``.
+    """
+
+    _listeners = {}
+    _listeners_lock = threading.Lock()
+
+    def __init__(self, topic):
+        self.topic = topic
+        self._lock = threading.RLock()
+        self._turn = threading.Lock()  # of the threads that receive maps: one publisher has one
+        self._followers = []
+        self._latest = None
+        self._came = threading.Event()
+        # With numpy_msg the cells stay the bytes that came; a list would take eight times as much.
+        self._subscriber = rospy.Subscriber(topic, numpy_msg(OccupancyGrid), self._on_map, queue_size=1)
+
+    @classmethod
+    def on(cls, topic):
+        """Return the process's listener of ``topic`` (an absolute name)."""
+        with cls._listeners_lock:
+            if topic not in cls._listeners:
+                cls._listeners[topic] = cls(topic)
+            return cls._listeners[topic]
+
+    def wait(self):
+        """Wait for the first map, however long that takes, and say so; False if ROS shuts down meanwhile."""
+        reminded = time.monotonic()
+        while not self._came.wait(0.1):
+            if rospy.is_shutdown():
+                return False
+            if time.monotonic() - reminded > _REMINDER_SECONDS:
+                reminded = time.monotonic()
+                rospy.logwarn('%s: no map has come on %s yet, and robots are to use it: is a map server running?',
+                              rospy.get_name(), self.topic)
+        return True
+
+    def follow(self, follower):
+        """Call ``follower(message, occupancy)`` with the latest map, if there is one, and with each that comes."""
+        with self._lock:
+            self._followers.append(follower)
+            if self._latest is not None:
+                follower(*self._latest)
+
+    def leave(self, follower):
+        """Call ``follower`` no more."""
+        with self._lock:
+            self._followers.remove(follower)
+
+    def _on_map(self, message):
+        try:
+            occupancy = to_occupancy(message)
+        except ValueError as error:
+            rospy.logerr('%s: the map on %s is not used: %s', rospy.get_name(), self.topic, error)
+            return
+        with self._turn:
+            with self._lock:
+                self._latest = message, occupancy
+                followers = list(self._followers)
+            for follower in followers:
+                if follower in self._followers:  # it may have left meanwhile
+                    follower(message, occupancy)
+        self._came.set()
+        rospy.loginfo('%s: map on %s: %d x %d cells of %g m in the frame %s', rospy.get_name(), self.topic,
+                      occupancy.width, occupancy.height, occupancy.resolution, message.header.frame_id)
+
+
+def to_occupancy(message):
+    """Return the OccupancyMap of a nav_msgs/OccupancyGrid whose data is a numpy array; the cells are not copied.
+
+    :raises ValueError: if size and data do not fit, or resolution or origin are impossible.
+    """
+    info = message.info
+    if len(message.data) != info.width * info.height:
+        raise ValueError('got {} cells; allowed: {} x {}, as its info says'.format(
+            len(message.data), info.width, info.height))
+    if not any(conversions.quaternion_tuple(info.origin.orientation)):
+        info.origin.orientation.w = 1.0  # who draws maps by hand often leaves the orientation out
+    return OccupancyMap(message.data.reshape(info.height, info.width), info.resolution,
+                        conversions.from_pose(info.origin))

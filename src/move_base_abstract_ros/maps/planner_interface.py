@@ -1,0 +1,91 @@
+"""The plans that move_base shows and makes on request."""
+from contextlib import nullcontext
+
+import rospy
+from nav_msgs.msg import Path
+from nav_msgs.srv import GetPlan, GetPlanResponse
+from std_srvs.srv import Empty, EmptyResponse
+
+from move_base_abstract.maps.planning import path_along
+
+from ..messages import conversions
+from ..messages.outlets import LatchedOutlets
+from ..messages.packing import of_message
+
+
+class PlannerInterface:
+    """Topics ``<planner>/plan`` and services ``make_plan``, ``<planner>/make_plan``, ``clear_costmaps``."""
+
+    def __init__(self, names, settings, clock, navigator, robot_map):
+        self._names = names
+        self._clock = clock
+        self._navigator = navigator
+        self._map = robot_map
+        self._global_frame = settings.values['global_frame']
+        self._add_unreachable_goal = settings.values['make_plan_add_unreachable_goal']
+        local = settings.local_planner
+        planner = settings.global_planner
+        self._plans = LatchedOutlets()
+        for topic in (planner + '/plan', local + '/global_plan', local + '/local_plan'):
+            self._plans.add(names.own(topic), Path, self._pack_way, queue_size=1)
+        self._services = [
+            rospy.Service(names.own('make_plan'), GetPlan, self._make_plan_when_idle),
+            rospy.Service(names.own(planner + '/make_plan'), GetPlan,
+                          lambda request: GetPlanResponse(self._make_plan(request))),
+            rospy.Service(names.own('clear_costmaps'), Empty, lambda _request: EmptyResponse())]
+
+    def set_add_unreachable_goal(self, is_added):
+        """Say whether a plan that ends near the goal has the goal itself behind its end."""
+        self._add_unreachable_goal = is_added
+
+    def close(self):
+        """Leave the graph."""
+        self._plans.unregister()
+        for service in self._services:
+            service.shutdown('the robot is removed')
+
+    def show(self, start, corners, goal, now_ns):
+        """Publish the way by ``corners`` [(x, y), m] that the robot now takes; who comes later gets it, too."""
+        self._plans.show(start, corners, goal, now_ns)
+
+    def _pack_way(self, start, corners, goal, now_ns):
+        return of_message(self._to_path(path_along(start, corners, goal), now_ns))
+
+    def _make_plan_when_idle(self, request):
+        with self._clock.lock:
+            active = self._navigator.is_active
+        if active:
+            raise rospy.ServiceException('move_base must be in an inactive state to make a plan for an external user')
+        plan = self._make_plan(request)
+        plan.header.frame_id, plan.header.stamp = '', conversions.to_time(0)  # as move_base leaves it, unlike planners
+        return GetPlanResponse(plan)
+
+    def _make_plan(self, request):
+        """Plan from the request's start (or from the robot) in the global frame; an empty plan if there is no way."""
+        self._map.wait()
+        lacking = self._navigator.planner.lacking
+        if lacking:
+            raise rospy.ServiceException('make_plan: {}'.format(lacking))
+        with self._clock.lock:
+            now_ns = self._clock.now_ns()
+            start = self._navigator.robot.pose_at(now_ns)
+        try:
+            if request.start.header.frame_id:
+                start = self._in_global_frame(request.start)
+            goal = self._in_global_frame(request.goal)
+            with nullcontext() if self._navigator.planner.goes_straight else self._clock.lock:
+                poses = self._navigator.planner.plan_near(start, goal, request.tolerance, self._add_unreachable_goal)
+        except ValueError as error:
+            raise rospy.ServiceException('make_plan: {}'.format(error)) from None
+        return self._to_path(poses, now_ns)
+
+    def _in_global_frame(self, message):
+        """Return the Pose2D of a request's pose; like upstream's planners this takes the global frame only."""
+        if message.header.frame_id.lstrip('/') != self._global_frame:
+            raise ValueError("the start and the goal must be in the global frame '{}', got '{}'".format(
+                self._global_frame, message.header.frame_id))
+        return conversions.from_pose(message.pose)
+
+    def _to_path(self, poses, now_ns):
+        return Path(conversions.to_header(self._global_frame, now_ns),
+                    [conversions.to_pose_stamped(pose, self._global_frame, now_ns) for pose in poses])

@@ -1,0 +1,167 @@
+"""The robots of a process as one MarkerArray, drawn only while somebody looks.
+
+Whatever happens to a robot is drawn within 50 ms of wall time, robots under way five times a second, and what is drawn
+at one instant is one message.
+"""
+import threading
+import time
+
+import rospy
+from visualization_msgs.msg import MarkerArray
+
+from move_base_abstract.motion.geometry import Pose2D
+
+from .. import lockstep
+from . import marker_builder
+from .marker_builder import Look, View
+
+TOPIC = 'move_base_abstract/markers'  # unless a parameter says otherwise
+_CHANGE_SECONDS = 0.05  # wall; the shortest time between two messages
+_REFRESH_SECONDS = 0.2  # wall; how often robots with a goal are drawn
+
+_lock = threading.Lock()
+_boards = {}
+
+
+def add(clock, settings, navigator, state, is_changing=False):
+    """Draw the robot of ``navigator`` from now on; return its :class:`RobotMarkers`.
+
+    ``state()``: what it does, a line of text; the caller holds the clock's lock. ``is_changing``: also while it stands.
+    """
+    robot = navigator.robot
+    look = Look(robot.name, marker_builder.robot_number(robot.name, robot.index), settings.values['global_frame'],
+                settings.values['marker_size'])
+    return RobotMarkers(board(clock, settings.values['marker_topic']), look, navigator, state,
+                        is_changing)
+
+
+def board(clock, topic):
+    """Return the one board of this process on a topic."""
+    topic = '/' + topic.strip('/')
+    with _lock:
+        if topic not in _boards:
+            _boards[topic] = _Board(clock, topic)
+        return _boards[topic]
+
+
+class RobotMarkers:
+    """One robot on the board of its process."""
+
+    def __init__(self, board, look, navigator, state, is_changing):
+        self.look = look
+        self._state = state
+        self._is_changing = is_changing
+        self._drawn_route = None
+        self._board = board
+        self._navigator = navigator
+        board.add(self)
+
+    def changed(self):
+        """Have the robot drawn soon; returns at once."""
+        self._board.change(self)
+
+    def close(self):
+        """Have the robot taken away."""
+        self._board.remove(self)
+
+    def draw(self, view):
+        """Return the markers that show ``view``; a route that has not changed since the last call is left out."""
+        markers = marker_builder.body(self.look, view)
+        if self._drawn_route != view.route:
+            self._drawn_route = view.route
+            markers += marker_builder.route(self.look, view)
+        return markers
+
+    def forget_drawn(self):
+        """Somebody new looks, who has seen nothing yet."""
+        self._drawn_route = None
+
+    def view(self, now_ns):
+        """Return the :class:`View` of the robot at ``now_ns`` [ns]; the caller holds the clock's lock."""
+        robot, leg = self._navigator.robot, self._navigator.robot.leg
+        way = (leg.start, *(Pose2D(x, y) for x, y in leg.corners), leg.end) if leg else None
+        return View(robot.pose_at(now_ns), self._navigator.target, way, self._state(), self._is_changing)
+
+
+class _Board(rospy.SubscribeListener):
+    """One publisher and one thread. The thread never waits for the clock's lock while it holds the condition."""
+
+    def __init__(self, clock, topic):
+        super().__init__()
+        self._clock = clock
+        self._condition = threading.Condition()
+        self._robots = {}
+        self._changed = set()
+        self._under_way = set()
+        self._removed = []
+        participant = lockstep.participant()
+        if participant is not None:  # pictures are drawn by the wall clock
+            participant.exclude(topic)
+        self._publisher = rospy.Publisher(topic, MarkerArray, subscriber_listener=self, queue_size=10)
+        threading.Thread(target=self._run, name='markers', daemon=True).start()
+
+    def add(self, robot):
+        """Draw ``robot`` from now on."""
+        with self._condition:
+            self._robots[robot.look.name] = robot
+        self.change(robot)
+
+    def change(self, robot):
+        """Draw ``robot`` soon; without a subscriber there is nothing to do before one comes."""
+        if self._publisher.impl.connections:  # not get_num_connections: this is asked at each event of each robot
+            with self._condition:
+                self._changed.add(robot)
+                self._condition.notify()
+
+    def remove(self, robot):
+        """Draw ``robot`` no more."""
+        with self._condition:
+            self._robots.pop(robot.look.name, None)
+            self._changed.discard(robot)
+            self._under_way.discard(robot)
+            self._removed.append(robot)
+            self._condition.notify()
+
+    def peer_subscribe(self, _topic_name, _topic_publish, _peer_publish):
+        """Draw everything for who comes anew."""
+        with self._condition:
+            for robot in self._robots.values():
+                robot.forget_drawn()
+                self._changed.add(robot)
+            self._condition.notify()
+
+    def _run(self):
+        while not rospy.is_shutdown():
+            chosen, removed = self._wait()
+            if self._publisher.get_num_connections() == 0:
+                continue
+            markers = [marker for robot in removed for marker in marker_builder.farewell(robot.look)]
+            for robot, view in self._views(chosen):
+                markers += self._draw(robot, view)
+            try:
+                self._publisher.publish(MarkerArray(markers))
+            except rospy.ROSException:
+                return  # the node is going down
+            time.sleep(_CHANGE_SECONDS)
+
+    def _wait(self):
+        """Return (robots to draw, robots to take away) when there is something to do."""
+        with self._condition:
+            watched = self._publisher.get_num_connections() > 0
+            self._condition.wait_for(lambda: self._changed or self._removed,
+                                     _REFRESH_SECONDS if watched and self._under_way else None)
+            chosen, removed = self._changed | self._under_way, self._removed
+            self._changed, self._under_way, self._removed = set(), set(), []
+        return sorted(chosen, key=lambda robot: robot.look.name), removed
+
+    def _views(self, robots):
+        with self._clock.lock:
+            now_ns = self._clock.look_ns()
+            return [(robot, robot.view(now_ns)) for robot in robots]
+
+    def _draw(self, robot, view):
+        markers = robot.draw(view)
+        with self._condition:
+            if (view.goal or view.is_changing) and self._robots.get(robot.look.name) is robot:
+                self._under_way.add(robot)
+        return markers

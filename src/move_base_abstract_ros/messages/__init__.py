@@ -1,0 +1,4 @@
+"""Messages as the core's values and as bytes: conversion, packing, outlets, answers in order."""
+from move_base_abstract.common.handed_on import handed_on
+
+__getattr__ = handed_on(__name__, {'outbox': 'Outbox', 'outlets': 'Outlet LatchedOutlets'})

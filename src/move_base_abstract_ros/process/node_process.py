@@ -1,0 +1,141 @@
+"""One of our nodes as a process: its command line, its start, its end, and a plain line for whatever goes wrong."""
+import argparse
+import gc
+import http.client
+import logging
+import sys
+import threading
+import traceback
+import xmlrpc.client
+
+import rosgraph
+import rospkg
+import rospy
+
+from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.shown import shown_text
+
+from ..replacing import rospy_start
+from ..replacing.log_files import survive_full_disk
+from .process_end import ProcessEnd, leave
+from .ros_master_watch import RosMasterWatch, is_answering
+
+_POLL_S = 0.05  # wall
+_MASTER_TIMEOUT_S = 2.0  # wall
+_FAILED = 1
+_WRONG_ARGUMENTS = 2
+#: what comes out of rospy where the ROS master is gone
+_NETWORK_ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, rosgraph.MasterException,
+                   rosgraph.MasterError)
+
+
+def parse_no_arguments(name, description, is_strict=True):
+    """Handle the command line of a node that is configured by parameters: --help, and what is no argument of it.
+
+    ``is_strict``: arguments are an error, exit code 2; else a warning, for who stands in for a node that ignores them.
+    """
+    parser = argparse.ArgumentParser(prog=name, description=description, usage='%(prog)s [-h] [NAME:=VALUE ...]',
+                                     epilog='NAME:=VALUE: a remapping; _PARAMETER:=VALUE: a private parameter, as of '
+                                     'any ROS node. The pages in docs/ of the package say which there are.')
+    _, rest = parser.parse_known_args(rospy.myargv()[1:])
+    if rest and is_strict:
+        parser.error('unknown argument {}; allowed: NAME:=VALUE'.format(shown_text(rest[0])))
+    if rest:
+        print('{}: unknown argument {} is ignored'.format(name, shown_text(rest[0])), file=sys.stderr)
+
+
+def run_node(name, set_up, say_goodbye=None, failed=_FAILED, **options):
+    """Be the node ``name`` until ROS shuts down; exits where anything goes wrong.
+
+    ``set_up()`` makes the node's object, or returns None if ROS shuts down meanwhile; ``say_goodbye(object)`` comes
+    before the topics close. ``failed``: the exit code where a parameter cannot be used. ``options`` of rospy.init_node.
+    """
+    end = ProcessEnd(name, lambda signal: _shut_down(signal, name, end))
+    watch = RosMasterWatch(name)
+    result = _in_thread(lambda: _start(name, set_up, watch, options), end, watch)
+    watch.stop()
+    if end.asked.is_set():
+        _finish(end)
+    if watch.has_lost:
+        leave(_FAILED)
+    if isinstance(result, BaseException):
+        leave(tell_error(name, result, failed))
+    if result is None:
+        return
+    end.enter_service()
+    # What is there now stays to the end: Python's search for garbage need not go through it again and again.
+    gc.collect()
+    gc.freeze()
+    if say_goodbye is not None:
+        rospy.on_shutdown(lambda: say_goodbye(result))
+    rospy.spin()
+    if end.asked.is_set():
+        _finish(end)
+
+
+def _shut_down(signal, name, end):
+    """Shut rospy down in order, or as far as that goes without a ROS master, under whose lock rospy may be waiting."""
+    if not is_answering(rosgraph.get_master_uri(), name, _MASTER_TIMEOUT_S):
+        if not end.is_in_service:
+            leave(0)
+        end.hasten(_MASTER_TIMEOUT_S)
+    rospy.signal_shutdown(signal)
+
+
+def _start(name, set_up, watch, options):
+    watch.start()
+    survive_full_disk()
+    rospy_start.prepare()
+    rospy.init_node(name, disable_signals=True, **options)
+    return set_up()
+
+
+def _in_thread(work, end, watch):
+    """Return what ``work()`` returns or raises; None if the process is to end before.
+
+    Another thread than the main one: what it waits for need not come, once the ROS master is gone.
+    """
+    results = []
+
+    def run():
+        try:
+            results.append(work())
+        except BaseException as error:
+            results.append(error)
+
+    worker = threading.Thread(target=run, name='set-up', daemon=True)
+    worker.start()
+    while worker.is_alive() and not end.asked.is_set() and not watch.has_lost:
+        worker.join(_POLL_S)
+    return results[0] if results else None
+
+
+def _finish(end):
+    """Leave when the shutdown is over; ProcessEnd sees to it that this is soon."""
+    end.over.wait()
+    logging.shutdown()
+    leave(0)
+
+
+def tell_error(name, error, failed=_FAILED):
+    """Tell people why the node cannot start or go on, in one line; return the exit code."""
+    if isinstance(error, SystemExit):
+        return error.code if isinstance(error.code, int) else _FAILED
+    code = _FAILED
+    if isinstance(error, SimulatorError):
+        code, text = failed, str(error)
+    elif isinstance(error, _NETWORK_ERRORS):
+        text = 'the ROS master at {} does not answer as it should: {}'.format(
+            rosgraph.get_master_uri(), shown_text(' '.join(str(error).split())))
+    elif isinstance(error, (rospy.ROSException, ValueError)):
+        text = ' '.join(str(error)[:1000].split()) or type(error).__name__
+    else:
+        logging.getLogger('rospy').error('%s', ''.join(traceback.format_exception(
+            type(error), error, error.__traceback__)))
+        text = 'an error of the program itself, please report it with the log file in {}: {}: {}'.format(
+            rospkg.get_log_dir(), type(error).__name__, shown_text(' '.join(str(error).split())))
+    if rospy.core.is_initialized():
+        rospy.logfatal('%s: %s', rospy.get_name(), text)
+    else:
+        print('{}: {}'.format(name, text), file=sys.stderr)
+    return code

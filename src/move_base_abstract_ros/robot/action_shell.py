@@ -1,0 +1,149 @@
+"""The five topics of an action server, around the core's GoalLedger: one goal at a time, no timer and no thread."""
+import itertools
+from typing import Any, NamedTuple
+
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatusArray
+
+from move_base_abstract.common.units import NS_PER_S
+
+from .. import lockstep
+from ..messages import packing
+from ..messages.outbox import Outbox
+from ..messages.outlets import LatchedOutlet, Outlet
+
+# A client that misses the acceptance of its goal misses its active_cb only, so that a shorter wait will do.
+_ACCEPTANCE_SHARE = 0.25
+_KEPT_ARRIVALS = 1000
+
+
+class ActionTypes(NamedTuple):
+    """The message types of an action's three topics; ``goal_in`` is the class in which goals are received."""
+
+    goal_in: Any
+    result: Any
+    feedback: Any
+
+
+class ActionShell:
+    """Speaks the actionlib protocol on ``<ns>/{goal,cancel,status,feedback,result}`` for one action of ``types``.
+
+    ``id_prefix`` is what the ids begin with that goals without one get. ``min_answer_delay`` [s, wall] is the shortest
+    time between the arrival of a goal and its final answer, and a quarter of it the shortest before any status that
+    shows the goal, as far as the host's timing wants such a delay. The :class:`Host` repeats the status.
+
+    Has what a GoalLedger asks for: ``publish_status()`` and ``new_id(now_ns)``.
+    """
+
+    def __init__(self, ns, id_prefix, host, types, min_answer_delay):
+        self.ns = ns
+        self._id_prefix = id_prefix
+        self._host = host
+        self._clock = host.clock
+        self._types = types
+        self._min_answer_delay = host.timing.answer_delay(min_answer_delay)
+        self._ledger = None
+        self._arrivals = {}
+        self._acceptance_wall = 0.0
+        self._outbox = Outbox()
+        self._counter = itertools.count(1)
+        self._packed = None, b''
+        self._subscribers = ()
+        self._told = []
+        size = host.options.pub_queue_size
+        self._status = LatchedOutlet(ns + '/status', GoalStatusArray, self._pack_status, size, tcp_nodelay=True)
+        self._result = Outlet(ns + '/result', types.result, size, tcp_nodelay=True)
+        self._feedback = Outlet(ns + '/feedback', types.feedback, size, tcp_nodelay=True)
+        self.has_feedback_listeners = self._feedback.is_heard
+        #: who listens to feedback, as of Outlet.hearers
+        self.hearers = self._feedback.hearers
+
+    def open(self, ledger, feedback_frequency):
+        """Show the goals of ``ledger`` (GoalLedger); the clock's time is the present.
+
+        ``feedback_frequency()`` [Hz, simulated] is how often feedback comes.
+        """
+        self._ledger = ledger
+        with self._clock.lock:
+            self._clock.now_ns()
+            self.publish_status()
+        self._host.status_heartbeat.add(self._repeat_status, self._status.is_heard_again)
+        with self._clock.lock:
+            self._told = [
+                self._host.rates.add('feedback', feedback_frequency, self._feedback.hearers),
+                self._host.rates.add('status', lambda: self._host.options.status_frequency,
+                                     self._status.hearers_of_repetition)]
+
+    def listen(self, on_goal, on_cancel):
+        """Hand messages over from now on: ``on_goal(message)``, of the class for it, and ``on_cancel(GoalID)``."""
+        size = self._host.options.sub_queue_size
+        self._subscribers = (
+            rospy.Subscriber(self.ns + '/cancel', GoalID, on_cancel, queue_size=size, tcp_nodelay=True),
+            rospy.Subscriber(self.ns + '/goal', self._types.goal_in, on_goal, queue_size=size, tcp_nodelay=True))
+
+    def close(self):
+        """Take no more goals and leave the graph."""
+        self._host.status_heartbeat.remove(self._repeat_status)
+        for told in self._told:
+            self._host.rates.remove(told)
+        for topic in (*self._subscribers, self._status, self._result, self._feedback):
+            topic.unregister()
+
+    def forget_arrivals(self):
+        """Forget when goals came; they will not be answered."""
+        self._arrivals.clear()
+
+    def arrived(self, goal_id, wall):
+        """Note that a goal with this id ('': none) came at ``wall`` [s, time.monotonic]; the caller holds the lock."""
+        if self._min_answer_delay:
+            self._acceptance_wall = wall + _ACCEPTANCE_SHARE * self._min_answer_delay
+            if goal_id:
+                self._arrivals.setdefault(goal_id, wall)
+                if len(self._arrivals) > _KEPT_ARRIVALS:  # of an id that has ended already nobody asks any more
+                    del self._arrivals[next(iter(self._arrivals))]
+
+    def publish_feedback(self, record, feedback, stamp_ns):
+        """Publish ``feedback``, the bytes of the action's own part, on the goal ``record`` at ``stamp_ns`` [ns]."""
+        told = self._pack(record) + feedback
+        self._outbox.send(self._feedback, lambda seq: packing.header(seq, stamp_ns) + told)
+
+    def publish_result(self, record, result, stamp_ns):
+        """Publish that the goal ``record`` ended at ``stamp_ns`` [ns]; ``result`` is the action's own part, bytes."""
+        arrived = self._arrivals.pop(record.goal_id, None)
+        told = self._pack(record) + result
+        self._outbox.send(self._result, lambda seq: packing.header(seq, stamp_ns) + told,
+                          0.0 if arrived is None else arrived + self._min_answer_delay)
+
+    def publish_status(self):
+        """Publish which goals there are; who comes later gets it, too. Of a silent ledger nothing."""
+        if self._ledger.is_silent:
+            return
+        now_ns = self._clock.simulation.now_ns
+        if self._min_answer_delay and self._status.is_heard():
+            self._outbox.send(self._status, self._pack_status(now_ns), self._acceptance_wall)
+        else:
+            self._status.show(now_ns)
+
+    def flush(self):
+        """Send what is held back, now."""
+        self._outbox.flush()
+
+    def new_id(self, now_ns):
+        """Return an id for a goal that came without one at ``now_ns`` [ns]."""
+        return '{}-{}-{}.{:09d}'.format(self._id_prefix, next(self._counter), now_ns // NS_PER_S, now_ns % NS_PER_S)
+
+    def _pack_status(self, now_ns):
+        with self._clock.lock:
+            told = [self._pack(record) for record in self._ledger.records(now_ns)]
+        return lambda seq: packing.statuses(seq, told, now_ns)
+
+    def _pack(self, record):
+        """Return the bytes of the GoalStatus of a GoalRecord; those of the latest are kept, which is told again."""
+        said = record, record.state, record.text
+        if said != self._packed[0]:
+            self._packed = said, packing.status(record.goal_id, record.stamp_ns, record.state.value, record.text)
+        return self._packed[1]
+
+    def _repeat_status(self, _now_ns):
+        with lockstep.repetition():
+            self.publish_status()

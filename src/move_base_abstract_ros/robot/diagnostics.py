@@ -1,0 +1,85 @@
+"""The condition of the robots of a process on ``/diagnostics``: at changes, and once a simulated second."""
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+from move_base_abstract.common.units import NS_PER_S
+
+from .. import lockstep
+from ..lockstep import beforehand
+from ..messages import conversions, packing
+from ..messages.outlets import Outlet
+from .heartbeat import Heartbeat
+
+_FREQUENCY = 1.0  # Hz, simulated; that of upstream's updaters
+_RATE_CAP = 5.0  # Hz, wall
+
+
+class Diagnostics:
+    """The topic and the heartbeat of a process: made for the first robot that has anything to tell."""
+
+    def __init__(self, host):
+        self.outlet = Outlet('/diagnostics', DiagnosticArray, queue_size=100)
+        self.heartbeat = Heartbeat(host, _FREQUENCY, _RATE_CAP)
+        self._rates = host.rates
+
+    def add(self, robot_index, name, tell):
+        """Have the robot ``name`` in: ``tell()`` returns (level, text, {key: value}), of DiagnosticStatus."""
+        return RobotDiagnostics(self, self._rates, robot_index, name, tell)
+
+
+class RobotDiagnostics:
+    """What one robot tells, in messages of its own, so that they keep their place among all others'."""
+
+    def __init__(self, shared, rates, robot_index, name, tell):
+        self._shared = shared
+        self._rates = rates
+        self._robot_index = robot_index
+        self._name = name
+        self._tell = tell
+        self._latest = None
+        shared.heartbeat.add(self.send, shared.outlet.is_heard)
+        self._told = rates.add('diagnostics', lambda: _FREQUENCY, shared.outlet.hearers)
+
+    def changed(self, now_ns):
+        """Tell the condition at ``now_ns`` [ns] if it is another than was told last."""
+        told = self._tell()
+        if self._latest is None or told[:2] != self._latest[:2] or told[2].keys() != self._latest[2].keys():
+            self.send(now_ns)
+
+    def send(self, now_ns):
+        """Tell the condition at ``now_ns`` [ns], if anybody hears it."""
+        beforehand.changes(self, '_latest')
+        self._latest = level, text, values = self._tell()
+        if self._shared.outlet.is_heard():
+            status = DiagnosticStatus(level=level, name=self._name + ': condition', message=text,
+                                      hardware_id=self._name,
+                                      values=[KeyValue(key, str(value)) for key, value in values.items()])
+            message = DiagnosticArray(status=[status])
+            message.header.stamp = conversions.to_time(now_ns)
+            with lockstep.sender(self._robot_index):
+                self._shared.outlet.send(packing.of_message(message))
+
+    def close(self):
+        """Tell nothing any more."""
+        self._shared.heartbeat.remove(self.send)
+        self._rates.remove(self._told)
+
+
+def of_condition(condition):
+    """Return (level, text, values) of a Condition.
+
+    An error while the robot has failed or its battery is empty, a warning while it is held or its battery low.
+    """
+    failing, battery, values = condition.failing, condition.battery, {}
+    text = condition.state_text or ('battery low' if battery is not None and battery.is_low else '')
+    level = DiagnosticStatus.WARN if text else DiagnosticStatus.OK
+    if failing is not None:
+        values['failures'] = failing.count
+        if failing.failure is not None:
+            level = DiagnosticStatus.ERROR
+            values.update(kind=failing.failure.kind, cause=failing.failure.cause,
+                          since='{:.9f} s'.format(failing.failure.since_ns / NS_PER_S))
+    if battery is not None:
+        values['state of charge'] = '{:.3f}'.format(battery.soc)
+        if battery.is_empty:
+            level = DiagnosticStatus.ERROR
+    return level, text or 'OK', values

@@ -1,0 +1,107 @@
+"""What the robots of one process share: the clock, heartbeats, and how much may be published in all."""
+from dataclasses import dataclass
+
+import rospy
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.parameter_table import Parameter, integer, number, read_table
+from move_base_abstract.config.rates import Rates
+
+from ..replacing.single_connections import connect_one_at_a_time
+from .diagnostics import Diagnostics
+from .heartbeat import SHARED_INDEX, Heartbeat
+
+_STATUS_RATE_CAP = 5.0  # Hz, wall
+_PUBLICATIONS_PER_SECOND = 500.0  # wall; the robots of a process share them
+
+_FREQUENCY = 'actionlib_status_frequency'
+_OPTIONS = (
+    Parameter('actionlib_server_pub_queue_size', 50, integer(-1), 'a whole number >= -1'),
+    Parameter('actionlib_server_sub_queue_size', 50, integer(-1), 'a whole number >= -1'),
+    Parameter(_FREQUENCY, 5.0, number(0.0), 'a number >= 0 [Hz, simulated]'),
+)
+
+
+@dataclass(frozen=True)
+class ActionOptions:
+    """actionlib's own parameters; the queue sizes count messages, the frequency is in Hz of simulated time."""
+
+    pub_queue_size: int = 50
+    sub_queue_size: int = 50
+    status_frequency: float = 5.0
+
+
+def read_action_options(status_frequency):
+    """Return the :class:`ActionOptions` on the parameter server, found the way actionlib finds them.
+
+    ``status_frequency`` [Hz, simulated] is that of the status if no parameter says so.
+
+    :raises ConfigurationError: for a wrong type or an impossible value.
+    """
+    raw = {_FREQUENCY: status_frequency}
+    for name in ('actionlib_server_pub_queue_size', 'actionlib_server_sub_queue_size'):
+        if rospy.has_param(name):
+            raw[name] = rospy.get_param(name)
+    frequency = rospy.search_param(_FREQUENCY)
+    if frequency:
+        raw[_FREQUENCY] = rospy.get_param(frequency)
+    values = read_table(raw, _OPTIONS, rospy.get_namespace())
+    sizes = [values[name] if values[name] > 0 else 50 for name in ('actionlib_server_pub_queue_size',
+                                                                   'actionlib_server_sub_queue_size')]
+    return ActionOptions(*sizes, values[_FREQUENCY])
+
+
+class Host:
+    """Made once per process; ``clock`` has started, ``timing`` made it. ``is_crowded``: there may be very many robots.
+
+    ``zones``: the Zones of their world.
+
+    :raises ConfigurationError: if one of actionlib's parameters is not allowed.
+    """
+
+    def __init__(self, clock, timing, is_crowded=False, zones=()):
+        if clock.simulation is None:
+            raise ConfigurationError('the clock of a host must have started')
+        connect_one_at_a_time()
+        self.clock = clock
+        self.timing = timing
+        simulation = clock.simulation
+        simulation.queue.guard(SHARED_INDEX, lambda error: simulation.report_fault(rospy.get_name(), error))
+        self.options = read_action_options(timing.status_frequency)
+        self.is_crowded = is_crowded
+        self.zones = zones
+        self._robot_count = 0
+        self.rates = Rates(clock.rates_changed)
+        clock.show_rates(self.rates.text)
+        self.status_heartbeat = Heartbeat(self, self.options.status_frequency, _STATUS_RATE_CAP)
+        self._tf_heartbeats = {}
+        self._diagnostics = None
+        timing.begin_to_publish()
+
+    def add_robot(self):
+        """One more robot shares what may be published."""
+        self._robot_count += 1
+
+    def remove_robot(self):
+        """One robot less does."""
+        self._robot_count -= 1
+
+    def tf_heartbeat(self, frequency, rate_cap):
+        """Return the heartbeat of tf with ``frequency`` [Hz, simulated] and at most ``rate_cap`` [Hz, wall]."""
+        if (frequency, rate_cap) not in self._tf_heartbeats:
+            self._tf_heartbeats[frequency, rate_cap] = Heartbeat(self, frequency, rate_cap)
+        return self._tf_heartbeats[frequency, rate_cap]
+
+    def diagnostics(self):
+        """Return the :class:`.diagnostics.Diagnostics` of the process, made when it is first asked for."""
+        if self._diagnostics is None:
+            self._diagnostics = Diagnostics(self)
+        return self._diagnostics
+
+    def throttle(self, rate):
+        """Return a throttle of ``rate`` [Hz, wall], or of the robot's share of all publications if that is less."""
+        return self.timing.throttle(rate, self.shortest_period)
+
+    def shortest_period(self):
+        """Return the time between two publications of one robot when all publish alike [s, wall]."""
+        return self._robot_count / _PUBLICATIONS_PER_SECOND

@@ -1,0 +1,139 @@
+"""dynamic_reconfigure of move_base and of its local planner; what is set takes effect on the next leg.
+
+Nothing is written to the parameter server but what somebody sets: upstream's servers write all their fields at the
+start, which would leave a set-up's groups full of values that the user never gave, for the next start to find.
+"""
+import math
+import threading
+
+import rospy
+from dynamic_reconfigure.encoding import extract_params
+from dynamic_reconfigure.server import Server
+
+from move_base_abstract.cfg import DWAPlannerConfig, MoveBaseConfig, TrajectoryPlannerConfig
+from move_base_abstract.config.local_planner import SpeedNames
+from move_base_abstract.motion.leg import MotionLimits, Tolerances
+
+from ..replacing.bulk_registration import delete_params, get_namespace, set_params
+
+_PLANNER_TYPES = {'TrajectoryPlannerROS': TrajectoryPlannerConfig}
+_CASTS = {'double': float, 'int': int, 'bool': bool, 'str': str}
+
+
+class _SafeServer(Server):
+    """A Server that starts from ``known`` values and survives parameters of the wrong type."""
+
+    def __init__(self, config_type, callback, namespace, known):
+        self._known = known
+        self._written = {}
+        self._made = {}  # names of parameters that were not there before
+        self._lock = threading.Lock()
+        super().__init__(config_type, callback, namespace)
+
+    def _copy_from_parameter_server(self):
+        raw = get_namespace(self.ns.rstrip('/'))
+        for parameter in extract_params(self.type.config_description):
+            name, cast = parameter['name'], _CASTS[parameter['type']]
+            value = self._known.get(name, raw.get(name, self.config[name]))
+            if isinstance(value, bool) != (cast is bool) or not isinstance(value, (cast, int)):
+                rospy.logwarn('parameter %s%s: got %r; allowed: a %s; %r is used', self.ns, name, value,
+                              parameter['type'], self.config[name])
+                continue
+            self.config[name] = cast(value)
+
+    def _copy_to_parameter_server(self):
+        """Write nothing here: this is called at the start too, and with all fields."""
+
+    def update_configuration(self, changes):
+        """Take ``changes`` over and write those that were accepted to the parameter server; return all fields."""
+        namespace = self.ns.rstrip('/')
+        with self._lock:
+            before = dict(self.config)
+            config = super().update_configuration(changes)
+            self._written.update(dict.fromkeys(changes))
+            # Those written before too: restore_defaults changes them back.
+            values = {name: config[name] for name in self._written
+                      if name in self.type.defaults and config[name] != before[name]}
+            there = get_namespace(namespace)
+            self._made.update((name, None) for name in values if name not in there)
+            set_params(namespace, values)
+        return config
+
+    def close(self):
+        """Leave the graph, and no parameter that was not there before."""
+        self.descr_topic.unregister()
+        self.update_topic.unregister()
+        self.set_service.shutdown('the robot is removed')
+        delete_params(self.ns.rstrip('/'), self._made)
+
+
+class Reconfigure:
+    """The two servers of one robot, and what their changes mean for its :class:`MoveBaseServer`."""
+
+    def __init__(self, names, settings, server):
+        self._server = server
+        self._where = names.private
+        self._namespace = names.namespace
+        values = settings.values
+        self._move_base_start = {
+            'controller_frequency': values['controller_frequency'], 'planner_patience': values['planner_patience'],
+            'max_planning_retries': values['max_planning_retries'],
+            'recovery_behavior_enabled': values['recovery_behavior_enabled'],
+            'make_plan_add_unreachable_goal': values['make_plan_add_unreachable_goal'],
+            'base_global_planner': values['base_global_planner'],
+            'base_local_planner': values['base_local_planner']}
+        limits = settings.limits
+        self._speeds_start = SpeedNames.of(limits.max_speed, settings.speeds)
+        self._planner_start = {
+            **self._speeds_start.shown(),
+            'acc_lim_x': 0.0 if math.isinf(limits.acceleration) else limits.acceleration,
+            'xy_goal_tolerance': settings.tolerances.xy, 'yaw_goal_tolerance': settings.tolerances.yaw}
+        self._planner_now = dict(self._planner_start)
+        self._speeds = self._speeds_start
+        planner = settings.local_planner
+        self._servers = [
+            _SafeServer(MoveBaseConfig, self._on_move_base, names.private, self._move_base_start),
+            _SafeServer(_PLANNER_TYPES.get(planner, DWAPlannerConfig), self._on_planner, names.own(planner),
+                        self._planner_start)]
+
+    def close(self):
+        """Leave the graph."""
+        for server in reversed(self._servers):  # the planner's namespace lies in that of move_base
+            server.close()
+        delete_params(self._namespace, ())
+
+    def _on_move_base(self, config, level):
+        if config['restore_defaults']:
+            config.update(self._move_base_start, restore_defaults=False)
+        if level != ~0:
+            self._server.reconfigure_goals(config)
+        return config
+
+    def _on_planner(self, config, level):
+        if level == ~0:
+            return config
+        speeds = self._speeds.changed(config)
+        if config['restore_defaults']:
+            speeds = self._speeds_start
+            config.update(self._known_of(self._planner_start, config), restore_defaults=False)
+        try:
+            self._take_over(config, speeds)
+        except ValueError as error:
+            rospy.logwarn('%s: dynamic_reconfigure: %s; nothing is changed', self._where, error)
+            config.update(self._known_of(self._planner_now, config))
+        return config
+
+    @staticmethod
+    def _known_of(values, config):
+        return {key: value for key, value in values.items() if key in config}
+
+    def _take_over(self, config, speeds):
+        """Use the planner's limits. Of the two names of the top speed the smaller one counts, if both were set."""
+        limits = self._server.navigator.robot.limits
+        speed = limits.max_speed if speeds is self._speeds else speeds.speed
+        limits = MotionLimits(speed, config['acc_lim_x'] or math.inf, limits.turn_rate)
+        tolerances = Tolerances(config['xy_goal_tolerance'], config['yaw_goal_tolerance'])
+        self._server.set_motion(limits, tolerances)
+        self._speeds = speeds
+        config.update(self._known_of(speeds.shown(), config))
+        self._planner_now.update({key: config[key] for key in self._planner_now if key in config})

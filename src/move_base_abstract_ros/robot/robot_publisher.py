@@ -1,0 +1,122 @@
+"""What one robot tells the world besides its goals: where it is, what it heads for, that its wheels stop."""
+import rospy
+from geometry_msgs.msg import PoseStamped, Twist
+from move_base_msgs.msg import RecoveryStatus
+
+from move_base_abstract.engine.event_queue import PARTICIPANTS
+
+from .. import lockstep
+from ..messages import conversions
+from ..messages.outlets import Outlet
+from ..messages.packing import ZERO_TWIST, InFrame
+from ..transforms import tf_hub
+
+
+class RobotPublisher:
+    """Publishes poses by a backend and the costmaps' topics, ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
+
+    def __init__(self, names, settings, host, robot, backend, costmaps):
+        simulation = host.clock.simulation
+        self._clock = host.clock
+        self._robot = robot
+        self._backend = backend
+        self._costmaps = costmaps
+        self._global_frame = settings.values['global_frame']
+        self._in_global_frame = InFrame(self._global_frame)
+        self._pose_throttle = host.throttle(settings.values['max_pose_rate'])
+        self._current_goal = Outlet(names.own('current_goal'), PoseStamped, queue_size=0)
+        self._cmd_vel = Outlet(names.topic('cmd_vel'), Twist, queue_size=10)
+        self._recovery = rospy.Publisher(names.action('recovery_status'), RecoveryStatus, queue_size=1)
+        self._updates = simulation.series(robot.index, settings.values['pose_update_freq'], self._update,
+                                          only_tells=True, is_heard=host.timing.when_heard(self._is_heard))
+        self._updates_beat = settings.values['pose_update_freq'] >= settings.values['tf_heartbeat_freq']
+        self._beats = settings.values['tf_heartbeat_freq'] > 0.0
+        self._heartbeat = host.tf_heartbeat(settings.values['tf_heartbeat_freq'], settings.values['max_pose_rate'])
+        self._heartbeat.add(self._beat, self._is_heard)
+        self._rates = host.rates
+        self._told = self._tell_rates(settings.values['pose_update_freq'], settings.values['tf_heartbeat_freq'])
+        self.place(simulation.now_ns)
+
+    def _tell_rates(self, pose_frequency, tf_frequency):
+        # Under way, poses go to tf as well.
+        return [self._rates.add('poses', lambda: pose_frequency, self._pose_hearers),
+                self._rates.add('tf', lambda: max(pose_frequency, tf_frequency), tf_hub.hearers)]
+
+    def departed(self, now_ns):
+        """The robot starts to move."""
+        self.place(now_ns)
+        if self._updates is not None:
+            self._updates.start(now_ns)
+        else:
+            self._clock.falls_silent(self._robot, self._backend, 'pose_update_freq')
+            if not self._beats:
+                self._clock.falls_silent(self._robot, tf_hub, 'tf_heartbeat_freq')
+
+    def stands(self, now_ns):
+        """The robot stands from now on."""
+        if self._updates is not None:
+            self._updates.stop()
+        self.place(now_ns)
+
+    def place(self, now_ns, is_event=True):
+        """Show where the robot is at ``now_ns`` [ns]; ``is_event``: it starts or stands."""
+        with lockstep.sender(self._robot.index):  # tf is one topic of all robots of the process
+            pose = self._robot.pose_at(now_ns)
+            self._backend.place(pose, self._robot.velocity_at(now_ns), now_ns)
+            self._costmaps.moved(pose, now_ns, is_event)
+
+    def restart(self):
+        """Time has started anew: stamps may be earlier than those before."""
+        self._backend.restart()
+
+    def target(self, goal, now_ns):
+        """Show the goal that is worked on."""
+        self._current_goal.send(lambda seq: self._in_global_frame.pose_stamped(seq, goal, now_ns))
+
+    def stop_wheels(self):
+        """Publish the zero velocity that move_base would."""
+        self._cmd_vel.send(_stand_still)
+
+    def recovery(self, pose, index, behaviors, stamp_ns):
+        """Announce a recovery behaviour."""
+        self._recovery.publish(RecoveryStatus(
+            pose_stamped=conversions.to_pose_stamped(pose, self._global_frame, stamp_ns),
+            current_recovery_number=index, total_number_of_recoveries=len(behaviors),
+            recovery_behavior_name=behaviors[index].name))
+
+    def close(self):
+        """Publish nothing any more."""
+        self._heartbeat.remove(self._beat)
+        for told in self._told:
+            self._rates.remove(told)
+        if self._updates is not None:
+            self._updates.stop()
+        self._backend.close()
+        self._costmaps.close()
+        for publisher in (self._current_goal, self._cmd_vel, self._recovery):
+            publisher.unregister()
+
+    def _pose_hearers(self):
+        # Not every backend has it: it is asked in lockstep only, where the backend is builtin's.
+        return self._backend.hearers() + self._costmaps.hearers()
+
+    def _is_heard(self):
+        heard = tf_hub.is_heard()
+        return heard if heard == PARTICIPANTS else max(heard, self._backend.is_heard(), self._costmaps.is_heard())
+
+    def _update(self, due_ns, _now_ns):
+        if self._pose_throttle.ready():
+            self.place(due_ns, is_event=False)
+        return self._clock.wall_to_ns(self._pose_throttle.remaining())
+
+    def _beat(self, now_ns):
+        """Tell tf the pose at the latest instant, so that a look-up of the present need not wait for another one."""
+        if not (self._updates_beat and self._robot.leg is not None):
+            with lockstep.sender(self._robot.index):
+                pose = self._robot.pose_at(now_ns)
+                self._backend.heartbeat(pose, now_ns)
+                self._costmaps.moved(pose, now_ns, is_event=False)
+
+
+def _stand_still(_seq):
+    return ZERO_TWIST

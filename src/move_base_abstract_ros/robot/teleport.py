@@ -1,0 +1,62 @@
+"""Putting a robot somewhere: ``initialpose``, ``set_pose``, ``cmd_pose`` (topics), ``set_robot_pose`` (service)."""
+import rospy
+from geometry_msgs.msg import Pose, PoseWithCovarianceStamped
+from std_msgs.msg import Header
+
+from move_base_abstract.common.errors import FrameError
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.srv import SetPose, SetPoseResponse
+
+from ..backends import STAGE
+from ..messages import conversions
+
+
+class Teleport:
+    """Listens for poses and hands them to ``navigator``; what cannot be used moves nothing and is told."""
+
+    def __init__(self, names, settings, clock, navigator, frames, prefetch):
+        self._names = names
+        self._clock = clock
+        self._navigator = navigator
+        self._frames = frames
+        self._prefetch = prefetch
+        self._subscribers = [
+            rospy.Subscriber(names.topic('initialpose'), PoseWithCovarianceStamped, lambda message: self._on_pose(
+                'initialpose', message.header, message.pose.pose), queue_size=1),
+            rospy.Subscriber(names.topic('set_pose'), Pose, lambda message: self._on_pose(
+                'set_pose', Header(), message), queue_size=1)]
+        if settings.values['backend'] not in STAGE:  # there the topic is Stage's
+            values = settings.values
+            self._world = Pose2D(values['stage_offset_x'], values['stage_offset_y'], values['stage_offset_yaw'])
+            self._subscribers.append(rospy.Subscriber(names.topic('cmd_pose'), Pose, lambda message: self._on_pose(
+                'cmd_pose', Header(), message, self._world.inverse()), queue_size=1))
+        self._service = rospy.Service(names.topic('set_robot_pose'), SetPose, self._serve)
+
+    def close(self):
+        """Listen no more."""
+        for subscriber in self._subscribers:
+            subscriber.unregister()
+        self._service.shutdown('the robot is removed')
+
+    def _on_pose(self, topic, header, pose, origin=Pose2D()):
+        text = self._place(header, pose, origin)
+        if text:
+            rospy.logwarn('%s: %s is refused, the robot stays where it is: %s', self._names.robot, topic, text)
+
+    def _serve(self, request):
+        text = self._place(request.pose.header, request.pose.pose)
+        return SetPoseResponse(success=not text, message=text or 'The robot is there.')
+
+    def _place(self, header, message, origin=Pose2D()):
+        """Put the robot to ``message`` as seen from ``origin`` in the header's frame; return why not, or ''."""
+        frame_id = header.frame_id.lstrip('/') or self._frames.global_frame
+        self._prefetch(frame_id, 0)
+        with self._clock.lock:
+            now_ns = self._clock.now_ns()
+            try:
+                pose = self._frames.locate(frame_id, 0, now_ns).compose(origin).compose(
+                    conversions.from_pose(message))
+            except (FrameError, ValueError) as error:
+                return str(error)
+            self._navigator.place(pose, now_ns)
+        return ''

@@ -1,0 +1,142 @@
+"""The action PlaceTask of one robot: what its messages mean to the core's PlaceTaskRunner, and the answers."""
+import struct
+import time
+
+from move_base_abstract.common.shown import shown_text
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.engine.guard import fault_text
+from move_base_abstract.goals.ledger import GoalLedger
+from move_base_abstract.goals.outcome import GoalState
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.msg import PlaceTaskActionFeedback, PlaceTaskActionGoal, PlaceTaskActionResult
+from move_base_abstract.runs.trace import TaskTrace
+from move_base_abstract.tasks.arrivals import Task
+from move_base_abstract.tasks.place_tasks import PlaceTaskListener, PlaceTaskRunner
+
+from ..messages import conversions
+from .action_shell import ActionShell, ActionTypes
+
+#: name of the action below a robot's namespace
+ACTION = 'work'
+_NO_TASK = Task('', 0, '', Pose2D())
+_TYPES = ActionTypes(PlaceTaskActionGoal, PlaceTaskActionResult, PlaceTaskActionFeedback)
+
+
+class WorkServer(PlaceTaskListener):
+    """The action PlaceTask on the topics of an :class:`ActionShell` at ``ns``.
+
+    ``robot`` (Robot) may be None: then nobody asks where it stands. ``on_load(watts, now_ns)``: as of
+    PlaceTaskListener; ``has_failed``: as of PlaceTaskRunner.
+    """
+
+    def __init__(self, ns, robot_name, robot_index, host, rooms, settings, robot=None, on_load=None,
+                 has_failed=lambda: False, on_change=lambda: None):
+        """``settings``: seed, frame (the poses'), feedback_freq [Hz, simulated], min_answer_delay [s, wall].
+
+        ``on_change()`` is called when the robot begins or ends to wait or to work.
+        """
+        self._on_change = on_change
+        self._clock = host.clock
+        self._frame = settings['frame']
+        self._trace = TaskTrace(robot_name, self._clock.record(robot_index))
+        self._on_load = on_load
+        self._throttle = host.throttle(50.0)
+        self._shell = ActionShell(ns, ns, host, _TYPES, settings['min_answer_delay'])
+        self.is_progress_heard = host.timing.when_heard(self._shell.has_feedback_listeners)
+        ledger = GoalLedger(self._shell.publish_status, self._publish_result, self._shell.new_id)
+        with self._clock.lock:
+            self._clock.now_ns()
+            self.tasks = PlaceTaskRunner(rooms, robot_index, robot_name, settings['seed'], ledger, self, robot,
+                                         settings['feedback_freq'], has_failed)
+        self._shell.open(ledger, lambda: settings['feedback_freq'])
+        self._shell.listen(self._on_goal, self._on_cancel)
+        self._clock.follow_restarts(self.tasks.restart)
+
+    def shut_down(self, outcome):
+        """End the task that is under way with an Outcome, and let the answer leave."""
+        with self._clock.lock:
+            self.tasks.shut_down(outcome, self._clock.now_ns())
+        self._shell.flush()
+
+    def close(self, outcome):
+        """Take no more tasks, end the one under way, and leave the graph."""
+        self.shut_down(outcome)
+        with self._clock.lock:
+            self._shell.close()
+            self._clock.leave_restarts(self.tasks.restart)
+
+    def waits(self, record, place, now_ns):
+        """Tell that the task waits for room."""
+        self._trace.waits(record, place, now_ns)
+        self._on_change()
+        if self._shell.has_feedback_listeners():
+            self._shell.publish_feedback(record, pack_feedback(True, 0, 0.0), now_ns)
+
+    def waited(self, record, place, now_ns):
+        """Note that it waits no more."""
+        self._trace.waited(record, place, now_ns)
+
+    def begins(self, record, duration_ns, now_ns):
+        """Note that work begins."""
+        self._trace.began(record, duration_ns, now_ns)
+        self._on_change()
+
+    def progress(self, record, elapsed_ns, duration_ns, now_ns):
+        """Tell how much is done, as often as the cap in wall time allows, and at the end."""
+        is_last = elapsed_ns == duration_ns
+        if self._shell.has_feedback_listeners() and (self._throttle.ready() or is_last):
+            self._shell.publish_feedback(record, pack_feedback(False, elapsed_ns, elapsed_ns / duration_ns), now_ns)
+
+    def load(self, watts, now_ns):
+        """Hand over what the work draws."""
+        if self._on_load is not None:
+            self._on_load(watts, now_ns)
+
+    def _on_goal(self, message):
+        with self._clock.lock:
+            now_ns = self._clock.now_ns()
+            self._shell.arrived(message.goal_id.id, time.monotonic())
+            try:
+                task, fault = self._task_of(message.goal.task)
+            except Exception as error:
+                self._clock.simulation.report_fault(self._shell.ns, error)
+                task, fault = _NO_TASK, fault_text(error)
+            self.tasks.take(message.goal_id.id, message.goal_id.stamp.to_nsec(), task, now_ns, fault)
+
+    def _task_of(self, message):
+        """Return the Task that a message tells, and what is wrong with it, or None."""
+        frame = message.header.frame_id.lstrip('/')
+        fault, pose = None, Pose2D()
+        if not message.place:
+            try:
+                pose = conversions.from_pose(message.pose)
+            except ValueError as error:
+                fault = 'pose: {}'.format(error)
+            if frame not in ('', self._frame):
+                fault = 'frame: got {}; allowed: {}'.format(shown_text(frame), self._frame)
+        duration_ns = message.duration.to_nsec()
+        if duration_ns < 0:
+            fault = 'duration must be >= 0 s, got {:g} s'.format(duration_ns / NS_PER_S)
+        return Task(message.id, 0, message.place, pose, duration_ns, message.power, message.energy), fault
+
+    def _on_cancel(self, message):
+        with self._clock.lock:
+            self.tasks.cancel(message.id, message.stamp.to_nsec(), self._clock.now_ns())
+
+    def _publish_result(self, record, stamp_ns):
+        self._trace.ended(record, stamp_ns)
+        self._on_change()
+        is_new = record.state is GoalState.RECALLED
+        waited_ns, worked_ns = (0, 0) if is_new else (self.tasks.waited_ns(stamp_ns), self.tasks.elapsed_ns(stamp_ns))
+        self._shell.publish_result(record, pack_result(waited_ns, worked_ns), stamp_ns)
+
+
+def pack_result(waited_ns, worked_ns):
+    """Return the bytes of a PlaceTaskResult: for how long the task waited and was worked on [ns]."""
+    return struct.pack('<iiii', waited_ns // NS_PER_S, waited_ns % NS_PER_S, worked_ns // NS_PER_S,
+                       worked_ns % NS_PER_S)
+
+
+def pack_feedback(is_waiting, elapsed_ns, progress):
+    """Return the bytes of a PlaceTaskFeedback: for how long the task is worked on [ns], and the share that is done."""
+    return struct.pack('<?iif', is_waiting, elapsed_ns // NS_PER_S, elapsed_ns % NS_PER_S, progress)

@@ -1,0 +1,125 @@
+"""Looking foreign frames up in tf, listening only from the first goal on that needs it.
+
+Every listener of /tf costs each process time for each message of every robot; most set-ups send their goals in the
+global frame and never need one.
+"""
+import threading
+import time
+
+import rosgraph
+import rospy
+import tf2_ros
+from tf2_msgs.msg import TFMessage
+
+from move_base_abstract.common.errors import FrameError
+
+from .. import lockstep
+from ..messages import conversions
+
+_STATIC = '/tf_static'
+_STATIC_SECONDS = 2.0  # wall
+_POLL_SECONDS = 0.01
+
+
+class _EarlyFrames:
+    """One buffer for all robots of a process, and what comes on /tf_static in the first round."""
+
+    def __init__(self):
+        self.buffer = tf2_ros.Buffer(debug=False)
+        self._heard = set()
+        self._listener = None
+        self._lock = threading.Lock()
+        self._subscriber = rospy.Subscriber(_STATIC, TFMessage, self._on_static, queue_size=None)
+
+    def listen(self):
+        """Listen to /tf as well, from now on."""
+        with self._lock:
+            if self._listener is None:
+                self._listener = tf2_ros.TransformListener(self.buffer)
+
+    def wait(self):
+        """Wait for all outsiders that publish static transforms; they are latched, so each has something to say."""
+        takes_part = lockstep.participant().is_member  # what participants say comes in a later round
+        expected = {name for name in _publishers(_STATIC) if not takes_part(name)}
+        deadline = time.monotonic() + _STATIC_SECONDS
+        while not expected <= self._heard and not rospy.is_shutdown():
+            if time.monotonic() > deadline:
+                rospy.logwarn('%s: nothing has come on %s from %s: their frames may be unknown to goals',
+                              rospy.get_name(), _STATIC, ', '.join(sorted(expected - self._heard)))
+                return
+            time.sleep(_POLL_SECONDS)
+
+    def _on_static(self, message):
+        for transform in message.transforms:
+            self.buffer.set_transform_static(transform, 'default_authority')
+        self._heard.add(message._connection_header['callerid'])
+
+
+_early = []
+
+
+def listen_to_static_frames():
+    """Get to know all static transforms of nodes that do not take part; in the first round. May block."""
+    _early.append(_EarlyFrames())
+    _early[0].wait()
+
+
+def _publishers(topic):
+    published = rosgraph.Master(rospy.get_name()).getSystemState()[0]
+    return [node for name, nodes in published if name == topic for node in nodes]
+
+
+class TfLookup:
+    """Finds frames in the global frame. What is not known yet is waited for, up to ``timeout`` [s].
+
+    Of which clock these seconds are says ``clock``; without one nothing is waited for.
+    """
+
+    def __init__(self, global_frame, timeout=0.0, clock=None):
+        self._global_frame = global_frame
+        self._timeout = timeout
+        self._clock = clock
+        self._buffer = None
+        self._listener = None
+
+    def wait_for(self, frame_id, stamp_ns):
+        """Wait until ``frame_id`` can be found at ``stamp_ns`` [ns], or the time-out has passed. May block."""
+        if self._buffer is None:
+            self._listen()
+        if self._clock is not None:
+            self._clock.wait_until(lambda: self._knows(frame_id, stamp_ns), self._timeout,
+                                   "the frame '{}'".format(frame_id))
+
+    def _listen(self):
+        if _early:
+            _early[0].listen()
+            self._buffer = _early[0].buffer
+        else:
+            self._buffer = tf2_ros.Buffer(debug=False)
+            self._listener = tf2_ros.TransformListener(self._buffer)
+
+    def _knows(self, frame_id, stamp_ns):
+        try:
+            self.lookup(frame_id, 0 if stamp_ns > rospy.Time.now().to_nsec() else stamp_ns)
+        except FrameError:
+            return False
+        return True
+
+    def lookup(self, frame_id, stamp_ns):
+        """Return the Pose2D of ``frame_id`` in the global frame at ``stamp_ns`` [ns; 0 = latest]. Never blocks.
+
+        :raises FrameError: if tf does not know.
+        """
+        if self._buffer is None:
+            raise FrameError("frame '{}' has not been looked for yet".format(frame_id))
+        try:
+            transform = self._buffer.lookup_transform_core(self._global_frame, frame_id, conversions.to_time(stamp_ns))
+        except tf2_ros.TransformException as error:
+            raise FrameError(str(error)) from None
+        return conversions.from_transform(transform.transform)
+
+    def close(self):
+        """Listen no more; what was looked up stays what it was."""
+        listener, self._listener = self._listener, None
+        if listener is not None:
+            listener.unregister()

@@ -1,0 +1,97 @@
+"""Warning of other nodes that say something else of a robot's frames in tf.
+
+tf believes whoever spoke last of a frame, so two publishers of one frame make it jump to and fro, and nobody says so.
+A listener of /tf for good would cost each process time for each message of every robot. So each publisher of tf that
+is new is listened to for a short while only: at the start, soon after it, and then once a minute.
+"""
+import itertools
+import threading
+
+import rosgraph
+import rospy
+from tf2_msgs.msg import TFMessage
+
+from ..replacing import bulk_registration
+
+TOPICS = ('/tf', '/tf_static')
+_LISTENING_SECONDS = 2.0  # wall
+_FIRST_PAUSES, _PAUSE = (1.0, 5.0, 20.0), 60.0  # s, wall
+
+
+class _Watch:
+    """The watch of one process; its thread begins with the first claim."""
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._claims = {}
+        self._known = set()
+        self._warned = set()
+        self._end = threading.Event()
+        self._thread = None
+
+    def claim(self, robot, frames):
+        with self._lock:
+            self._claims.update(dict.fromkeys(frames, robot))
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._run, name='tf_watch', daemon=True)
+                rospy.on_shutdown(self._end.set)
+                self._thread.start()
+
+    def release(self, frames):
+        with self._lock:
+            for frame in frames:
+                self._claims.pop(frame, None)
+
+    def _run(self):
+        for pause in itertools.chain(_FIRST_PAUSES, itertools.repeat(_PAUSE)):
+            if self._end.wait(pause):
+                return
+            new = _publishers() - self._known
+            if new:
+                self._known |= new
+                self._listen(new)
+
+    def _listen(self, nodes):
+        with bulk_registration.at_once:
+            subscribers = [rospy.Subscriber(topic, TFMessage, self._on_message, nodes) for topic in TOPICS]
+        self._end.wait(_LISTENING_SECONDS)
+        with bulk_registration.at_once:
+            for subscriber in subscribers:
+                subscriber.unregister()
+
+    def _on_message(self, message, nodes):
+        node = message._connection_header['callerid']
+        if node not in nodes:
+            return
+        for transform in message.transforms:
+            frame = transform.child_frame_id.lstrip('/')
+            with self._lock:
+                robot = self._claims.get(frame)
+                is_new = robot is not None and (frame, node) not in self._warned
+                self._warned.update([(frame, node)] if is_new else [])
+            if is_new:
+                rospy.logwarn("%s: %s too publishes the frame '%s' in tf (below '%s'): look-ups jump between the two. "
+                              "Only one of them may; tf_prefix gives each robot's frames names of their own",
+                              robot, node, frame, transform.header.frame_id)
+
+
+def _publishers():
+    """Return the names of the other nodes that publish tf; none if the ROS master does not answer."""
+    try:
+        published = rosgraph.Master(rospy.get_name()).getSystemState()[0]
+    except (OSError, rosgraph.MasterException):
+        return set()
+    return {node for topic, nodes in published if topic in TOPICS for node in nodes} - {rospy.get_name()}
+
+
+_WATCH = _Watch()
+
+
+def claim(robot, frames):
+    """Warn from now on, in the name of ``robot``, if another node publishes one of ``frames``, its own in tf."""
+    _WATCH.claim(robot, frames)
+
+
+def release(frames):
+    """Warn no more of ``frames``."""
+    _WATCH.release(frames)
