@@ -80,6 +80,7 @@ class _Process(NamedTuple):
     output: str  # path of the file of what it prints
     has_last_words: bool = True  # whether it may have something to do once the run is over
     names: tuple = ()  # of the participants that it may be, if it is a command
+    is_shell: bool = False  # which starts the node
 
 
 def run(wanted, folders):
@@ -211,7 +212,7 @@ def _start_all(config, taking, uri, wanted, folders, statuses):
         pid, _ = warm_nodes.start(words, setup_env(node, node.machine, uri), output, cwd, launcher,
                                   os.path.dirname(launcher), wanted.is_warm)
         started.append(_Process(name, pid, name in taking, bool(node.required), output,
-                                (node.package, node.type) not in _WITHOUT_LAST_WORDS))
+                                (node.package, node.type) not in _WITHOUT_LAST_WORDS, is_shell=roles.is_shell(node)))
         if _is_reversed(wanted) and name in taking:
             ros_master.await_registered(uri, pid, name, statuses)
     for number, words in enumerate(words for words in (wanted.command, wanted.extra) if words):
@@ -256,7 +257,7 @@ def _ended(one, statuses, early, told, shown):
     """Return the ends.Process of a _Process that has ended, or was killed in vain."""
     code = processes.code_of(statuses[one.pid]) if one.pid in statuses else None
     return ends.Process(one.name, one.takes_part, code, one.pid in early, one.pid in told,
-                        _last_lines(one.output) if code else (), shown.get(one.pid, ()), names=one.names)
+                        _last_lines(one.output) if code else (), shown.get(one.pid, ()), names=one.names, is_shell=one.is_shell)
 
 
 def _last_lines(path):

@@ -119,10 +119,15 @@ CRASHES = {
     '/timer': r'at 3\.50+ s: KeyError in a callback of rospy.Timer, fates.py, line \d+',
     '/thread': r'at 4\.0+ s: KeyError in a thread, fates.py, line \d+',
     '/daemon': r'at 4\.0+ s: KeyError in thread pump, fates.py, line \d+',
-    '/jobs': r'at 2\.0+ s: KeyError in a job whose outcome nobody has asked for, fates.py, line \d+ \(and 12 more\)',
+    '/jobs': r'at 2\.0+ s: KeyError in a job whose outcome nobody has asked for, fates.py, line \d+ \(and 13 more\)',
+    '/derived': r'at 3\.0+ s: Stop in a callback, fates.py, line \d+ \(and 3 more\)',
+    '/items': r'at 1\.0+ s: KeyError in a job whose outcome nobody has asked for, fates.py, line \d+ \(and 1 more\)',
+    '/saves': r'at 3\.0+ s: exit code 1',
+    '/odd': r'at 2\.0+ s: TypeError in a callback of /ticks, an unknown place \(and \d+ more\)',
     '/unsaved': r'at 3\.0+ s: KeyError in a function of rospy.on_shutdown, fates.py, line \d+',
     '/raises': r'at 3\.0+ s: exit code 1; KeyError in the main thread, fates.py, line \d+',
     '/wrapped': r'at 3\.0+ s: exit code 139 \(a shell says so of SIGSEGV\)',
+    '/within': r'at 3\.0+ s: its connection was lost',
     '/exits': r'at 3\.0+ s: exit code 3', '/vanishes': r'at 3\.0+ s: exit code 4',
     '/faults': r'at 3\.0+ s: ended by SIGSEGV', '/killed': r'at 3\.0+ s: ended by SIGKILL',
     '/last_round': r'at \d+\.\d+ s: exit code 1; KeyError in the main thread, fates.py, line \d+',
@@ -352,7 +357,10 @@ class LaunchTest(unittest.TestCase):
     def test_a_node_that_crashes_is_named_with_how_and_when(self):
         nodes = [FATE.format(name, 'required="true"' if name == 'last_round' else '') for name in (
             'callback', 'client', 'server', 'service', 'asks', 'timer', 'thread', 'daemon', 'jobs', 'asked', 'unsaved',
-            'raises', 'exits', 'vanishes', 'faults', 'killed', 'last_round', 'looks_on', 'shut_down', 'ends', 'waits')]
+            'derived', 'items', 'taken', 'saves', 'odd', 'raises', 'exits', 'vanishes', 'faults', 'killed',
+            'last_round', 'looks_on', 'shut_down', 'ends', 'waits')]
+        nodes.append(FATE.format('killed', 'launch-prefix="sh -c \'&quot;$@&quot;; exit 0\' sh"').replace(
+            'name="killed"', 'name="within"'))
         nodes.append(FATE.format('faults', 'launch-prefix="sh -c \'&quot;$@&quot;; exit $?\' sh"').replace(
             'name="faults"', 'name="wrapped"'))
         done = self.run_it('--onlooker', '/looks_on', self.file(FATES.format('\n'.join(nodes))))

@@ -101,6 +101,32 @@ def test_programs_launch_files_and_targets_that_are_named_are_there():
     assert lost == []
 
 
+def rows_of_words():
+    """Return the cells of each row of the page of the product's words: word, where, promise, what is done, test."""
+    rows = [re.split(r'(?<!\\) \| ', line.strip('| ')) for line in text_of(ROOT / 'docs' / 'words.md').splitlines()
+            if line.startswith('| ')]
+    return [row for row in rows if row[0] != 'word']
+
+
+def text_of_tests():
+    """Return the text of all tests, and the names of their files."""
+    files = [path for path in (ROOT / 'test').rglob('*') if path.suffix in ('.py', '.cpp', '.test')]
+    return '\n'.join(map(text_of, files)), {path.name for path in files}
+
+
+def test_each_word_has_one_row_and_a_test_that_is_there():
+    text, files = text_of_tests()
+    rows = rows_of_words()
+    assert len(rows) > 40 and len({(row[0], row[1]) for row in rows}) == len(rows)
+    for word, *_, tests in rows:
+        names = re.findall(r'`([^`]+)`', tests)
+        assert names, word
+        for named in names:
+            group, _, last = named.rpartition('.') if not named.endswith(('.py', '.test')) else ('', '', '')
+            assert named in files or f'def {named}(' in text or re.search(rf'TEST\w*\({group}, ' if last == '*' else (
+                rf'TEST\w*\({group or "[A-Za-z]+"}, {last}\)|\b{last.rpartition("/")[2]}\b'), text), (word, named)
+
+
 def launch_lines():
     """Return (page, launch file, names of the args given) of every roslaunch of this package in the pages."""
     for page in PAGES:

@@ -109,6 +109,23 @@ def test_an_error_of_shutting_down_is_none_of_the_program(tmp_path):
     assert crash_of(log, Process('/a', True, 3, printed=SHUT_DOWN)) != []
 
 
+@pytest.mark.parametrize('code', (1, 130))
+def test_an_error_in_handling_that_the_node_is_shut_down_is_one_of_the_program(tmp_path, code):
+    printed = (*SHUT_DOWN, 'During handling of the above exception, another exception occurred:',
+               'Traceback (most recent call last):', '  File "node.py", line 7, in save', "KeyError: 'robot_7'")
+    assert crash_of(log_of(tmp_path, [('/a', False)]), Process('/a', True, code, printed=printed)) != []
+    assert crash_of(log_of(tmp_path, [('/a', False)]), Process('/a', True, code, printed=(*printed, *SHUT_DOWN))) == []
+
+
+def test_of_a_shell_that_ends_well_the_death_of_what_it_has_started_counts(tmp_path):
+    died, left = log_of(tmp_path, [('/a', True)]), log_of(tmp_path, [('/a', False)])
+    assert crash_of(died, Process('/a', True, 0, is_shell=True)) == [
+        '/a crashed at 5.000000000 s: its connection was lost']
+    assert crash_of(died, Process('/a', True, 137, is_shell=True)) == [
+        '/a crashed at 5.000000000 s: exit code 137 (a shell says so of SIGKILL)']
+    assert crash_of(left, Process('/a', True, 0, is_shell=True)) == []
+
+
 def test_a_command_stands_for_the_one_node_that_it_is(tmp_path):
     log = log_of(tmp_path, [('/a', True)], [('/a', 'KeyError')])
     assert crash_of(log, Process('the command x', True, 3, names=('/a',))) == [

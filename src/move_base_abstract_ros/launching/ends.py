@@ -32,6 +32,7 @@ _BY_SHELL = 128  # a shell ends with this and the signal's number where its prog
 _SHOWN = re.compile(r'bad callback: |^Exception in thread |Error processing request: '
                     r'|Exception in your execute callback: |Exception thrown while processing service call: ')
 _SHUT_DOWN = re.compile(r'rospy\.exceptions\.ROSInterruptException')
+_TRACEBACK = 'Traceback (most recent call last):'
 _OF_SHUT_DOWN = (1, 130)  # what it makes of the exit code: Python's, and our launcher's
 # Colours, times of the wall clock, addresses.
 _NOISE = re.compile(r'\x1b\[[0-9;]*m|\[[0-9]+\.[0-9]+(, *[0-9.]+)?\]:? ?| at 0x[0-9a-f]+')
@@ -52,6 +53,7 @@ class Process(NamedTuple):
     shown: tuple = ()  # those lines that show exceptions nobody caught, before the end
     was_started: bool = True
     names: tuple = ()  # of the participants that it may be, where that is not ``node``
+    is_shell: bool = False  # whose exit code 0 says nothing of what it has started
 
 
 class Log:
@@ -165,13 +167,19 @@ def _end_of(process, log):
 def _unexpected(process, died):
     """Return what is unexpected of an end while the run went on, or None."""
     code = process.code
-    if code is None:
+    if code is None or code == 0 and process.is_shell:
         return 'its connection was lost' if died else None
     if code == 0 or process.was_told and not died and _is_ours(code):
         return None
-    if code in _OF_SHUT_DOWN and any(_SHUT_DOWN.match(line) for line in process.printed):
+    if code in _OF_SHUT_DOWN and _is_last_error(_SHUT_DOWN, process.printed):
         return None  # rospy has told its main thread that the node is shut down
     return described(code)
+
+
+def _is_last_error(kind, printed):
+    """Return whether the last exception that is shown in these lines is of a kind: none came of handling it."""
+    at = max((number for number, line in enumerate(printed) if kind.match(line)), default=None)
+    return at is not None and not any(line.startswith(_TRACEBACK) for line in printed[at:])
 
 
 def _is_ours(code):

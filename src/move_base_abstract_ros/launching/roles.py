@@ -7,7 +7,9 @@ from rosgraph.names import ns_join
 from roslib import packages
 
 from ..lockstep import recorders
+from ..lockstep.shell_scripts import is_shell_word
 from ..loopback import PACKAGE
+from ..nodes import lockstep_launcher
 from . import programs
 
 _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver', 'soil_coordinator',
@@ -108,6 +110,14 @@ def _outside(node, with_respawned):
     if words and os.path.basename(words[0]) in _DEBUGGERS:
         return "it runs under '{}'".format(words[0])
     return None
+
+
+def is_shell(node):
+    """Return whether a roslaunch Node's process is a shell that starts the program."""
+    prefix = shlex.split(node.launch_prefix or '')
+    path = None if node.package == PACKAGE else program_of(node)
+    return bool(prefix) and is_shell_word(prefix[0]) or (
+        path is not None and lockstep_launcher.kind_of(path) == 'shell')
 
 
 def _without(node):

@@ -144,9 +144,10 @@ class Parent(roslaunch.parent.ROSLaunchParent):
 
     def ends(self):
         """Return an ends.End of each process of the run, of those too that could not be started."""
-        names = [roles.name_of(node) for node in self.config.nodes if is_machine_local(node.machine)]
-        found = [self._watched[name].process(name, name in self._plan.participants) if name in self._watched
-                 else ends.Process(name, False, None, was_started=False) for name in names]
+        nodes = {roles.name_of(node): node for node in self.config.nodes if is_machine_local(node.machine)}
+        found = [self._watched[name].process(name, name in self._plan.participants)._replace(is_shell=roles.is_shell(node))
+                 if name in self._watched else ends.Process(name, False, None, was_started=False)
+                 for name, node in nodes.items()]
         return ends.judge(found, ends.read_log(self._log_path))
 
 

@@ -123,6 +123,10 @@ def _follow_pools():
     for name in ('ApplyResult', 'MapResult'):
         replace('multiprocessing.pool.{}._set'.format(name), _setting_result)
     replace('multiprocessing.pool.ApplyResult.get', _asking)
+    for name in ('IMapIterator', 'IMapUnorderedIterator'):
+        replace('multiprocessing.pool.{}._set'.format(name), _setting_item)
+    for name in ('next', '__next__'):
+        replace('multiprocessing.pool.IMapIterator.' + name, _taking)
 
 
 def _setting_result(set_result):
@@ -134,12 +138,36 @@ def _setting_result(set_result):
     return _set
 
 
+def _setting_item(set_item):
+    def _set(self, i, obj):
+        is_success, value = obj
+        if not is_success and uncaught.is_failure(value):
+            value._lockstep_outcome = outcome = _Outcome(value, _JOB)
+            _note(outcome)
+        set_item(self, i, obj)
+    return _set
+
+
+def _taking(take):
+    """Who takes an item whose job has failed gets the exception."""
+    def _next(self, *args, **kwds):
+        try:
+            return take(self, *args, **kwds)
+        except BaseException as error:
+            outcome = getattr(error, '_lockstep_outcome', None)
+            if outcome is not None:
+                outcome.is_asked = True
+            raise
+    return _next
+
+
 # --- tasks of asyncio -----------------------------------------------------------------------------------------------
 
 
 def follow_tasks():
     """Hear what asyncio's loops say of exceptions that nobody catches."""
     replace('asyncio.base_events.BaseEventLoop.default_exception_handler', _handling)
+    replace('asyncio.tasks._GatheringFuture.set_exception', _setting_of_many)
 
 
 def _handling(handle):
@@ -152,6 +180,14 @@ def _handling(handle):
             uncaught.tell(error, 'a callback of its event loop')
         handle(self, context)
     return default_exception_handler
+
+
+def _setting_of_many(set_exception):
+    """Return the method of what gather() returns: it has asked its tasks, and is asked in their place."""
+    def _set_exception(self, exception):
+        set_exception(self, exception)
+        _ended(self)
+    return _set_exception
 
 
 def methods_of(kind):

@@ -23,6 +23,11 @@ def is_shell(first_line):
     return _SHELL.match(first_line) is not None
 
 
+def is_shell_word(word):
+    """Return whether the first word of a command line is a shell."""
+    return is_shell(b'#!' + os.fsencode(word))
+
+
 def execute(path, arguments, launcher):
     """Become the shell script, with the launcher's words before the Python program that comes of it."""
     names = [word for word in arguments if word.startswith(_NAME)]

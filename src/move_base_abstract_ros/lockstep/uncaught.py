@@ -57,10 +57,11 @@ def is_failure(error):
     """Return whether an exception that nobody catches is one of the program: no end of the run, of a job or of itself.
 
     ``sys.exit`` with an error is one: where it is caught by no main thread, it ends a callback and not the program.
+    So is an exception of a class that is derived from ``BaseException`` alone.
     """
     if isinstance(error, SystemExit):
         return error.code not in (None, 0)
-    return isinstance(error, Exception) and not isinstance(error, TurnLost)
+    return isinstance(error, BaseException) and not isinstance(error, (TurnLost, KeyboardInterrupt))
 
 
 def place_of(error):
@@ -68,7 +69,7 @@ def place_of(error):
     found, trace = None, error.__traceback__
     while trace is not None:
         filename = trace.tb_frame.f_code.co_filename
-        if found is None or not is_library(filename) or is_library(found[0]):
+        if filename != __file__ and (found is None or not is_library(filename) or is_library(found[0])):
             found = (filename, trace.tb_lineno)
         trace = trace.tb_next
     return '{}, line {}'.format(os.path.basename(found[0]), found[1]) if found else 'an unknown place'
@@ -141,8 +142,11 @@ def follow_hooks():
 
 def _ignored(hook):
     def unraisablehook(args):
-        if 'atexit' in (args.err_msg or ''):  # others are of destructors
+        about = args.err_msg or ''
+        if 'atexit' in about:
             _tell_last(args.exc_value, 'a function of atexit')
+        elif 'ctypes' in about:  # others are of destructors
+            tell(args.exc_value, 'a callback of a library in C')
         hook(args)
     return unraisablehook
 

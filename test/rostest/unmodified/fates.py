@@ -3,6 +3,7 @@
 import _thread
 import asyncio
 import atexit
+import ctypes
 import os
 import signal
 import sys
@@ -95,7 +96,7 @@ async def awaits(one):
 
 
 def jobs():
-    """Thirteen exceptions: of callbacks, and of jobs for which nobody asks how they end."""
+    """Fourteen exceptions: of callbacks, and of jobs for which nobody asks how they end."""
     executor = ThreadPoolExecutor(2)
     kept = [executor.submit(job)]  # the first: it stays to the end
     rospy.sleep(3.0)
@@ -117,8 +118,66 @@ def jobs():
         kept.append(asyncio.ensure_future(task()))
         asyncio.ensure_future(awaits(asyncio.ensure_future(task())))
         asyncio.get_running_loop().call_later(0.5, fail)
+        kept.append(asyncio.gather(task(), asyncio.sleep(DAY)))
         await asyncio.sleep(DAY)
     asyncio.run(main())
+
+
+def derived():
+    """Three exceptions that are no Exception, and one in what a library in C calls."""
+    class Stop(BaseException):
+        pass
+
+    def stop(*_):
+        raise Stop
+    at(2, stop)
+    rospy.Timer(rospy.Duration(2.5), stop)
+    compare = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(lambda *_: fail())
+    rospy.sleep(3.0)
+    ctypes.CDLL(None).qsort((ctypes.c_int * 2)(2, 1), 2, 4, compare)
+    threading.Thread(target=stop).start()
+    rospy.spin()
+
+
+def items():
+    """Of three items of pools whose jobs fail one is taken."""
+    pool, other = ThreadPool(1), ThreadPool(1)
+    kept = pool.imap(lambda _: fail(), [1, 2]), other.imap_unordered(lambda _: fail(), [1])
+    rospy.sleep(1.0)
+    try:
+        next(kept[0])
+    except KeyError:
+        rospy.spin()
+
+
+def taken():
+    """All items are taken, sooner or later."""
+    pool = ThreadPool(1)
+    for results in (pool.imap(lambda _: job(), [1, 2]), pool.imap_unordered(lambda _: job(), [1])):
+        rospy.sleep(5.0)
+        while True:
+            try:
+                results.next()
+            except StopIteration:
+                break
+            except KeyError:
+                continue
+    rospy.spin()
+
+
+def saves():
+    """It shuts itself down, and fails in writing down what came out."""
+    at(2, lambda: rospy.signal_shutdown('all is done'))
+    try:
+        rospy.sleep(DAY)
+    except rospy.ROSInterruptException:
+        fail()
+
+
+def odd():
+    """What rospy calls takes no message."""
+    rospy.Subscriber('/ticks', Int32, lambda: None)
+    rospy.spin()
 
 
 def asked():
@@ -144,6 +203,11 @@ def asked():
         except KeyError:
             pass
         del one
+        await asyncio.gather(task(), task(), return_exceptions=True)
+        try:
+            await asyncio.gather(task(), asyncio.sleep(1.0))
+        except KeyError:
+            pass
         await asyncio.wait([other])
         assert isinstance(other.exception(), KeyError)
         asyncio.get_running_loop().set_exception_handler(lambda loop, context: answers.append(context))
@@ -206,7 +270,7 @@ FATES = {
     'vanishes': lambda: (rospy.sleep(2.0), os._exit(4)), 'faults': lambda: (
         rospy.sleep(2.0), os.kill(os.getpid(), signal.SIGSEGV)),
     'killed': lambda: (rospy.sleep(2.0), os.kill(os.getpid(), signal.SIGKILL)),
-    'jobs': jobs, 'asked': asked, 'unsaved': unsaved, 'last_round': last_round, 'looks_on': looks_on, 'shut_down': shut_down, 'ends': lambda: rospy.sleep(2.0), 'waits': lambda: rospy.sleep(DAY)}
+    'derived': derived, 'items': items, 'taken': taken, 'saves': saves, 'odd': odd, 'jobs': jobs, 'asked': asked, 'unsaved': unsaved, 'last_round': last_round, 'looks_on': looks_on, 'shut_down': shut_down, 'ends': lambda: rospy.sleep(2.0), 'waits': lambda: rospy.sleep(DAY)}
 
 
 def main():
