@@ -25,6 +25,7 @@ from . import run, run_folders
 OUTPUT = 'function.txt'  # what a trial's function prints
 _LOOPBACK = f'{__package__}.warm_loopback'  # there if a function starts nodes by it
 _MOST_BYTES = 1 << 20
+_DYING_S = 1.0  # wall, in which a process that says no more has ended
 _MOST_METRICS = 200
 _MOST_LABELS = 100
 _LONGEST_LABEL = 200
@@ -34,6 +35,16 @@ _NAME = re.compile(r'[A-Za-z]\w{0,63}\Z', re.ASCII)
 
 class FunctionError(SimulatorError):
     """A function raised, did not come to its end, or returned what it must not."""
+
+
+class DeathError(FunctionError):
+    """A process that has not said what came out. ``code``: its exit code, of a signal its negative number, or None."""
+
+    def __init__(self, seconds, code, is_late):
+        how = '' if code is None else f': {ends.described(code)}'
+        super().__init__(f'it was not over after {seconds:g} s of wall time' if is_late
+                         else f'its process has told nothing of its end{how}')
+        self.code, self.is_late = code, is_late
 
 
 class FunctionTrial:
@@ -140,13 +151,16 @@ def call(work, seconds, output, cwd):
                 stream.write(text.encode() + b'\n')
     pid = processes.fork(child, output, cwd)
     os.close(write)
-    text = _read_line(read, seconds)
+    text, statuses = _read_line(read, seconds), {}
+    if text is not None and not text.endswith(b'\n'):
+        processes.await_ends({pid}, _DYING_S, statuses)
+    code = processes.code_of(statuses[pid]) if pid in statuses else None
     processes.end([pid], signal.SIGKILL, 1.0, {})
     processes.end_all_children()
     try:
-        answer = json.loads(text)
+        answer = json.loads(text or b'')
     except ValueError:
-        raise FunctionError(f'it did not come to its end within {seconds:g} s, or its process died') from None
+        raise DeathError(seconds, code, text is None) from None
     if 'problem' in answer:
         raise FunctionError(answer['problem'])
     return answer['value']
@@ -227,12 +241,14 @@ def prepare(wanted, folder):
 
 
 def _read_line(descriptor, seconds):
-    """Return what comes until the end of the first line, or of the pipe, within so many seconds [wall]."""
+    """Return what comes until the end of the first line, or of the pipe; None if that takes longer [s, wall]."""
     pieces, deadline = [], time.monotonic() + seconds
     with os.fdopen(descriptor, 'rb', buffering=0) as stream:
         while sum(map(len, pieces)) < _MOST_BYTES:
             ready, _, _ = select.select([stream], [], [], max(0.0, deadline - time.monotonic()))
-            piece = stream.read(1 << 16) if ready else b''
+            if not ready:
+                return None
+            piece = stream.read(1 << 16)
             pieces.append(piece)
             if not piece or piece.endswith(b'\n'):
                 break

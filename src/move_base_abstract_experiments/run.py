@@ -257,7 +257,8 @@ def _ended(one, statuses, early, told, shown):
     """Return the ends.Process of a _Process that has ended, or was killed in vain."""
     code = processes.code_of(statuses[one.pid]) if one.pid in statuses else None
     return ends.Process(one.name, one.takes_part, code, one.pid in early, one.pid in told,
-                        _last_lines(one.output) if code else (), shown.get(one.pid, ()), names=one.names, is_shell=one.is_shell)
+                        _last_lines(one.output) if code else (), shown.get(one.pid, ()), names=one.names,
+                        is_shell=one.is_shell)
 
 
 def _last_lines(path):

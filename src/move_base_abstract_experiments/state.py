@@ -18,7 +18,7 @@ def lines(path):
     total = len(plan['trials'])
     yield f"{shown_text(plan['experiment'])}: {len(complete)} of {total} trials complete, {len(failed)} failed, " \
           f'{total - len(found) - len(damaged)} missing' + (f', {len(damaged)} not to be read' if damaged else '')
-    twice = [about['verified'] for about in complete if about['verified'] is not None]
+    twice = [about['verified'] for about in found if about['verified'] is not None]
     if twice:
         yield f'run twice: {twice.count(trial.IDENTICAL)} identical, {twice.count(trial.DIFFERENT)} different'
     labelled = sum(bool(about['labels']) for about in complete)

@@ -160,7 +160,13 @@ def _tell_speed(about):
 def _call(job, folders, about):
     """Run the trial that is a function."""
     begin = time.monotonic()
-    answer = functions.run_trial(job, folders)
+    try:
+        answer = functions.run_trial(job, folders)
+    except functions.DeathError as error:
+        about['ended_by'] = ended_by.TIME_LIMIT if error.is_late else about['ended_by']
+        died = error.code is not None
+        _judge(job, about, [ends.Process('the function', False, error.code, was_early=died)], ends.Log(), str(error))
+        raise
     about['wall_seconds'] = round(time.monotonic() - begin, 6)
     about['repeatable'] = True
     log = ends.Log()

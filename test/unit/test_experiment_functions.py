@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_experiments import functions
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract_experiments import functions, trial
 
 MODEL = """
 import os, sys, threading, time
@@ -30,6 +30,10 @@ def run(trial):
         return {'seed': 1}
     if trial.args['n'] == 5:
         os._exit(3)
+    if trial.args['n'] == 11:
+        os.kill(os.getpid(), 11)
+    if trial.args['n'] == 12:
+        time.sleep(600)
     if trial.args['n'] == 10:
         worker = threading.Thread(target=lambda: {}['task'], name='worker')
         worker.start()
@@ -53,7 +57,7 @@ def call(tmp_path, n):
     for path in folders:
         os.mkdir(path)
     job = {'configuration': {'n': n}, 'replication': 0, 'seed': 7, 'function_arguments': {'n': n}, 'factors': ['n'],
-           'trial_function': 'model:run', 'modules': str(tmp_path), 'time_limit': 60.0,
+           'trial_function': 'model:run', 'modules': str(tmp_path), 'time_limit': 2.0 if n == 12 else 60.0,
            'prepare': ['model:prepare', {'n': '{n}'}, {'n': [n]}]}
     path = tmp_path / 'job.json'
     path.write_text(json.dumps({'job': job, 'folders': folders}))
@@ -89,10 +93,24 @@ def test_what_it_leaves_running_ends_with_it(tmp_path):
 
 @pytest.mark.parametrize('n, problem', [
     (3, 'ValueError: three is too many'), (4, "ValueError: 'seed' is no name for a metric"),
-    (5, 'or its process died'), (7, 'simulated_seconds must be a finite number >= 0, got nan'),
+    (5, 'its process has told nothing of its end: exit code 3'), (11, 'of its end: ended by SIGSEGV'),
+    (12, 'it was not over after 2 s of wall time'), (7, 'simulated_seconds must be a finite number >= 0, got nan'),
     (9, 'large must lie within what a float holds, got a whole number of about 401 digits')])
 def test_what_goes_wrong_is_told_in_a_line(tmp_path, n, problem):
     assert problem in call(tmp_path, n)['problem']
+
+
+@pytest.mark.parametrize('code, is_late, crashes, how', [
+    (-11, False, ['the function crashed: ended by SIGSEGV'], 'crash'),
+    (3, False, ['the function crashed: exit code 3'], 'crash'), (0, False, [], 'error'), (None, False, [], 'error'), (None, True, [], 'time_limit')])
+def test_a_function_whose_process_died_has_crashed(monkeypatch, code, is_late, crashes, how):
+    def run_trial(*_):
+        raise functions.DeathError(8.0, code, is_late)
+    monkeypatch.setattr(functions, 'run_trial', run_trial)
+    about = {'ended_by': 'error'}
+    with pytest.raises(SimulatorError):
+        trial._call({'crashes': 'fail'}, None, about)
+    assert (about['crashes'], about['ended_by']) == (crashes, how)
 
 
 def test_a_module_beside_the_file_goes_to_a_worker_that_does_not_have_it(tmp_path, monkeypatch):

@@ -123,7 +123,8 @@ def test_the_table_has_a_row_per_trial(tmp_path):
 
 def test_metrics_that_only_some_trials_have_are_columns_and_all_ends_are_counted(tmp_path, capsys):
     others = [{'metrics': {'goals': 1}}, {'metrics': {'zeal': 1, 'goals': 2, 'also': 3}},
-              {'status': 'failed', 'error': 'why', 'metrics': {}}, {'verified': 'different', 'difference': 'here'},
+              {'status': 'failed', 'error': 'why', 'metrics': {}, 'verified': 'identical'},
+              {'verified': 'different', 'difference': 'here'},
               {'verified': 'identical', 'metrics': {'goals': 5}}]
     names = [f'{number:04d}-abcdef' for number in range(6)]
     with outputs.OutputFolder(tmp_path / 'out') as folder:
@@ -136,8 +137,9 @@ def test_metrics_that_only_some_trials_have_are_columns_and_all_ends_are_counted
     assert [row[5:9] for row in rows[1:]] == [['1', '', '', ''], ['2', '3', '', '1'], ['', '', '', ''],
                                               ['2', '', '0.5', ''], ['5', '', '', '']]
     said = capsys.readouterr().out.splitlines()
-    assert said[:3] == ['experiment: 4 of 6 trials are complete; run twice: 1 identical, 1 different',
+    assert said[:3] == ['experiment: 4 of 6 trials are complete; run twice: 2 identical, 1 different',
                         '  failed: 0002-abcdef: why', '  different: 0003-abcdef: here']
+    assert list(state.lines(tmp_path / 'out'))[1] == 'run twice: 2 identical, 1 different'  # says the same
 
 
 def test_a_failure_is_told(tmp_path):

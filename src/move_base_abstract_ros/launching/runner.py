@@ -145,10 +145,12 @@ class Parent(roslaunch.parent.ROSLaunchParent):
     def ends(self):
         """Return an ends.End of each process of the run, of those too that could not be started."""
         nodes = {roles.name_of(node): node for node in self.config.nodes if is_machine_local(node.machine)}
-        found = [self._watched[name].process(name, name in self._plan.participants)._replace(is_shell=roles.is_shell(node))
-                 if name in self._watched else ends.Process(name, False, None, was_started=False)
-                 for name, node in nodes.items()]
-        return ends.judge(found, ends.read_log(self._log_path))
+        return ends.judge([self._process(*one) for one in nodes.items()], ends.read_log(self._log_path))
+
+    def _process(self, name, node):
+        if name not in self._watched:
+            return ends.Process(name, False, None, was_started=False)
+        return self._watched[name].process(name, name in self._plan.participants)._replace(is_shell=roles.is_shell(node))
 
 
 class _Starting:
