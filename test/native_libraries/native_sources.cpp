@@ -3,21 +3,15 @@
 #include <fcntl.h>
 #include <linux/futex.h>
 #include <poll.h>
+#include <pthread.h>
 #include <semaphore.h>
-#include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/random.h>
-#include <sys/resource.h>
 #include <sys/select.h>
 #include <sys/syscall.h>
-#include <sys/sysinfo.h>
 #include <sys/time.h>
 #include <sys/timeb.h>
-#include <sys/timerfd.h>
-#include <sys/times.h>
-#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -29,8 +23,11 @@
 #include <map>
 #include <mutex>
 #include <random>
+#include <shared_mutex>
 #include <sstream>
 #include <thread>
+
+#include "native_deeds.h"
 
 namespace {
 
@@ -160,6 +157,52 @@ std::string waits() {
       &waitForFutex);
 }
 
+/** @brief The same by C++'s names, for whatever clock. */
+std::string timed() {
+  auto& mutex = *new std::timed_mutex;
+  auto& shared = *new std::shared_timed_mutex;
+  std::thread([&] {
+    mutex.lock();
+    shared.lock();
+  }).join();
+  std::promise<void> end;
+  std::thread worker([&end] { end.get_future().wait(); });
+  timespec until{};
+  const std::string said = lasted(
+      [&] { return mutex.try_lock_for(10ms); },
+      [&] { return mutex.try_lock_until(std::chrono::system_clock::now() + 20ms); },
+      [&] { return shared.try_lock_for(30ms); }, [&] { return shared.try_lock_shared_for(40ms); },
+      [&] {
+        return until = later(CLOCK_REALTIME, 50000000),
+               pthread_timedjoin_np(worker.native_handle(), nullptr, &until);
+      },
+      [&] { return mutex.try_lock_until(Clock::now() - 1h); });
+  end.set_value();
+  worker.join();
+  return said;
+}
+
+/** @brief Wait with limits that are never reached: as long as another thread takes. */
+std::string given() {
+  std::promise<int> promise;
+  std::future<int> future = promise.get_future();
+  std::thread worker([&promise] { promise.set_value(7); });
+  const auto state = future.wait_until(Clock::time_point::max());
+  worker.join();
+  std::mutex mutex;
+  std::unique_lock<std::mutex> lock(mutex);
+  bool is_there = false;
+  std::condition_variable condition;
+  std::thread([&] {
+    const std::lock_guard<std::mutex> guard(mutex);
+    is_there = true;
+    condition.notify_all();
+  }).detach();
+  return std::to_string(state == std::future_status::ready) +
+         std::to_string(condition.wait_until(lock, std::chrono::system_clock::time_point::max(),
+                                             [&] { return is_there; }));
+}
+
 std::string chance() {
   std::ostringstream said;
   unsigned bytes = 0;
@@ -182,6 +225,8 @@ std::string chance() {
   said << ' ' << bytes << ' ' << rand();
   return said.str();
 }
+
+std::string seconds() { return lasted([] { return sleep(2); }); }
 
 /** @brief Wait for a clock by looking at it. */
 std::string spin() {
@@ -220,29 +265,14 @@ std::string threads() {
   return said;
 }
 
-std::string untold() {
-  tms spent{};
-  times(&spent);
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  double load = 0.0;
-  const int loads = getloadavg(&load, 1);
-  struct sysinfo info {};
-  sysinfo(&info);
-  close(timerfd_create(CLOCK_MONOTONIC, 0));
-  const std::string pid = std::to_string(getpid());
-  FILE* const output = popen("true", "r");
-  pclose(output);
-  std::ifstream("/proc/uptime");
-  return loads == 1 && pid.size() > 1 && system("true") == 0 ? "asked" : "";
-}
-
 }  // namespace
 
 std::string ask(const std::string& topic) {
   const std::map<std::string, std::string (*)()> topics = {
       {"clocks", &clocks}, {"sleeps", &sleeps}, {"waits", &waits},     {"chance", &chance},
-      {"spin", &spin},     {"limit", &limit},   {"threads", &threads}, {"untold", &untold}};
+      {"timed", &timed},   {"given", &given},
+      {"spin", &spin},     {"limit", &limit},   {"threads", &threads}, {"seconds", &seconds},
+      {"files", &files},   {"strays", &strays}, {"untold", &untold}};
   return topics.at(topic)();
 }
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
-/** @return what it has found out about @p topic: clocks, sleeps, waits, chance, spin, limit,
- * threads or untold. */
+/** @return what it has found out about @p topic: clocks, sleeps, waits, timed, given, chance,
+ * seconds, spin, limit, threads, files, strays or untold. */
 std::string ask(const std::string& topic);
 
 #endif  // NATIVE_SOURCES_H
