@@ -5,7 +5,8 @@ from setuptools import find_packages, setup
 setup(**generate_distutils_setup(
     packages=find_packages('src'),
     package_dir={'': 'src'},
-    package_data={'move_base_abstract_calibration': ['templates/*'],
+    package_data={'move_base_abstract': ['py.typed'],
+                  'move_base_abstract_calibration': ['templates/*'],
                   'move_base_abstract_experiments': ['report/templates/*.j2'],
                   'move_base_abstract_replay': ['templates/*'],
                   'move_base_abstract_ros': ['lockstep/follow/*.py'],

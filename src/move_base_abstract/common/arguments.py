@@ -1,12 +1,15 @@
 """Arguments of calls from outside, checked where they come in: a value of the wrong kind is an error at once."""
+from __future__ import annotations
+
 import numbers
 import operator
+from typing import Dict
 
 from .errors import ConfigurationError
 from .shown import shown
 
 
-def as_float(value, name):
+def as_float(value: object, name: str) -> float:
     """Return the number ``value`` as a float, which may be NaN or infinite.
 
     :raises ConfigurationError: naming ``name``, if it is no number, or one that no float holds.
@@ -21,20 +24,20 @@ def as_float(value, name):
     raise ConfigurationError('{}: got {}; allowed: a number'.format(name, shown(value)))
 
 
-def as_ns(value, name):
+def as_ns(value: object, name: str) -> int:
     """Return the time ``value`` [ns] as an int.
 
     :raises ConfigurationError: naming ``name``, if it is no whole number; a float is none, not even 1e9.
     """
     try:
         if not isinstance(value, bool):
-            return operator.index(value)
+            return operator.index(value)  # type: ignore[arg-type]
     except TypeError:
         pass
     raise ConfigurationError('{}: got {}; allowed: a whole number [ns]'.format(name, shown(value)))
 
 
-def check_kind(value, kind, name):
+def check_kind(value: object, kind: type, name: str) -> None:
     """Check that ``value`` is an instance of ``kind``.
 
     :raises ConfigurationError: naming ``name``, if it is none.
@@ -43,4 +46,4 @@ def check_kind(value, kind, name):
         raise ConfigurationError('{}: got {}; allowed: {}'.format(name, shown(value), _KINDS.get(kind, kind.__name__)))
 
 
-_KINDS = {str: 'a text'}
+_KINDS: Dict[type, str] = {str: 'a text'}

@@ -4,14 +4,22 @@ A few hundred bytes of YAML can stand for more than any machine holds (aliases o
 exhaust the reader (nesting, long numbers). Here each of these is an error that says what was got, what is allowed, and
 where. Maps, scenarios, missions and services read with this, so that they all allow the same.
 """
+from __future__ import annotations
+
 import os
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Dict, Hashable, NamedTuple, Optional, Tuple, Union
 
 import yaml
 
 from .errors import ConfigurationError
 from .input_files import open_input
 from .shown import shown, shown_text
+
+if TYPE_CHECKING:
+    from yaml.events import Event
+    from yaml.nodes import MappingNode, Node, ScalarNode
+
+    from .type_names import StrPath
 
 MAX_DEPTH = 32  # lists and mappings in one another
 MAX_DIGITS = 100  # characters of a number
@@ -33,7 +41,7 @@ FILE = Bounds(8 * 1024 * 1024, 500_000, 16 * 1024 * 1024)
 REQUEST = Bounds(64 * 1024, 10_000, 256 * 1024)  # what comes by a service, while others wait
 
 
-def load_yaml_file(path):
+def load_yaml_file(path: StrPath) -> Any:
     """Return the document in the YAML file ``path``.
 
     :raises ConfigurationError: if it cannot be read, is no YAML, or is out of bounds; the text begins with the path.
@@ -43,7 +51,7 @@ def load_yaml_file(path):
     return load_yaml_text(data, str(path))
 
 
-def file_version(path, where):
+def file_version(path: StrPath, where: str) -> Tuple[int, int]:
     """Return (time of its last change [ns], bytes) of a file, by which what was read of it is known to be of today.
 
     :raises ConfigurationError: if it cannot be looked at; the text begins with ``where``.
@@ -56,7 +64,7 @@ def file_version(path, where):
     return status.st_mtime_ns, status.st_size
 
 
-def load_yaml_text(text, where, bounds=FILE):
+def load_yaml_text(text: Union[bytes, str], where: str, bounds: Bounds = FILE) -> Any:
     """Return the document in ``text`` (str, or bytes in UTF-8); ``where`` begins the text of an error.
 
     :raises ConfigurationError: if it is no YAML, or out of bounds.
@@ -76,7 +84,7 @@ def load_yaml_text(text, where, bounds=FILE):
         raise ConfigurationError('{}: is not YAML of plain values: {}'.format(where, _told(error))) from None
 
 
-def _told(error):
+def _told(error: Any) -> str:
     """Return an error of the library as one line, without the piece of text that it quotes at length."""
     mark = getattr(error, 'problem_mark', None)
     if mark is None:
@@ -88,16 +96,16 @@ def _told(error):
 class _Loader(yaml.SafeLoader):
     """Counts while it composes the tree, which is before anything is made of it."""
 
-    def __init__(self, text, bounds):
+    def __init__(self, text: str, bounds: Bounds) -> None:
         super().__init__(text)
         self._bounds = bounds
         self._depth = 0
         self._total = (0, 0)  # values, characters
-        self._sizes = {}  # the same, by anchor
+        self._sizes: Dict[Optional[str], Tuple[int, int]] = {}  # the same, by anchor
 
-    def compose_node(self, parent, index):
+    def compose_node(self, parent: Optional[Node], index: Any) -> Optional[Node]:
         """Compose a node, or take that of an alias, and count it."""
-        event = self.peek_event()
+        event: Any = self.peek_event()  # type: ignore[no-untyped-call]
         if isinstance(event, yaml.AliasEvent):
             if event.anchor in self.anchors and event.anchor not in self._sizes:
                 raise _error(event, "the alias '*{}' lies in what it stands for".format(shown_text(event.anchor)))
@@ -114,14 +122,14 @@ class _Loader(yaml.SafeLoader):
             self._sizes[event.anchor] = self._total[0] - values, self._total[1] - characters
         return node
 
-    def compose_scalar_node(self, anchor):
+    def compose_scalar_node(self, anchor: Any) -> ScalarNode:
         """Refuse numbers that take long to read."""
         node = super().compose_scalar_node(anchor)
         if node.tag in _NUMBER_TAGS and len(node.value) > MAX_DIGITS:
             raise _error(node, 'a number of {} characters; allowed: at most {}'.format(len(node.value), MAX_DIGITS))
         return node
 
-    def construct_object(self, node, deep=False):
+    def construct_object(self, node: Any, deep: bool = False) -> Any:
         """Say where a value is that its tag does not fit."""
         try:
             return super().construct_object(node, deep)
@@ -132,7 +140,7 @@ class _Loader(yaml.SafeLoader):
                 shown(getattr(node, 'value', None) if isinstance(node, yaml.ScalarNode) else node.id),
                 shown_text(node.tag.rsplit(':', 1)[-1]))) from None
 
-    def construct_mapping(self, node, deep=False):
+    def construct_mapping(self, node: MappingNode, deep: bool = False) -> Dict[Hashable, Any]:
         """Refuse a key that is there twice, also written in two ways (1 and 0x1); merged keys may be replaced."""
         is_mapping = isinstance(node, yaml.MappingNode)
         written = [key for key, _ in node.value if key.tag != _MERGE_TAG] if is_mapping else []
@@ -145,13 +153,13 @@ class _Loader(yaml.SafeLoader):
             seen.add(key)
         return mapping
 
-    def _count(self, event, values, characters):
+    def _count(self, event: Event, values: int, characters: int) -> None:
         self._total = self._total[0] + values, self._total[1] + characters
         if self._total[0] > self._bounds.values or self._total[1] > self._bounds.characters:
             raise _error(event, 'more than {} values or {} characters, those behind aliases counted each time'.format(
                 self._bounds.values, self._bounds.characters))
 
 
-def _error(place, text):
+def _error(place: Any, text: str) -> ConfigurationError:
     mark = place.start_mark
     return ConfigurationError('line {}, column {}: {}'.format(mark.line + 1, mark.column + 1, text))

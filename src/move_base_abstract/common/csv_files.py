@@ -1,17 +1,22 @@
 """Tables that anybody may have written: opened only if they are files, and of a bounded size."""
+from __future__ import annotations
 
 import contextlib
 import csv
+from typing import IO, TYPE_CHECKING, Dict, Iterable, Iterator, Tuple, Type
 
 from .errors import ConfigurationError
 from .input_files import open_text_input
 from .shown import shown
 
+if TYPE_CHECKING:
+    from .type_names import StrPath
+
 MAX_BYTES = 64 * 1024 * 1024
 
 
 @contextlib.contextmanager
-def open_csv(path, error_type=ConfigurationError):
+def open_csv(path: StrPath, error_type: Type[ConfigurationError] = ConfigurationError) -> Iterator[IO[str]]:
     """Open a CSV file as text; what its reader complains of in the with block becomes an error that names the file.
 
     :raises error_type: (a kind of ConfigurationError) if it is no regular file, too large, or cannot be read.
@@ -25,7 +30,7 @@ def open_csv(path, error_type=ConfigurationError):
         raise error_type(f'{path}: cannot be read as CSV: {error}') from None
 
 
-def rows_of(lines, path):
+def rows_of(lines: Iterable[str], path: StrPath) -> Iterator[Tuple[str, Dict[str, str]]]:
     """Yield (where, {column: cell}) of the rows of a table whose first line names the columns; empty lines are none.
 
     ``lines``: an iterable of text lines that may have the number of the last one as ``number``.

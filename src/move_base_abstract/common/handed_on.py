@@ -1,15 +1,18 @@
 """The public names of a room, each imported when somebody asks for it: who uses one of them does not wait for all."""
+from __future__ import annotations
+
 import importlib
+from typing import Any, Callable, Dict
 
 
-def handed_on(package, names):
+def handed_on(package: str, names: Dict[str, str]) -> Callable[[str], Any]:
     """Return the ``__getattr__`` (PEP 562) of a package that hands names of its modules on.
 
     :param names: {module, below the package: the names of it, with blanks between}.
     """
     homes = {name: module for module, own in names.items() for name in own.split()}
 
-    def get(name):
+    def get(name: str) -> Any:
         if name not in homes:
             raise AttributeError('module {!r} has no attribute {!r}'.format(package, name))
         return getattr(importlib.import_module('.' + homes[name], package), name)

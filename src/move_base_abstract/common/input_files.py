@@ -2,19 +2,26 @@
 
 A pipe would be waited for, for ever if nobody writes; a device may never end. Symbolic links are followed.
 """
+from __future__ import annotations
+
 import contextlib
 import io
 import os
 import stat
+from typing import IO, TYPE_CHECKING, Any, Iterator, Optional, Type
 
 from .errors import ConfigurationError
 from .shown import shown_text
+
+if TYPE_CHECKING:
+    from .type_names import StrPath
 
 _KINDS = ((stat.S_ISDIR, 'a folder'), (stat.S_ISFIFO, 'a pipe'), (stat.S_ISSOCK, 'a socket'))
 
 
 @contextlib.contextmanager
-def open_input(path, most=None, error_type=ConfigurationError, what='file'):
+def open_input(path: StrPath, most: Optional[int] = None, error_type: Type[ConfigurationError] = ConfigurationError,
+               what: str = 'file') -> Iterator[IO[bytes]]:
     """Open the file ``path``, of at most ``most`` bytes (None: any number), to be read in binary.
 
     What the operating system refuses in the with block becomes an error that names the file, too.
@@ -47,14 +54,17 @@ def open_input(path, most=None, error_type=ConfigurationError, what='file'):
 
 
 @contextlib.contextmanager
-def open_text_input(path, most=None, error_type=ConfigurationError, what='file', **options):
+def open_text_input(path: StrPath, most: Optional[int] = None,
+                    error_type: Type[ConfigurationError] = ConfigurationError, what: str = 'file',
+                    **options: Any) -> Iterator[IO[str]]:
     """As :func:`open_input`, of text; ``options``: encoding, errors and newline as of open()."""
     with open_input(path, most, error_type, what) as stream:
         with io.TextIOWrapper(stream, **{'encoding': 'utf-8', **options}) as text:
             yield text
 
 
-def check_input(path, most=None, error_type=ConfigurationError, what='file'):
+def check_input(path: StrPath, most: Optional[int] = None, error_type: Type[ConfigurationError] = ConfigurationError,
+                what: str = 'file') -> None:
     """Check that ``path`` is a file that may be read: for libraries that open it themselves. As :func:`open_input`."""
     with open_input(path, most, error_type, what):
         pass

@@ -1,17 +1,23 @@
 """JSON files that anybody may have written: opened only if they are files, and of a bounded size."""
+from __future__ import annotations
+
 import json
 import math
 import os
+from typing import TYPE_CHECKING, Any, Dict, Optional
 
 from .errors import ConfigurationError
 from .input_files import open_input
 from .shown import shown
 
+if TYPE_CHECKING:
+    from .type_names import StrPath
+
 MAX_BYTES = 64 * 1024 * 1024
 _HALF = b'\\ud'  # begins what JSON may hold and no text file can: half of a pair
 
 
-def load_json_mapping(path, most=MAX_BYTES):
+def load_json_mapping(path: StrPath, most: int = MAX_BYTES) -> Dict[str, Any]:
     """Return the mapping in a JSON file of at most so many bytes. :raises FileNotFoundError: if there is none.
 
     :raises ConfigurationError: if it is a folder, a pipe or a device, too large, or holds no mapping; names the path.
@@ -31,18 +37,18 @@ def load_json_mapping(path, most=MAX_BYTES):
     return content
 
 
-def loads_cleaned(data):
+def loads_cleaned(data: bytes) -> Any:
     """Return the value in bytes of JSON, cleaned(). :raises ValueError: if they are none."""
     content = json.loads(data.decode('utf-8'), parse_float=_finite, parse_constant=lambda _name: None)
     return cleaned(content) if _HALF in data or b'\\uD' in data else content
 
 
-def _finite(text):
+def _finite(text: str) -> Optional[float]:
     number = float(text)
     return number if math.isfinite(number) else None
 
 
-def cleaned(value):
+def cleaned(value: Any) -> Any:
     """Return a value of JSON as any text file can carry it: no half characters, no infinite numbers."""
     if isinstance(value, str):
         return value.encode('utf-8', 'backslashreplace').decode()

@@ -4,6 +4,7 @@ A folder that it makes holds the file MARKER. Only such a folder, or an empty on
 is in it but what this package puts there; anything else is an error that names it. Folders are emptied file by file,
 never as a tree. Symbolic links are not followed.
 """
+from __future__ import annotations
 
 import contextlib
 import errno
@@ -11,8 +12,12 @@ import fcntl
 import fnmatch
 import os
 import stat
+from typing import IO, TYPE_CHECKING, Any, Callable, Iterator, List, Optional, Sequence
 
 from .errors import ConfigurationError, SimulatorError
+
+if TYPE_CHECKING:
+    from .type_names import StrPath
 
 MARKER = '.made_by_move_base_abstract'
 PART = '.part'
@@ -30,12 +35,12 @@ class FolderKind:
         be in it; each may have PART behind it. None: the folder is never replaced, so that anything may be in it.
     """
 
-    def __init__(self, name, files=None):
+    def __init__(self, name: str, files: Optional[Sequence[str]] = None) -> None:
         self._name = name
         self._files = files
         self._text = _TEXT.format(name)
 
-    def check(self, path, beside=()):
+    def check(self, path: StrPath, beside: Sequence[str] = ()) -> None:
         """Complain unless there is nothing at the path, an empty folder, or one of this kind and nothing else in it.
 
         :param beside: names of folders of other kinds that may be in it.
@@ -53,12 +58,12 @@ class FolderKind:
         if MARKER not in names or not self._is_marker(os.path.join(path, MARKER)):
             raise ConfigurationError(f"{path}: is not empty (it holds '{names[0]}'), and this program did not make it "
                                      f'as a {self._name}: no mark in it says so ({MARKER}); name another folder')
-        for name in names if self._files is not None else ():
+        for name in names if self._files is not None else []:
             if name not in beside and not self._is_own(path, name):
                 raise ConfigurationError(f"{path}: was made by this program, but '{name}' in it was not; move that "
                                          f'away, or name another folder')
 
-    def make(self, path):
+    def make(self, path: StrPath) -> int:
         """Make a folder, or take an empty one or one of this kind; return a descriptor of its marker, which is locked.
 
         Close the descriptor when nothing more is to be written. :raises ConfigurationError: as check(), or if another
@@ -78,7 +83,7 @@ class FolderKind:
             raise
         return marker
 
-    def make_new(self, path):
+    def make_new(self, path: StrPath) -> None:
         """Make a folder of this kind where there is nothing, within one that this process has locked.
 
         :raises OutputError: if it cannot be made.
@@ -88,7 +93,7 @@ class FolderKind:
             with open(os.path.join(path, MARKER), 'x', encoding='utf-8') as stream:
                 stream.write(self._text)
 
-    def remove(self, path):
+    def remove(self, path: StrPath) -> None:
         """Remove a folder of this kind, or an empty one, if it is there. :raises ConfigurationError: as make()."""
         self.check(path)
         if _kind_of(path) == 'nothing':
@@ -103,13 +108,13 @@ class FolderKind:
                 os.unlink(os.path.join(path, name))
             os.rmdir(path)
 
-    def _lock(self, path, marker):
+    def _lock(self, path: StrPath, marker: int) -> None:
         try:
             fcntl.flock(marker, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise ConfigurationError(f'{path}: another process of this program is writing there') from None
 
-    def _is_marker(self, path):
+    def _is_marker(self, path: StrPath) -> bool:
         if _kind_of(path) != 'a file':
             return False
         with _clear_errors(path, 'cannot be read'), open(path, 'rb') as stream:
@@ -117,15 +122,15 @@ class FolderKind:
         # An empty one was being written when its process was killed.
         return text in (b'', self._text.encode())
 
-    def _is_own(self, path, name):
+    def _is_own(self, path: StrPath, name: str) -> bool:
         if _kind_of(os.path.join(path, name)) != 'a file':
             return False
         stem = name[:-len(PART)] if name.endswith(PART) else name
-        return name == MARKER or any(fnmatch.fnmatchcase(stem, pattern) for pattern in self._files)
+        return name == MARKER or any(fnmatch.fnmatchcase(stem, pattern) for pattern in self._files or ())
 
 
 @contextlib.contextmanager
-def whole_file(path, mode='w', **options):
+def whole_file(path: StrPath, mode: str = 'w', **options: Any) -> Iterator[IO[Any]]:
     """Open a file of a folder that is ours; it appears under its name only once it is complete and on the disk.
 
     Until then it is called NAME.part. What an earlier, unfinished run left by that name is replaced, if it is a file.
@@ -143,13 +148,13 @@ def whole_file(path, mode='w', **options):
 
 
 @contextlib.contextmanager
-def new_file(path, mode='x', **options):
+def new_file(path: StrPath, mode: str = 'x', **options: Any) -> Iterator[IO[Any]]:
     """Open a new file of a folder of ours that takes its place later, once on_disk(). :raises OutputError: if not."""
     with _clear_errors(path, 'cannot be written'), open(path, mode, **options) as stream:
         yield stream
 
 
-def on_disk(folder):
+def on_disk(folder: StrPath) -> None:
     """Wait until all files of a folder of ours, and of those in it, are on the disk. :raises OutputError: if not.
 
     But for its mark: an empty one, as a power cut may leave it, is a mark as well.
@@ -164,7 +169,7 @@ def on_disk(folder):
                     os.close(descriptor)
 
 
-def check_file(path, is_own):
+def check_file(path: StrPath, is_own: Callable[[bytes], bool]) -> None:
     """Complain unless there is nothing at the path, or a file that is empty or made by this program.
 
     :param is_own: tells from the first line of a file (bytes) whether this program made it.
@@ -181,7 +186,7 @@ def check_file(path, is_own):
     raise ConfigurationError(f'{path}: is there already, as {kind}, and this program did not make it; it stays')
 
 
-def create_file(path, is_own):
+def create_file(path: StrPath, is_own: Callable[[bytes], bool]) -> Optional[IO[str]]:
     """Open a new text file in the place of nothing, or of a file of our own. As check_file; also OutputError."""
     check_file(path, is_own)
     with _clear_errors(path, 'cannot be written'):
@@ -190,7 +195,7 @@ def create_file(path, is_own):
         return open(path, 'x', encoding='utf-8')
 
 
-def _kind_of(path):
+def _kind_of(path: StrPath) -> str:
     """Return what is at a path, no link followed."""
     try:
         mode = os.lstat(path).st_mode
@@ -205,13 +210,13 @@ def _kind_of(path):
     return 'a file' if stat.S_ISREG(mode) else 'a special file'
 
 
-def _listed(path):
+def _listed(path: StrPath) -> List[str]:
     with _clear_errors(path, 'cannot be read'):
         return sorted(os.listdir(path))
 
 
 @contextlib.contextmanager
-def _clear_errors(path, what):
+def _clear_errors(path: StrPath, what: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:

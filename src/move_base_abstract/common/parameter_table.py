@@ -1,11 +1,16 @@
 """Reading values out of a parameter dictionary, with errors that name key, namespace, value and what is allowed."""
+from __future__ import annotations
+
 import difflib
 import math
 from dataclasses import dataclass
-from typing import Any, Callable, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from .errors import ConfigurationError
 from .shown import shown, shown_text
+
+#: (x, y), ascending by x
+Pairs = Tuple[Tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
@@ -18,9 +23,9 @@ class Parameter:
     allowed: str
 
 
-def number(low=-math.inf, high=math.inf, above=None):
+def number(low: float = -math.inf, high: float = math.inf, above: Optional[float] = None) -> Callable[[object], float]:
     """Return a converter of finite numbers in [low, high], or > ``above``."""
-    def convert(value):
+    def convert(value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise ValueError
         if not math.isfinite(value) or not low <= value <= high or (above is not None and not value > above):
@@ -29,9 +34,9 @@ def number(low=-math.inf, high=math.inf, above=None):
     return convert
 
 
-def integer(low, high=math.inf):
+def integer(low: int, high: float = math.inf) -> Callable[[object], int]:
     """Return a converter of whole numbers in [low, high]; 2.0 is one, as it is to roscpp."""
-    def convert(value):
+    def convert(value: object) -> int:
         if isinstance(value, float) and value.is_integer():
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
@@ -40,21 +45,21 @@ def integer(low, high=math.inf):
     return convert
 
 
-def boolean(value):
+def boolean(value: object) -> bool:
     """Return ``value`` if it is true or false."""
     if not isinstance(value, bool):
         raise ValueError
     return value
 
 
-def text(value):
+def text(value: object) -> str:
     """Return ``value`` if it is a string."""
     if not isinstance(value, str):
         raise ValueError
     return value
 
 
-def name(value):
+def name(value: object) -> str:
     """Return ``value`` if it is a string that is not empty, without a leading slash."""
     stripped = text(value).lstrip('/')
     if not stripped:
@@ -62,36 +67,36 @@ def name(value):
     return stripped
 
 
-def topic(value):
+def topic(value: object) -> str:
     """Return ``value`` if it is a string that is more than slashes; a leading slash stays."""
-    if not text(value).strip('/'):
+    if not isinstance(value, str) or not value.strip('/'):
         raise ValueError
     return value
 
 
-def one_of(*choices):
+def one_of(*choices: str) -> Callable[[object], str]:
     """Return a converter of strings that are among ``choices``."""
-    def convert(value):
-        if value not in choices:
+    def convert(value: object) -> str:
+        if not isinstance(value, str) or value not in choices:
             raise ValueError
         return value
     return convert
 
 
-def numbers(count):
+def numbers(count: int) -> Callable[[object], Tuple[float, ...]]:
     """Return a converter of lists of ``count`` finite numbers."""
     single = number()
 
-    def convert(value):
+    def convert(value: object) -> Tuple[float, ...]:
         if not isinstance(value, (list, tuple)) or len(value) != count:
             raise ValueError
         return tuple(single(part) for part in value)
     return convert
 
 
-def ascending_pairs(first, second):
+def ascending_pairs(first: Callable[[object], float], second: Callable[[object], float]) -> Callable[[object], Pairs]:
     """Return a converter of lists of [x, y], the x (by ``first``) ascending, the y by ``second``: a tuple of pairs."""
-    def convert(value):
+    def convert(value: object) -> Pairs:
         if not isinstance(value, (list, tuple)) or not value:
             raise ValueError
         pairs = tuple((first(x), second(y)) for x, y in value)
@@ -101,7 +106,7 @@ def ascending_pairs(first, second):
     return convert
 
 
-def checked(raw, key, parameter, where):
+def checked(raw: Mapping[str, Any], key: str, parameter: Parameter, where: str) -> Any:
     """Return the converted value of ``raw``.
 
     :raises ConfigurationError: naming ``key``, the namespace ``where``, the value and what is allowed.
@@ -113,13 +118,13 @@ def checked(raw, key, parameter, where):
             where.rstrip('/'), key, shown(raw), parameter.allowed)) from None
 
 
-def read_table(raw, table, where):
+def read_table(raw: Mapping[str, Any], table: Sequence[Parameter], where: str) -> Dict[str, Any]:
     """Return {name: value} for each :class:`Parameter` of ``table``, from the dictionary ``raw`` or by default."""
     return {parameter.name: checked(raw[parameter.name], parameter.name, parameter, where)
             if parameter.name in raw else parameter.default for parameter in table}
 
 
-def unknown_names(raw: dict, known: Tuple[str, ...], where: str):
+def unknown_names(raw: Mapping[str, Any], known: Sequence[str], where: str) -> List[str]:
     """Return a warning for each key of ``raw`` that is not among ``known``, with the name it is most like."""
     warnings = []
     for key in sorted(raw):

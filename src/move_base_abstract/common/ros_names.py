@@ -2,6 +2,8 @@
 
 http://wiki.ros.org/Names: a letter first, then letters, digits and '_'; '/' between the parts of a longer name.
 """
+from __future__ import annotations
+
 import re
 
 ROBOT_NAME_RULE = "letters, digits and '_', a letter first"
@@ -11,11 +13,11 @@ _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
 _NAMESPACE = re.compile(r'/?([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*/?)?\Z')
 
 
-def is_robot_name(value):
+def is_robot_name(value: object) -> bool:
     """Return whether ``value`` can be the name of a robot: its namespace and the prefix of its frames."""
     return isinstance(value, str) and len(value) <= MAX_NAME_LENGTH and bool(_NAME.match(value))
 
 
-def is_namespace(value):
+def is_namespace(value: object) -> bool:
     """Return whether ``value`` can be a namespace, with or without a slash in front; '' and '/' can."""
     return isinstance(value, str) and len(value) <= MAX_NAME_LENGTH and bool(_NAMESPACE.match(value))

@@ -1,4 +1,6 @@
 """Values in error texts: what anybody may have written, shortened without making the whole of it first."""
+from __future__ import annotations
+
 import math
 import reprlib
 
@@ -9,14 +11,14 @@ _MAX_BITS = 200  # of a whole number that is written out
 class _Shortener(reprlib.Repr):
     """Looks at a few parts of a value only: a list that holds itself a million times costs no more than a short one."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__()
         self.maxlevel = 3
         self.maxstring = self.maxother = MAX_LENGTH - 10
         self.maxlong = 70
         self.maxlist = self.maxtuple = self.maxdict = self.maxset = 6
 
-    def repr_int(self, value, level):
+    def repr_int(self, value: int, level: int) -> str:
         """Python refuses to write out what has more than 4,300 digits, and takes long for less."""
         if value.bit_length() <= _MAX_BITS:
             return super().repr_int(value, level)
@@ -26,17 +28,17 @@ class _Shortener(reprlib.Repr):
 _SHORTENER = _Shortener()
 
 
-def shown(value):
+def shown(value: object) -> str:
     """Return ``repr(value)``, or as much of it as tells what it is, in at most 120 characters of one line."""
     return _cut(_SHORTENER.repr(value))
 
 
-def shown_text(value):
+def shown_text(value: object) -> str:
     """Return the text ``value``, as it stands but for control characters, in at most 120 characters of one line."""
     text = str(value) if isinstance(value, (str, float, bool)) or value is None else shown(value)
     text = text[:MAX_LENGTH + 1]
     return _cut(''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in text))
 
 
-def _cut(text):
+def _cut(text: str) -> str:
     return text if len(text) <= MAX_LENGTH else text[:MAX_LENGTH - 3] + '...'

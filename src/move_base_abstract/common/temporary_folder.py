@@ -5,17 +5,20 @@ one would take. The folder has the same path in each run, since programs may sho
 each, whose paths are equally long: the environment lies on a program's stack, so that a longer one moves all addresses
 there. It is empty at first. What a run has left in it is never deleted: it is moved aside, and told.
 """
+from __future__ import annotations
+
 import contextlib
 import fcntl
 import os
 import stat
 import tempfile
+from typing import Callable, Iterator, Optional
 
 _MOST = 64  # runs beside each other; two digits
 
 
 @contextlib.contextmanager
-def temporary_folder(say):
+def temporary_folder(say: Callable[[str], None]) -> Iterator[Optional[str]]:
     """Have a folder of the run's own; its path is yielded, or None where none can be had. ``say`` takes a line."""
     base = os.path.join(tempfile.gettempdir(), 'move_base_abstract_run_{}'.format(os.getuid()))
     for number in range(1, _MOST + 1):
@@ -38,7 +41,7 @@ def temporary_folder(say):
         os.close(held)
 
 
-def _hold(path):
+def _hold(path: str) -> Optional[int]:
     """Return a descriptor of this folder of ours while no other run has it; None if that cannot be."""
     held = None
     try:
@@ -57,7 +60,7 @@ def _hold(path):
     return None
 
 
-def _clear(path, say):
+def _clear(path: str, say: Callable[[str], None]) -> None:
     """Move aside what is in the folder, by name, into a new one."""
     try:
         names = sorted(os.listdir(path))

@@ -1,4 +1,6 @@
 """Conversions between seconds and the integer nanoseconds in which all time is kept."""
+from __future__ import annotations
+
 import math
 
 NS_PER_S = 1_000_000_000
@@ -6,7 +8,7 @@ NS_PER_S = 1_000_000_000
 LAST_NS = (2 ** 31 - 1) * NS_PER_S
 
 
-def seconds_to_ns(seconds):
+def seconds_to_ns(seconds: float) -> int:
     """Return a finite number of ``seconds`` as the nearest whole number of nanoseconds.
 
     :raises ValueError: if ``seconds`` is NaN or infinite.
@@ -17,7 +19,7 @@ def seconds_to_ns(seconds):
     return whole * NS_PER_S + int(round((seconds - whole) * NS_PER_S))
 
 
-def check_reachable(time_ns, what):
+def check_reachable(time_ns: int, what: str) -> None:
     """Check that simulated time comes as far as ``time_ns`` [ns].
 
     :raises ValueError: if it ends before; the text begins with ``what``.

@@ -1,11 +1,14 @@
 """Keys that nobody knows, in files that people write: refused with the key that they are most like."""
+from __future__ import annotations
+
 import difflib
+from typing import Any, Mapping, Sequence
 
 from .errors import ConfigurationError
 from .shown import shown_text
 
 
-def check_keys(raw, known, where, prefix):
+def check_keys(raw: Mapping[str, Any], known: Sequence[str], where: str, prefix: str) -> None:
     """Check that all keys of the mapping ``raw`` are among ``known``; an error names them behind ``prefix``.
 
     :raises ConfigurationError: naming ``where``, the key, and the one that may be meant.
