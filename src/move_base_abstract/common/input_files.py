@@ -8,7 +8,7 @@ import contextlib
 import io
 import os
 import stat
-from typing import IO, TYPE_CHECKING, Any, Iterator, Optional, Type
+from typing import IO, TYPE_CHECKING, Any, Callable, Iterator, Optional
 
 from .errors import ConfigurationError
 from .shown import shown_text
@@ -20,7 +20,7 @@ _KINDS = ((stat.S_ISDIR, 'a folder'), (stat.S_ISFIFO, 'a pipe'), (stat.S_ISSOCK,
 
 
 @contextlib.contextmanager
-def open_input(path: StrPath, most: Optional[int] = None, error_type: Type[ConfigurationError] = ConfigurationError,
+def open_input(path: StrPath, most: Optional[int] = None, error_type: Callable[[str], Exception] = ConfigurationError,
                what: str = 'file') -> Iterator[IO[bytes]]:
     """Open the file ``path``, of at most ``most`` bytes (None: any number), to be read in binary.
 
@@ -55,7 +55,7 @@ def open_input(path: StrPath, most: Optional[int] = None, error_type: Type[Confi
 
 @contextlib.contextmanager
 def open_text_input(path: StrPath, most: Optional[int] = None,
-                    error_type: Type[ConfigurationError] = ConfigurationError, what: str = 'file',
+                    error_type: Callable[[str], Exception] = ConfigurationError, what: str = 'file',
                     **options: Any) -> Iterator[IO[str]]:
     """As :func:`open_input`, of text; ``options``: encoding, errors and newline as of open()."""
     with open_input(path, most, error_type, what) as stream:
@@ -63,7 +63,7 @@ def open_text_input(path: StrPath, most: Optional[int] = None,
             yield text
 
 
-def check_input(path: StrPath, most: Optional[int] = None, error_type: Type[ConfigurationError] = ConfigurationError,
+def check_input(path: StrPath, most: Optional[int] = None, error_type: Callable[[str], Exception] = ConfigurationError,
                 what: str = 'file') -> None:
     """Check that ``path`` is a file that may be read: for libraries that open it themselves. As :func:`open_input`."""
     with open_input(path, most, error_type, what):

@@ -1,10 +1,15 @@
 """The limits of a robot, found in the parameter group of its local planner."""
+from __future__ import annotations
+
 import re
 from dataclasses import dataclass
-from typing import Dict, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Tuple
 
 from ..common.parameter_table import checked
 from . import upstream
+
+if TYPE_CHECKING:
+    from ..common.parameter_table import Parameter
 
 SPEED, ACCELERATION, XY_TOLERANCE, YAW_TOLERANCE = 'speed', 'acceleration', 'xy_tolerance', 'yaw_tolerance'
 
@@ -38,22 +43,23 @@ class PlannerGroup:
     understood.
     """
 
-    def __init__(self, raw, where):
+    def __init__(self, raw: Mapping[str, Any], where: str) -> None:
         self._where = where.rstrip('/')
         self._is_named = isinstance(raw.get('base_local_planner'), str)
         self.name = upstream.plugin_namespace(raw['base_local_planner']) if self._is_named else _unnamed(raw)
         self._group = raw[self.name] if isinstance(raw.get(self.name), dict) else {}
         self._planner = upstream.LOCAL_PLANNERS.get(self.name, upstream.OTHER_PLANNER)
         self.speeds: Dict[str, float] = {}
-        self.warnings = []
+        self.warnings: List[str] = []
         self._tell_old_names()
 
-    def speed(self, parameter):
+    def speed(self, parameter: Parameter) -> Found:
         """Return the :class:`Found` speed: the smallest of the planner's, its own default among them."""
         planner = self._planner
-        found = self._values(planner.speed, parameter, planner.zero_is_unset)
-        paths = tuple(self._path(name) for name, _ in found)
-        self.speeds = {planner.renamed.get(name, name): value for name, value in found}
+        given = self._values(planner.speed, parameter, planner.zero_is_unset)
+        found: List[Tuple[Optional[str], float]] = [*given]
+        paths = tuple(self._path(name) for name, _ in given)
+        self.speeds = {planner.renamed.get(name, name): value for name, value in given}
         if self._is_named and planner.default_speed is not None and (
                 not found or planner.leading not in (None, *self.speeds)):
             found.append((None, planner.default_speed))
@@ -64,7 +70,7 @@ class PlannerGroup:
             return self._default(SPEED, parameter, value, ' of ' + self.name, paths)
         return Found(value, '~' + self._path(name), paths)
 
-    def limit(self, kind, parameter):
+    def limit(self, kind: str, parameter: Parameter) -> Found:
         """Return the :class:`Found` limit that ``kind`` names, ACCELERATION or one of the tolerances."""
         found = self._values(getattr(self._planner, kind), parameter)
         if not found:
@@ -72,7 +78,8 @@ class PlannerGroup:
         path = self._path(found[0][0])
         return Found(found[0][1], '~' + path, (path,))
 
-    def _values(self, names, parameter, zero_is_unset=()):
+    def _values(self, names: Tuple[str, ...], parameter: Parameter,
+                zero_is_unset: Tuple[str, ...] = ()) -> List[Tuple[str, float]]:
         """Return [(name, value)] of those of ``names`` that the group has; an old name gives way to its new one."""
         found = {}
         for name in names:
@@ -83,13 +90,13 @@ class PlannerGroup:
                 found[name] = checked(raw, self._path(name), parameter, self._where)
         return list(found.items())
 
-    def _get(self, name):
-        value = self._group
+    def _get(self, name: str) -> Any:
+        value: Any = self._group
         for part in self._full(name).split('/'):
             value = value.get(part) if isinstance(value, dict) else None
         return value
 
-    def _full(self, name):
+    def _full(self, name: str) -> str:
         """Return ``name`` with the kind of robot that the group says it is for, where its names depend on that."""
         if '{robot}' not in name:
             return name
@@ -97,10 +104,11 @@ class PlannerGroup:
         kind = robot.get('type') if isinstance(robot, dict) else None
         return name.format(robot='robot/{}'.format(kind or upstream.MPC_DEFAULT_ROBOT))
 
-    def _path(self, name):
+    def _path(self, name: str) -> str:
         return '{}/{}'.format(self.name, self._full(name))
 
-    def _default(self, kind, parameter, value, whose='', paths=()):
+    def _default(self, kind: str, parameter: Parameter, value: Any, whose: str = '',
+                 paths: Tuple[str, ...] = ()) -> Found:
         """Return ``value`` as a default and warn of what looks like the limit, but is not understood."""
         known = {self._full(name) for names in self._planner.names() for name in names}
         strange = [path for path in leaves(self._group) if path not in known
@@ -116,7 +124,7 @@ class PlannerGroup:
                     ', '.join(strange[:_NAMED_AT_MOST]), more))
         return Found(value, 'default' + whose, paths)
 
-    def _tell_old_names(self):
+    def _tell_old_names(self) -> None:
         old = ['{} (now {}{})'.format(name, new, '' if name in self._planner.speed else ', not used here')
                for name, new in self._planner.renamed.items() if name in self._group]
         if old:
@@ -138,15 +146,15 @@ class SpeedNames:
     NAMES = ('max_vel_x', 'max_vel_trans')
 
     @classmethod
-    def of(cls, speed, given):
+    def of(cls, speed: float, given: Dict[str, float]) -> SpeedNames:
         """Return the names as they are at the start; what is ``given`` by other names is not shown."""
         return cls(speed, {name: given[name] for name in cls.NAMES if name in given})
 
-    def shown(self):
+    def shown(self) -> Dict[str, float]:
         """Return {name: m/s} of all names."""
         return {name: self.given.get(name, self.speed) for name in self.NAMES}
 
-    def changed(self, config):
+    def changed(self, config: Dict[str, float]) -> SpeedNames:
         """Return the names after somebody has set ``config``, {name: m/s}, which may have one of them or both."""
         shown = self.shown()
         news = {name: config[name] for name in self.NAMES if name in config and config[name] != shown[name]}
@@ -156,7 +164,7 @@ class SpeedNames:
         return SpeedNames(min(given.values()), given)
 
 
-def leaves(group, prefix=''):
+def leaves(group: Dict[str, Any], prefix: str = '') -> List[str]:
     """Return the paths of the values in the nested dictionary ``group``, in alphabetical order."""
     paths = []
     for key in sorted(group, key=str):
@@ -165,7 +173,7 @@ def leaves(group, prefix=''):
     return paths
 
 
-def _unnamed(raw):
+def _unnamed(raw: Mapping[str, Any]) -> str:
     """Return the planner that counts where none is named: upstream's, or the one whose group stands alone."""
     standing = [name for name in upstream.UNNAMED_PLANNERS if isinstance(raw.get(name), dict)]
     return standing[0] if standing else upstream.UNNAMED_PLANNERS[0]

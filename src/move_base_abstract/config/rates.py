@@ -1,6 +1,8 @@
 """What the robots of a process tell at rates of simulated time, and to whom, in words: for `why` and the state."""
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Callable
+from typing import Callable, Dict, Iterable, List, Tuple
 
 _SHOWN = 5  # names
 
@@ -10,41 +12,42 @@ class Told:
     """Something that one robot tells again and again."""
 
     what: str
-    #: () -> Hz of simulated time
-    frequency: Callable
-    #: () -> [(topic, name of a node that hears it), ...], as of Outlet.hearers
-    hearers: Callable
+    #: Hz of simulated time
+    frequency: Callable[[], float]
+    #: (topic, name of a node that hears it), as of Outlet.hearers
+    hearers: Callable[[], Iterable[Tuple[str, str]]]
 
 
 class Rates:
     """Of one process; ``changed()`` is called when there is more or less to say. The caller holds the clock's lock."""
 
-    def __init__(self, changed):
-        self._told = {}  # what is told, in the order in which it came
+    def __init__(self, changed: Callable[[], object]) -> None:
+        self._told: Dict[Told, bool] = {}  # what is told, in the order in which it came
         self.changed = changed
 
-    def add(self, what, frequency, hearers):
+    def add(self, what: str, frequency: Callable[[], float],
+            hearers: Callable[[], Iterable[Tuple[str, str]]]) -> Told:
         """Add something that a robot tells, see :class:`Told`, and return it."""
         told = Told(what, frequency, hearers)
         self._told[told] = True
         self.changed()
         return told
 
-    def remove(self, told):
+    def remove(self, told: Told) -> None:
         """The robot tells it no more."""
         del self._told[told]
         self.changed()
 
-    def text(self):
+    def text(self) -> str:
         """Return what is told at which rate, and to whom: 'feedback at 20 Hz to nobody; tf at 10 Hz to /viewer'."""
-        groups = {}
+        groups: Dict[Tuple[str, float], List[Dict[str, bool]]] = {}
         for told in self._told:
             names = {name: True for _topic, name in told.hearers()}
             groups.setdefault((told.what, told.frequency()), []).append(names)
         return '; '.join(_line(what, frequency, robots) for (what, frequency), robots in groups.items())
 
 
-def _line(what, frequency, robots):
+def _line(what: str, frequency: float, robots: List[Dict[str, bool]]) -> str:
     heard = [names for names in robots if names]
     names = sorted({name for names in heard for name in names})
     rest = ' and {} more'.format(len(names) - _SHOWN) if len(names) > _SHOWN else ''

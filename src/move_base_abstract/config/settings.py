@@ -1,8 +1,10 @@
 """The settings of one robot, read from the parameters of a new or of an existing move_base set-up."""
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Dict, List, Optional, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.parameter_table import (
@@ -143,7 +145,7 @@ class RobotSettings:
     recovery: RecoveryPolicy
     bad_frame_policy: BadFramePolicy
     costmaps: Costmaps
-    values: dict
+    values: Dict[str, Any]
     tf_prefix: Optional[str] = None
     #: all recovery behaviours that there are, whether they are enabled or not
     behaviors: Tuple[RecoveryBehavior, ...] = DEFAULT_BEHAVIORS
@@ -163,28 +165,28 @@ class RobotSettings:
     warnings: List[str] = field(default_factory=list)
 
     @property
-    def local_planner(self):
+    def local_planner(self) -> str:
         """The namespace of the local planner, below the node's own."""
         return upstream.plugin_namespace(self.values['base_local_planner'])
 
     @property
-    def global_planner(self):
+    def global_planner(self) -> str:
         """The namespace of the global planner, below the node's own."""
         return upstream.plugin_namespace(self.values['base_global_planner'])
 
     @property
-    def odom_frame(self):
+    def odom_frame(self) -> str:
         """The full name of the odometry's frame; in a set-up without a map it may be the global frame itself."""
         return self.frame(self.values['odom_frame'])
 
-    def frame(self, frame_id):
+    def frame(self, frame_id: str) -> str:
         """Return the robot's own frame ``frame_id`` with its tf prefix, which is not put twice."""
         if not self.tf_prefix or frame_id.startswith(self.tf_prefix + '/'):
             return frame_id
         return '{}/{}'.format(self.tf_prefix, frame_id)
 
 
-def read_settings(raw, where):
+def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]:
     """Return the :class:`RobotSettings` in ``raw``, the dictionary of all parameters in the namespace ``where``.
 
     :raises ConfigurationError: for a wrong type or an impossible value of a parameter that is used.
@@ -219,14 +221,14 @@ def read_settings(raw, where):
     return settings if values['calibration'] is None else _calibrated(settings, raw, where)
 
 
-def _calibrated(settings, raw, where):
+def _calibrated(settings: RobotSettings, raw: Mapping[str, Any], where: str) -> RobotSettings:
     """Return ``settings`` with what their calibration says."""
     own = [name for name in _CALIBRATED if name in raw]
     if own:
         raise ConfigurationError('parameter {}/{}: got {} with a calibration, which says it too; allowed: one of '
                                  'them'.format(where.rstrip('/'), own[0], shown(raw[own[0]])))
     calibration = read_calibration(settings.values['calibration'], where)
-    if settings.values['routes'] == 'matrix' or (settings.network and settings.network.has_speeds):
+    if settings.values['routes'] == 'matrix' or isinstance(settings.network, LaneMap) and settings.network.has_speeds:
         raise ConfigurationError("parameter {}/calibration: got {} with routes: {}; allowed: with 'none', 'grid', or "
                                  "'lanes' whose edges have neither speed nor length".format(
                                      where.rstrip('/'), shown(settings.values['calibration']),
@@ -236,14 +238,15 @@ def _calibrated(settings, raw, where):
                    durations=calibration.durations, speed_source=source, acceleration_source=source)
 
 
-def _limit(raw, parameter, where, of_planner):
+def _limit(raw: Mapping[str, Any], parameter: Parameter, where: str,
+           of_planner: Callable[[Parameter], Found]) -> Found:
     """Return the :class:`Found` limit: the robot's own, else what ``of_planner`` finds."""
     if parameter.name in raw:
         return Found(checked(raw[parameter.name], parameter.name, parameter, where), '~' + parameter.name)
     return of_planner(parameter)
 
 
-def _read_frames(raw, values, where):
+def _read_frames(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> List[str]:
     """Put the frames that are not given into ``values``; return the costmaps' parameters that were used."""
     used = []
     is_own = values['odom_frame'] is not None
@@ -266,7 +269,7 @@ def _read_frames(raw, values, where):
     return used
 
 
-def _bounds(values, where):
+def _bounds(values: Optional[Tuple[float, float, float, float]], where: str) -> WorldBounds:
     if values is None:
         return WorldBounds()
     try:
@@ -275,7 +278,7 @@ def _bounds(values, where):
         raise ConfigurationError('parameter {}/world_bounds: {}'.format(where.rstrip('/'), error)) from None
 
 
-def _check_routes(values, where):
+def _check_routes(values: Dict[str, Any], where: str) -> Optional[Union[LaneMap, TravelMatrix]]:
     """Check what goes with ``routes``, and return the LaneMap or the TravelMatrix that they need, or None."""
     routes = values['routes']
     if routes == 'grid':
@@ -293,13 +296,13 @@ def _check_routes(values, where):
     return None
 
 
-def _recovery(values, behaviors):
+def _recovery(values: Dict[str, Any], behaviors: Tuple[RecoveryBehavior, ...]) -> RecoveryPolicy:
     patience = 0.0 if values['max_planning_retries'] >= 0 else values['planner_patience']
     return RecoveryPolicy(fast=values['abort_policy'] == 'fast', patience=patience,
                           behaviors=behaviors if values['recovery_behavior_enabled'] else ())
 
 
-def _behaviors(raw, values, where):
+def _behaviors(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> Tuple[RecoveryBehavior, ...]:
     """Read move_base's list of {name, type}; a type that rotates takes one turn's time, others none."""
     if 'recovery_behaviors' not in raw:
         return DEFAULT_BEHAVIORS if values['clearing_rotation_allowed'] else BEHAVIORS_WITHOUT_ROTATION
@@ -312,7 +315,8 @@ def _behaviors(raw, values, where):
             where.rstrip('/'), shown(raw['recovery_behaviors']))) from None
 
 
-def _other_names(raw, values, used, where, warnings):
+def _other_names(raw: Mapping[str, Any], values: Dict[str, Any], used: List[str], where: str,
+                 warnings: List[str]) -> Dict[str, Any]:
     """Sort what is not ours into what upstream would use and what nobody knows."""
     plugins = {upstream.plugin_namespace(values[key]) for key in ('base_local_planner', 'base_global_planner')}
     behaviors = raw.get('recovery_behaviors', [])

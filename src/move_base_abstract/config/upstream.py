@@ -1,4 +1,6 @@
 """The parameter names that existing move_base set-ups carry. Known here so that they can be told from mistakes."""
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from typing import Dict, Optional, Tuple
 
@@ -32,7 +34,7 @@ class LocalPlanner:
     zero_is_unset: Tuple[str, ...] = ()
     renamed: Dict[str, str] = field(default_factory=dict)
 
-    def names(self):
+    def names(self) -> Tuple[Tuple[str, ...], ...]:
         """Return all tuples of names."""
         return self.speed, self.acceleration, self.xy_tolerance, self.yaw_tolerance
 
@@ -75,6 +77,6 @@ DEFAULT_LOCAL_PLANNER = 'base_local_planner/TrajectoryPlannerROS'
 DEFAULT_GLOBAL_PLANNER = 'navfn/NavfnROS'
 
 
-def plugin_namespace(plugin):
+def plugin_namespace(plugin: str) -> str:
     """Return the namespace in which move_base keeps a plugin's parameters: 'pkg/Class' and 'pkg::Class' -> 'Class'."""
     return plugin.replace('::', '/').rsplit('/', 1)[-1]

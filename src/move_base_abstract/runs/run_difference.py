@@ -4,13 +4,18 @@ Two event logs with messages in them (the time master's ``log_messages``) are eq
 instant, who sent what, both versions; and of the nodes that are in it, what they had been told last, which is the same
 in both runs.
 """
+from __future__ import annotations
+
 import collections
 import itertools
 import json
-from typing import NamedTuple, Optional
+from typing import TYPE_CHECKING, Deque, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from . import event_log
 from .event_log import EventLog
+
+if TYPE_CHECKING:
+    from .event_log import Event
 
 LAST = 10  # things that a node had been told
 MESSAGES = ('message', 'call', 'response')  # kinds of events that participants send each other
@@ -25,10 +30,10 @@ class Comparison(NamedTuple):
     messages: int
     difference: Optional['Difference']
     bags: Optional[event_log.BagDifference] = None  # looked for where the events are equal
-    alone: tuple = ()  # nodes of whose bags only one log has digests
+    alone: Tuple[str, ...] = ()  # nodes of whose bags only one log has digests
 
     @property
-    def identical(self):
+    def identical(self) -> bool:
         """Whether nothing that was compared differs."""
         return self.difference is None and self.bags is None
 
@@ -38,14 +43,14 @@ class Difference(NamedTuple):
 
     time_ns: int
     place: int  # among the events of this instant, from 1 on
-    first: object  # Event, or None: that run's log has ended
-    second: object
-    told: dict  # node: its last LAST events, the newest last
+    first: Optional[Event]  # None: that run's log has ended
+    second: Optional[Event]
+    told: Dict[str, List[Event]]  # node: its last LAST events, the newest last
     number: int = 0  # among the messages of either log, from 1 on, where it is one
     is_reordered: bool = False  # both events are in both logs at this instant, in another order
 
 
-def compare(first_path, second_path, with_messages=True):
+def compare(first_path: str, second_path: str, with_messages: bool = True) -> Comparison:
     """Compare two event logs, and the digests of the bags that their end records have.
 
     Without messages only what participants wrote themselves counts; bags have the names of senders in them too.
@@ -61,20 +66,21 @@ def compare(first_path, second_path, with_messages=True):
     return found._replace(bags=bags, alone=tuple(alone))
 
 
-def _events(log, with_messages):
+def _events(log: EventLog, with_messages: bool) -> Iterator[Event]:
     return (event for event in log if with_messages or event.kind not in MESSAGES)
 
 
-def _compare(first, second):
+def _compare(first: Iterator[Event], second: Iterator[Event]) -> Comparison:
     counts = [0, 0]
-    told = collections.defaultdict(lambda: collections.deque(maxlen=LAST))
-    instant, place = None, 0
+    told: Dict[str, Deque[Event]] = collections.defaultdict(lambda: collections.deque(maxlen=LAST))
+    instant: Optional[int] = None
+    place = 0
     for mine in first:
         its = next(second, None)
         instant, place = (instant, place + 1) if mine.time_ns == instant else (mine.time_ns, 1)
         if its is None or its.compared != mine.compared:
             rests = [_rest(instant, events) for events in (first, second)]
-            return Comparison(*counts, _difference(place, mine, its, told)._replace(
+            return Comparison(counts[0], counts[1], _difference(place, mine, its, told)._replace(
                 number=counts[1] + 1, is_reordered=its is not None and mine.compared in rests[1]
                 and its.compared in rests[0]))
         counts[mine.kind in MESSAGES] += 1
@@ -82,39 +88,39 @@ def _compare(first, second):
             told[node].append(mine)
     its = next(second, None)
     if its is None:
-        return Comparison(*counts, None)
-    return Comparison(*counts, _difference(place + 1 if its.time_ns == instant else 1, None, its, told))
+        return Comparison(counts[0], counts[1], None)
+    return Comparison(counts[0], counts[1], _difference(place + 1 if its.time_ns == instant else 1, None, its, told))
 
 
-def _rest(instant, events):
+def _rest(instant: Optional[int], events: Iterator[Event]) -> List[Tuple[int, str, str, str]]:
     """Return what is compared of the next events as far as they are of this instant; not all of a crowd."""
     same = itertools.takewhile(lambda event: event.time_ns == instant, events)
     return [event.compared for event in itertools.islice(same, _MOST_OF_AN_INSTANT)]
 
 
-def _difference(place, mine, its, told):
-    nodes = []
+def _difference(place: int, mine: Optional[Event], its: Optional[Event], told: Dict[str, Deque[Event]]) -> Difference:
+    nodes: List[str] = []
     for event in (mine, its):
         nodes += [node for node in ([sender(event)] if event else []) if node and node not in nodes]
     times = [event.time_ns for event in (mine, its) if event]
     return Difference(min(times), place, mine, its, {node: list(told[node]) for node in nodes if node in told})
 
 
-def sender(event):
+def sender(event: Event) -> str:
     """Return the node that sent a message, call or response; of another event the name that it carries."""
-    values = json.loads(event.values)
+    values: List[str] = json.loads(event.values)  # but for the numbers at its end
     return values[0] if event.kind in MESSAGES and values else event.robot
 
 
-def receivers(event):
+def receivers(event: Event) -> List[str]:
     """Return the nodes that a message, call or response went to."""
     if event.kind not in MESSAGES:
         return []
-    values = json.loads(event.values)
+    values: List[str] = json.loads(event.values)
     return values[1:len(values) - 2 - _STATUS.get(event.kind, 0)]
 
 
-def told_lines(event):
+def told_lines(event: Event) -> str:
     """Return an event as a line for people."""
     at = '{:.9f} s'.format(event.time_ns * 1e-9)
     if event.kind not in MESSAGES:

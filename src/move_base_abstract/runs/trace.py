@@ -1,6 +1,11 @@
 """What is written down of a robot: the same entries in the trace of the plain Python fleet and in a run's event log."""
+from __future__ import annotations
+
 import math
-from typing import Any, NamedTuple
+from typing import Any, Callable, Iterable, Iterator, NamedTuple, Optional, Sequence, Tuple, Union
+
+#: takes an entry as one tuple: (time_ns, robot, kind, *values)
+Record = Callable[[Tuple[Any, ...]], object]
 
 
 class TraceEntry(NamedTuple):
@@ -24,29 +29,29 @@ class TraceEntry(NamedTuple):
     values: Any
 
 
-def as_entries(rows):
+def as_entries(rows: Iterable[Tuple[Any, ...]]) -> Iterator[TraceEntry]:
     """Return the rows that traces have recorded as :class:`TraceEntry` objects: what nobody reads need not be made."""
     return (TraceEntry(row[0], row[1], row[2], row[3:]) for row in rows)
 
 
-def _nothing(_row):
+def _nothing(_row: Tuple[Any, ...]) -> None:
     pass
 
 
 class RobotTrace:
-    """Makes the entries of one robot and hands each to ``record`` as one tuple: (time_ns, robot, kind, *values).
+    """Makes the entries of one robot and hands each to ``record``.
 
     None for ``record`` records nothing.
 
     ``with_motion``: also by which limits the robot travels, so that its legs can be computed again from the entries.
     """
 
-    def __init__(self, robot_name, record=None, with_motion=False):
+    def __init__(self, robot_name: str, record: Optional[Record] = None, with_motion: bool = False) -> None:
         self._robot_name = robot_name
         self._record = record or _nothing
         self._with_motion = with_motion
 
-    def motion(self, robot, now_ns):
+    def motion(self, robot: Any, now_ns: int) -> None:
         """``robot`` (Robot) is there, or has got other limits or tolerances."""
         if self._with_motion:
             pose, limits, tolerances = robot.pose_at(now_ns), robot.limits, robot.tolerances
@@ -54,45 +59,45 @@ class RobotTrace:
                       *(0.0 if math.isinf(limit) else limit for limit in (limits.acceleration, limits.turn_rate)),
                       tolerances.xy, tolerances.yaw)
 
-    def departed(self, goal, now_ns, corners=()):
+    def departed(self, goal: Any, now_ns: int, corners: Sequence[Tuple[float, float]] = ()) -> None:
         """The robot starts for ``goal`` (Pose2D), by ``corners`` [(x, y)]."""
         self._record((now_ns, self._robot_name, 'departed', goal.x, goal.y, goal.yaw))
         if corners:
             self._add(now_ns, 'route', *(value for corner in corners for value in corner))
 
-    def stands(self, pose, now_ns):
+    def stands(self, pose: Any, now_ns: int) -> None:
         """The robot arrived at ``pose`` (Pose2D), was stopped there or was placed there."""
         self._record((now_ns, self._robot_name, 'stands', pose.x, pose.y, pose.yaw))
 
-    def held(self, reasons, now_ns):
+    def held(self, reasons: Tuple[str, ...], now_ns: int) -> None:
         """The robot is held for ``reasons``, or for none any more."""
         self._add(now_ns, 'held' if reasons else 'released', *reasons)
 
-    def failed(self, kind, cause, now_ns):
+    def failed(self, kind: str, cause: str, now_ns: int) -> None:
         """The robot has failed."""
         self._add(now_ns, 'failed', kind, cause)
 
-    def repaired(self, now_ns):
+    def repaired(self, now_ns: int) -> None:
         """It is as before."""
         self._add(now_ns, 'repaired')
 
-    def note(self, kind, now_ns, *values):
+    def note(self, kind: str, now_ns: int, *values: str) -> None:
         """Something of ``kind`` happened to the robot."""
         self._add(now_ns, kind, *values)
 
-    def battery(self, level, what, now_ns):
+    def battery(self, level: float, what: str, now_ns: int) -> None:
         """The state of charge has passed a level."""
         self._add(now_ns, 'battery', level, what)
 
-    def charging(self, charger, is_charging, now_ns):
+    def charging(self, charger: str, is_charging: bool, now_ns: int) -> None:
         """It is charged, or no more."""
         self._add(now_ns, 'charging_began' if is_charging else 'charging_ended', charger)
 
-    def ended(self, record, stamp_ns):
+    def ended(self, record: Any, stamp_ns: int) -> None:
         """A goal ended; ``record`` is the ledger's."""
         self._record((stamp_ns, self._robot_name, 'ended', record.goal_id, record.state._name_, record.text))
 
-    def _add(self, time_ns, kind, *values):
+    def _add(self, time_ns: int, kind: str, *values: Union[float, str]) -> None:
         self._record((time_ns, self._robot_name, kind, *values))
 
 
@@ -103,25 +108,25 @@ class TaskTrace:
     long it will take [ns]), ``task_ended`` (goal id, state, text).
     """
 
-    def __init__(self, robot_name, record=None):
+    def __init__(self, robot_name: str, record: Optional[Record] = None) -> None:
         self._robot_name = robot_name
         self._record = record or _nothing
 
-    def waits(self, record, place, now_ns):
+    def waits(self, record: Any, place: str, now_ns: int) -> None:
         """The task waits for room at ``place``."""
         self._add(now_ns, 'waiting_began', record.goal_id, place)
 
-    def waited(self, record, place, now_ns):
+    def waited(self, record: Any, place: str, now_ns: int) -> None:
         """The task waits no more."""
         self._add(now_ns, 'waiting_ended', record.goal_id, place)
 
-    def began(self, record, duration_ns, now_ns):
+    def began(self, record: Any, duration_ns: int, now_ns: int) -> None:
         """Work on the task begins."""
         self._add(now_ns, 'task_began', record.goal_id, duration_ns)
 
-    def ended(self, record, stamp_ns):
+    def ended(self, record: Any, stamp_ns: int) -> None:
         """The task ended."""
         self._add(stamp_ns, 'task_ended', record.goal_id, record.state.name, record.text)
 
-    def _add(self, time_ns, kind, *values):
+    def _add(self, time_ns: int, kind: str, *values: Union[int, str]) -> None:
         self._record((time_ns, self._robot_name, kind, *values))

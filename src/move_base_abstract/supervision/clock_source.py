@@ -1,5 +1,8 @@
 """Whose time counts: telling a clock that has started anew from two clocks that disturb each other."""
+from __future__ import annotations
+
 from enum import Enum
+from typing import Optional
 
 
 class Step(Enum):
@@ -19,23 +22,23 @@ class ClockSource:
     Wall times are arguments [s, of one clock that never goes back].
     """
 
-    def __init__(self, patience=3.0):
+    def __init__(self, patience: float = 3.0) -> None:
         self._patience = patience
         self._latest_ns = 0
-        self._leader = None
+        self._leader: Optional[str] = None
         self._heard = 0.0
 
     @property
-    def latest_ns(self):
+    def latest_ns(self) -> int:
         """The time that counts [ns]."""
         return self._latest_ns
 
     @property
-    def leader(self):
+    def leader(self) -> Optional[str]:
         """Who told the time that counts, or None."""
         return self._leader
 
-    def judge(self, time_ns, source, wall):
+    def judge(self, time_ns: int, source: str, wall: float) -> Step:
         """Return the :class:`Step` that the message ``time_ns`` [ns] of ``source`` is, which came at ``wall``."""
         if time_ns == self._latest_ns:
             if source == self._leader:

@@ -1,5 +1,16 @@
 """Telling whether another simulator does what it is told: placed poses against the reported ones."""
+from __future__ import annotations
+
 from collections import deque
+from typing import Any, Deque, Optional, Protocol, Tuple
+
+
+class Placed(Protocol):
+    """Where something is: a Pose2D, say."""
+
+    def distance_to(self, other: Any) -> float:
+        """Return the distance [m] to another one."""
+        ...
 
 
 class FollowCheck:
@@ -11,18 +22,18 @@ class FollowCheck:
 
     _REMEMBERED = 256
 
-    def __init__(self, tolerance=0.05, patience=2.0):
+    def __init__(self, tolerance: float = 0.05, patience: float = 2.0) -> None:
         self._tolerance = tolerance
         self._patience = patience
-        self._placed = deque(maxlen=self._REMEMBERED)
-        self._off_since = None
+        self._placed: Deque[Tuple[float, Placed]] = deque(maxlen=self._REMEMBERED)
+        self._off_since: Optional[float] = None
         self._told = False
 
-    def placed(self, pose, wall):
+    def placed(self, pose: Placed, wall: float) -> None:
         """Note that the robot was put at ``pose``."""
         self._placed.append((wall, pose))
 
-    def reported(self, pose, wall):
+    def reported(self, pose: Placed, wall: float) -> Optional[float]:
         """Take the report in; return the distance [m] to where the robot should be, once for each lapse, else None."""
         if not self._placed:
             return None

@@ -1,4 +1,5 @@
 """A cap on how often something is done, kind to those who come on time but for a hair."""
+from __future__ import annotations
 
 #: the part of a period by which one may come early
 _EARLY = 0.5
@@ -13,12 +14,12 @@ class RateCap:
     tolerance: in any time T there are at most T * rate + 1.5 yeses.)
     """
 
-    def __init__(self, rate):
+    def __init__(self, rate: float) -> None:
         self._period = 1.0 / rate
         self._belongs = float('-inf')
         self._opens = float('-inf')
 
-    def ready(self, now, shortest_period=0.0):
+    def ready(self, now: float, shortest_period: float = 0.0) -> bool:
         """Return whether it is time at ``now`` [s]; ``shortest_period`` [s] is the period if it is the longer one."""
         if now < self._opens:
             return False
@@ -27,6 +28,6 @@ class RateCap:
         self._opens = self._belongs - _EARLY * period
         return True
 
-    def remaining(self, now):
+    def remaining(self, now: float) -> float:
         """Return for how long after ``now`` the answers will be no [s]."""
         return max(0.0, self._opens - now)

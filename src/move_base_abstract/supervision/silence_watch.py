@@ -1,6 +1,8 @@
 """Telling whether another simulator is still there: who has said nothing for how long."""
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Dict, List, Tuple
 
 
 @dataclass(frozen=True)
@@ -18,20 +20,20 @@ class SilenceWatch:
     Wall times are arguments [s, of one clock that never goes back]. Not thread-safe.
     """
 
-    def __init__(self, limit=8.0, repeat=60.0):
+    def __init__(self, limit: float = 8.0, repeat: float = 60.0) -> None:
         self.limit = limit
         self._repeat = repeat
-        self._sources = {}
+        self._sources: Dict[str, _Source] = {}
 
-    def add(self, name, wall):
+    def add(self, name: str, wall: float) -> None:
         """Watch ``name`` from now on."""
         self._sources[name] = _Source(wall + self.limit)
 
-    def remove(self, name):
+    def remove(self, name: str) -> None:
         """Watch ``name`` no more."""
         self._sources.pop(name, None)
 
-    def heard(self, name, wall):
+    def heard(self, name: str, wall: float) -> None:
         """Note that ``name`` has said something."""
         source = self._sources.get(name)
         if source is not None:
@@ -40,9 +42,11 @@ class SilenceWatch:
             source.is_back = source.is_back or source.is_told
             source.is_told = False
 
-    def check(self, wall):
+    def check(self, wall: float) -> Silence:
         """Return the :class:`Silence` that has not been told yet, names in the order in which they were added."""
-        unheard, silent, back = [], [], []
+        unheard: List[str] = []
+        silent: List[str] = []
+        back: List[str] = []
         for name, source in self._sources.items():
             if source.is_back:
                 source.is_back = False
@@ -59,6 +63,6 @@ class _Source:
 
     __slots__ = ('due', 'was_heard', 'is_told', 'is_back')
 
-    def __init__(self, due):
+    def __init__(self, due: float) -> None:
         self.due = due
         self.was_heard = self.is_told = self.is_back = False

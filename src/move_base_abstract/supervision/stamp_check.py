@@ -1,4 +1,8 @@
 """Telling whether another simulator goes by the same clock: the stamps of what it says against the present."""
+from __future__ import annotations
+
+from typing import Optional, Tuple
+
 from ..common.units import NS_PER_S
 
 _SPEED_SECONDS = 0.5  # wall; over which the speed of time is measured
@@ -12,20 +16,20 @@ class StampCheck:
     back].
     """
 
-    def __init__(self, tolerance=1.0, patience=2.0):
+    def __init__(self, tolerance: float = 1.0, patience: float = 2.0) -> None:
         self._tolerance = tolerance
         self._patience = patience
-        self._off_since = None
+        self._off_since: Optional[float] = None
         self._told = False
         self._speed = 1.0
-        self._mark = None
+        self._mark: Optional[Tuple[int, int, float]] = None
 
     @property
-    def is_alike(self):
+    def is_alike(self) -> bool:
         """Whether the latest stamp was of the present."""
         return self._off_since is None
 
-    def reported(self, stamp_ns, now_ns, wall):
+    def reported(self, stamp_ns: int, now_ns: int, wall: float) -> Optional[float]:
         """Take a stamp in; return by how much it lies in the past [s], once for each lapse, else None."""
         self._measure_speed(stamp_ns, now_ns, wall)
         gap = (now_ns - stamp_ns) / NS_PER_S
@@ -39,7 +43,7 @@ class StampCheck:
         self._told = True
         return gap
 
-    def _measure_speed(self, stamp_ns, now_ns, wall):
+    def _measure_speed(self, stamp_ns: int, now_ns: int, wall: float) -> None:
         """Find the speed of the faster one of the two clocks, at least 1."""
         if self._mark is None:
             self._mark = (stamp_ns, now_ns, wall)
