@@ -105,7 +105,7 @@ class _Loader(yaml.SafeLoader):
 
     def compose_node(self, parent: Optional[Node], index: Any) -> Optional[Node]:
         """Compose a node, or take that of an alias, and count it."""
-        event: Any = self.peek_event()  # type: ignore[no-untyped-call]
+        event: Any = self.peek_event()
         if isinstance(event, yaml.AliasEvent):
             if event.anchor in self.anchors and event.anchor not in self._sizes:
                 raise _error(event, "the alias '*{}' lies in what it stands for".format(shown_text(event.anchor)))

@@ -106,7 +106,7 @@ def ascending_pairs(first: Callable[[object], float], second: Callable[[object],
     return convert
 
 
-def checked(raw: Mapping[str, Any], key: str, parameter: Parameter, where: str) -> Any:
+def checked(raw: object, key: str, parameter: Parameter, where: str) -> Any:
     """Return the converted value of ``raw``.
 
     :raises ConfigurationError: naming ``key``, the namespace ``where``, the value and what is allowed.

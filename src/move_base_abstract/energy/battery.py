@@ -2,11 +2,13 @@
 
 The instants at which the charge passes a threshold follow from it, to the nanosecond; nothing is polled.
 """
+from __future__ import annotations
+
 import math
 import sys
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import Tuple
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple, Union
 
 from ..common.parameter_table import Parameter, number
 from ..common.units import LAST_NS, NS_PER_S
@@ -16,13 +18,17 @@ from ..engine.instants import first_ns
 from ..goals.outcome import BATTERY_EMPTY
 from .consumption import LegEnergy, Mechanics
 
+if TYPE_CHECKING:
+    from ..engine.simulation import Simulation
+    from ..goals.navigator import Navigator, NavigatorListener
+
 _POSITIVE = number(above=0.0, high=1e9)
 _NOT_NEGATIVE = number(0.0, 1e9)
 _SHARE = number(0.0, 1.0)
 STATE_OF_CHARGE = Parameter('state_of_charge', None, _SHARE, 'a number in 0..1')
 
 
-def _thresholds(value):
+def _thresholds(value: Any) -> Any:
     if not isinstance(value, (list, tuple)):
         raise ValueError
     shares = tuple(sorted((number(above=0.0, high=1.0)(share) for share in value), reverse=True))
@@ -63,12 +69,12 @@ class BatterySettings:
     levels: Tuple[float, ...]
 
     @property
-    def energy(self):
+    def energy(self) -> float:
         """What it holds when it is full [J]."""
         return self.capacity * self.nominal_voltage * 3600.0 or sys.float_info.min
 
 
-def read_battery(values):
+def read_battery(values: Mapping[str, Any]) -> Optional[BatterySettings]:
     """Return the :class:`BatterySettings` in ``values`` (of :data:`TABLE`), None for a robot without a battery."""
     if not values['battery_capacity']:
         return None
@@ -87,9 +93,10 @@ class Battery:
     #: for which the navigator refuses goals
     REASON = 'battery'
 
-    def __init__(self, settings, robot, navigator, simulation, zones, listener):
+    def __init__(self, settings: BatterySettings, robot: Any, navigator: Navigator, simulation: Simulation,
+                 zones: Tuple[Any, ...], listener: NavigatorListener) -> None:
         self.settings = settings
-        self.charger = None
+        self.charger: Any = None
         self._robot = robot
         self._navigator = navigator
         self._simulation = simulation
@@ -99,39 +106,39 @@ class Battery:
         self._load = 0.0
         self._soc = settings.start
         self._energy = settings.energy
-        self._course = _Even(0.0, simulation.now_ns)
+        self._course: Union[_Even, _Driving] = _Even(0.0, simulation.now_ns)
         self.since_ns = simulation.now_ns  # of the formula
         self._passed = self._count(self._soc)  # how many levels the charge is not above
         self._alarm = Alarm(simulation.queue, robot.index, self._is_heard)
         robot.follow(self._motion_changed)
 
-    def soc_at(self, now_ns):
+    def soc_at(self, now_ns: int) -> float:
         """Return the state of charge in 0..1 at ``now_ns`` [ns], not before the present leg or stand."""
         return min(1.0, max(0.0, self._soc - self._course.until(now_ns) / self._energy))
 
     @property
-    def soc(self):
+    def soc(self) -> float:
         """The state of charge in 0..1, now."""
         return self.soc_at(self._simulation.now_ns)
 
     @property
-    def is_empty(self):
+    def is_empty(self) -> bool:
         """Whether the robot stands because of it."""
         return self._passed == len(self.settings.levels)
 
     @property
-    def is_low(self):
+    def is_low(self) -> bool:
         """Whether the charge has fallen to a threshold."""
         return self._passed > 0
 
     @property
-    def current(self):
+    def current(self) -> Any:
         """The current [A] of a robot that stands, > 0 while it is charged; None: it drives."""
         if isinstance(self._course, _Even):
             return 0.0 if self.is_empty else -self._course.power / self.settings.nominal_voltage
         return None
 
-    def set(self, soc, now_ns):
+    def set(self, soc: float, now_ns: int) -> None:
         """Have the state of charge ``soc`` in 0..1 from ``now_ns`` [ns] on."""
         self._motion_changed(now_ns)
         self._soc = soc
@@ -139,50 +146,51 @@ class Battery:
         self._pass_levels(now_ns)
         self._schedule(now_ns)
 
-    def set_tool(self, works, now_ns):
+    def set_tool(self, works: Any, now_ns: int) -> None:
         """Feed the tool from ``now_ns`` [ns] on, or do so no more."""
         self._tool_works = works
         self._motion_changed(now_ns)
 
-    def load(self, watts, now_ns):
+    def load(self, watts: Any, now_ns: int) -> None:
         """Feed work that takes so much [W] from ``now_ns`` [ns] on; 0: none."""
         self._load = watts
         self._motion_changed(now_ns)
 
-    def reset(self, now_ns):
+    def reset(self, now_ns: int) -> None:
         """The robot is about to be put to its start, its navigator is reset already: as at the start."""
         self._soc, self._course = self.settings.start, _Even(0.0, now_ns)
         self._tool_works, self._load = False, 0.0
         self._passed = 0
         self._pass_levels(now_ns, is_told=False)
 
-    def restart(self, by_ns):
+    def restart(self, by_ns: int) -> None:
         """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]. The robot stands next."""
         now_ns = self._simulation.now_ns
         self._settle(now_ns - by_ns)
         self._course = _Even(0.0, now_ns)
 
-    def close(self):
+    def close(self) -> None:
         """The robot is gone."""
         self._alarm.cancel()
 
-    def _is_heard(self):
+    def _is_heard(self) -> bool:
         heard = self._listener.is_battery_heard
         return heard is not None and heard() == PARTICIPANTS
 
-    def begin(self, now_ns):
+    def begin(self, now_ns: int) -> None:
         """The robot is whole, at ``now_ns`` [ns]: what is so from the beginning is told from now on."""
         self._passed = 0
         self._pass_levels(now_ns, is_told=False)
         self._motion_changed(now_ns)
 
-    def _settle(self, now_ns):
+    def _settle(self, now_ns: int) -> None:
         self._soc, self._course = self.soc_at(now_ns), _Even(0.0, now_ns)
         self.since_ns = now_ns
 
-    def _motion_changed(self, now_ns):
+    def _motion_changed(self, now_ns: int) -> None:
         """Go by another formula from ``now_ns`` [ns] on."""
-        driven, leg, settings = self._course, self._robot.leg, self.settings
+        driven: Any = self._course
+        leg, settings = self._robot.leg, self.settings
         self._settle(now_ns)
         is_same_leg = isinstance(driven, _Driving) and driven.leg is leg
         if isinstance(driven, _Driving) and not is_same_leg and now_ns > driven.leg.depart_ns:
@@ -202,14 +210,14 @@ class Battery:
             self._course = _Even(-current * settings.nominal_voltage, now_ns)
         self._schedule(now_ns)
 
-    def _charger_at(self, now_ns):
+    def _charger_at(self, now_ns: int) -> Any:
         pose = self._robot.pose_at(now_ns)
         return next((zone for zone in self._chargers if zone.contains(pose.x, pose.y)), None)
 
-    def _count(self, soc):
+    def _count(self, soc: float) -> int:
         return sum(soc <= level for level in self.settings.levels)
 
-    def _schedule(self, now_ns):
+    def _schedule(self, now_ns: int) -> None:
         """Have the next level noticed at its instant."""
         due_ns, found = None, self._next_level()
         if found is not None:
@@ -221,7 +229,7 @@ class Battery:
         else:
             self._alarm.set(due_ns, self._notice)
 
-    def _next_level(self):
+    def _next_level(self) -> Optional[Tuple[float, Callable[..., Any]]]:
         """Return (level, test of the state of charge) of the next that may be passed, or None."""
         levels = self.settings.levels
         if self._course.is_charging:
@@ -234,7 +242,7 @@ class Battery:
         level = levels[self._passed]
         return level, lambda at_ns: self.soc_at(at_ns) <= level
 
-    def _notice(self, now_ns):
+    def _notice(self, now_ns: int) -> None:
         if self._course.is_charging and not self._passed:
             self._settle(now_ns)  # the charger feeds the robot, and no more
             self._soc = 1.0
@@ -243,7 +251,7 @@ class Battery:
             self._pass_levels(now_ns)
             self._schedule(now_ns)
 
-    def _pass_levels(self, now_ns, is_told=True):
+    def _pass_levels(self, now_ns: int, is_told: bool = True) -> None:
         """Note where the charge is among the levels."""
         was_empty, before = self.is_empty, self._passed
         self._passed = self._count(self.soc_at(now_ns))
@@ -262,16 +270,16 @@ class Battery:
 class _Even:
     """``power`` [W] since ``since_ns`` [ns]; of a charger it is < 0."""
 
-    def __init__(self, power, since_ns):
+    def __init__(self, power: float, since_ns: int) -> None:
         self.power = power
         self.is_charging = power < 0.0
         self._since_ns = since_ns
 
-    def until(self, now_ns):
+    def until(self, now_ns: int) -> float:
         """Return the energy that has been taken up to ``now_ns`` [ns] [J]."""
         return self.power * ((now_ns - self._since_ns) / NS_PER_S)
 
-    def first_ns(self, share, energy, is_passed):
+    def first_ns(self, share: float, energy: float, is_passed: Callable[[int], bool]) -> Optional[int]:
         """Return the first instant [ns] at which ``is_passed``, or None: ``share`` of ``energy`` [J] is gone."""
         if not self.power:
             return None
@@ -294,20 +302,20 @@ class _Driving:
 
     is_charging = False
 
-    def __init__(self, leg, energy, before, power, since_ns):
+    def __init__(self, leg: Any, energy: LegEnergy, before: float, power: float, since_ns: int) -> None:
         self.leg = leg
         self.energy = energy
         self._before = before
         self._power = power
         self._since_ns = since_ns
 
-    def until(self, now_ns):
+    def until(self, now_ns: int) -> float:
         """Return the energy that has been taken up to ``now_ns`` [ns] [J]: nothing at the departure yet."""
         if now_ns <= self.leg.depart_ns:
             return 0.0
         return self.energy.until(now_ns) - self._before + self._power * ((now_ns - self._since_ns) / NS_PER_S)
 
-    def first_ns(self, _share, _energy, is_passed):
+    def first_ns(self, _share: float, _energy: float, is_passed: Callable[[int], bool]) -> Optional[int]:
         """As of :class:`_Even`, None: not on this leg."""
         arrive_ns = self.leg.arrive_ns
         return first_ns(self._since_ns, arrive_ns, is_passed) if is_passed(arrive_ns) else None

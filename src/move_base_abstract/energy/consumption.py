@@ -5,8 +5,10 @@ takes f m g v. (The model of rmf_battery, Open Robotics.) The first two are m an
 and omega^2 / 2: between instants at which the law of motion changes both only rise or only fall, so that the variation
 there is a difference of two values. A speed that comes at once counts as one that came fast.
 """
+from __future__ import annotations
+
 from bisect import bisect_right
-from typing import NamedTuple
+from typing import Any, NamedTuple, Tuple
 
 GRAVITY = 9.81  # m/s^2, as there
 
@@ -22,7 +24,7 @@ class Mechanics(NamedTuple):
 class LegEnergy:
     """What a leg, of any kind, takes."""
 
-    def __init__(self, leg, mechanics):
+    def __init__(self, leg: Any, mechanics: Mechanics) -> None:
         self._leg = leg
         self._mechanics = mechanics
         self._instants = instants = leg.even_instants_ns(1)
@@ -37,23 +39,23 @@ class LegEnergy:
         self._whole = energy + _change(before, (0.0, 0.0))
         self._friction = mechanics.friction_coefficient * mechanics.mass * GRAVITY
 
-    def until(self, now_ns):
+    def until(self, now_ns: int) -> float:
         """Return what has been taken from the departure to ``now_ns`` [ns], not before it [J]."""
-        friction = self._friction * self._leg.distance_at(now_ns)
+        friction: float = self._friction * self._leg.distance_at(now_ns)
         if now_ns >= self._leg.arrive_ns:
             return self._whole + friction
         energy, at_begin = self._begins[bisect_right(self._instants, now_ns) - 1]
         return energy + _change(at_begin, self._kinetic(now_ns)) + friction
 
-    def stopping(self, now_ns):
+    def stopping(self, now_ns: int) -> float:
         """Return what it takes to stand at ``now_ns`` [ns] if the leg is left there [J]."""
         return _change(self._kinetic(now_ns), (0.0, 0.0))
 
-    def _kinetic(self, now_ns):
+    def _kinetic(self, now_ns: int) -> Tuple[float, float]:
         forward, turning = self._leg.velocity_at(now_ns)
         return (0.5 * self._mechanics.mass * forward * forward,
                 0.5 * self._mechanics.moment_of_inertia * turning * turning)
 
 
-def _change(one, other):
+def _change(one: Tuple[float, float], other: Tuple[float, float]) -> float:
     return abs(one[0] - other[0]) + abs(one[1] - other[1])

@@ -1,4 +1,10 @@
 """One thing that a robot has ahead of it, which may be put off."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Callable, Optional
+
+if TYPE_CHECKING:
+    from .event_queue import EventQueue
 
 
 class Alarm:
@@ -7,31 +13,31 @@ class Alarm:
     ``keeps_going``: as of :meth:`.event_queue.EventQueue.schedule`.
     """
 
-    def __init__(self, queue, robot_index, keeps_going=None):
+    def __init__(self, queue: EventQueue, robot_index: int, keeps_going: Optional[Callable[[], bool]] = None) -> None:
         self._queue = queue
         self._robot_index = robot_index
         self._keeps_going = keeps_going
         self._event = None
-        self.due_ns = None
+        self.due_ns: Optional[int] = None
 
-    def set(self, due_ns, action):
+    def set(self, due_ns: int, action: Callable[[int], object]) -> None:
         """Call ``action(due_ns)`` at ``due_ns`` [ns], and nothing else."""
         self.cancel()
         self.due_ns = due_ns
         self._event = self._queue.schedule(due_ns, self._robot_index, lambda at_ns, _: self._go_off(action, at_ns),
                                            keeps_going=self._keeps_going)
 
-    def cancel(self):
+    def cancel(self) -> None:
         """Call nothing."""
         if self._event is not None:
             self._event.cancel()
             self._event = self.due_ns = None
 
-    def shift(self, by_ns):
+    def shift(self, by_ns: int) -> None:
         """The queue has been shifted by ``by_ns`` [ns]."""
         if self.due_ns is not None:
             self.due_ns += by_ns
 
-    def _go_off(self, action, at_ns):
+    def _go_off(self, action: Callable[[int], object], at_ns: int) -> None:
         self._event = self.due_ns = None
         action(at_ns)

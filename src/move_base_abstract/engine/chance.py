@@ -4,6 +4,8 @@ The generator counts: Philox 4x64-10 (Salmon, Moraes, Dror, Shaw: Parallel rando
 gives for each key and counter the same bits, whatever was drawn before. So no robot's numbers depend on another's, nor
 on how often anything else was drawn.
 """
+from __future__ import annotations
+
 import hashlib
 from enum import IntEnum
 
@@ -38,14 +40,14 @@ class Chance:
     0), and of each block of four numbers the first is taken.
     """
 
-    def __init__(self, seed, robot_name):
+    def __init__(self, seed: int, robot_name: str) -> None:
         from numpy.random import Philox  # only who draws pays for numpy
         digest = hashlib.sha256('{}/{}'.format(seed, robot_name).encode()).digest()
         self._generator = Philox(key=[int.from_bytes(digest[at:at + 8], 'little') for at in (0, 8)])
         self._state = self._generator.state
         self._beyond = self._state['buffer_pos']  # no number of a block is left
 
-    def uniform(self, goal_number, purpose, place=0):
+    def uniform(self, goal_number: int, purpose: Purpose, place: int = 0) -> float:
         """Return the ``place``-th number of a goal for a purpose: evenly distributed in (0, 1), without the ends."""
         state = self._state
         state['state']['counter'][:] = (place, goal_number, purpose, 0)

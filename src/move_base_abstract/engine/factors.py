@@ -1,13 +1,17 @@
 """How many times as long as by its law something takes: distributions of a factor, each drawn from uniform numbers.
 
-``draw(uniform)`` of each takes ``uniform(place)``, the ``place``-th of independent numbers in (0, 1).
+``draw(uniform)`` of each draws from a :data:`Uniform`.
 """
+from __future__ import annotations
+
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import Tuple
+from typing import Callable, Tuple
 
+#: gives the ``place``-th of independent numbers in (0, 1)
+Uniform = Callable[[int], float]
 _NORMAL = NormalDist()
 
 
@@ -17,7 +21,7 @@ class Constant:
 
     mean: float = 1.0
 
-    def draw(self, _uniform):
+    def draw(self, _uniform: Uniform) -> float:
         """Return the factor."""
         return self.mean
 
@@ -29,7 +33,7 @@ class Lognormal:
     mean: float
     cv: float
 
-    def draw(self, uniform):
+    def draw(self, uniform: Uniform) -> float:
         """Return a factor, by the inverse of the normal distribution."""
         variance = math.log1p(self.cv * self.cv)
         return self.mean * math.exp(math.sqrt(variance) * _NORMAL.inv_cdf(uniform(0)) - 0.5 * variance)
@@ -45,7 +49,7 @@ class Gamma:
     mean: float
     cv: float
 
-    def draw(self, uniform):
+    def draw(self, uniform: Uniform) -> float:
         """Return a factor (Marsaglia, Tsang: A simple method for generating gamma variables. ACM TOMS 26(3), 2000).
 
         For a shape below 1 that of one more is multiplied by u^(1/shape), as they say.
@@ -75,12 +79,12 @@ class Quantiles:
     mean: float
     points: Tuple[Tuple[float, float], ...]
 
-    def draw(self, uniform):
+    def draw(self, uniform: Uniform) -> float:
         """Return a factor."""
         return self.mean * along(self.points, uniform(0))
 
 
-def along(points, at):
+def along(points: Tuple[Tuple[float, float], ...], at: float) -> float:
     """Return y at x = ``at``, straight between ``points`` ((x, y), ...), beyond the ends that of the end."""
     index = bisect_right([x for x, _ in points], at)
     if index == 0:

@@ -3,24 +3,33 @@
 An object whose methods are :func:`guarded` has ``break_off(error)``. It puts things in order step by step
 (:func:`attempt_each`), so that what is broken keeps nothing else from being put in order.
 """
+from __future__ import annotations
+
 import functools
 import logging
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Tuple, TypeVar
 
 from ..common.shown import shown_text
 
+if TYPE_CHECKING:
+    from .simulation import Simulation
 
-def guarded(method):
+Method = TypeVar('Method', bound=Callable[..., Any])
+
+
+def guarded(method: Method) -> Method:
     """Have whatever goes wrong in ``method`` handed to its object's ``break_off(error)``; it returns None then."""
     @functools.wraps(method)
-    def guard(self, *arguments):
+    def guard(self: Any, *arguments: Any) -> Any:
         try:
             return method(self, *arguments)
         except Exception as error:
             return self.break_off(error)
-    return guard
+    return guard  # type: ignore[return-value]
 
 
-def attempt_each(simulation, who, error, steps):
+def attempt_each(simulation: Simulation, who: str, error: Exception,
+                 steps: Iterable[Tuple[Any, ...]]) -> None:
     """Report ``error`` as of ``who`` (a text) and do each of ``steps``: (function, argument, ...).
 
     What goes wrong in one of them is reported, too, and the next one comes.
@@ -33,11 +42,11 @@ def attempt_each(simulation, who, error, steps):
             simulation.report_fault(who, another)
 
 
-def fault_text(error):
+def fault_text(error: BaseException) -> str:
     """Return the text with which a goal ends in whose midst ``error`` came up."""
     return 'The goal cannot be worked on: {}: {}'.format(type(error).__name__, shown_text(str(error)))
 
 
-def log_fault(who, error):
+def log_fault(who: str, error: BaseException) -> None:
     """Log ``error`` with its traceback, as of ``who``, by Python's logging."""
     logging.getLogger('move_base_abstract').error('%s: %s', who, fault_text(error), exc_info=error)

@@ -1,7 +1,10 @@
 """The instant at which something that never takes itself back comes to be, to the nanosecond."""
+from __future__ import annotations
+
+from typing import Callable, Optional, Tuple
 
 
-def first_ns(begin_ns, end_ns, is_so, guess_ns=None):
+def first_ns(begin_ns: int, end_ns: int, is_so: Callable[[int], bool], guess_ns: Optional[int] = None) -> int:
     """Return the first instant [ns] in ``begin_ns`` .. ``end_ns`` [ns] at which ``is_so(instant)`` is true.
 
     It must stay true from there on, and be true at ``end_ns``, which is not asked. By bisection: at most 62 calls. Of a
@@ -18,7 +21,7 @@ def first_ns(begin_ns, end_ns, is_so, guess_ns=None):
     return end_ns
 
 
-def _around(guess_ns, begin_ns, end_ns, is_so):
+def _around(guess_ns: int, begin_ns: int, end_ns: int, is_so: Callable[[int], bool]) -> Tuple[int, int]:
     """Return as little as may be of ``begin_ns`` .. ``end_ns`` [ns], by steps from ``guess_ns`` that grow."""
     step = 1
     if guess_ns == end_ns or is_so(guess_ns):

@@ -1,4 +1,11 @@
 """The condition of a robot besides where it is: whether something holds it, it has failed, its battery."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional
+
+if TYPE_CHECKING:
+    from ..goals.navigator import Navigator
+    from .failing import Failing
 
 
 class Condition:
@@ -8,48 +15,49 @@ class Condition:
     (:class:`.battery.Battery`) for one without a battery.
     """
 
-    def __init__(self, navigator, failing=None, battery=None):
+    def __init__(self, navigator: Navigator, failing: Optional[Failing] = None, battery: Any = None) -> None:
         self._navigator = navigator
         self.failing = failing
         self.battery = battery
         self._parts = [part for part in (failing, battery) if part is not None]
 
     @property
-    def is_ordinary(self):
+    def is_ordinary(self) -> bool:
         """Whether the robot is one of which there is nothing to tell: it never fails, and has no battery."""
         return not self._parts
 
     @property
-    def is_out_of_order(self):
+    def is_out_of_order(self) -> bool:
         """Whether the robot cannot work: it has failed and is not repaired yet, or its battery is empty."""
         return (self.failing is not None and self.failing.failure is not None
                 or self.battery is not None and self.battery.is_empty)
 
     @property
-    def state_text(self):
+    def state_text(self) -> str:
         """What is out of the ordinary, in a few words for people; '' if nothing is."""
         failing = self.failing
         failed = ['failed: ' + failing.failure.kind] if failing is not None and failing.failure is not None else []
         empty = ['battery empty'] if self.battery is not None and self.battery.is_empty else []
-        held = [reason for reason in self._navigator.held_for if not failed or reason != failing.REASON]
+        held = [reason for reason in self._navigator.held_for
+                if failing is None or not failed or reason != failing.REASON]
         return ', '.join(failed + empty + (['held: ' + ', '.join(held)] if held else []))
 
-    def begin(self, now_ns):
+    def begin(self, now_ns: int) -> None:
         """The robot is whole, and who listens too."""
         if self.battery is not None:
             self.battery.begin(now_ns)
 
-    def reset(self, now_ns):
+    def reset(self, now_ns: int) -> None:
         """The robot is about to be put to its start at ``now_ns`` [ns]; its navigator has been reset."""
         for part in self._parts:
             part.reset(now_ns)
 
-    def restart(self, by_ns):
+    def restart(self, by_ns: int) -> None:
         """The clock has started anew, and what was due been shifted by ``by_ns`` [ns]; the navigator comes next."""
         for part in self._parts:
             part.restart(by_ns)
 
-    def close(self):
+    def close(self) -> None:
         """The robot is gone."""
         for part in self._parts:
             part.close()

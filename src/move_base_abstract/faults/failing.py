@@ -4,9 +4,11 @@ How far a rate has come is an *exposure*: time with a goal, distance driven, goa
 comes when the exposure has reached the sum of exponential numbers drawn so far. So the failures of each rate are a
 Poisson process of its exposure, in which a robot that has failed does not get on.
 """
+from __future__ import annotations
+
 import math
 from contextlib import ExitStack
-from typing import NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 from ..common.units import LAST_NS, NS_PER_S, seconds_to_ns
 from ..engine.alarm import Alarm
@@ -14,6 +16,11 @@ from ..engine.chance import Purpose
 from ..engine.instants import first_ns
 from ..goals.outcome import FAILED
 from .failures import ABORT, GOAL, HOUR, KM, SCRIPT, SILENT, Failures
+
+if TYPE_CHECKING:
+    from ..engine.chance import Chance
+    from ..engine.simulation import Simulation
+    from ..goals.navigator import Navigator, NavigatorListener
 
 _PURPOSES = {HOUR: Purpose.FAILURE_HOURS, KM: Purpose.FAILURE_KM, GOAL: Purpose.FAILURE_GOALS}
 #: the unit of each exposure in that of its rate: ns in an hour, m in a km, goals
@@ -38,8 +45,9 @@ class Failing:
     #: for which the navigator is held, or refuses goals
     REASON = 'failure'
 
-    def __init__(self, failures, robot, navigator, simulation, chance, listener):
-        self.failure = None
+    def __init__(self, failures: Failures, robot: Any, navigator: Navigator, simulation: Simulation, chance: Chance,
+                 listener: NavigatorListener) -> None:
+        self.failure: Optional[Failure] = None
         self.count = 0
         self._failures: Failures = failures
         self._robot = robot
@@ -62,7 +70,7 @@ class Failing:
         robot.follow(self._motion_changed)
         navigator.follow(self._goal_changed)
 
-    def fail(self, cause, now_ns, kind=None, repair=None):
+    def fail(self, cause: str, now_ns: int, kind: Optional[str] = None, repair: Optional[float] = None) -> bool:
         """Fail at ``now_ns`` [ns], for ``repair`` [s], None: as drawn; one that has failed does not fail again.
 
         Return whether it has failed.
@@ -86,7 +94,7 @@ class Failing:
             self._listener.failed(kind, cause, now_ns)
         return True
 
-    def _repaired_at(self, now_ns, repair):
+    def _repaired_at(self, now_ns: int, repair: Optional[float]) -> Optional[int]:
         if repair is None:
             if self._failures.repair is None:
                 return None
@@ -94,7 +102,7 @@ class Failing:
         until_ns = now_ns + seconds_to_ns(repair)
         return until_ns if until_ns <= LAST_NS else None
 
-    def repair(self, now_ns):
+    def repair(self, now_ns: int) -> bool:
         """Be as before at ``now_ns`` [ns]; return whether there was anything to repair."""
         failure = self.failure
         if failure is None:
@@ -109,20 +117,20 @@ class Failing:
             self._forget(now_ns)
         return True
 
-    def _forget(self, now_ns):
+    def _forget(self, now_ns: int) -> Optional[Failure]:
         failure, self.failure = self.failure, None
         self._repair.cancel()
         if failure is not None:
             self._listener.repaired(now_ns)
         return failure
 
-    def reset(self, now_ns):
+    def reset(self, now_ns: int) -> None:
         """The robot is put to its start, its odometer to 0, its navigator is reset already; what is drawn goes on."""
         self._forget(now_ns)
         if KM in self._next:
             self._next[KM] -= self._robot.distance_at(now_ns)
 
-    def restart(self, by_ns):
+    def restart(self, by_ns: int) -> None:
         """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]."""
         for alarm in (self._hours, self._on_leg, self._repair):
             alarm.shift(by_ns)
@@ -131,21 +139,21 @@ class Failing:
             self.failure = self.failure._replace(since_ns=self.failure.since_ns + by_ns,
                                                  until_ns=None if until_ns is None else until_ns + by_ns)
 
-    def close(self):
+    def close(self) -> None:
         """The robot is gone: nothing fails any more."""
         for event in (self._hours, self._on_leg, self._repair, *self._script):
             event.cancel()
 
-    def _draw(self, cause):
+    def _draw(self, cause: str) -> float:
         """Return after how much more exposure it fails again: exponential."""
         self._draws[cause] += 1
         number = self._chance.uniform(self._draws[cause], _PURPOSES[cause])
         return -math.log(number) / self._rates[cause] * _UNITS[cause]
 
-    def _draw_hours(self):
+    def _draw_hours(self) -> int:
         return int(min(self._draw(HOUR), LAST_NS))  # [ns]; of a tiny rate it is infinite
 
-    def _goal_changed(self, now_ns):
+    def _goal_changed(self, now_ns: int) -> None:
         """Time is counted while there is a goal and no failure."""
         if self._hours_left is None:
             return
@@ -155,16 +163,16 @@ class Failing:
         elif not counts:
             self._pause(now_ns)
 
-    def _pause(self, now_ns):
+    def _pause(self, now_ns: int) -> None:
         if self._hours.due_ns is not None:
             self._hours_left = self._hours.due_ns - now_ns
             self._hours.cancel()
 
-    def _fail_by_hour(self, due_ns):
+    def _fail_by_hour(self, due_ns: int) -> None:
         self._hours_left = self._draw_hours()
         self.fail(HOUR, due_ns)
 
-    def _motion_changed(self, now_ns):
+    def _motion_changed(self, now_ns: int) -> None:
         self._driven.leg_ends(now_ns)
         self._on_leg.cancel()
         leg = self._robot.leg
@@ -178,18 +186,18 @@ class Failing:
             due_ns, cause = min(found, key=lambda one: one[0])  # of equal instants that of the distance
             self._on_leg.set(due_ns, lambda at_ns: self._fail_on_leg(cause, at_ns))
 
-    def _km_due_ns(self, leg):
+    def _km_due_ns(self, leg: Any) -> Optional[int]:
         at = self._next.get(KM)
         if at is None or self._robot.distance_at(leg.arrive_ns) < at:
             return None
         return first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: self._robot.distance_at(at_ns) >= at)
 
-    def _fail_on_leg(self, cause, due_ns):
+    def _fail_on_leg(self, cause: str, due_ns: int) -> None:
         self._next[cause] += self._draw(cause)
         self.fail(cause, due_ns)
 
 
-def _no():
+def _no() -> bool:
     """Return False: nothing goes on for a failure that is to come."""
     return False
 
@@ -200,29 +208,31 @@ class _DrivenGoals:
     A leg on which a goal goes on stands for what was left of it.
     """
 
-    def __init__(self, navigator):
+    def __init__(self, navigator: Navigator) -> None:
         self._navigator = navigator
         self._done = 0.0
         self._of_goal = 0.0  # the share of the goal _number that is in _done
         self._number = 0
-        self._leg = None
+        self._leg: Any = None
 
-    def leg_begins(self, leg):
+    def leg_begins(self, leg: Any) -> None:
         self._leg = leg
         if self._navigator.goal_number != self._number:
             self._number, self._of_goal = self._navigator.goal_number, 0.0
 
-    def leg_ends(self, now_ns):
+    def leg_ends(self, now_ns: int) -> None:
         leg, self._leg = self._leg, None
         if leg is not None:
             share = 1.0 if now_ns >= leg.arrive_ns else (now_ns - leg.depart_ns) / leg.duration_ns
             self._done += share * (1.0 - self._of_goal)
             self._of_goal += share * (1.0 - self._of_goal)
 
-    def reached_ns(self, goals):
+    def reached_ns(self, goals: float) -> Optional[int]:
         """Return when on the leg [ns] the number of ``goals`` is reached, or None."""
         whole = 1.0 - self._of_goal
         if self._done + whole < goals:
             return None
         share = max(0.0, goals - self._done) / whole if whole else 0.0
-        return self._leg.depart_ns + min(self._leg.duration_ns, math.ceil(share * self._leg.duration_ns))
+        duration_ns: int = self._leg.duration_ns
+        depart_ns: int = self._leg.depart_ns
+        return depart_ns + min(duration_ns, math.ceil(share * duration_ns))

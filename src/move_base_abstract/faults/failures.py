@@ -1,6 +1,8 @@
 """What may go wrong with a robot: how often it fails, in which way, and how long until it is as before. Parameters."""
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.parameter_table import Parameter, checked, number, one_of
@@ -25,14 +27,14 @@ class Scripted(NamedTuple):
     repair: Optional[float]
 
 
-def _script(value):
+def _script(value: Any) -> Tuple[Scripted, ...]:
     """Return the :class:`Scripted` in a list of seconds, or of mappings with at, and with kind and repair if wanted."""
     if not isinstance(value, (list, tuple)):
         raise ValueError
     return tuple(sorted((_scripted(entry) for entry in value), key=lambda one: one.at_ns))
 
 
-def _scripted(entry):
+def _scripted(entry: Union[Dict[str, Any], float]) -> Scripted:
     if not isinstance(entry, dict):
         entry = {'at': entry}
     if 'at' not in entry or not set(entry) <= {'at', 'kind', 'repair'}:
@@ -71,17 +73,19 @@ class Failures:
     repair: Any = Constant(60.0)
 
 
-def check_request(kind, repair, where):
+def check_request(kind: Optional[str], repair: Optional[float], where: str) -> None:
     """Check what a user asks for: a failure's ``kind`` and ``repair`` [s], None: as of any other.
 
     :raises ConfigurationError: naming ``where`` and what is allowed.
     """
-    for key, value, parameter in (('kind', kind, _REQUESTED_KIND), ('repair', repair, _REQUESTED_REPAIR)):
+    requested: Tuple[Tuple[str, Any, Parameter], ...] = (
+        ('kind', kind, _REQUESTED_KIND), ('repair', repair, _REQUESTED_REPAIR))
+    for key, value, parameter in requested:
         if value is not None:
             checked(value, key, parameter, where)
 
 
-def read_failures(values, where):
+def read_failures(values: Mapping[str, Any], where: str) -> Optional[Failures]:
     """Return the :class:`Failures` in ``values`` (of :data:`TABLE`), None for a robot that never fails.
 
     :raises ConfigurationError: for values that do not fit together.

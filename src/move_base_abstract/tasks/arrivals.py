@@ -7,10 +7,26 @@
 
 Instants count from a beginning that whoever publishes the tasks chooses.
 """
+from __future__ import annotations
+
 import heapq
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Optional, Tuple
+from functools import partial
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Tuple,
+    Union,
+)
 
 from ..common.arguments import as_float, as_ns, check_kind
 from ..common.bounded_yaml import load_yaml_file
@@ -23,6 +39,9 @@ from ..engine.chance import Chance, Purpose
 from ..engine.factors import Constant
 from ..motion.geometry import Pose2D
 from .places import MAX_SECONDS, NAME, POSE_TABLE, WORK_TABLE, Place, Work, place_name, read_entry, read_work
+
+if TYPE_CHECKING:
+    from ..engine.factors import Lognormal
 
 MAX_TASKS = 1_000_000  # of a file
 MAX_ENTRIES = 10_000
@@ -60,7 +79,7 @@ class Task:
     energy: float = 0.0
 
 
-def check_task(task):
+def check_task(task: Task) -> None:
     """Check that ``task`` is a :class:`Task`, and that its values are of their kinds.
 
     :raises ConfigurationError: if not, naming the value.
@@ -88,7 +107,7 @@ class Poisson:
     count: Optional[int] = None
     until_ns: int = LAST_NS
 
-    def tasks(self, seed):
+    def tasks(self, seed: int) -> Iterator[Task]:
         """Yield the :class:`Task` objects of a ``seed``, in the order of their arrival."""
         chance = Chance(seed, 'arrivals {}'.format(self.name))
         arrival_ns, number_ = 0, 0
@@ -102,14 +121,14 @@ class Poisson:
                        self._pose(chance, number_), self._duration_ns(chance, number_), self.work.power,
                        self.work.energy)
 
-    def _pose(self, chance, number_):
+    def _pose(self, chance: Chance, number_: int) -> Pose2D:
         if self.place is not None:
             return self.place.pose
         x_min, y_min, x_max, y_max = self.area
         return Pose2D(x_min + (x_max - x_min) * chance.uniform(number_, Purpose.TASK_X),
                       y_min + (y_max - y_min) * chance.uniform(number_, Purpose.TASK_Y))
 
-    def _duration_ns(self, chance, number_):
+    def _duration_ns(self, chance: Chance, number_: int) -> int:
         return drawn_ns(self.work.seconds, lambda place: chance.uniform(number_, Purpose.TASK_DURATION, place))
 
 
@@ -120,25 +139,25 @@ class Listed:
     name: str
     rows: Tuple[Tuple[int, Task, Any], ...] = ()
 
-    def tasks(self, seed):
+    def tasks(self, seed: int) -> Iterator[Task]:
         """Yield the tasks; what differs from seed to seed are durations that are drawn."""
         chance = Chance(seed, 'arrivals {}'.format(self.name))
         for number_, task, seconds in self.rows:
             yield replace(task, duration_ns=drawn_ns(
-                seconds, lambda place, number_=number_: chance.uniform(number_, Purpose.TASK_DURATION, place)))
+                seconds, partial(chance.uniform, number_, Purpose.TASK_DURATION)))
 
 
-def drawn_ns(seconds, uniform):
+def drawn_ns(seconds: Any, uniform: Callable[[int], float]) -> int:
     """Return a duration [ns] of the distribution ``seconds``, at least 1 ns, by ``uniform(place)`` in (0, 1)."""
     return max(1, seconds_to_ns(min(seconds.draw(uniform), MAX_SECONDS)))
 
 
-def merged(arrivals, seed):
+def merged(arrivals: Sequence[Union[Listed, Poisson]], seed: int) -> Iterable[Task]:
     """Return an iterator of all tasks in the order of their instants; at one instant, of the entry that comes first."""
     return heapq.merge(*(entry.tasks(seed) for entry in arrivals), key=lambda task: task.arrival_ns)
 
 
-def read_arrivals(raw, places, where):
+def read_arrivals(raw: Mapping[str, Any], places: Dict[str, Place], where: str) -> Tuple[Union[Listed, Poisson], ...]:
     """Return what arrives, of the list ``raw``: Poisson processes and files; ``places``: {name: Place}.
 
     :raises ConfigurationError: naming ``where``, the entry and what is allowed.
@@ -158,7 +177,7 @@ def read_arrivals(raw, places, where):
     return tuple(arrivals)
 
 
-def _read_one(values, places, where):
+def _read_one(values: Mapping[str, Any], places: Dict[str, Place], where: str) -> Union[Listed, Poisson]:
     given = [key for key in ('place', 'area', 'file') if values[key] is not None]
     if len(given) != 1:
         raise ConfigurationError('{}: got {}; allowed: one of place, area and file'.format(
@@ -183,7 +202,7 @@ def _read_one(values, places, where):
     return Poisson(name, rates[0] or rates[1], work, place, area, values['count'], until_ns)
 
 
-def find_place(name, places, where):
+def find_place(name: str, places: Dict[str, Place], where: str) -> Place:
     """Return the place ``name``.
 
     :raises ConfigurationError: if there is none.
@@ -194,7 +213,8 @@ def find_place(name, places, where):
     return places[name]
 
 
-def _read_file(name, values, rates, places, where):
+def _read_file(name: str, values: Mapping[str, Any], rates: List[Optional[float]], places: Dict[str, Place],
+               where: str) -> Listed:
     path = values['file']
     others = [key for key in ('count', 'until', 'duration') if values[key] is not None]
     others += [key for key, rate in zip(('rate', 'rate_per_hour'), rates) if rate is not None]
@@ -209,7 +229,7 @@ def _read_file(name, values, rates, places, where):
     return Listed(name, tuple(sorted(rows, key=lambda row: row[1].arrival_ns)))
 
 
-def _rows(path, where):
+def _rows(path: str, where: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
     """Yield (where a row is, mapping) of a file of tasks, a table or YAML."""
     if path.endswith('.csv'):
         with open_csv(path) as stream:
@@ -227,14 +247,15 @@ def _rows(path, where):
         yield '{}: tasks {}'.format(path, index), row
 
 
-def _value(cell):
+def _value(cell: str) -> Union[float, str]:
     try:
         return float(cell)
     except ValueError:
         return cell
 
 
-def _task_of(row, index, name, places, where):
+def _task_of(row: Dict[str, Any], index: int, name: str, places: Dict[str, Place],
+             where: str) -> Tuple[Task, Union[Constant, Lognormal]]:
     """Return a row's :class:`Task`, but for how long it takes, and the distribution of that."""
     values = read_entry(row, _ROW, where)
     has_place, own = 'place' in row, [key for key in ('x', 'y', 'yaw') if key in row]

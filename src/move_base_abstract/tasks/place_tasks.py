@@ -1,8 +1,11 @@
 """Tasks at places: a robot that stands there waits until there is room for it, works, and draws from its battery."""
+from __future__ import annotations
+
 import bisect
 import itertools
 import math
 from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 
 from ..common.shown import shown_text
 from ..common.units import NS_PER_S
@@ -13,38 +16,50 @@ from .arrivals import drawn_ns
 from .places import Place
 from .timed_task import TimedTaskRunner
 
+if TYPE_CHECKING:
+    from ..engine.event_queue import EventQueue
+    from ..engine.simulation import Simulation
+    from ..goals.ledger import GoalLedger, GoalRecord
+    from ..motion.robot import Robot
+    from .arrivals import Task
+
 LEFT = aborted('The robot has left the place of its task.')
 #: who is let in is decided behind all that robots and users do at an instant
 _ADMISSION_INDEX = 2 ** 31 - 1
 
 
+#: a function that takes an instant [ns]
+Admission = Callable[[int], object]
+
+
 class Room:
     """Who works at a place with a ``capacity`` (>= 1), and who waits: first come, at one instant by lower index."""
 
-    def __init__(self, queue, capacity):
+    def __init__(self, queue: EventQueue, capacity: int) -> None:
         self._queue = queue
         self._numbers = itertools.count()
         self.capacity = capacity
-        self._waiting = []  # (since [ns], robot index, number, begin, wait, robot's name)
-        self._working = {}  # {number: robot's name}
+        #: (since [ns], robot index, number, begin, wait, robot's name)
+        self._waiting: List[Tuple[int, int, int, Admission, Admission, str]] = []
+        self._working: Dict[int, str] = {}  # {number: robot's name}
         self._event = None
-        self._followers = []
+        self._followers: List[Callable[[], object]] = []
 
     @property
-    def workers(self):
+    def workers(self) -> Tuple[str, ...]:
         """The names of the robots that work, in the order in which they began."""
         return tuple(self._working.values())
 
     @property
-    def waiters(self):
+    def waiters(self) -> Tuple[str, ...]:
         """The names of the robots that wait, first come first."""
         return tuple(entry[5] for entry in self._waiting)
 
-    def follow(self, changed):
+    def follow(self, changed: Callable[[], object]) -> None:
         """Call ``changed()`` when somebody else works or waits."""
         self._followers.append(changed)
 
-    def ask(self, robot_index, robot_name, now_ns, begin, wait):
+    def ask(self, robot_index: int, robot_name: str, now_ns: int, begin: Admission, wait: Admission) -> int:
         """Have ``begin(due_ns)`` called as soon as there is room, not before the end of this instant; return a ticket.
 
         ``wait(due_ns)`` is called at the end of this instant if there is none.
@@ -54,18 +69,18 @@ class Room:
         self._look(now_ns)
         return ticket
 
-    def give_back(self, ticket, now_ns):
+    def give_back(self, ticket: int, now_ns: int) -> None:
         """Who got the ``ticket`` waits or works no more."""
         self._working.pop(ticket, None)
         self._waiting = [entry for entry in self._waiting if entry[2] != ticket]
         self._look(now_ns)
         self._changed()
 
-    def _look(self, now_ns):
+    def _look(self, now_ns: int) -> None:
         if self._waiting and self._event is None:
             self._event = self._queue.schedule(now_ns, _ADMISSION_INDEX, self._admit)
 
-    def _admit(self, due_ns, _now_ns):
+    def _admit(self, due_ns: int, _now_ns: int) -> None:
         self._event = None
         while self._waiting and len(self._working) < self.capacity:
             _, _, ticket, begin, _, name = self._waiting.pop(0)
@@ -76,7 +91,7 @@ class Room:
                 wait(due_ns)
         self._changed()
 
-    def _changed(self):
+    def _changed(self) -> None:
         for changed in self._followers:
             changed()
 
@@ -84,17 +99,17 @@ class Room:
 class Rooms:
     """The places (``{name: Place}``) of a world and the room at each."""
 
-    def __init__(self, simulation, places):
+    def __init__(self, simulation: Simulation, places: Dict[str, Place]) -> None:
         self.simulation = simulation
         self.places = places
         self._rooms = {name: Room(simulation.queue, place.capacity) for name, place in places.items()
                        if place.capacity is not None}
 
-    def of(self, place):
+    def of(self, place: str) -> Optional[Room]:
         """Return the :class:`Room` at the place of this name, or None: there is no end of it."""
         return self._rooms.get(place)
 
-    def place_of(self, task):
+    def place_of(self, task: Task) -> Place:
         """Return the Place of a Task; of one without a name the place that its pose is."""
         return self.places[task.place] if task.place else Place('its place', task.pose)
 
@@ -103,21 +118,21 @@ class PlaceTaskListener:
     """What a :class:`PlaceTaskRunner` tells the outside. Times in ns."""
 
     #: a function: whether progress would be heard; None: it is told anyhow, see Series
-    is_progress_heard = None
+    is_progress_heard: Optional[Callable[[], bool]] = None
 
-    def waits(self, record, place, now_ns):
+    def waits(self, record: GoalRecord, place: str, now_ns: int) -> None:
         """The task of the goal ``record`` waits for room at ``place`` (its name)."""
 
-    def waited(self, record, place, now_ns):
+    def waited(self, record: GoalRecord, place: str, now_ns: int) -> None:
         """It waits no more."""
 
-    def begins(self, record, duration_ns, now_ns):
+    def begins(self, record: GoalRecord, duration_ns: int, now_ns: int) -> None:
         """Work on the goal ``record`` begins."""
 
-    def progress(self, record, elapsed_ns, duration_ns, now_ns):
+    def progress(self, record: GoalRecord, elapsed_ns: int, duration_ns: int, now_ns: int) -> None:
         """So much of the work is done."""
 
-    def load(self, watts, now_ns):
+    def load(self, watts: float, now_ns: int) -> None:
         """From now on the work draws so much [W] from the robot's battery, besides what the robot needs itself."""
 
 
@@ -129,8 +144,9 @@ class PlaceTaskRunner(TimedTaskRunner):
     robot cannot work now.
     """
 
-    def __init__(self, rooms, robot_index, robot_name, seed, ledger, listener, robot=None, progress_frequency=0.0,
-                 has_failed=lambda: False):
+    def __init__(self, rooms: Rooms, robot_index: int, robot_name: str, seed: int, ledger: GoalLedger,
+                 listener: PlaceTaskListener, robot: Optional[Robot] = None,
+                 progress_frequency: float = 0.0, has_failed: Callable[[], bool] = lambda: False) -> None:
         super().__init__(rooms.simulation, robot_index, ledger, None, self._work_begins, listener.progress,
                          progress_frequency, listener.is_progress_heard)
         self._rooms = rooms
@@ -138,36 +154,37 @@ class PlaceTaskRunner(TimedTaskRunner):
         self._has_failed = has_failed
         self._robot_name = robot_name
         self._seed = seed
-        self._chance = None
+        self._chance: Optional[Chance] = None
         self._listener = listener
         self._number = 0
-        self._task = None
-        self._room = self._ticket = None
+        self._task: Any = None  # a Task
+        self._room: Any = None  # a Room
+        self._ticket: Optional[int] = None
         self._is_admitted = False
         self._asked_ns = 0
         self._draws = False
-        self._waits = None  # the record of the goal that waits, where that has been told
+        self._waits: Optional[GoalRecord] = None  # the record of the goal that waits, where that has been told
 
     @property
-    def is_waiting(self):
+    def is_waiting(self) -> bool:
         """Whether the robot waits for room."""
         return self._waits is not None
 
     @property
-    def is_working(self):
+    def is_working(self) -> bool:
         """Whether the robot works."""
         return self._end is not None
 
-    def waited_ns(self, now_ns):
+    def waited_ns(self, now_ns: int) -> int:
         """Return for how long the latest task has waited [ns]."""
         return (now_ns if self._is_pending else self._began_ns) - self._asked_ns
 
     @property
-    def _is_pending(self):
+    def _is_pending(self) -> bool:
         return self._ticket is not None and not self._is_admitted
 
     @guarded
-    def take(self, goal_id, stamp_ns, task, now_ns, fault=None):
+    def take(self, goal_id: str, stamp_ns: int, task: Task, now_ns: int, fault: Optional[str] = None) -> None:
         """Take the goal ``task`` (Task) in; the task that was under way is ended by it. ``fault``: what is wrong."""
         record = self._ledger.receive(goal_id, stamp_ns, now_ns)
         if record is None:
@@ -192,42 +209,44 @@ class PlaceTaskRunner(TimedTaskRunner):
         self._ticket = self._room.ask(self._robot_index, self._robot_name, now_ns, self._admitted, self._told_to_wait)
 
     @guarded
-    def moved(self, now_ns):
+    def moved(self, now_ns: int) -> None:
         """The robot has set out or stands elsewhere: its task ends where that is too far away."""
         if self._task is not None and self._ledger.active is not None and self._distance_fault(self._task):
             self.shut_down(LEFT, now_ns)
 
-    def failed(self, now_ns):
+    def failed(self, now_ns: int) -> None:
         """The robot has failed: its task ends."""
         self.shut_down(FAILED, now_ns)
 
     @guarded
-    def _told_to_wait(self, due_ns):
+    def _told_to_wait(self, due_ns: int) -> None:
         if self._waits is None:
-            self._waits = self._ledger.active
-            self._listener.waits(self._waits, self._task.place, due_ns)
+            record: Any = self._ledger.active
+            self._waits = record
+            self._listener.waits(record, self._task.place, due_ns)
 
     @guarded
-    def _admitted(self, due_ns):
+    def _admitted(self, due_ns: int) -> None:
         self._is_admitted = True
         self._end_waiting(due_ns)
-        self._begin(self._ledger.active, self._length_ns(self._task), due_ns)
+        record: Any = self._ledger.active
+        self._begin(record, self._length_ns(self._task), due_ns)
         if self._end is None:  # no task takes so long
             self._stop()
 
-    def _end_waiting(self, now_ns):
+    def _end_waiting(self, now_ns: int) -> None:
         if self._waits is not None:
             record, self._waits = self._waits, None
             self._listener.waited(record, self._task.place, now_ns)
 
-    def _work_begins(self, record, duration_ns, now_ns):
+    def _work_begins(self, record: GoalRecord, duration_ns: int, now_ns: int) -> None:
         self._listener.begins(record, duration_ns, now_ns)
         watts = self._task.power + self._task.energy * NS_PER_S / duration_ns
         if watts > 0.0:
             self._draws = True
             self._listener.load(watts, now_ns)
 
-    def _stop(self):
+    def _stop(self) -> None:
         super()._stop()
         now_ns = self._simulation.now_ns
         if self._is_pending:
@@ -237,26 +256,25 @@ class PlaceTaskRunner(TimedTaskRunner):
             rest.callback(self._stop_drawing, now_ns)
             self._end_waiting(now_ns)
 
-    def _stop_drawing(self, now_ns):
+    def _stop_drawing(self, now_ns: int) -> None:
         if self._draws:
             self._draws = False
             self._listener.load(0.0, now_ns)
 
-    def _give_ticket_back(self, now_ns):
+    def _give_ticket_back(self, now_ns: int) -> None:
         if self._ticket is not None:
             ticket, self._ticket = self._ticket, None
             self._room.give_back(ticket, now_ns)
 
-    def _length_ns(self, task):
+    def _length_ns(self, task: Task) -> int:
         """Return how long the work takes [ns]: as the task says, else as one drawn for its place."""
         if task.duration_ns:
             return task.duration_ns
-        if self._chance is None:
-            self._chance = Chance(self._seed, self._robot_name)
+        chance = self._chance = self._chance or Chance(self._seed, self._robot_name)
         return drawn_ns(self._rooms.places[task.place].work.seconds,
-                        lambda place: self._chance.uniform(self._number, Purpose.TASK_DURATION, place))
+                        lambda place: chance.uniform(self._number, Purpose.TASK_DURATION, place))
 
-    def _fault(self, task):
+    def _fault(self, task: Task) -> Optional[str]:
         """Return why the robot cannot work on the task, or None."""
         places = self._rooms.places
         if task.place and task.place not in places:
@@ -270,7 +288,7 @@ class PlaceTaskRunner(TimedTaskRunner):
                 return '{}: got {:g}; allowed: a finite number >= 0'.format(name, value)
         return self._distance_fault(task)
 
-    def _distance_fault(self, task):
+    def _distance_fault(self, task: Task) -> Optional[str]:
         if self._robot is None:
             return None
         place = self._rooms.place_of(task)

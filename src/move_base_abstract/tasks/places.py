@@ -5,9 +5,11 @@
 
 Key by key: docs/tasks.md.
 """
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
-from typing import Any, Optional
+from typing import Any, Dict, Mapping, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.parameter_table import Parameter, checked, integer, number, one_of, read_table
@@ -22,9 +24,9 @@ MAX_PLACES = 100_000
 _FACTORS = {'lognormal': Lognormal, 'gamma': Gamma}
 
 
-def place_name(value):
+def place_name(value: object) -> str:
     """Return ``value`` if it can be the name of a place."""
-    if not is_robot_name(value):
+    if not isinstance(value, str) or not is_robot_name(value):
         raise ValueError
     return value
 
@@ -75,12 +77,12 @@ class Place:
     reach: float = 0.5
     work: Work = Work()
 
-    def holds(self, pose):
+    def holds(self, pose: Pose2D) -> bool:
         """Return whether a robot at ``pose`` (Pose2D) is there."""
         return math.hypot(pose.x - self.pose.x, pose.y - self.pose.y) <= self.reach
 
 
-def read_places(raw, where):
+def read_places(raw: Mapping[str, Any], where: str) -> Dict[str, Place]:
     """Return {name: :class:`Place`} of the list ``raw``.
 
     :raises ConfigurationError: naming ``where``, the entry and what is allowed.
@@ -100,7 +102,7 @@ def read_places(raw, where):
     return places
 
 
-def read_entry(entry, table, where):
+def read_entry(entry: Union[Dict[str, Any], str], table: Tuple[Parameter, ...], where: str) -> Dict[str, Any]:
     """Return {name: value} for each Parameter of ``table``, from a mapping that has no other keys."""
     if not isinstance(entry, dict):
         raise ConfigurationError('{}: got {}; allowed: a mapping'.format(where, shown(entry)))
@@ -108,7 +110,7 @@ def read_entry(entry, table, where):
     return read_table(entry, table, where)
 
 
-def read_work(values, where, default=Work()):
+def read_work(values: Mapping[str, Any], where: str, default: Work = Work()) -> Work:
     """Return the :class:`Work` in ``values`` (of :data:`WORK_TABLE`); ``default`` where it says no duration."""
     kind, mean, cv = values['duration_distribution'], values['duration'], values['duration_cv']
     if (kind in _FACTORS) != (cv > 0.0) or (kind in _FACTORS and not mean):

@@ -1,6 +1,12 @@
 """Zones and lanes as traffic sees them: how many robots they hold, which ones, and who waits for a place."""
+from __future__ import annotations
+
 from bisect import insort
-from typing import NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Dict, List, NamedTuple, Optional, Tuple
+
+if TYPE_CHECKING:
+    from .control import Traveller
+    from .outline import Outline
 
 
 class AreaState(NamedTuple):
@@ -17,29 +23,29 @@ class AreaState(NamedTuple):
 class Area:
     """A zone with its ``outline`` (Outline), or a lane without; its ``name`` is as 'zone gate', 'lane depot - gate'."""
 
-    def __init__(self, kind, name, capacity=None, outline=None):
+    def __init__(self, kind: str, name: str, capacity: Optional[int] = None, outline: Optional[Outline] = None) -> None:
         self.name = '{} {}'.format(kind, name)
         self._kind_and_name = kind, name
         self.capacity = capacity
         self.outline = outline
         self.is_closed = False
-        self._state = None
-        self.queue = []  # of Request, in their order
-        self.holders = {}  # {Traveller: True}, in the order in which they came
+        self._state: Optional[AreaState] = None
+        self.queue: List[Request] = []  # in their order
+        self.holders: Dict[Traveller, bool] = {}  # in the order in which they came
 
-    def has_room(self):
+    def has_room(self) -> bool:
         """Return whether one more may come in."""
         return not self.is_closed and not self.is_full()
 
-    def is_full(self):
+    def is_full(self) -> bool:
         """Return whether as many as there is place for, or more, hold one."""
         return self.capacity is not None and len(self.holders) >= self.capacity
 
-    def changed(self):
+    def changed(self) -> None:
         """Its state is another now."""
         self._state = None
 
-    def state(self):
+    def state(self) -> AreaState:
         """Return the AreaState. What has not changed is not made anew."""
         if self._state is None:
             robots = sorted(self.holders, key=lambda one: one.index)
@@ -54,28 +60,28 @@ class Request:
 
     __slots__ = ('key', 'traveller', 'areas', 'is_in_circle')
 
-    def __init__(self, since_ns, traveller, areas):
+    def __init__(self, since_ns: int, traveller: Traveller, areas: Tuple[Area, ...]) -> None:
         self.key = since_ns, traveller.index
-        self.traveller = traveller
-        self.areas = areas
+        self.traveller: Traveller = traveller
+        self.areas: Tuple[Area, ...] = areas
         self.is_in_circle = False  # as far as has been told
         for area in areas:
             insort(area.queue, self)
 
-    def __lt__(self, other):
+    def __lt__(self, other: Request) -> bool:
         """Return whether this one comes first: who asked first, at one instant the lower robot index."""
         return self.key < other.key
 
     @property
-    def reason(self):
+    def reason(self) -> str:
         """For what the robot is held."""
         return ', '.join(area.name for area in self.areas)
 
-    def is_first(self):
+    def is_first(self) -> bool:
         """Return whether there is a place in all the areas, and nobody comes before."""
         return all(area.has_room() and area.queue[0] is self for area in self.areas)
 
-    def withdraw(self):
+    def withdraw(self) -> None:
         """Leave the queues."""
         for area in self.areas:
             area.queue.remove(self)

@@ -4,8 +4,11 @@ A robot asks for a place when it comes to the border. If there is none it waits 
 come, first served, at one instant the lower robot index first, and nobody overtakes. It gives a place back when it
 comes to the border on its way out, and where it comes out of one area into another, when it has got its place there.
 """
+from __future__ import annotations
+
 from contextlib import ExitStack
 from enum import Enum
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from ..common.errors import ConfigurationError
 from ..common.shown import shown_text
@@ -16,6 +19,14 @@ from .outline import BORDER
 from .passages import instant_at
 from .waiting_circle import waiting_circle
 from .way import ZoneIndex, crossings, stays_on_lanes
+
+if TYPE_CHECKING:
+    from ..engine.simulation import Simulation
+    from ..goals.navigator import Navigator
+    from ..motion.geometry import Pose2D
+    from .area import AreaState
+    from .way import Crossing
+    from .zones import Zone
 
 #: who only leaves an area comes before all that robots do at the instant
 _LEAVING_INDEX = -1
@@ -34,41 +45,43 @@ class Traffic:
     Not thread-safe: as the simulation.
     """
 
-    def __init__(self, simulation, zones=(), policy=DeadlockPolicy.WAIT):
+    def __init__(self, simulation: Simulation, zones: Tuple[Zone, ...] = (),
+                 policy: DeadlockPolicy = DeadlockPolicy.WAIT) -> None:
         self.simulation = simulation
         self.policy = policy
-        self._followers = []
+        self._followers: List[Callable[[], object]] = []
         self._zones = {zone.name: Area('zone', zone.name, zone.capacity, zone.outline) for zone in zones}
         #: the areas of all zones (ZoneIndex), in the order of the scenario
         self.zones = ZoneIndex(self._zones.values())
-        self._lanes = {}  # {(file, index of the edge): Area}
-        self._dirty = []  # areas in which there may be place now, in the order in which that came
+        self._lanes: Dict[Tuple[str, int], Area] = {}  # (file, index of the edge)
+        self._dirty: List[Area] = []  # areas in which there may be place now, in the order in which that came
         self._serves = False
         self._is_told = True
 
-    def join(self, navigator, network, note, warn):
+    def join(self, navigator: Navigator, network: object, note: Callable[..., object],
+             warn: Callable[[str], object]) -> Optional[Traveller]:
         """Return the :class:`Traveller` of a robot that is there from now on, None if nothing here concerns it.
 
         ``network``: the LaneMap by which it goes, or anything else; ``note(kind, now_ns, *values)`` puts a row into the
         log, ``warn(text)`` tells the user.
         """
-        has_lanes = isinstance(network, LaneMap) and network.has_capacities
-        if has_lanes:
-            for index, edge in enumerate(network.edges):
+        lanes = network if isinstance(network, LaneMap) and network.has_capacities else None
+        if lanes is not None:
+            for index, edge in enumerate(lanes.edges):
                 if edge.capacity is not None:
-                    self._lanes.setdefault((network.source, index), Area(
+                    self._lanes.setdefault((lanes.source, index), Area(
                         'lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity))
-        if not has_lanes and not self._zones:
+        if lanes is None and not self._zones:
             return None
-        traveller = Traveller(self, navigator, network.source if has_lanes else None, note, warn)
+        traveller = Traveller(self, navigator, lanes.source if lanes is not None else None, note, warn)
         traveller.placed(self.simulation.now_ns)
         return traveller
 
-    def states(self):
+    def states(self) -> List[AreaState]:
         """Return the AreaState of each zone, in the order of the scenario, then of each lane with a capacity."""
         return [area.state() for area in self.areas()]
 
-    def close_zone(self, name, is_closed):
+    def close_zone(self, name: str, is_closed: bool) -> None:
         """Let nobody into a zone from now on, or let robots in again; who is inside stays and may leave.
 
         :raises ConfigurationError: if there is no zone of that name.
@@ -82,30 +95,30 @@ class Traffic:
         self.freed(area)
         self.serve(self.simulation.now_ns)
 
-    def lane(self, source, edge):
+    def lane(self, source: str, edge: int) -> Optional[Area]:
         """Return the area of an edge, or None if its place is not limited."""
         return self._lanes.get((source, edge))
 
-    def freed(self, area):
+    def freed(self, area: Area) -> None:
         """There may be place in ``area`` now: see :meth:`serve`."""
         if area.queue and area not in self._dirty:
             self._dirty.append(area)
 
-    def areas(self):
+    def areas(self) -> List[Area]:
         """Return all areas: the zones in the order of the scenario, then the lanes."""
         return [*self._zones.values(), *self._lanes.values()]
 
-    def changed(self, *areas):
+    def changed(self, *areas: Area) -> None:
         """Who holds a place in ``areas`` or waits for one is another now; :meth:`serve` says so."""
         self._is_told = False
         for area in areas:
             area.changed()
 
-    def follow(self, changed):
+    def follow(self, changed: Callable[[], object]) -> None:
         """Call ``changed()`` when anything in :meth:`states` is another."""
         self._followers.append(changed)
 
-    def serve(self, now_ns):
+    def serve(self, now_ns: int) -> None:
         """Let those in, one after the other, for whom there is a place; say what has changed."""
         if self._serves:
             return  # who called it further up goes on with it
@@ -131,31 +144,32 @@ class Traffic:
 class Traveller:
     """One robot in traffic. ``held``: {Area: True}, where it holds a place, in the order in which it came there."""
 
-    def __init__(self, traffic, navigator, source, note, warn):
+    def __init__(self, traffic: Traffic, navigator: Navigator, source: Optional[str],
+                 note: Callable[..., object], warn: Callable[[str], object]) -> None:
         self.index = navigator.robot.index
         self.name = navigator.robot.name
-        self.held = {}
-        self.request = None
+        self.held: Dict[Area, bool] = {}
+        self.request: Optional[Request] = None
         self._traffic = traffic
         self._navigator = navigator
         self._source = source
         self._note = note
         self._warn = warn
-        self._leg = None
-        self._pose = None  # of one that stands
-        self._crossings = []
-        self._event = None
-        self._granted = ()  # the areas that it has been let into and has not set out for yet
-        self._reason = None  # for which it is held here
+        self._leg: Any = None
+        self._pose: Any = None  # of one that stands
+        self._crossings: List[Crossing] = []
+        self._event: Any = None
+        self._granted: Tuple[Area, ...] = ()  # the areas that it has been let into and has not set out for yet
+        self._reason: Optional[str] = None  # for which it is held here
 
-    def serve(self, step, now_ns):
+    def serve(self, step: Callable[[Traveller, int], object], now_ns: int) -> None:
         """Do the ``step`` (a function of this class) in another's turn; what goes wrong is this robot's alone."""
         try:
             step(self, now_ns)
         except Exception as error:
             self._navigator.break_off(error)
 
-    def put_in_order(self, now_ns):
+    def put_in_order(self, now_ns: int) -> None:
         """Something went wrong half way: hold a place where the robot stands and nowhere else, and wait for none."""
         self._forget_crossings()
         granted, pose = self._granted, self._navigator.robot.pose_at(now_ns)
@@ -180,17 +194,18 @@ class Traveller:
             for kind, name in rows:
                 self._note(kind, now_ns, name)
 
-    def _end_hold(self, now_ns):
+    def _end_hold(self, now_ns: int) -> None:
         reason, self._reason = self._reason, None
         if reason is not None:
             self._navigator.release(reason, now_ns)
-    def departed(self, leg, now_ns):
+    def departed(self, leg: Any, now_ns: int) -> None:
         """The robot starts on ``leg``."""
         self._leg = leg
         self._granted = ()
         stays = self._traffic.zones.stays(leg.way)
-        if self._source is not None:
-            stays += tuple(stays_on_lanes(leg, lambda edge: self._traffic.lane(self._source, edge)))
+        source = self._source
+        if source is not None:
+            stays += tuple(stays_on_lanes(leg, lambda edge: self._traffic.lane(source, edge)))
         self._crossings = crossings(stays, self.held) if leg.distance > BORDER else []
         if self._crossings and self._crossings[0].distance == 0.0:
             self._cross(now_ns)
@@ -198,7 +213,7 @@ class Traveller:
             self._await_crossing()
         self._traffic.serve(now_ns)
 
-    def stands(self, now_ns):
+    def stands(self, now_ns: int) -> None:
         """The robot stands: it has arrived, was stopped, or was placed somewhere else."""
         pose = self._navigator.robot.pose_at(now_ns)
         before = self._pose if self._leg is None else self._leg.pose_at(now_ns)
@@ -211,7 +226,7 @@ class Traveller:
             self._take_what_holds_it(now_ns, pose)
             self._traffic.serve(now_ns)
 
-    def placed(self, now_ns):
+    def placed(self, now_ns: int) -> None:
         """The robot is where it is without having driven there: places elsewhere are given back, those here taken."""
         self._forget_crossings()
         pose = self._pose = self._navigator.robot.pose_at(now_ns)
@@ -222,7 +237,7 @@ class Traveller:
         self._take_what_holds_it(now_ns, pose)
         self._traffic.serve(now_ns)
 
-    def abandons(self, now_ns):
+    def abandons(self, now_ns: int) -> None:
         """Where the robot was going it goes no more: it leaves the queues, and stands where it stands."""
         if self.request is not None:
             request, self.request = self.request, None
@@ -236,16 +251,17 @@ class Traveller:
             self._give_back_what_was_granted(now_ns)
             self._traffic.serve(now_ns)
 
-    def leave(self, now_ns):
+    def leave(self, now_ns: int) -> None:
         """The robot is taken out of the world."""
         self._forget_crossings()
         self.abandons(now_ns)
         self._give_back(list(self.held), now_ns)
         self._traffic.serve(now_ns)
 
-    def go_on(self, now_ns):
+    def go_on(self, now_ns: int) -> None:
         """There is a place in all areas that the robot waits for; what it leaves it gives back when it departs."""
-        request, self.request = self.request, None
+        request: Any = self.request
+        self.request = None
         request.withdraw()
         self._take(request.areas, now_ns)
         self._granted = request.areas
@@ -255,12 +271,12 @@ class Traveller:
         if self._leg is None and self.request is None and not self._navigator.held_for:  # there is no way any more
             self._give_back_what_was_granted(now_ns)
 
-    def _give_back_what_was_granted(self, now_ns):
+    def _give_back_what_was_granted(self, now_ns: int) -> None:
         granted, self._granted = self._granted, ()
         self._give_back([area for area in granted if area.outline is None
                          or not area.outline.contains(self._pose.x, self._pose.y)], now_ns)
 
-    def _take_what_holds_it(self, now_ns, pose):
+    def _take_what_holds_it(self, now_ns: int, pose: Pose2D) -> None:
         """Hold a place in each zone that the robot stands in, whether there is one or not."""
         for area in self._traffic.zones.at(pose.x, pose.y):
             if area not in self.held:
@@ -270,7 +286,7 @@ class Traveller:
                         ', and it is closed' if area.is_closed else ''))
                 self._take((area,), now_ns)
 
-    def _await_crossing(self):
+    def _await_crossing(self) -> None:
         if not self._crossings:
             return
         crossing = self._crossings[0]
@@ -278,7 +294,7 @@ class Traveller:
         index = self.index if crossing.enters else _LEAVING_INDEX
         self._event = self._traffic.simulation.queue.schedule(due_ns, index, self._happen)
 
-    def _happen(self, due_ns, _now_ns):
+    def _happen(self, due_ns: int, _now_ns: int) -> None:
         self._event = None
         try:
             self._cross(due_ns)
@@ -286,7 +302,7 @@ class Traveller:
         except Exception as error:
             self._navigator.break_off(error)
 
-    def _cross(self, now_ns):
+    def _cross(self, now_ns: int) -> None:
         """The robot is at the first of its crossings: it comes in and leaves, or waits."""
         crossing = self._crossings.pop(0)
         enters = tuple(area for area in crossing.enters if area not in self.held)
@@ -302,13 +318,14 @@ class Traveller:
         self._navigator.hold(self._reason, now_ns)
         self.look_for_circle(now_ns)
 
-    def look_for_circle(self, now_ns):
+    def look_for_circle(self, now_ns: int) -> None:
         """The robot waits, and may close a circle of waiting: say so, once."""
         circle = waiting_circle(self.request) if self.request is not None else None  # None: it was broken off
-        if circle is None or all(traveller.request.is_in_circle for traveller, _ in circle):
+        requests: List[Any] = [traveller.request for traveller, _ in circle or ()]
+        if circle is None or all(request.is_in_circle for request in requests):
             return
-        for traveller, _ in circle:
-            traveller.request.is_in_circle = True
+        for request in requests:
+            request.is_in_circle = True
         pairs = [(traveller.name, area.name) for traveller, area in circle]
         self._note('deadlock', now_ns, *(name for pair in pairs for name in pair))
         aborts = self._traffic.policy is DeadlockPolicy.ABORT
@@ -318,13 +335,13 @@ class Traveller:
         if aborts:
             self._navigator.shut_down(NO_CONTROL, now_ns)
 
-    def _take(self, areas, now_ns):
+    def _take(self, areas: Tuple[Area, ...], now_ns: int) -> None:
         for area in areas:
             self.held[area] = area.holders[self] = True
             self._traffic.changed(area)
             self._note('entered', now_ns, area.name)
 
-    def _give_back(self, areas, now_ns):
+    def _give_back(self, areas: Sequence[Area], now_ns: int) -> None:
         for area in areas:
             if area in self.held:
                 del self.held[area], area.holders[self]
@@ -332,7 +349,7 @@ class Traveller:
                 self._note('left', now_ns, area.name)
                 self._traffic.freed(area)
 
-    def _forget_crossings(self):
+    def _forget_crossings(self) -> None:
         self._crossings = []
         if self._event is not None:
             self._event.cancel()

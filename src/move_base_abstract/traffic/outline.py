@@ -3,9 +3,12 @@
 Inside is what lies more than a micrometre from the border, so that no answer hangs on how a number was rounded: who
 stands on the border, touches a corner or goes along an edge is outside.
 """
+from __future__ import annotations
+
 import math
 from fractions import Fraction
 from itertools import combinations
+from typing import List, Optional, Sequence, Tuple
 
 from ..motion.geometry import share_along
 
@@ -19,7 +22,7 @@ class Outline:
     :raises ValueError: if it has less than 3 points or more than 200, or touches or crosses itself.
     """
 
-    def __init__(self, points):
+    def __init__(self, points: Sequence[Tuple[float, float]]) -> None:
         points = tuple((float(x), float(y)) for x, y in points)
         if len(points) > 1 and points[0] == points[-1]:
             points = points[:-1]
@@ -34,14 +37,14 @@ class Outline:
         #: (x_min, y_min, x_max, y_max) [m]
         self.box = min(xs), min(ys), max(xs), max(ys)
 
-    def contains(self, x, y):
+    def contains(self, x: float, y: float) -> bool:
         """Return whether (x, y) [m] is inside."""
         x_min, y_min, x_max, y_max = self.box
         if not (x_min < x < x_max and y_min < y < y_max):
             return False
         return self._is_within(x, y) and all(_distance(edge, x, y) > BORDER for edge in self._edges)
 
-    def _is_within(self, x, y):
+    def _is_within(self, x: float, y: float) -> bool:
         """Return whether a ray from (x, y) crosses the border an odd number of times."""
         is_within = False
         for (ax, ay), (bx, by) in self._edges:
@@ -49,13 +52,14 @@ class Outline:
                 is_within = not is_within
         return is_within
 
-    def pieces_inside(self, way):
+    def pieces_inside(self, way: Sequence[Tuple[float, float]]) -> List[Tuple[float, float]]:
         """Return the pieces of ``way`` ((x, y), ...) [m] that lie inside: [(from, to), ...] in m along it, in order.
 
         Between two meetings with the border a piece is inside if its middle is. A piece of a micrometre is none, nor is
         a gap of one.
         """
-        pieces, begun = [], 0.0
+        pieces: List[Tuple[float, float]] = []
+        begun = 0.0
         for begin, end in zip(way, way[1:]):
             length = math.hypot(end[0] - begin[0], end[1] - begin[1])
             for one, other in self._pieces_of(begin, end, length) if length > 0.0 else ():
@@ -66,7 +70,8 @@ class Outline:
             begun += length
         return [piece for piece in pieces if piece[1] - piece[0] > BORDER]
 
-    def _pieces_of(self, begin, end, length):
+    def _pieces_of(self, begin: Tuple[float, float], end: Tuple[float, float],
+                   length: float) -> List[Tuple[float, float]]:
         ux, uy = (end[0] - begin[0]) / length, (end[1] - begin[1]) / length
         if not self._meets_box(begin, end, ux, uy):
             return []
@@ -76,17 +81,18 @@ class Outline:
         return [(one, other) for one, other, middle in middles
                 if self.contains(begin[0] + middle * ux, begin[1] + middle * uy)]
 
-    def _meets_box(self, begin, end, ux, uy):
+    def _meets_box(self, begin: Tuple[float, float], end: Tuple[float, float], ux: float, uy: float) -> bool:
         x_min, y_min, x_max, y_max = self.box
         width, height = x_max - x_min, y_max - y_min
         aside = ux * (y_min + 0.5 * height - begin[1]) - uy * (x_min + 0.5 * width - begin[0])  # of the box's middle
         if abs(aside) > 0.5 * (abs(ux) * height + abs(uy) * width) + BORDER:
             return False
-        return (min(begin[0], end[0]) < x_max and max(begin[0], end[0]) > x_min
-                and min(begin[1], end[1]) < y_max and max(begin[1], end[1]) > y_min)
+        meets: bool = (min(begin[0], end[0]) < x_max and max(begin[0], end[0]) > x_min
+                       and min(begin[1], end[1]) < y_max and max(begin[1], end[1]) > y_min)
+        return meets
 
 
-def rectangle(x_min, y_min, x_max, y_max):
+def rectangle(x_min: float, y_min: float, x_max: float, y_max: float) -> Outline:
     """Return the Outline of a rectangle [m].
 
     :raises ValueError: if a lower bound is not below its upper one.
@@ -96,7 +102,8 @@ def rectangle(x_min, y_min, x_max, y_max):
     return Outline(((x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)))
 
 
-def _meetings(edge, begin, ux, uy):
+def _meetings(edge: Tuple[Tuple[float, float], Tuple[float, float]], begin: Tuple[float, float], ux: float,
+              uy: float) -> List[float]:
     """Return where the line from ``begin`` in the direction (ux, uy) meets ``edge`` [m along the line], if it does."""
     (ax, ay), (bx, by) = edge
     ax, ay, bx, by = ax - begin[0], ay - begin[1], bx - begin[0], by - begin[1]
@@ -108,14 +115,14 @@ def _meetings(edge, begin, ux, uy):
     return found
 
 
-def _distance(edge, x, y):
+def _distance(edge: Tuple[Tuple[float, float], Tuple[float, float]], x: float, y: float) -> float:
     """Return the distance [m] of (x, y) from ``edge``."""
     (ax, ay), (bx, by) = edge
     share = share_along(*edge, x, y)
     return math.hypot(x - ax - share * (bx - ax), y - ay - share * (by - ay))
 
 
-def _fault(edges):
+def _fault(edges: Tuple[Tuple[Tuple[float, float], Tuple[float, float]], ...]) -> Optional[str]:
     """Return why ``edges`` are not the border of a simple polygon, or None. Decided in exact numbers."""
     for (first, one), (second, other) in combinations(enumerate(edges), 2):
         if one[0] == one[1] or other[0] == other[1]:
@@ -131,7 +138,8 @@ def _fault(edges):
     return None
 
 
-def _touch(one, other):
+def _touch(one: Tuple[Tuple[float, float], Tuple[float, float]],
+           other: Tuple[Tuple[float, float], Tuple[float, float]]) -> bool:
     if any(max(a[axis] for a in one) < min(b[axis] for b in other)
            or max(b[axis] for b in other) < min(a[axis] for a in one) for axis in (0, 1)):
         return False
@@ -139,17 +147,17 @@ def _touch(one, other):
             and _side(*other, one[0]) * _side(*other, one[1]) <= 0)
 
 
-def _side(a, b, c):
+def _side(a: Tuple[float, float], b: Tuple[float, float], c: Tuple[float, float]) -> int:
     """Return > 0, 0 or < 0: on which side of the line from ``a`` to ``b`` the point ``c`` lies."""
     (ax, ay), (bx, by), (cx, cy) = _exact(a), _exact(b), _exact(c)
     product = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     return (product > 0) - (product < 0)
 
 
-def _dot(corner, one, other):
+def _dot(corner: Tuple[float, float], one: Tuple[float, float], other: Tuple[float, float]) -> Fraction:
     (x, y), (ax, ay), (bx, by) = _exact(corner), _exact(one), _exact(other)
     return (ax - x) * (bx - x) + (ay - y) * (by - y)
 
 
-def _exact(point):
+def _exact(point: Tuple[float, float]) -> Tuple[Fraction, Fraction]:
     return Fraction(point[0]), Fraction(point[1])

@@ -1,9 +1,14 @@
 """At which instants a robot on its way comes into an area and leaves it: computed, never looked for at a rate."""
+from __future__ import annotations
+
 import math
-from typing import NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, List, NamedTuple, Optional
 
 from ..engine.instants import first_ns
 from .outline import BORDER
+
+if TYPE_CHECKING:
+    from .outline import Outline
 
 
 class Passage(NamedTuple):
@@ -18,7 +23,7 @@ class Passage(NamedTuple):
     leave_ns: Optional[int]
 
 
-def passages(leg, outline):
+def passages(leg: Any, outline: Outline) -> List[Passage]:
     """Return the :class:`Passage` objects of a leg or route through ``outline`` (Outline), in their order.
 
     One that is at rest at first, and one that turns on the spot at the border, comes in or leaves when it has covered
@@ -35,7 +40,7 @@ def passages(leg, outline):
             for begin, end in pieces]
 
 
-def instant_at(leg, distance):
+def instant_at(leg: Any, distance: float) -> int:
     """Return the first instant [ns] of ``leg`` at which ``distance`` [m] are covered, or the arrival.
 
     To the nanosecond: the distance never falls. What the law's reverse says is where the search begins.

@@ -1,7 +1,14 @@
 """Robots that wait for one another in a circle: nobody among them will ever go on by itself."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Dict, List, Optional, Tuple
+
+if TYPE_CHECKING:
+    from .area import Area, Request
+    from .control import Traveller
 
 
-def waiting_circle(request):
+def waiting_circle(request: Request) -> Optional[List[Tuple[Traveller, Area]]]:
     """Return a circle of waiting through ``request``, [(Traveller, Area), ...], or None.
 
     Each robot of it waits for the area beside it, in which the next robot holds a place; it begins with the lowest
@@ -18,9 +25,10 @@ def waiting_circle(request):
     return ring[first:] + ring[:first]
 
 
-def _way_back(traveller, stuck):
+def _way_back(traveller: Traveller, stuck: Dict[Traveller, bool]) -> Optional[List[Tuple[Traveller, Area]]]:
     """Return the shortest circle of waiting from ``traveller`` to it, [(Traveller, Area), ...], or None."""
-    came, open_ = {}, [traveller]
+    came: Dict[Traveller, Tuple[Traveller, Area]] = {}
+    open_ = [traveller]
     for one in open_:
         for area, other in _waits_for(one, stuck):
             if other not in came:
@@ -28,16 +36,18 @@ def _way_back(traveller, stuck):
                 open_.append(other)
     if traveller not in came:
         return None
-    ring, one = [], traveller
+    ring: List[Tuple[Traveller, Area]] = []
+    one = traveller
     while not ring or one is not traveller:
         ring.append(came[one])
         one = came[one][0]
     return ring[::-1]
 
 
-def _connected(request):
+def _connected(request: Request) -> Dict[Traveller, bool]:
     """Return all who wait, {Traveller: True}, that can be reached from ``request`` by waiting for one another."""
-    found, open_ = {}, [request.traveller]
+    found: Dict[Traveller, bool] = {}
+    open_ = [request.traveller]
     while open_:
         traveller = open_.pop()
         if traveller.request is not None and traveller not in found:
@@ -47,12 +57,12 @@ def _connected(request):
     return found
 
 
-def _before(area, traveller):
+def _before(area: Area, traveller: Traveller) -> List[Traveller]:
     queue = [request.traveller for request in area.queue]
     return queue[:queue.index(traveller)]
 
 
-def _stuck(candidates):
+def _stuck(candidates: Dict[Traveller, bool]) -> Dict[Traveller, bool]:
     """Return those of ``candidates`` that wait for candidates only, {Traveller: True}."""
     while True:
         left = {one: True for one in candidates if _waits_for(one, candidates)}
@@ -61,9 +71,9 @@ def _stuck(candidates):
         candidates = left
 
 
-def _waits_for(traveller, stuck):
+def _waits_for(traveller: Traveller, stuck: Dict[Traveller, bool]) -> List[Tuple[Area, Traveller]]:
     """Return [(area, Traveller), ...]: by which areas ``traveller`` is stuck, and for whom it waits there."""
-    found = []
+    found: List[Tuple[Area, Traveller]] = []
     for area in traveller.request.areas if traveller.request is not None else ():
         if not area.is_closed:
             if area.is_full() and all(one in stuck for one in area.holders):

@@ -1,9 +1,14 @@
 """Where on its way a robot comes into zones and lanes, and leaves them: places along a leg, in their order."""
+from __future__ import annotations
+
 from itertools import accumulate
 from math import hypot
-from typing import NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Tuple
 
 from .outline import BORDER
+
+if TYPE_CHECKING:
+    from .area import Area
 
 _KEPT_WAYS = 10_000
 
@@ -11,7 +16,7 @@ _KEPT_WAYS = 10_000
 class Stay(NamedTuple):
     """A piece of a way in ``area``: from ``begin`` [m] to ``end`` [m] along it, None: it ends inside."""
 
-    area: object
+    area: Area
     begin: float
     end: Optional[float]
 
@@ -20,19 +25,19 @@ class Crossing(NamedTuple):
     """At ``distance`` [m] a robot comes into the areas ``enters`` and out of the areas ``leaves``."""
 
     distance: float
-    enters: Tuple
-    leaves: Tuple
+    enters: Tuple[Area, ...]
+    leaves: Tuple[Area, ...]
 
 
 class ZoneIndex:
     """Finds zones by where they are: ``areas`` (Area, ...) with an outline, in the order in which they are given."""
 
-    def __init__(self, areas):
-        self._stays = {}  # {way: (Stay, ...)}
+    def __init__(self, areas: Iterable[Any]) -> None:
+        self._stays: Dict[Any, Tuple[Stay, ...]] = {}  # {way: (Stay, ...)}
         self._boxes = sorted(((*area.outline.box, number, area) for number, area in enumerate(areas)),
                              key=lambda box: box[0])
 
-    def near(self, x_min, y_min, x_max, y_max):
+    def near(self, x_min: float, y_min: float, x_max: float, y_max: float) -> List[Any]:
         """Return the areas whose boxes have more than their borders in common with this one [m]."""
         found = []
         for left, low, right, high, number, area in self._boxes:
@@ -42,7 +47,7 @@ class ZoneIndex:
                 found.append((number, area))
         return [area for _, area in sorted(found, key=lambda one: one[0])]
 
-    def stays(self, way):
+    def stays(self, way: Tuple[Tuple[float, float], ...]) -> Tuple[Stay, ...]:
         """Return the :class:`Stay` objects of ``way`` ((x, y), ...) [m] by area. They are kept, since ways repeat."""
         if way not in self._stays:
             self._stays[way] = tuple(self._find_stays(way))
@@ -50,7 +55,7 @@ class ZoneIndex:
                 del self._stays[next(iter(self._stays))]
         return self._stays[way]
 
-    def _find_stays(self, way):
+    def _find_stays(self, way: Tuple[Tuple[float, float], ...]) -> Iterator[Stay]:
         xs, ys = [x for x, _ in way], [y for _, y in way]
         for area in self.near(min(xs), min(ys), max(xs), max(ys)):
             pieces = area.outline.pieces_inside(way)
@@ -59,18 +64,19 @@ class ZoneIndex:
                 ends_inside = end >= length - BORDER and area.outline.contains(*way[-1])
                 yield Stay(area, begin, None if ends_inside else end)
 
-    def at(self, x, y):
+    def at(self, x: float, y: float) -> List[Area]:
         """Return the areas that contain (x, y) [m]."""
         return [area for area in self.near(x, y, x, y) if area.outline.contains(x, y)]
 
 
-def stays_on_lanes(leg, area_of):
+def stays_on_lanes(leg: Any, area_of: Callable[[int], Optional[Area]]) -> List[Stay]:
     """Return the Stays of ``leg`` on lanes; ``area_of(edge)`` gives the area of an edge, or None where it has none."""
     lanes = getattr(leg.corners, 'lanes', ())
     points = [(leg.start.x, leg.start.y), *leg.corners]
     lengths = [hypot(x - a, y - b) for (a, b), (x, y) in zip(points, points[1:])]
     ends = [*accumulate(lengths), leg.distance][:len(lanes)]
-    stays, begun = [], 0.0
+    stays: List[Any] = []
+    begun = 0.0
     for edge, planned_end in zip(lanes, ends):
         area = None if edge is None else area_of(edge)
         end = min(planned_end, leg.distance)
@@ -85,20 +91,21 @@ def stays_on_lanes(leg, area_of):
     return stays
 
 
-def crossings(stays, held):
+def crossings(stays: Iterable[Stay], held: Mapping[Area, bool]) -> List[Crossing]:
     """Return the :class:`Crossing` objects of ``stays`` in their order, for a robot with places in ``held`` (areas).
 
     What lies no more than a micrometre apart is one. A place that is held without a stay at the beginning of the way is
     left there.
     """
     at_begin = [stay.area for stay in stays if stay.begin <= BORDER]
-    changes = [(0.0, None, area) for area in held if area not in at_begin]
+    changes: List[Tuple[float, Optional[Area], Optional[Area]]] = [
+        (0.0, None, area) for area in held if area not in at_begin]
     for area, begin, end in stays:
         if begin > BORDER or area not in held:
             changes.append((begin if begin > BORDER else 0.0, area, None))
         if end is not None:
             changes.append((end, None, area))
-    found = []
+    found: List[Crossing] = []
     for distance, entered, left in sorted(changes, key=lambda change: change[0]):
         if not found or distance - found[-1].distance > BORDER:
             found.append(Crossing(distance, (), ()))

@@ -6,7 +6,9 @@
 
 A zone may hold any number of robots unless it has a capacity. One with ``charger`` charges who stands in it.
 """
-from typing import NamedTuple, Optional, Union
+from __future__ import annotations
+
+from typing import Any, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.parameter_table import Parameter, checked, integer, number
@@ -22,7 +24,7 @@ _NUMBER = number(-1e9, 1e9)
 _CURRENT = number(above=0.0, high=1e9)
 
 
-def _charger(value):
+def _charger(value: object) -> Union[bool, float, None]:
     return value if value is None or value is True else None if value is False else _CURRENT(value)
 
 
@@ -45,16 +47,16 @@ class Zone(NamedTuple):
     capacity: Optional[int] = None
     charger: Union[bool, float, None] = None
 
-    def contains(self, x, y):
+    def contains(self, x: float, y: float) -> bool:
         """Return whether (x, y) [m, global frame] is in the zone, more than a micrometre from its border."""
         return self.outline.contains(x, y)
 
-    def passages(self, leg):
+    def passages(self, leg: Any) -> Any:
         """Return when a leg or route comes in and leaves: [:class:`.passages.Passage`, ...]."""
         return passages(leg, self.outline)
 
 
-def read_zones(raw, where):
+def read_zones(raw: Mapping[str, Any], where: str) -> Tuple[Zone, ...]:
     """Return the :class:`Zone` objects in the list ``raw``, in its order; ``where`` begins the text of an error.
 
     :raises ConfigurationError: for unknown keys, values that are not allowed, and a name that is given twice.
@@ -74,13 +76,13 @@ def read_zones(raw, where):
     return zones
 
 
-def _read_zone(raw, where):
+def _read_zone(raw: Mapping[str, Any], where: str) -> Zone:
     if not isinstance(raw, dict):
         raise ConfigurationError('{}: got {}; allowed: a mapping with name and rectangle or polygon'.format(
             where, shown(raw)))
     check_keys(raw, KEYS, where, '')
     name = raw.get('name')
-    if not is_robot_name(name):
+    if not isinstance(name, str) or not is_robot_name(name):
         raise ConfigurationError('{}: name: got {}; allowed: {}'.format(where, shown(name), ROBOT_NAME_RULE))
     if ('rectangle' in raw) == ('polygon' in raw):
         raise ConfigurationError('{}: got {} rectangle and polygon; allowed: one of them'.format(
@@ -91,7 +93,7 @@ def _read_zone(raw, where):
                 checked(raw.get('charger'), 'charger', _CHARGER, where))
 
 
-def _outline(raw, key, where):
+def _outline(raw: Mapping[str, Any], key: str, where: str) -> Outline:
     value = raw[key]
     reason = ''
     try:
