@@ -4,9 +4,18 @@ Dijkstra's algorithm with a bucket for each straight step's length (Dial): no st
 bucket do not change one another and are settled at once. Costs are whole numbers, 985 for a straight step and 1393 for
 a diagonal one; 1393 / 985 is the square root of 2 to 3 parts in 10 million, so that no float decides.
 """
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, List, Tuple
+
 import numpy as np
 
 from .planning_grid import STEPS
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .planning_grid import PlanningGrid
 
 STRAIGHT, DIAGONAL = 985, 1393
 
@@ -19,7 +28,7 @@ _UNSETTLED = 255
 _ALLOWED = (np.arange(256)[:, np.newaxis] >> np.arange(len(STEPS)) & 1).astype(bool)
 
 
-def _lengths(kind):
+def _lengths(kind: Any) -> Tuple[int, NDArray[Any]]:
     """Return what is 'far' for costs of a type of integer, and by allowed steps what each costs, [8, 256]."""
     far = np.iinfo(kind).max // 2
     return far, np.where(_ALLOWED, _LENGTHS, far // 2).T.astype(kind)
@@ -34,16 +43,20 @@ class CostField:
     Of equally long ways the step that comes first in STEPS is taken, at each cell.
     """
 
-    def __init__(self, grid, goal):
+    def __init__(self, grid: PlanningGrid, goal: int) -> None:
         self.goal = goal
         self._grid = grid
         self._steps = np.full(len(grid.free), _UNSETTLED, np.uint8)
         self._steps[goal] = 0
         self._step_of = memoryview(self._steps)
         self._is_whole = self._rested = False
-        self._costs = None
+        # of a wave that can go on; costs None: it cannot
+        self._costs: Any = None
+        self._open: Any = None
+        self._front: Any = None
+        self._waiting: Any = None
 
-    def leads_from(self, cell):
+    def leads_from(self, cell: int) -> bool:
         """Return whether there is a way from the cell with a number."""
         while self._step_of[cell] == _UNSETTLED:
             if self._is_whole or not self._go_on():
@@ -53,7 +66,7 @@ class CostField:
                 pass
         return True
 
-    def way_from(self, cell):
+    def way_from(self, cell: int) -> List[int]:
         """Return the numbers of the cells of the shortest way, the first being ``cell``; a way must lead from there."""
         offsets, steps, goal = self._grid.offsets.tolist(), self._step_of, self.goal
         way = [cell]
@@ -62,12 +75,12 @@ class CostField:
             way.append(cell)
         return way
 
-    def rest(self):
+    def rest(self) -> None:
         """Take little memory from now on, a byte a cell: to go on further the wave must start anew."""
         self._rested = True
         self._costs = self._open = self._front = self._waiting = None
 
-    def _begin(self):
+    def _begin(self) -> None:
         self._use(np.int32)
         self._costs = np.full(len(self._steps), self._far, np.int32)  # with the bits beside them
         self._costs[self.goal] = 0
@@ -77,10 +90,10 @@ class CostField:
         self._waiting = np.empty(0, self._front.dtype)
         self._limit = STRAIGHT << _STEP_BITS
 
-    def _use(self, kind):
+    def _use(self, kind: Any) -> None:
         self._far, self._lengths = _OF_KIND[kind]
 
-    def _go_on(self):
+    def _go_on(self) -> bool:
         """Settle the cells of the next bucket; return whether there are any."""
         if self._costs is None:
             self._begin()
@@ -103,13 +116,13 @@ class CostField:
         self._front, self._waiting = front, waiting[~is_settled]
         return True
 
-    def _widen(self):
+    def _widen(self) -> None:
         was_far = self._costs >= self._far
         self._costs = self._costs.astype(np.int64)
         self._use(np.int64)
         self._costs[was_far] = self._far
 
-    def _met(self):
+    def _met(self) -> NDArray[Any]:
         """Return the cells that wait to be settled: those left over and the neighbours of those settled last, once."""
         grid, front = self._grid, self._front
         near = front[:, np.newaxis] + grid.offsets

@@ -1,12 +1,17 @@
 """What of a costmap's parameters can be shown without a costmap: the robot's footprint and the local window."""
+from __future__ import annotations
+
 import math
 import re
 from dataclasses import dataclass
-from typing import Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Tuple
 
 from ..common.errors import ConfigurationError
 from ..common.parameter_table import Parameter, checked, number
 from ..motion.geometry import share_along
+
+if TYPE_CHECKING:
+    from ..motion.geometry import Pose2D
 
 GLOBAL, LOCAL = 'global_costmap', 'local_costmap'
 
@@ -32,11 +37,11 @@ class Window:
     rows: int = 200
     resolution: float = 0.05
 
-    def corner(self, pose):
+    def corner(self, pose: Pose2D) -> Tuple[float, float]:
         """Return (x, y) [m] of the south-west corner around ``pose``, on whole cells, in the frame of the pose."""
         return self._edge(pose.x, self.columns), self._edge(pose.y, self.rows)
 
-    def _edge(self, centre, cells):
+    def _edge(self, centre: float, cells: int) -> float:
         edge = centre - 0.5 * cells * self.resolution
         number_of_cells = edge / self.resolution
         # Where a float is coarser than a cell there are no whole cells.
@@ -50,11 +55,11 @@ class Footprint:
     points: Tuple[Tuple[float, float], ...]
 
     @property
-    def inscribed_radius(self):
+    def inscribed_radius(self) -> float:
         """The distance [m] from the base frame's origin to the nearest point of the outline, as costmap_2d's."""
         return min(_distance_to(begin, end) for begin, end in zip(self.points, self.points[1:] + self.points[:1]))
 
-    def at(self, pose):
+    def at(self, pose: Pose2D) -> List[Tuple[float, float]]:
         """Return the corners [m] of the robot at ``pose``, in the frame of the pose."""
         cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
         return [(pose.x + cos * x - sin * y, pose.y + sin * x + cos * y) for x, y in self.points]
@@ -69,7 +74,7 @@ class Costmaps:
     window: Window = Window()
 
 
-def read_costmaps(raw, where):
+def read_costmaps(raw: Mapping[str, Any], where: str) -> Tuple[Costmaps, List[str]]:
     """Return (:class:`Costmaps`, paths of the parameters used) of ``raw``, the parameters in the namespace ``where``.
 
     As costmap_2d: ``footprint`` in the costmap's group or else outside of it, then ``robot_radius`` in this order, then
@@ -77,7 +82,7 @@ def read_costmaps(raw, where):
 
     :raises ConfigurationError: for a wrong type or an impossible value.
     """
-    used = []
+    used: List[str] = []
     footprints = [_read_footprint(raw, costmap, used, where) for costmap in (GLOBAL, LOCAL)]
     group = _group(raw, LOCAL)
     width, height, resolution = (_read(group, LOCAL, parameter, used, where) for parameter in _WINDOW)
@@ -86,21 +91,22 @@ def read_costmaps(raw, where):
         raise ConfigurationError('parameters {}/{}: got a width of {:g} m, a height of {:g} m and a resolution of {:g} '
                                  'm/cell; allowed: at most {} cells'.format(where.rstrip('/'), LOCAL, width, height,
                                                                             resolution, _MAX_CELLS))
-    return Costmaps(*footprints, Window(int(cells[0]), int(cells[1]), resolution)), used
+    return Costmaps(footprints[0], footprints[1], Window(int(cells[0]), int(cells[1]), resolution)), used
 
 
-def _distance_to(begin, end):
+def _distance_to(begin: Tuple[float, float], end: Tuple[float, float]) -> float:
     """Return the distance from (0, 0) to the straight piece between two points (x, y) [m]."""
     share = share_along(begin, end, 0.0, 0.0)
     return math.hypot(*(one + share * (other - one) for one, other in zip(begin, end)))
 
 
-def _group(raw, costmap):
+def _group(raw: Mapping[str, Any], costmap: str) -> Dict[str, Any]:
     group = raw.get(costmap)
     return group if isinstance(group, dict) else {}
 
 
-def _read(group, path, parameter, used, where):
+def _read(group: Mapping[str, Any], path: str, parameter: Parameter, used: List[str],
+          where: str) -> Any:
     """Return the value of ``parameter`` in ``group``, which lies below ``path``, or the default."""
     if parameter.name not in group:
         return parameter.default
@@ -109,7 +115,7 @@ def _read(group, path, parameter, used, where):
     return checked(group[parameter.name], name, parameter, where)
 
 
-def _read_footprint(raw, costmap, used, where):
+def _read_footprint(raw: Mapping[str, Any], costmap: str, used: List[str], where: str) -> Footprint:
     group = _group(raw, costmap)
     points = _first(raw, group, costmap, _FOOTPRINT, used, where)
     if not points:
@@ -120,17 +126,18 @@ def _read_footprint(raw, costmap, used, where):
     return Footprint(tuple((_padded(x, padding), _padded(y, padding)) for x, y in points))
 
 
-def _first(raw, group, costmap, parameter, used, where):
+def _first(raw: Mapping[str, Any], group: Mapping[str, Any], costmap: str, parameter: Parameter, used: List[str],
+           where: str) -> Any:
     if parameter.name in group:
         return _read(group, costmap, parameter, used, where)
     return _read(raw, '', parameter, used, where)
 
 
-def _padded(value, padding):
+def _padded(value: float, padding: float) -> float:
     return value + math.copysign(padding, value) if value else value
 
 
-def _points(value):
+def _points(value: Any) -> Tuple[Tuple[float, float], ...]:
     """Return ((x, y), ...) of a footprint as a list or as its text, which may be empty; ValueError for others."""
     if isinstance(value, str):
         value = _parse(value)
@@ -145,15 +152,17 @@ def _points(value):
     return tuple(points)
 
 
-def _parse(text):
+def _parse(text: str) -> List[List[float]]:
     """Return the list of lists of numbers that ``text`` says, as costmap_2d reads it: commas are blanks."""
     if len(text) > _MAX_TEXT:
         raise ValueError
-    points, point, depth = [], None, 0
+    points: List[List[float]] = []
+    point: List[float] = []
+    depth = 0
     for token in re.findall(r'[\[\]]|[^\s,\[\]]+', text):
         if token == '[':
             depth += 1
-            point = [] if depth == 2 else None
+            point = []
         elif token == ']':
             depth -= 1
             if depth == 1:

@@ -1,7 +1,10 @@
 """Ways around what a map shows: shortest over its cells, then straight pieces at any angle."""
+from __future__ import annotations
+
 import weakref
 from collections import OrderedDict
 from itertools import islice
+from typing import TYPE_CHECKING, Any, Dict, List, MutableMapping, Optional, Sequence, Tuple
 
 from .cost_field import CostField
 from .occupancy import OccupancyMap
@@ -10,6 +13,12 @@ from .planning_grid import PARTS, PlanningGrid, blocked_cells
 from .shortening import Shortener
 from .tightening import tightened
 
+if TYPE_CHECKING:
+    from typing import OrderedDict as Ordered
+
+    from ..motion.geometry import Pose2D
+    from .map_check import MapCheck
+
 _FIELDS_BYTES = 64 * 1024 * 1024  # of one map's fields; the one that was used longest ago goes first
 _WAVES_BYTES = 32 * 1024 * 1024  # of those that can go on where they are: others have to start anew
 _WAVE_BYTES = 6  # a cell, of one that can go on
@@ -17,13 +26,18 @@ _DIGITS = 6  # of corners: micrometres, which do not show how a rotated map's an
 _LEAST_RESOLUTION = 0.001  # m, of cells with corners in micrometres: much less than 1/256 of a cell
 _KEPT_WAYS = 10_000  # likewise
 
-_shared = weakref.WeakKeyDictionary()  # {OccupancyMap: {(radius, whether unknown is free): MapWays}}
+#: by radius and whether unknown is free
+_shared: MutableMapping[OccupancyMap, Dict[Tuple[float, bool], MapWays]] = weakref.WeakKeyDictionary()
+
+#: a place of the planning grid
+Cell = Tuple[int, int]
+Corners = Tuple[Tuple[float, float], ...]
 
 
 class MapWays:
     """The ways on one map for robots of ``radius`` [m]; what is found is kept, and depends on no other question."""
 
-    def __init__(self, occupancy, radius, unknown_is_free=True):
+    def __init__(self, occupancy: OccupancyMap, radius: float, unknown_is_free: bool = True) -> None:
         # A map of its own: what is kept of a map must not keep the map, with which it is to go.
         self._map = OccupancyMap(occupancy.cells, occupancy.resolution, occupancy.origin)
         cells = radius / self._map.resolution
@@ -31,12 +45,12 @@ class MapWays:
         self._reach = int(cells) + 1
         self._digits = _DIGITS if self._map.resolution >= _LEAST_RESOLUTION else 2 * _DIGITS
         self._waves = max(2, _WAVES_BYTES // (_WAVE_BYTES * len(self.grid.free)))
-        self._fields = OrderedDict()  # {cell of a goal: CostField}
-        self._shorteners = {}  # {cell of a goal: the Shortener of its latest place}
-        self._ways = OrderedDict()  # {(start, goal): corners}
+        self._fields: Ordered[int, CostField] = OrderedDict()  # {cell of a goal: CostField}
+        self._shorteners: Dict[int, Shortener] = {}  # {cell of a goal: the Shortener of its latest place}
+        self._ways: Ordered[Any, Optional[Corners]] = OrderedDict()  # {(start, goal): corners}
 
     @classmethod
-    def on(cls, occupancy, radius, unknown_is_free=True):
+    def on(cls, occupancy: OccupancyMap, radius: float, unknown_is_free: bool = True) -> MapWays:
         """Return the ways on the OccupancyMap ``occupancy``, which all robots of one ``radius`` [m] share."""
         ways = _shared.setdefault(occupancy, {})
         key = radius, unknown_is_free
@@ -44,12 +58,12 @@ class MapWays:
             ways[key] = cls(occupancy, radius, unknown_is_free)
         return ways[key]
 
-    def is_free(self, pose):
+    def is_free(self, pose: Pose2D) -> bool:
         """Return whether a robot's centre may be at ``pose`` (map frame)."""
         place = self._place(pose)
         return place is not None and self.grid.is_free(self.grid.cell_of(place))
 
-    def corners(self, start, goal):
+    def corners(self, start: Pose2D, goal: Pose2D) -> Optional[Corners]:
         """Return the corners ((x, y), ...) [m] of the way from ``start`` to ``goal`` (Pose2D, map frame), or None.
 
         A robot that stands where its centre may not be, but no further from a free cell than its radius and a cell,
@@ -62,20 +76,20 @@ class MapWays:
                 self._ways.popitem(last=False)
         return self._ways[places]
 
-    def leads(self, start, goal):
+    def leads(self, start: Pose2D, goal: Pose2D) -> bool:
         """Return whether there is a way from ``start`` to ``goal``. Of many goals and one start this is quick."""
-        start, goal = self._start(self._place(start)), self._place(goal)
-        if start is None or goal is None:
+        begin, end = self._start(self._place(start)), self._place(goal)
+        if begin is None or end is None:
             return False
-        cell = self.grid.cell_of(goal)
-        return self.grid.is_free(cell) and self._field(self.grid.cell_of(start)).leads_from(cell)
+        cell = self.grid.cell_of(end)
+        return self.grid.is_free(cell) and self._field(self.grid.cell_of(begin)).leads_from(cell)
 
-    def is_clear(self, points):
+    def is_clear(self, points: Sequence[Tuple[float, float]]) -> bool:
         """Return whether the straight pieces between ``points`` [(x, y), m] touch no cell where no centre may be."""
-        places = [self.grid.place(*self._map.to_cells(x, y)) for x, y in points]
+        places: List[Any] = [self.grid.place(*self._map.to_cells(x, y)) for x, y in points]
         return None not in places and all(self.grid.sees(one, other, 0) for one, other in zip(places, places[1:]))
 
-    def _find(self, start, goal):
+    def _find(self, start: Optional[Cell], goal: Optional[Cell]) -> Optional[Corners]:
         grid = self.grid
         free = self._start(start)
         if free is None or goal is None or not grid.is_free(grid.cell_of(goal)):
@@ -89,24 +103,24 @@ class MapWays:
         points = (self._map.from_cells(column / PARTS, row / PARTS) for column, row in corners)
         return tuple((round(x, self._digits), round(y, self._digits)) for x, y in points)
 
-    def _place(self, pose):
+    def _place(self, pose: Pose2D) -> Optional[Cell]:
         return self.grid.place(*self._map.to_cells(pose.x, pose.y))
 
-    def _start(self, place):
+    def _start(self, place: Optional[Cell]) -> Optional[Cell]:
         """Return where on the free cells a way from ``place`` begins, or None."""
         if place is None or self.grid.is_free(self.grid.cell_of(place)):
             return place
         cell = self.grid.nearest_free(place, self._reach)
         return None if cell is None else self.grid.centre_of(cell)
 
-    def _shortener(self, goal):
+    def _shortener(self, goal: Cell) -> Shortener:
         field = self._field(self.grid.cell_of(goal))
         shortener = self._shorteners.get(field.goal)
         if shortener is None or shortener.goal != goal:
             shortener = self._shorteners[field.goal] = Shortener(self.grid, field, goal)
         return shortener
 
-    def _field(self, cell):
+    def _field(self, cell: int) -> CostField:
         if cell in self._fields:
             self._fields.move_to_end(cell)
         else:
@@ -127,11 +141,11 @@ class GridPlanner(StraightLinePlanner):
 
     goes_straight = False
 
-    def __init__(self, map_check, radius, bounds=WorldBounds()):
+    def __init__(self, map_check: MapCheck, radius: float, bounds: WorldBounds = WorldBounds()) -> None:
         super().__init__(bounds, map_check)
         self._radius = radius
 
-    def refusal(self, goal):
+    def refusal(self, goal: Pose2D) -> Optional[str]:
         """Return what the map has against ``goal``, as a text, or None."""
         refusal = super().refusal(goal)
         if refusal is None and not self._ways().is_free(goal):
@@ -139,7 +153,7 @@ class GridPlanner(StraightLinePlanner):
                     'robot, {:g} m.'.format(goal.x, goal.y, self._radius))
         return refusal
 
-    def refusal_of_way(self, start, goal):
+    def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
         """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
         refusal = self.refusal(goal)
         if refusal is None and self.reachable(goal):
@@ -147,16 +161,17 @@ class GridPlanner(StraightLinePlanner):
                 start.x, start.y, goal.x, goal.y, self._radius)
         return refusal
 
-    def corners(self, start, goal):
+    def corners(self, start: Pose2D, goal: Pose2D) -> Optional[Corners]:
         """Return the corners ((x, y), ...) [m] of the way, () for a straight one, or None where there is no way."""
         return self._ways().corners(start, goal) if self.reachable(goal) else None
 
-    def is_clear(self, points):
+    def is_clear(self, points: Sequence[Tuple[float, float]]) -> bool:
         """Return whether a robot may go straight on from point to point, [(x, y), m]."""
         return self.lacking is not None or self._ways().is_clear(points)
 
-    def _leads(self, start, goal):
+    def _leads(self, start: Pose2D, goal: Pose2D) -> bool:
         return self.reachable(goal) and self._ways().leads(start, goal)
 
-    def _ways(self):
-        return MapWays.on(self._map_check.occupancy, self._radius, self._map_check.allow_unknown)
+    def _ways(self) -> MapWays:
+        check: Any = self._map_check  # this planner always has one
+        return MapWays.on(check.occupancy, self._radius, check.allow_unknown)

@@ -9,10 +9,12 @@
 
 Maps of L-CAS' topological navigation (``tmap2``) are read, too: see :mod:`topological_map`.
 """
+from __future__ import annotations
+
 import math
 import os
 from functools import lru_cache
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from ..common.bounded_yaml import file_version, load_yaml_file
 from ..common.errors import ConfigurationError
@@ -22,6 +24,9 @@ from ..common.unknown_keys import check_keys
 from ..motion.geometry import Pose2D
 from .topological_map import is_topological_map, plain_map
 
+if TYPE_CHECKING:
+    pass
+
 _COORDINATE = number(-1e9, 1e9)
 _NODE_TABLE = {
     'x': Parameter('x', None, _COORDINATE, 'a number in -1e9..1e9 [m, global frame]'),
@@ -30,7 +35,7 @@ _NODE_TABLE = {
 }
 
 
-def _points(value):
+def _points(value: Any) -> Tuple[Tuple[float, float], ...]:
     if not isinstance(value, (list, tuple)):
         raise ValueError
     return tuple((_COORDINATE(x), _COORDINATE(y)) for x, y in value)
@@ -69,17 +74,17 @@ class LaneMap(NamedTuple):
     source: str
 
     @property
-    def has_capacities(self):
+    def has_capacities(self) -> bool:
         """Whether on any edge there is place for some robots only."""
         return any(edge.capacity is not None for edge in self.edges)
 
     @property
-    def has_speeds(self):
+    def has_speeds(self) -> bool:
         """Whether any edge says how fast it is driven."""
         return any(edge.speed is not None or edge.share != 1.0 for edge in self.edges)
 
 
-def read_lane_map(path, where):
+def read_lane_map(path: str, where: str) -> LaneMap:
     """Return the :class:`LaneMap` in the file ``path``.
 
     :raises ConfigurationError: if there is none, or it cannot be used; ``where`` has the parameter.
@@ -87,7 +92,7 @@ def read_lane_map(path, where):
     return _lane_map_in(*found(path, 'lanes', where))
 
 
-def found(path, key, where):
+def found(path: str, key: str, where: str) -> Tuple[str, int, int]:
     """Return (path, time of its last change [ns], size [bytes]) of a file that the parameter ``key`` names.
 
     :raises ConfigurationError: if the path is not absolute, or there is no such file.
@@ -99,12 +104,12 @@ def found(path, key, where):
 
 
 @lru_cache(maxsize=16)
-def _lane_map_in(path, _mtime_ns, _size):
+def _lane_map_in(path: str, _mtime_ns: int, _size: int) -> LaneMap:
     """Return the lanes in a file; many robots ask for the same one."""
     return make_lane_map(load_yaml_file(path), path)
 
 
-def make_lane_map(raw, where='lanes'):
+def make_lane_map(raw: Mapping[str, Any], where: str = 'lanes') -> LaneMap:
     """Return the :class:`LaneMap` in the dictionary ``raw``, ours or a tmap2; ``where`` begins the text of an error.
 
     :raises ConfigurationError: for unknown keys and nodes, values that are not allowed, and what is there twice.
@@ -128,12 +133,12 @@ def make_lane_map(raw, where='lanes'):
     return LaneMap(nodes, tuple(edges), where)
 
 
-def is_place_name(value):
+def is_place_name(value: Any) -> bool:
     """Return whether ``value`` can name a node or a place: a text of 1 to 200 characters that can be printed."""
     return isinstance(value, str) and 0 < len(value) <= 200 and value.isprintable()
 
 
-def _node(raw, where):
+def _node(raw: Mapping[str, Any], where: str) -> Tuple[str, Pose2D]:
     _check_mapping(raw, ('name', *_NODE_TABLE), ('name', 'x', 'y'), where)
     if not is_place_name(raw['name']):
         raise ConfigurationError('{}: name: got {}; allowed: 1 to 200 characters'.format(where, shown(raw['name'])))
@@ -141,7 +146,7 @@ def _node(raw, where):
                                  for key, parameter in _NODE_TABLE.items()))
 
 
-def _edge(raw, nodes, where):
+def _edge(raw: Mapping[str, Any], nodes: Dict[str, Pose2D], where: str) -> Edge:
     _check_mapping(raw, ('from', 'to', *_EDGE_TABLE), ('from', 'to'), where)
     for key in ('from', 'to'):
         if not isinstance(raw[key], str) or raw[key] not in nodes:
@@ -159,12 +164,12 @@ def _edge(raw, nodes, where):
     return Edge(raw['from'], raw['to'], points, values['speed'], values['capacity'], values['one_way'], share)
 
 
-def path_length(points):
+def path_length(points: Sequence[Tuple[float, float]]) -> float:
     """Return the length [m] of the way along ``points`` ((x, y), ...)."""
     return math.fsum(math.hypot(x - a, y - b) for (a, b), (x, y) in zip(points, points[1:]))
 
 
-def _check_mapping(raw, known, needed, where):
+def _check_mapping(raw: Mapping[str, Any], known: Tuple[str, ...], needed: Tuple[str, ...], where: str) -> None:
     if not isinstance(raw, dict):
         raise ConfigurationError('{}: got {}; allowed: a mapping with {}'.format(where, shown(raw), ', '.join(needed)))
     check_keys(raw, known, where, '')
@@ -174,7 +179,7 @@ def _check_mapping(raw, known, needed, where):
             where, missing[0], ', '.join(needed)))
 
 
-def _check_different(edges, where):
+def _check_different(edges: List[Edge], where: str) -> None:
     """Refuse two edges that lead the same way between the same nodes."""
     indices: Dict[Tuple[str, str], int] = {}
     for index, edge in enumerate(edges):

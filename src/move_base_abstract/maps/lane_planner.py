@@ -1,7 +1,9 @@
 """Ways along lanes: from where a robot is to the net, over it by the shortest time, and from it to the goal."""
+from __future__ import annotations
+
 import math
 from collections import OrderedDict
-from typing import NamedTuple, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import networkx
 import numpy as np
@@ -11,12 +13,19 @@ from ..motion.planned_way import PieceLimit, PlannedWay
 from .lane_map import path_length
 from .planning import StraightLinePlanner, WorldBounds
 
+if TYPE_CHECKING:
+    from typing import OrderedDict as Ordered
+
+    from ..motion.geometry import Pose2D
+    from .lane_map import Edge, LaneMap
+    from .map_check import MapCheck
+
 NEAR = 0.01  # m; who is as near as this to a node or a lane is there
 _KEPT_WAYS = 10_000
 _KEPT_NETS = 64
 _FREE = PieceLimit()
 
-_shared = OrderedDict()  # {(id of a LaneMap, speed): LaneWays, which keep the map}
+_shared: Ordered[Any, LaneWays] = OrderedDict()  # {(id of a LaneMap, speed): LaneWays, which keep the map}
 
 
 class _Lane(NamedTuple):
@@ -53,27 +62,27 @@ class LaneWays:
     counts whose next node, seen from the start, comes first in the file, at each node where they part.
     """
 
-    def __init__(self, lane_map, max_speed):
+    def __init__(self, lane_map: LaneMap, max_speed: float) -> None:
         self._map = lane_map
         self._places = {name: (pose.x, pose.y) for name, pose in lane_map.nodes.items()}
         self._lanes = [lane for index, edge in enumerate(lane_map.edges) for lane in _lanes(index, edge, max_speed)]
         order = {name: number for number, name in enumerate(lane_map.nodes)}
-        self._leaving = {name: [] for name in order}
+        self._leaving: Dict[str, List[_Lane]] = {name: [] for name in order}
         backwards = networkx.DiGraph()
         backwards.add_nodes_from(order)
         for lane in sorted(self._lanes, key=lambda lane: order[lane.end]):
             self._leaving[lane.begin].append(lane)
             backwards.add_edge(lane.end, lane.begin, cost=lane.cost)
         self._backwards = backwards
-        self._costs = {}  # {goal node: {node: ns}}
-        self._ways = OrderedDict()
+        self._costs: Dict[str, Dict[str, int]] = {}  # {goal node: {node: ns}}
+        self._ways: Ordered[Any, Optional[PlannedWay]] = OrderedDict()
         self._nodes_xy = np.array(list(self._places.values()))
         pieces = [(number, index, *one, *other) for number, lane in enumerate(self._lanes)
                   for index, (one, other) in enumerate(zip(lane.points, lane.points[1:]))]
         self._pieces = np.array(pieces, float).reshape(len(pieces), 6)
 
     @classmethod
-    def on(cls, lane_map, max_speed):
+    def on(cls, lane_map: LaneMap, max_speed: float) -> LaneWays:
         """Return the ways on the LaneMap ``lane_map``, which all robots of one ``max_speed`` [m/s] share."""
         key = id(lane_map), max_speed
         if key not in _shared:
@@ -82,7 +91,7 @@ class LaneWays:
                 _shared.popitem(last=False)
         return _shared[key]
 
-    def way(self, start, goal):
+    def way(self, start: Tuple[float, float], goal: Tuple[float, float]) -> Optional[PlannedWay]:
         """Return the :class:`.PlannedWay` from ``start`` to ``goal`` ((x, y), m), or None where no lanes lead there."""
         key = start, goal
         if key not in self._ways:
@@ -91,7 +100,7 @@ class LaneWays:
                 self._ways.popitem(last=False)
         return self._ways[key]
 
-    def _find(self, start, goal):
+    def _find(self, start: Tuple[float, float], goal: Tuple[float, float]) -> Optional[PlannedWay]:
         if math.dist(start, goal) <= NEAR:
             return PlannedWay()
         candidates = self._along_one_lane(start, goal)
@@ -109,12 +118,12 @@ class LaneWays:
         over = [piece for lane in lanes for piece in _pieces(lane, lane.points[1:])]
         return _planned(start, [*first.pieces, *over, *last.pieces], goal, bool(last.pieces))
 
-    def _costs_to(self, node):
+    def _costs_to(self, node: str) -> Dict[str, int]:
         if node not in self._costs:
             self._costs[node] = networkx.single_source_dijkstra_path_length(self._backwards, node, weight='cost')
         return self._costs[node]
 
-    def _lanes_between(self, node, last):
+    def _lanes_between(self, node: str, last: str) -> List[_Lane]:
         """Return the lanes of the shortest way; see the class for which of equal ones."""
         costs, lanes = self._costs_to(last), []
         while node != last:
@@ -124,7 +133,7 @@ class LaneWays:
             node = lane.end
         return lanes
 
-    def _accesses(self, place, to_goal=False):
+    def _accesses(self, place: Tuple[float, float], to_goal: bool = False) -> List[_Access]:
         """Return how to go from ``place`` to the net, or from the net to it: along the lanes it is on, else straight.
 
         Straight means by the nearest node; of equally near ones the first of the file.
@@ -144,30 +153,32 @@ class LaneWays:
             return accesses
         return [_Access(node, () if to_goal else (_Piece(self._places[node], _FREE, None),), 0)]
 
-    def _nearest(self, place):
+    def _nearest(self, place: Tuple[float, float]) -> Tuple[str, bool]:
         """Return the node that is nearest to ``place``, and whether that is there."""
         far = np.hypot(*(self._nodes_xy - place).T)
         nearest = int(np.round(far, 6).argmin())
         return list(self._places)[nearest], far[nearest] <= NEAR
 
-    def _lanes_at(self, place):
+    def _lanes_at(self, place: Tuple[float, float]) -> List[Tuple[int, int, float]]:
         """Return (number of a lane, of its piece, share of that) for each lane that ``place`` lies on."""
         if not len(self._pieces):
             return []
         begin, along = self._pieces[:, 2:4], self._pieces[:, 4:6] - self._pieces[:, 2:4]
         shares = np.clip(((place - begin) * along).sum(1) / (along * along).sum(1), 0.0, 1.0)
         near = np.flatnonzero(np.hypot(*(begin + shares[:, None] * along - place).T) <= NEAR)
-        found = {}
+        found: Dict[int, Tuple[int, float]] = {}
         for one in near:
             found.setdefault(int(self._pieces[one, 0]), (int(self._pieces[one, 1]), float(shares[one])))
         return [(number, *where) for number, where in found.items()]
 
-    def _along_one_lane(self, start, goal):
+    def _along_one_lane(self, start: Tuple[float, float],
+                        goal: Tuple[float, float]) -> List[Tuple[int, Any, Any]]:
         """Return the candidates that never leave the lane on which both are, and neither is at a node."""
         if self._nearest(start)[1] or self._nearest(goal)[1]:
             return []
-        ends = {number: where for number, *where in self._lanes_at(goal)}
-        candidates = []
+        ends: Dict[int, List[Any]] = {number: where for number, *where in self._lanes_at(goal)}
+        candidates: List[Tuple[int, Any, Any]] = []
+        begin: List[Any]
         for number, *begin in self._lanes_at(start):
             if number in ends and begin <= ends[number]:
                 lane, last = self._lanes[number], ends[number][0]
@@ -182,31 +193,32 @@ class LanePlanner(StraightLinePlanner):
 
     goes_straight = False
 
-    def __init__(self, ways, bounds=WorldBounds(), map_check=None):
+    def __init__(self, ways: LaneWays, bounds: WorldBounds = WorldBounds(),
+                 map_check: Optional[MapCheck] = None) -> None:
         super().__init__(bounds, map_check)
         self._ways = ways
 
-    def refusal_of_way(self, start, goal):
+    def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
         """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
         refusal = self.refusal(goal)
         if refusal is None and self.reachable(goal):
             return 'No lanes lead from ({:g}, {:g}) to the goal ({:g}, {:g}).'.format(start.x, start.y, goal.x, goal.y)
         return refusal
 
-    def corners(self, start, goal):
+    def corners(self, start: Pose2D, goal: Pose2D) -> Optional[PlannedWay]:
         """Return the :class:`.PlannedWay`, or None where there is no way."""
         return self._ways.way((start.x, start.y), (goal.x, goal.y)) if self.reachable(goal) else None
 
     @staticmethod
-    def is_clear(_points):
+    def is_clear(_points: Sequence[Tuple[float, float]]) -> bool:
         """Return whether a robot may go straight on from point to point: lanes do not depend on a map."""
         return True
 
-    def _leads(self, start, goal):
+    def _leads(self, start: Pose2D, goal: Pose2D) -> bool:
         return self.corners(start, goal) is not None
 
 
-def _lanes(index, edge, max_speed):
+def _lanes(index: int, edge: Edge, max_speed: float) -> List[_Lane]:
     """Return the directions in which an edge may be driven."""
     limit = PieceLimit(math.inf if edge.speed is None else edge.speed, edge.share)
     cost = max(1, round(path_length(edge.points) / limit.of(max_speed) * NS_PER_S))
@@ -216,11 +228,12 @@ def _lanes(index, edge, max_speed):
     return lanes
 
 
-def _pieces(lane, points):
+def _pieces(lane: _Lane, points: Sequence[Tuple[float, float]]) -> Tuple[_Piece, ...]:
     return tuple(_Piece(point, lane.limit, lane.edge) for point in points)
 
 
-def _planned(start, pieces, goal, ends_on_lane):
+def _planned(start: Tuple[float, float], pieces: Sequence[_Piece], goal: Tuple[float, float],
+             ends_on_lane: bool) -> PlannedWay:
     """Return the PlannedWay from ``start`` by ``pieces`` to ``goal``, without pieces that have no length."""
     kept = _without_rests(start, pieces)
     if kept and math.dist(kept[-1].to, goal) <= NEAR:
@@ -231,8 +244,8 @@ def _planned(start, pieces, goal, ends_on_lane):
                       [piece.edge for piece in kept], ends_on_lane=ends_on_lane)
 
 
-def _without_rests(start, pieces):
-    kept = []
+def _without_rests(start: Tuple[float, float], pieces: Sequence[_Piece]) -> List[_Piece]:
+    kept: List[_Piece] = []
     for piece in pieces:
         if piece.to != (kept[-1].to if kept else start):
             kept.append(piece)

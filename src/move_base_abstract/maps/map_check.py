@@ -1,5 +1,12 @@
 """Whether a robot may be sent to a place. Needs no numpy, so that a robot without a map need not load it."""
+from __future__ import annotations
+
 from enum import Enum
+from typing import TYPE_CHECKING, Any, Iterator, Optional, Tuple
+
+if TYPE_CHECKING:
+    from ..motion.geometry import Pose2D
+    from .occupancy import OccupancyMap
 
 #: what move_base logs of a goal off its costmap
 TEXT_OFF_MAP = ('The goal sent to the navfn planner is off the global costmap. '
@@ -22,22 +29,23 @@ class MapCheck:
     ``allow_unknown``: whether unknown cells are as good as free ones.
     """
 
-    def __init__(self, occupancy=None, allow_unknown=True, allow_occupied=False, lacking='no map has come yet'):
+    def __init__(self, occupancy: Optional[OccupancyMap] = None, allow_unknown: bool = True,
+                 allow_occupied: bool = False, lacking: str = 'no map has come yet') -> None:
         self.occupancy = occupancy
         self.lacking = lacking
         self.allow_unknown = allow_unknown
         self._allow_occupied = allow_occupied
 
-    def use(self, occupancy):
+    def use(self, occupancy: OccupancyMap) -> None:
         """Judge by another map (OccupancyMap) from now on."""
         self.occupancy = occupancy
 
-    def use_none(self, lacking):
+    def use_none(self, lacking: Any) -> None:
         """Judge no goals from now on, because of what the text ``lacking`` says."""
         self.lacking = lacking
         self.occupancy = None
 
-    def refusal(self, pose):
+    def refusal(self, pose: Pose2D) -> Optional[str]:
         """Return why ``pose`` (map frame) is no place to be sent to, off the map in move_base's words, or None."""
         occupancy = self.occupancy
         if occupancy is None:
@@ -50,7 +58,7 @@ class MapCheck:
         return 'The goal ({:g}, {:g}) lies in an {} cell of the map.'.format(pose.x, pose.y, ground.value)
 
 
-def square_rings(increment, limit):
+def square_rings(increment: float, limit: float) -> Iterator[Tuple[float, float]]:
     """Yield offsets (dx, dy) [m] on ever larger squares around (0, 0), ``increment`` [m] apart, up to ``limit`` [m].
 
     The order is that in which move_base tries places near a goal: from the inside out; on a square by |dy|, then |dx|;

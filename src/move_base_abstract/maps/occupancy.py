@@ -1,13 +1,19 @@
 """The map: what is free, occupied or unknown, and how an image becomes one. Pure values; nothing here reads a file."""
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from enum import Enum
+from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 import numpy as np
 
 from ..common.errors import ConfigurationError
 from ..motion.geometry import Pose2D
 from .map_check import Ground
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 #: the cell values of a nav_msgs/OccupancyGrid
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1
@@ -34,7 +40,7 @@ class OccupancyMap:
     :raises ConfigurationError: if ``cells`` is not a 2-D int8 array with cells in it, or ``resolution`` is not > 0.
     """
 
-    def __init__(self, cells, resolution, origin=Pose2D()):
+    def __init__(self, cells: NDArray[Any], resolution: float, origin: Pose2D = Pose2D()) -> None:
         cells = np.asarray(cells)
         if cells.dtype != np.int8 or cells.ndim != 2 or not cells.size:
             raise ConfigurationError('map: got cells of type {} and shape {}; allowed: a 2-D array of int8 that is '
@@ -54,55 +60,55 @@ class OccupancyMap:
         self._cos, self._sin = round(math.cos(origin.yaw), _DIGITS), round(math.sin(origin.yaw), _DIGITS)
 
     @property
-    def cells(self):
+    def cells(self) -> NDArray[Any]:
         """The values of the cells, [row from the south, column from the west]; not writable."""
         return self._cells
 
     @property
-    def resolution(self):
+    def resolution(self) -> float:
         """The side of a cell [m]."""
         return self._resolution
 
     @property
-    def origin(self):
+    def origin(self) -> Pose2D:
         """The pose of the south-west corner in the map's frame."""
         return self._origin
 
     @property
-    def width(self):
+    def width(self) -> int:
         """Number of columns."""
-        return self._cells.shape[1]
+        return int(self._cells.shape[1])
 
     @property
-    def height(self):
+    def height(self) -> int:
         """Number of rows."""
-        return self._cells.shape[0]
+        return int(self._cells.shape[0])
 
     @property
-    def size(self):
+    def size(self) -> Tuple[float, float]:
         """(east-west, north-south) extent along the map's own axes [m]."""
         return self.width * self._resolution, self.height * self._resolution
 
-    def cell_at(self, x, y):
+    def cell_at(self, x: float, y: float) -> Optional[int]:
         """Return the value of the cell at (x, y) [m, map frame], or None off the map. A cell has its lower edges."""
         column, row = self.to_cells(x, y)
         if not (0.0 <= column < self.width and 0.0 <= row < self.height):
             return None
         return int(self._cells[int(row), int(column)])
 
-    def to_cells(self, x, y):
+    def to_cells(self, x: float, y: float) -> Tuple[float, float]:
         """Return (column, row) of (x, y) [m, map frame], in cells from the south-west corner, with fractions."""
         dx, dy = x - self._origin.x, y - self._origin.y
         return ((self._cos * dx + self._sin * dy) / self._resolution,
                 (self._cos * dy - self._sin * dx) / self._resolution)
 
-    def from_cells(self, column, row):
+    def from_cells(self, column: float, row: float) -> Tuple[float, float]:
         """Return (x, y) [m, map frame] of a place in cells, the reverse of :meth:`to_cells`."""
         east, north = column * self._resolution, row * self._resolution
         return (self._origin.x + self._cos * east - self._sin * north,
                 self._origin.y + self._sin * east + self._cos * north)
 
-    def ground_at(self, x, y):
+    def ground_at(self, x: float, y: float) -> Ground:
         """Return the :class:`Ground` at (x, y) [m, map frame]."""
         value = self.cell_at(x, y)
         if value is None:
@@ -111,12 +117,12 @@ class OccupancyMap:
             return Ground.UNKNOWN
         return Ground.FREE if 0 <= value < OCCUPIED else Ground.OCCUPIED
 
-    def is_free(self, pose, unknown_is_free=True):
+    def is_free(self, pose: Pose2D, unknown_is_free: bool = True) -> bool:
         """Return whether the cell under ``pose`` (map frame) is free; off the map nothing is."""
         ground = self.ground_at(pose.x, pose.y)
         return ground is Ground.FREE or (unknown_is_free and ground is Ground.UNKNOWN)
 
-    def cut(self, x, y, columns, rows, resolution):
+    def cut(self, x: float, y: float, columns: int, rows: int, resolution: float) -> NDArray[Any]:
         """Return a grid [row from the south, column from the west] of int8 with its south-west corner at (x, y).
 
         ``x``, ``y`` [m] and the grid's axes are those of the map's frame, ``resolution`` [m] is the side of its cells.
@@ -131,7 +137,7 @@ class OccupancyMap:
         values[inside] = self._cells[row[inside].astype(int), column[inside].astype(int)]
         return values
 
-    def reach_from(self, x, y):
+    def reach_from(self, x: float, y: float) -> float:
         """Return the distance [m] from (x, y) [m, map frame] to the corner of the map that is farthest from it."""
         east, north = self.size
         corners = [self._origin.compose(Pose2D(a, b)) for a in (0.0, east) for b in (0.0, north)]
@@ -150,13 +156,13 @@ class ImageRule:
     occupied_thresh: float = 0.65
     free_thresh: float = 0.196
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name in ('occupied_thresh', 'free_thresh'):
             if not math.isfinite(getattr(self, name)):
                 raise ConfigurationError('{}: got {!r}; allowed: a finite number, 0..1 as a rule'.format(
                     name, getattr(self, name)))
 
-    def cell_of_shade(self, shade):
+    def cell_of_shade(self, shade: float) -> int:
         """Return the cell value of an opaque pixel of ``shade`` (0 black .. 255 white, fractions allowed).
 
         As in map_server of ROS Noetic, to the letter: black is occupied; the thresholds are exclusive; fractions are
@@ -177,7 +183,7 @@ class ImageRule:
         return int(1 + 98 * ((occupancy - self.free_thresh) / span)) if span > 0.0 else 1
 
 
-def cells_of_image(pixels, rule):
+def cells_of_image(pixels: NDArray[Any], rule: ImageRule) -> NDArray[Any]:
     """Return the int8 cells (row 0 in the south) of ``pixels``, uint8 (rows from the top, columns, channels).
 
     Channels: 1 = grey, 3 = colour, 4 = colour and alpha. The shade of a pixel is the mean of its channels. In

@@ -2,12 +2,18 @@
 
 Ways around what a map shows are made by :mod:`grid_planner`.
 """
+from __future__ import annotations
+
 import itertools
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 from ..motion.geometry import Pose2D
 from .map_check import square_rings
+
+if TYPE_CHECKING:
+    from .map_check import MapCheck
 
 _PATH_SPACING = 0.25
 _MAX_PATH_STEPS = 10_000
@@ -27,16 +33,16 @@ class WorldBounds:
     x_max: float = math.inf
     y_max: float = math.inf
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not (self.x_min < self.x_max and self.y_min < self.y_max):
             raise ValueError('bounds must be [x_min, y_min, x_max, y_max] with x_min < x_max and y_min < y_max, '
                              'got {!r}'.format([self.x_min, self.y_min, self.x_max, self.y_max]))
 
-    def contains(self, pose):
+    def contains(self, pose: Pose2D) -> bool:
         """Return whether ``pose`` lies in the rectangle, its edge included."""
         return self.x_min <= pose.x <= self.x_max and self.y_min <= pose.y <= self.y_max
 
-    def nearest(self, pose):
+    def nearest(self, pose: Pose2D) -> Pose2D:
         """Return the pose in the rectangle that is nearest to ``pose``, with the same heading."""
         return Pose2D(min(max(pose.x, self.x_min), self.x_max), min(max(pose.y, self.y_min), self.y_max), pose.yaw)
 
@@ -47,39 +53,39 @@ class StraightLinePlanner:
     #: whether no way has corners, so that none depends on what lies between
     goes_straight = True
 
-    def __init__(self, bounds=WorldBounds(), map_check=None):
+    def __init__(self, bounds: WorldBounds = WorldBounds(), map_check: Optional[MapCheck] = None) -> None:
         self._bounds = bounds
         self._map_check = map_check
 
     @property
-    def lacking(self):
+    def lacking(self) -> Optional[str]:
         """What is missing before goals can be judged, as a text, or None."""
         if self._map_check is None or self._map_check.occupancy is not None:
             return None
         return self._map_check.lacking
 
-    def refusal(self, goal):
+    def refusal(self, goal: Pose2D) -> Optional[str]:
         """Return what the map has against ``goal``, as a text, or None."""
         return None if self._map_check is None else self._map_check.refusal(goal)
 
-    def refusal_of_way(self, _start, goal):
+    def refusal_of_way(self, _start: Pose2D, goal: Pose2D) -> Optional[str]:
         """Return why there is no way to ``goal``, as a text, or None."""
         return self.refusal(goal)
 
-    def reachable(self, goal):
+    def reachable(self, goal: Pose2D) -> bool:
         """Return whether ``goal`` can be reached at all."""
         return self._bounds.contains(goal) and (self._map_check is None or self.refusal(goal) is None)
 
-    def plan(self, start, goal):
+    def plan(self, start: Pose2D, goal: Pose2D) -> List[Pose2D]:
         """Return the way from ``start`` to ``goal`` as a list of poses some 0.25 m apart, or [] where there is none."""
         corners = self.corners(start, goal)
         return [] if corners is None else path_along(start, corners, goal)
 
-    def corners(self, _start, goal):
+    def corners(self, _start: Pose2D, goal: Pose2D) -> Optional[Tuple[Any, ...]]:
         """Return the corners ((x, y), ...) [m] of the way, here none, or None where there is no way."""
         return () if self.reachable(goal) else None
 
-    def plan_near(self, start, goal, tolerance, add_goal=True):
+    def plan_near(self, start: Pose2D, goal: Pose2D, tolerance: float, add_goal: bool = True) -> List[Pose2D]:
         """Return the way to ``goal``, or to a place near it that lies within ``tolerance`` [m], or [].
 
         Without a map that is the nearest place inside the bounds, with one the first of move_base's search: on squares
@@ -95,11 +101,11 @@ class StraightLinePlanner:
         path = self.plan(start, near)
         return path + [goal] if add_goal else path
 
-    def _leads(self, _start, goal):
+    def _leads(self, _start: Pose2D, goal: Pose2D) -> bool:
         """Return whether there is a way to ``goal``."""
         return self.reachable(goal)
 
-    def _near(self, start, goal, tolerance):
+    def _near(self, start: Pose2D, goal: Pose2D, tolerance: float) -> Optional[Pose2D]:
         """Return a pose within ``tolerance`` [m] of ``goal`` to which a way leads, or None."""
         if self._map_check is None:
             near = self._bounds.nearest(goal)
@@ -114,14 +120,14 @@ class StraightLinePlanner:
         return next((pose for pose in tries if self._leads(start, pose)), None)
 
 
-def path_along(start, corners, goal):
+def path_along(start: Pose2D, corners: Tuple[Any, ...], goal: Pose2D) -> List[Pose2D]:
     """Return poses from ``start`` by ``corners`` [(x, y), m] to ``goal``, as of :func:`straight_path` for each piece.
 
     At a corner the pose heads on to the next one.
     """
     points = [start] + [Pose2D(x, y) for x, y in corners] + [goal]
     most = max(1, _MAX_PATH_STEPS // (len(points) - 1))
-    path = []
+    path: List[Pose2D] = []
     for begin, end in zip(points, points[1:]):
         turns = path and begin.distance_to(end) > 0.0
         place = Pose2D(begin.x, begin.y, begin.bearing_to(end)) if turns else begin
@@ -129,7 +135,7 @@ def path_along(start, corners, goal):
     return path + [goal]
 
 
-def straight_path(start, goal, most_steps=_MAX_PATH_STEPS):
+def straight_path(start: Pose2D, goal: Pose2D, most_steps: int = _MAX_PATH_STEPS) -> List[Pose2D]:
     """Return poses from ``start`` to ``goal`` on a straight line, heading along it, the last one being the goal.
 
     They are 0.25 m apart at most, but no more than ``most_steps``: a way that is very long has longer steps.

@@ -3,11 +3,17 @@
 A place is (column, row) in 1/256 of a cell, whole numbers. What a straight line between two places touches is found
 without rounding, so that no decision hangs on the last digit of a float.
 """
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 import numpy as np
 
 from .occupancy import OCCUPIED, UNKNOWN
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 #: parts of a cell in which places are counted; even, so that a cell's centre is one
 PARTS = 256
@@ -22,7 +28,7 @@ _EIGHTHS = (4, 2, 6, 1, 3, 5, 7)  # of a line
 STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1))
 
 
-def blocked_cells(cells, radius, unknown_is_free=True):
+def blocked_cells(cells: NDArray[Any], radius: float, unknown_is_free: bool = True) -> NDArray[Any]:
     """Return which of ``cells`` (int8 of an OccupancyMap) no robot's centre may be in, as an array of bool.
 
     Those are the occupied ones and all whose centre lies within ``radius`` [cells] of the centre of one, as those that
@@ -43,7 +49,7 @@ def blocked_cells(cells, radius, unknown_is_free=True):
     return blocked
 
 
-def _widened(occupied, reach):
+def _widened(occupied: NDArray[Any], reach: int) -> NDArray[Any]:
     """Return which cells have an occupied one within ``reach`` cells to the east or west."""
     rows, columns = occupied.shape
     counts = np.zeros((rows, columns + 1), np.int32)
@@ -58,10 +64,10 @@ class PlanningGrid:
     A cell's number is ``(row + 1) * stride + column + 1``: around the grid lies a border of cells that are not free.
     """
 
-    def __init__(self, blocked):
+    def __init__(self, blocked: NDArray[Any]) -> None:
         rows, columns = blocked.shape
         self.rows, self.columns = rows, columns
-        self.stride = columns + 2
+        self.stride: int = columns + 2
         free = np.zeros((rows + 2, columns + 2), bool)
         free[1:-1, 1:-1] = ~blocked
         #: whether a cell is free, by its number
@@ -83,7 +89,7 @@ class PlanningGrid:
         np.cumsum(blocked.T, axis=1, out=counts[:, 1:])
         self._counts = counts.ravel()
 
-    def place(self, column, row):
+    def place(self, column: float, row: float) -> Optional[Tuple[int, int]]:
         """Return the place (1/256 cells) of a point given in cells with fractions, or None off the grid.
 
         It is the nearest one inside of the point's cell, at least two parts off its borders.
@@ -92,24 +98,24 @@ class PlanningGrid:
             return None
         return _inside(column), _inside(row)
 
-    def cell_of(self, place):
+    def cell_of(self, place: Tuple[int, int]) -> int:
         """Return the number of the cell in which ``place`` lies."""
         return (place[1] // PARTS + 1) * self.stride + place[0] // PARTS + 1
 
-    def centre_of(self, cell):
+    def centre_of(self, cell: int) -> Tuple[int, int]:
         """Return the place in the middle of the cell with a number."""
         row, column = divmod(cell, self.stride)
         return (column - 1) * PARTS + _HALF, (row - 1) * PARTS + _HALF
 
-    def is_free(self, cell):
+    def is_free(self, cell: int) -> bool:
         """Return whether the cell with a number is free."""
         return bool(self._is_free[cell])
 
-    def is_corner(self, cell):
+    def is_corner(self, cell: int) -> bool:
         """Return whether a cell lies diagonally outside of a corner of what is not free."""
         return self._corners_of[cell] != 0
 
-    def corners_within(self, places):
+    def corners_within(self, places: Tuple[Tuple[int, int], ...]) -> Tuple[NDArray[Any], NDArray[Any]]:
         """Return the corners of what is not free in the box around ``places``: [corner, x and y], parts as of places.
 
         And the place by each, as near as may be, at which a way bends around it, in a second array.
@@ -126,15 +132,15 @@ class PlanningGrid:
             bends.append(corners[-1] - np.multiply(step, _OFF))
         return np.concatenate(corners), np.concatenate(bends)
 
-    def corner_at(self, place):
+    def corner_at(self, place: Tuple[int, int]) -> Optional[Tuple[int, int]]:
         """Return towards which corner (+-1, +-1) of what is not free ``place`` is as near as may be, or None."""
         parts = place[0] % PARTS, place[1] % PARTS
         if not all(part in (_OFF, PARTS - _OFF) for part in parts):
             return None
-        step = tuple(1 if part > _HALF else -1 for part in parts)
+        step = (1 if parts[0] > _HALF else -1, 1 if parts[1] > _HALF else -1)
         return step if self._corners_of[self.cell_of(place)] >> STEPS.index(step) - 4 & 1 else None
 
-    def nearest_free(self, place, reach):
+    def nearest_free(self, place: Tuple[int, int], reach: int) -> Optional[int]:
         """Return the number of the free cell nearest to ``place``, at most ``reach`` cells away, or None.
 
         The distance is that of the cells' centres; of equal ones the southernmost counts, then the westernmost.
@@ -149,7 +155,7 @@ class PlanningGrid:
                     best = distance, cell
         return best[1] if best else None
 
-    def sees(self, one, other, margin=MARGIN):
+    def sees(self, one: Tuple[int, int], other: Tuple[int, int], margin: int = MARGIN) -> bool:
         """Return whether each cell within ``margin`` parts (0 or 1) of the straight line between two places is free.
 
         With 0 that is each cell that the line touches, ends and borders too; a line through a corner touches all four
@@ -171,40 +177,40 @@ class PlanningGrid:
         # Of the line where columns meet, times width; its ends lie further off their cells' borders than the margin.
         heights = (np.arange(first + 1, last + 1) * PARTS - x) * height + y * width
         spread = margin * (width + abs(height))
-        low, high = np.empty(last - first + 1, np.int64), np.empty(last - first + 1, np.int64)
+        lows, highs = np.empty(last - first + 1, np.int64), np.empty(last - first + 1, np.int64)
         if height >= 0:
-            low[0], low[1:], high[:-1], high[-1] = y * width, heights - spread, heights + spread, end_y * width
+            lows[0], lows[1:], highs[:-1], highs[-1] = y * width, heights - spread, heights + spread, end_y * width
         else:
-            high[0], high[1:], low[:-1], low[-1] = y * width, heights + spread, heights - spread, end_y * width
+            highs[0], highs[1:], lows[:-1], lows[-1] = y * width, heights + spread, heights - spread, end_y * width
         scale = PARTS * width
         columns = np.arange(first * stride, (last + 1) * stride, stride)
-        above = self._counts[columns + high // scale + 1]
-        return bool((above == self._counts[columns + (low - 1) // scale]).all())
+        above = self._counts[columns + highs // scale + 1]
+        return bool((above == self._counts[columns + (lows - 1) // scale]).all())
 
 
-def _inside(value):
+def _inside(value: Any) -> int:
     cell = int(value)
     return cell * PARTS + min(max(int((value - cell) * PARTS + 0.5), _OFF), PARTS - _OFF)
 
 
-def _allowed_steps(free):
+def _allowed_steps(free: NDArray[Any]) -> NDArray[Any]:
     steps = np.zeros(free.shape, np.uint8)
     inner = steps[1:-1, 1:-1]
     rows, columns = inner.shape
 
-    def shifted(dx, dy):
+    def shifted(dx: int, dy: int) -> NDArray[Any]:
         return free[1 + dy:1 + dy + rows, 1 + dx:1 + dx + columns]
     for number, (dx, dy) in enumerate(STEPS):
         inner |= (shifted(0, 0) & shifted(dx, dy) & shifted(dx, 0) & shifted(0, dy)).astype(np.uint8) << number
     return steps.ravel()
 
 
-def _convex_corners(free):
+def _convex_corners(free: NDArray[Any]) -> NDArray[Any]:
     corners = np.zeros(free.shape, np.uint8)
     inner = corners[1:-1, 1:-1]
     rows, columns = inner.shape
 
-    def shifted(dx, dy):
+    def shifted(dx: int, dy: int) -> NDArray[Any]:
         return free[1 + dy:1 + dy + rows, 1 + dx:1 + dx + columns]
     for number, (dx, dy) in enumerate(STEPS[4:]):
         inner |= (shifted(0, 0) & shifted(dx, 0) & shifted(0, dy) & ~shifted(dx, dy)).astype(np.uint8) << number

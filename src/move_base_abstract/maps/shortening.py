@@ -5,14 +5,20 @@ corner of what is not free, and on from there likewise: the choice that is short
 in 1/65536 of a cell, rounded up piece by piece, so that a straight way is never longer than one with a corner. Of
 equally long ways the one with the fewest corners counts, then the one whose first corner lies furthest along.
 """
+from __future__ import annotations
+
 import math
-from typing import NamedTuple, Optional
+from typing import TYPE_CHECKING, List, NamedTuple, Optional, Tuple
+
+if TYPE_CHECKING:
+    from .cost_field import CostField
+    from .planning_grid import PlanningGrid
 
 _BITS = 16  # of the square of 256 parts more than the 256 parts of a cell in which places are counted
 _AHEAD = 48  # cells; how many of them a straight piece is tried to
 
 
-def length_between(one, other):
+def length_between(one: Tuple[int, int], other: Tuple[int, int]) -> int:
     """Return the distance of two places [1/65536 cell], rounded up."""
     dx, dy = other[0] - one[0], other[1] - one[1]
     squared = (dx * dx + dy * dy) << _BITS
@@ -33,13 +39,13 @@ class Shortener:
     What is found from a cell is kept: ways to one goal soon run together. It does not depend on what was asked before.
     """
 
-    def __init__(self, grid, field, goal):
+    def __init__(self, grid: PlanningGrid, field: CostField, goal: Tuple[int, int]) -> None:
         self.goal = goal
         self.field = field
         self._grid = grid
         self._tails = {field.goal: _Tail(0, 0, None)}
 
-    def corners_from(self, place):
+    def corners_from(self, place: Tuple[int, int]) -> List[Tuple[int, int]]:
         """Return the places of the corners between ``place`` and the goal; a way must lead from its cell."""
         cells = self.field.way_from(self._grid.cell_of(place))
         turns = self._turns(cells)
@@ -54,7 +60,7 @@ class Shortener:
             tail = self._tails[tail.next]
         return corners
 
-    def _turns(self, cells):
+    def _turns(self, cells: List[int]) -> List[int]:
         """Return those of ``cells`` at which a way may bend: turns, corners, and the neighbours of its ends."""
         is_corner = self._grid.is_corner
         turns = []
@@ -68,7 +74,7 @@ class Shortener:
             step = next_step
         return turns + cells[-1:]
 
-    def _best(self, place, turns):
+    def _best(self, place: Tuple[int, int], turns: List[int]) -> _Tail:
         """Return the best way on from ``place`` by one of ``turns``, of which the first one at least is seen."""
         choices = []
         for number, cell in enumerate(turns):
@@ -81,5 +87,5 @@ class Shortener:
                 return _Tail(length, corners, cell)
         raise AssertionError('a way over cells whose next cell is not seen')
 
-    def _place_of(self, cell):
+    def _place_of(self, cell: int) -> Tuple[int, int]:
         return self.goal if cell == self.field.goal else self._grid.centre_of(cell)

@@ -5,6 +5,10 @@ its edges where they lead and the top speed that ``config`` sets for a local pla
 the child frame of the map's ``transformation`` is brought into the parent's. Actions, areas of influence, policies and
 restrictions mean nothing here.
 """
+from __future__ import annotations
+
+from typing import Any, Dict, List, Mapping
+
 from ..common.errors import ConfigurationError
 from ..common.shown import shown
 from ..motion.geometry import Pose2D, yaw_of_quaternion
@@ -13,13 +17,13 @@ from ..motion.geometry import Pose2D, yaw_of_quaternion
 _SPEEDS = ('max_vel_x', 'max_vel_trans', 'max_trans_vel')
 
 
-def is_topological_map(raw):
+def is_topological_map(raw: Mapping[str, Any]) -> bool:
     """Return whether the document ``raw`` is a tmap2: its nodes have a ``node`` each."""
     nodes = raw.get('nodes') if isinstance(raw, dict) else None
     return isinstance(nodes, list) and bool(nodes) and isinstance(nodes[0], dict) and 'node' in nodes[0]
 
 
-def plain_map(raw, where):
+def plain_map(raw: Mapping[str, Any], where: str) -> Dict[str, List[Dict[str, Any]]]:
     """Return the tmap2 ``raw`` as nodes and edges in our own form; of edges to the same node the first counts.
 
     :raises ConfigurationError: if a part of it is not what the format says; the text begins with ``where``.
@@ -38,7 +42,7 @@ def plain_map(raw, where):
     return {'nodes': nodes, 'edges': edges}
 
 
-def _origin(raw, node):
+def _origin(raw: Mapping[str, Any], node: Any) -> Pose2D:
     """Return where the frame lies in which the node is given (Pose2D, global frame)."""
     transformation = raw.get('transformation')
     if not transformation or node.get('parent_frame') != transformation['child']:
@@ -46,13 +50,13 @@ def _origin(raw, node):
     return _pose(transformation['translation'], transformation['rotation'])
 
 
-def _pose(position, orientation):
+def _pose(position: Dict[str, float], orientation: Dict[str, float]) -> Pose2D:
     quaternion = [float(orientation[axis]) for axis in 'xyzw']
     return Pose2D(float(position['x']), float(position['y']), yaw_of_quaternion(quaternion))
 
 
-def _edges(node):
-    edges = {}
+def _edges(node: Dict[str, Any]) -> List[Dict[str, Any]]:
+    edges: Dict[Any, Any] = {}
     for edge in node.get('edges') or ():
         speeds = [float(entry['value']) for entry in edge.get('config') or () if entry['name'] in _SPEEDS]
         speed = {'speed': min(speeds)} if speeds else {}

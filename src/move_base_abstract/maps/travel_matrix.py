@@ -8,10 +8,12 @@
 
 or as CSV: from,from_x,from_y,to,to_x,to_y,seconds. Each direction stands for itself.
 """
+from __future__ import annotations
+
 import math
 from collections import OrderedDict
 from functools import lru_cache
-from typing import Dict, NamedTuple, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from ..common.bounded_yaml import load_yaml_file
 from ..common.csv_files import open_csv, rows_of
@@ -23,6 +25,12 @@ from ..motion.geometry import share_along
 from ..motion.planned_way import PlannedWay
 from .lane_map import found, is_place_name
 from .planning import StraightLinePlanner, WorldBounds
+
+if TYPE_CHECKING:
+    from typing import OrderedDict as Ordered
+
+    from ..motion.geometry import Pose2D
+    from .map_check import MapCheck
 
 AT_PLACE = 0.1  # m; who is as near as this to a place is there
 _ON_LINE = 0.01  # m; likewise, of the straight line between two
@@ -40,7 +48,7 @@ class TravelMatrix(NamedTuple):
     source: str
 
 
-def read_travel_matrix(path, where):
+def read_travel_matrix(path: str, where: str) -> TravelMatrix:
     """Return the :class:`TravelMatrix` in the file ``path``, CSV if its name ends so, else YAML.
 
     :raises ConfigurationError: if there is none, or it cannot be used; ``where`` has the parameter.
@@ -49,12 +57,12 @@ def read_travel_matrix(path, where):
 
 
 @lru_cache(maxsize=16)
-def _matrix_in(path, _mtime_ns, _size):
+def _matrix_in(path: str, _mtime_ns: int, _size: int) -> TravelMatrix:
     """Return the matrix in a file; many robots ask for the same one."""
     return make_travel_matrix(_read_csv(path) if path.endswith('.csv') else load_yaml_file(path), path)
 
 
-def make_travel_matrix(raw, where='travel_matrix'):
+def make_travel_matrix(raw: Mapping[str, Any], where: str = 'travel_matrix') -> TravelMatrix:
     """Return the :class:`TravelMatrix` in the dictionary ``raw``; ``where`` begins the text of an error.
 
     :raises ConfigurationError: for unknown keys and places, values that are not allowed, and what is there twice.
@@ -87,13 +95,13 @@ def make_travel_matrix(raw, where='travel_matrix'):
     return TravelMatrix(places, seconds, where)
 
 
-def _check_entry(raw, keys, where):
+def _check_entry(raw: Mapping[str, Any], keys: Tuple[str, str, str], where: str) -> None:
     if not isinstance(raw, dict) or any(key not in raw for key in keys):
         raise ConfigurationError('{}: got {}; allowed: a mapping with {}'.format(where, shown(raw), ', '.join(keys)))
     check_keys(raw, keys, where, '')
 
 
-def _check_apart(places, where):
+def _check_apart(places: Dict[str, Tuple[float, float]], where: str) -> None:
     """Refuse two places at which a robot would be at once."""
     ordered = sorted(places.items(), key=lambda place: place[1])
     for number_, (name, (x, y)) in enumerate(ordered):
@@ -105,8 +113,9 @@ def _check_apart(places, where):
                     where, shown(name), shown(other), math.hypot(a - x, b - y), 2.0 * AT_PLACE))
 
 
-def _read_csv(path):
-    places, times = OrderedDict(), []
+def _read_csv(path: str) -> Dict[str, List[Dict[str, Any]]]:
+    places: Ordered[str, Tuple[float, ...]] = OrderedDict()
+    times: List[Dict[str, Any]] = []
     with open_csv(path) as stream:
         for where, row in rows_of(stream, path):
             if list(row) != CSV_COLUMNS:
@@ -133,12 +142,13 @@ class MatrixPlanner(StraightLinePlanner):
 
     goes_straight = False
 
-    def __init__(self, matrix, bounds=WorldBounds(), map_check=None):
+    def __init__(self, matrix: TravelMatrix, bounds: WorldBounds = WorldBounds(),
+                 map_check: Optional[MapCheck] = None) -> None:
         super().__init__(bounds, map_check)
         self._matrix = matrix
         self._places = list(matrix.places.items())
 
-    def refusal_of_way(self, start, goal):
+    def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
         """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
         refusal = self.refusal(goal)
         if refusal or not self.reachable(goal):
@@ -148,30 +158,30 @@ class MatrixPlanner(StraightLinePlanner):
             return 'The goal ({:g}, {:g}) lies at no place of the travel matrix.'.format(goal.x, goal.y)
         return 'The travel matrix has no time from {} to {}.'.format(shown(self._nearest(start)[0]), shown(name))
 
-    def corners(self, start, goal):
+    def corners(self, start: Pose2D, goal: Pose2D) -> Optional[PlannedWay]:
         """Return the :class:`.PlannedWay`, which has no corners but a time, or None where there is no way."""
         name = self._at(goal) if self.reachable(goal) else None
         seconds = None if name is None else self._seconds(start, name)
         return None if seconds is None else PlannedWay(seconds=seconds)
 
     @staticmethod
-    def is_clear(_points):
+    def is_clear(_points: Any) -> bool:
         """Return whether a robot may go straight on from point to point: times do not depend on a map."""
         return True
 
-    def _leads(self, start, goal):
+    def _leads(self, start: Pose2D, goal: Pose2D) -> bool:
         return self.corners(start, goal) is not None
 
-    def _nearest(self, pose):
+    def _nearest(self, pose: Pose2D) -> Tuple[Optional[str], float]:
         """Return (name, distance [m]) of the nearest place; of equally near ones the first of the file."""
         return min(((name, math.hypot(x - pose.x, y - pose.y)) for name, (x, y) in self._places),
                    key=lambda place: round(place[1], 6), default=(None, math.inf))
 
-    def _at(self, pose):
+    def _at(self, pose: Pose2D) -> Optional[str]:
         name, distance = self._nearest(pose)
         return name if distance <= AT_PLACE else None
 
-    def _seconds(self, start, goal_name):
+    def _seconds(self, start: Pose2D, goal_name: str) -> Optional[float]:
         """Return how long it takes from ``start`` [s], or None. Who is between two places has a share left to go."""
         name = self._at(start)
         if name == goal_name:
@@ -185,13 +195,13 @@ class MatrixPlanner(StraightLinePlanner):
         if on_line:
             whole, one = min(on_line, key=lambda place: round(place[0], 6))
             return self._matrix.seconds[one, goal_name] * min(1.0, left / whole)
-        others = ((name, place) for name, place in self._places if name != goal_name)
-        nearest = min(((round(math.hypot(a - start.x, b - start.y), 6), one) for one, (a, b) in others),
+        others = ((other, place) for other, place in self._places if other != goal_name)
+        nearest: Any = min(((round(math.hypot(a - start.x, b - start.y), 6), one) for one, (a, b) in others),
                       key=lambda place: place[0], default=(0.0, None))[1]
         return self._matrix.seconds.get((nearest, goal_name))
 
 
-def _is_between(begin, end, pose):
+def _is_between(begin: Tuple[float, float], end: Tuple[float, float], pose: Pose2D) -> bool:
     """Return whether ``pose`` lies on the straight line from ``begin`` to ``end``."""
     share = share_along(begin, end, pose.x, pose.y)
     return math.hypot(begin[0] + share * (end[0] - begin[0]) - pose.x,
