@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 
-
 namespace move_base_abstract {
 
 /** @brief A participant's number: from 1 on, never reused. */

@@ -180,8 +180,6 @@ bool LockstepRounds::before(MemberId a, MemberId b) const {
   return std::tie(left.rank, left.place, a) < std::tie(right.rank, right.place, b);
 }
 
-bool LockstepRounds::before(const MailOrder& a, const MailOrder& b) const {
-  return isBefore(a, b);
-}
+bool LockstepRounds::before(const MailOrder& a, const MailOrder& b) const { return isBefore(a, b); }
 
 }  // namespace move_base_abstract

@@ -193,11 +193,10 @@ void MessageRouter::link(const Action& by, const Topic& topic, const Advertised&
     return;
   }
   const MailOrder order = place_(by.sender, router::kFirstSub, by.number);
-  post_(subscriber.member, {order,
-                            wire::Publisher{subscriber.topic, publisher.member, publisher.type,
-                                            publisher.md5, publisher.latched, publisher.definition}});
-  post_(publisher.member,
-        {order, wire::Subscriber{publisher.topic, subscriber.member}});
+  post_(subscriber.member,
+        {order, wire::Publisher{subscriber.topic, publisher.member, publisher.type, publisher.md5,
+                                publisher.latched, publisher.definition}});
+  post_(publisher.member, {order, wire::Subscriber{publisher.topic, subscriber.member}});
   if (toPublishers(subscriber.hears) != wire::Hearing::kAll) {
     tellHearing(by, publisher, subscriber);
   }

@@ -155,8 +155,7 @@ void MessageRouter::act(const Action& by, const wire::Watch& item) {
   const Index index = serviceOf(item.service);
   Service& service = services_[index];
   if (!service.servers.empty()) {
-    post_(by.sender,
-          {place_(by.sender, router::kFirstSub, by.number), wire::Found{service.name}});
+    post_(by.sender, {place_(by.sender, router::kFirstSub, by.number), wire::Found{service.name}});
   } else if (participant(by.sender).watched.insert(index).second) {
     service.watchers.push_back(by.sender);
   }

@@ -3,9 +3,9 @@
 
 usage: make_mutants.py FOLDER_OF_SOURCES FOLDER_TO_WRITE TABLE
 
-TABLE (mutants.txt) has one entry for each place: a line '== RULE FILE', the text of the source, a line '--', and what stands
-in its place. There '@' is isBroken("RULE") and '%' the text itself. Each text must be in its file exactly once: a source
-that has changed ends the build, not the test of a rule.
+TABLE has one entry for each place: a line '== RULE FILE', the text of the source, a line '--', and what stands in its
+place. There '@' is isBroken("RULE") and '%' the text itself. Each text must be in its file exactly once: a source that
+has changed ends the build, not the test of a rule.
 """
 import sys
 from pathlib import Path
@@ -21,19 +21,23 @@ def entries(table):
 
 
 def mutate(sources, table):
-    """Return {path: text} of all sources; sources is {path: text} too. :raises ValueError: for a text that does not fit."""
+    """Return {path: text} of all sources; sources is {path: text} too.
+
+    :raises ValueError: for a text that is not in its file exactly once
+    """
     mutated = dict(sources)
     for rule, file, text, replacement in entries(table):
         path = next((path for path in sources if path.name == file), None)
         if path is None or mutated[path].count(text) != 1:
             raise ValueError(f'{rule}: {file} must have this exactly once: {text!r}')
         mutated[path] = mutated[path].replace(text, replacement)
-    return {path: '#include "broken.h"\n' + text if text != sources[path] else text for path, text in mutated.items()}
+    return {path: text if text == sources[path] else '#include "broken.h"\n' + text for path, text in mutated.items()}
 
 
 def main(folder, output, table):
     """Write what has changed."""
-    sources = {path: path.read_text(encoding='utf-8') for path in sorted(folder.rglob('*')) if path.suffix in ('.h', '.cpp')}
+    paths = [path for path in sorted(folder.rglob('*')) if path.suffix in ('.h', '.cpp')]
+    sources = {path: path.read_text(encoding='utf-8') for path in paths}
     for path, text in mutate(sources, table.read_text(encoding='utf-8')).items():
         target = output / path.relative_to(folder)
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -76,9 +76,9 @@ std::string files() {
   std::ostringstream said;
   said << readFrom(open(kPath, O_RDONLY)) << ' ' << readFrom(open64(kPath, O_RDONLY)) << ' '
        << readFrom(openat(AT_FDCWD, kPath, O_RDONLY)) << ' '
-       << readFrom(openat64(AT_FDCWD, kPath, O_RDONLY)) << ' ' << readFrom(__open_2(kPath, O_RDONLY))
-       << ' ' << readFrom(__open64_2(kPath, O_RDONLY)) << ' ' << readFrom(fopen(kPath, "rb")) << ' '
-       << readFrom(fopen64("/dev/random", "rb"));
+       << readFrom(openat64(AT_FDCWD, kPath, O_RDONLY)) << ' '
+       << readFrom(__open_2(kPath, O_RDONLY)) << ' ' << readFrom(__open64_2(kPath, O_RDONLY)) << ' '
+       << readFrom(fopen(kPath, "rb")) << ' ' << readFrom(fopen64("/dev/random", "rb"));
   return said.str();
 }
 

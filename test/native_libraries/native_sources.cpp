@@ -226,7 +226,9 @@ std::string chance() {
   return said.str();
 }
 
-std::string seconds() { return lasted([] { return sleep(2); }); }
+std::string seconds() {
+  return lasted([] { return sleep(2); });
+}
 
 /** @brief Wait for a clock by looking at it. */
 std::string spin() {
@@ -269,10 +271,10 @@ std::string threads() {
 
 std::string ask(const std::string& topic) {
   const std::map<std::string, std::string (*)()> topics = {
-      {"clocks", &clocks}, {"sleeps", &sleeps}, {"waits", &waits},     {"chance", &chance},
-      {"timed", &timed},   {"given", &given},
-      {"spin", &spin},     {"limit", &limit},   {"threads", &threads}, {"seconds", &seconds},
-      {"files", &files},   {"strays", &strays}, {"untold", &untold}};
+      {"clocks", &clocks},   {"sleeps", &sleeps},   {"waits", &waits}, {"chance", &chance},
+      {"timed", &timed},     {"given", &given},     {"spin", &spin},   {"limit", &limit},
+      {"threads", &threads}, {"seconds", &seconds}, {"files", &files}, {"strays", &strays},
+      {"untold", &untold}};
   return topics.at(topic)();
 }
 

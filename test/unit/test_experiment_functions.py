@@ -102,7 +102,8 @@ def test_what_goes_wrong_is_told_in_a_line(tmp_path, n, problem):
 
 @pytest.mark.parametrize('code, is_late, crashes, how', [
     (-11, False, ['the function crashed: ended by SIGSEGV'], 'crash'),
-    (3, False, ['the function crashed: exit code 3'], 'crash'), (0, False, [], 'error'), (None, False, [], 'error'), (None, True, [], 'time_limit')])
+    (3, False, ['the function crashed: exit code 3'], 'crash'), (0, False, [], 'error'), (None, False, [], 'error'),
+    (None, True, [], 'time_limit')])
 def test_a_function_whose_process_died_has_crashed(monkeypatch, code, is_late, crashes, how):
     def run_trial(*_):
         raise functions.DeathError(8.0, code, is_late)

@@ -150,7 +150,8 @@ class Parent(roslaunch.parent.ROSLaunchParent):
     def _process(self, name, node):
         if name not in self._watched:
             return ends.Process(name, False, None, was_started=False)
-        return self._watched[name].process(name, name in self._plan.participants)._replace(is_shell=roles.is_shell(node))
+        process = self._watched[name].process(name, name in self._plan.participants)
+        return process._replace(is_shell=roles.is_shell(node))
 
 
 class _Starting:
