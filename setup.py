@@ -9,6 +9,6 @@ setup(**generate_distutils_setup(
                   'move_base_abstract_calibration': ['templates/*'],
                   'move_base_abstract_experiments': ['report/templates/*.j2'],
                   'move_base_abstract_replay': ['templates/*'],
-                  'move_base_abstract_ros': ['lockstep/follow/*.py'],
+                  'move_base_abstract_ros': ['lockstep/programs/follow/*.py'],
                   'soil_mapping': ['data/*.npy', 'data/*.csv', 'data/README.md', '*.txt']},
 ))

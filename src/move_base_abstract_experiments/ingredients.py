@@ -153,7 +153,7 @@ def _own():
         paths += sorted(path for path in (root / name).rglob('*.py') if 'report' not in path.parts)
     content = [[str(path.relative_to(root)), digest(str(path))] for path in paths]
     with contextlib.suppress(Exception):  # where no workspace is sourced there is none
-        from move_base_abstract_ros.lockstep.binary import find_shim
+        from move_base_abstract_ros.lockstep.programs.binary import find_shim
         from move_base_abstract_ros.loopback import find_executable
         content += [[name, digest(find_executable(name))] for name in _PARTS]
         content += [['shim', digest(find_shim(os.environ))]]

@@ -30,7 +30,7 @@ READY = b'ready\n'
 
 def main(words):
     """Serve until the socket is closed."""
-    from move_base_abstract_ros.lockstep import address_layout, native_library
+    from move_base_abstract_ros.lockstep.programs import address_layout, native_library
     from move_base_abstract_ros.replacing import replaced
     is_new = address_layout.choose(os.environ)
     is_new = is_new or _HASH_SEED not in os.environ or any(os.environ.get(name) != value for name, value in

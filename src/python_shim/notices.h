@@ -4,7 +4,7 @@
 
 namespace move_base_abstract::native {
 
-/** What is told; lockstep/native.py has the words, in the same order. */
+/** What is told; lockstep/machine/native.py has the words, in the same order. */
 enum class What {
   kStrayClock,
   kStrayChance,

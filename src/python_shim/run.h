@@ -10,7 +10,7 @@ namespace move_base_abstract::native {
 
 using shim::kSecond;
 
-/** Numbers that Python reads and writes where they lie; lockstep/native.py has the same order. */
+/** Numbers that Python reads and writes where they lie, in the order of machine/native.py. */
 enum Cell {
   kNow,         // simulated time [ns]
   kSlept,       // by which clocks have gone on by themselves [ns]

@@ -15,7 +15,7 @@ from std_msgs.msg import Float64, String  # noqa: E402
 
 from move_base_abstract.runs.event_log import EventLog  # noqa: E402
 from move_base_abstract_ros.launching import bag_difference, bags  # noqa: E402
-from move_base_abstract_ros.lockstep import recorders  # noqa: E402
+from move_base_abstract_ros.lockstep.programs import recorders  # noqa: E402
 from move_base_abstract_ros.messages import message_fields  # noqa: E402
 from move_base_abstract_ros.nodes import compare  # noqa: E402
 

@@ -25,7 +25,7 @@ from own_sockets import listening_addresses, pid_of
 from roslib.packages import find_node
 
 from move_base_abstract_ros.launching import plan
-from move_base_abstract_ros.lockstep import binary
+from move_base_abstract_ros.lockstep.programs import binary
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
 GUARD = 600.0

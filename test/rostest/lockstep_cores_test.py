@@ -16,7 +16,7 @@ import rostest
 from lockstep_launcher_run import run_programs
 from lockstep_raw_client import GUARD, RawClient, wait_for
 
-from move_base_abstract_ros.lockstep.connection import Connection
+from move_base_abstract_ros.lockstep.exchange.connection import Connection
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
 OWN = os.sched_getaffinity(0)

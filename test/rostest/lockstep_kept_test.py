@@ -12,7 +12,7 @@ import unittest
 import rostest
 from lockstep_roscpp_run import Program, Runs, own
 
-from move_base_abstract_ros.lockstep.parameters import Parameters
+from move_base_abstract_ros.lockstep.ros_master.parameters import Parameters
 
 RUNS = Runs()
 #: ways in which shim_reader looks at its queues, and what it does besides

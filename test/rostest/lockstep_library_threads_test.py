@@ -10,7 +10,7 @@ import unittest
 import rostest
 from lockstep_library_run import Run, Runs, read, wait_for_end
 
-from move_base_abstract_ros.lockstep.connection import Connection
+from move_base_abstract_ros.lockstep.exchange.connection import Connection
 
 RUNS = None
 WAITS = ('in_spin', 'in_sleep', 'in_loop', 'in_message', 'in_service', 'in_call', 'in_queue', 'in_event', 'in_join',

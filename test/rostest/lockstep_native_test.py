@@ -9,8 +9,8 @@ from unittest import mock
 import rostest
 from lockstep_launcher_run import assert_same, run_programs
 
-from move_base_abstract_ros.lockstep import native_library
-from move_base_abstract_ros.lockstep.binary import find_shim
+from move_base_abstract_ros.lockstep.programs import native_library
+from move_base_abstract_ros.lockstep.programs.binary import find_shim
 
 BY_CTYPES = find_shim(os.environ, 'libnative_sources.so')
 SECOND = 10 ** 9

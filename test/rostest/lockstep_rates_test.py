@@ -15,7 +15,7 @@ import rostest
 import tf2_ros
 
 from move_base_abstract.lockstep.wire import Hearing as Heard
-from move_base_abstract_ros.lockstep.hearing import Hearing
+from move_base_abstract_ros.lockstep.exchange.interest import Hearing
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))

@@ -12,7 +12,7 @@ import unittest
 import rostest
 from lockstep_roscpp_run import Program, Runs, own, recorder
 
-from move_base_abstract_ros.lockstep.binary import find_shim
+from move_base_abstract_ros.lockstep.programs.binary import find_shim
 from move_base_abstract_ros.loopback import find_executable
 
 RUNS = Runs()

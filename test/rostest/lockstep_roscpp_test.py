@@ -20,7 +20,7 @@ import rostest
 from lockstep_raw_client import RawClient
 from lockstep_roscpp_run import GUARD, Program, Runs, own, read, recorder, take_name
 
-from move_base_abstract_ros.lockstep.binary import find_shim
+from move_base_abstract_ros.lockstep.programs.binary import find_shim
 from move_base_abstract_ros.loopback import Loopback, find_executable
 
 RUNS = Runs()

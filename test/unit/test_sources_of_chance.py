@@ -10,6 +10,7 @@ from move_base_abstract_ros.replacing import replaced  # noqa: TID251 (knows no 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / 'docs' / 'sources_of_chance.md'
 LOCKSTEP = ROOT / 'src' / 'move_base_abstract_ros' / 'lockstep'
+MACHINE = LOCKSTEP / 'machine'
 SHIM_ROW = re.compile(r'^REPLACED\(([\w+]+), "[^"]+",\s+"([^"]+)",', re.MULTILINE)
 #: of Python's: names of a clock, of a sleep, of chance, of the machine
 PYTHON_SOURCE = re.compile(
@@ -61,8 +62,8 @@ def test_each_function_that_the_library_stands_in_front_of_has_its_row():
 
 def test_each_name_of_python_has_its_row():
     replaced_ = {row.name for row in replaced.ROWS.values() if PYTHON_SOURCE.match(row.name)}
-    told = set(literals(LOCKSTEP / 'deeds.py', 'CALLS')) | {'select.select', '_posixsubprocess.fork_exec'}
-    events = set(literals(LOCKSTEP / 'deeds.py', 'EVENTS')) | {'open', 'ctypes.dlsym'}
+    told = set(literals(MACHINE / 'irregular.py', 'CALLS')) | {'select.select', '_posixsubprocess.fork_exec'}
+    events = set(literals(MACHINE / 'irregular.py', 'EVENTS')) | {'open', 'ctypes.dlsym'}
     assert told <= set(replaced.ROWS)
     replaced_ |= told
     kinds = {name: kind for names, kind, _why, _tests in table('Python') for name in names if ' ' not in name}
@@ -71,7 +72,7 @@ def test_each_name_of_python_has_its_row():
 
 
 def test_what_is_labelled_in_python_is_told_by_the_code():
-    code = ''.join(path.read_text(encoding='utf-8') for path in sorted(LOCKSTEP.glob('*.py')))
+    code = ''.join(path.read_text(encoding='utf-8') for path in sorted(LOCKSTEP.rglob('*.py')))
     told = set(re.findall(r"told\.tell\(.*?, '([\w. ]+)'", code))
     assert told == LABELLED | {'numpy.datetime64', 'asyncio', 'open', 'ctypes.dlsym', 'select.select',
                                '_posixsubprocess.fork_exec',
@@ -96,7 +97,7 @@ def native_kinds():
 
 
 def test_what_libraries_are_told_of_has_the_same_order_on_both_sides():
-    native = (LOCKSTEP / 'native.py').read_text(encoding='utf-8')
+    native = (MACHINE / 'native.py').read_text(encoding='utf-8')
     for header, begin, count in (('notices.h', '_STRAY_CLOCK', 12), ('run.h', '_NOW', 11)):
         text = (ROOT / 'src' / 'python_shim' / header).read_text(encoding='utf-8')
         names = [re.sub('([A-Z])', r'_\1', name).upper() for name in re.findall(

@@ -4,7 +4,7 @@ from nav_msgs.msg import Odometry
 
 from move_base_abstract.motion.geometry import Pose2D
 
-from ..lockstep import beforehand
+from ..lockstep.exchange import beforehand
 from ..messages.outlets import LatchedOutlets
 from ..messages.packing import InFrame
 from ..transforms import tf_hub

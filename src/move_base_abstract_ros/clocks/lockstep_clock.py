@@ -11,7 +11,7 @@ from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from ..lockstep import beforehand
+from ..lockstep.exchange import beforehand
 from ..messages import outlets
 from .fault_log import FaultLog
 

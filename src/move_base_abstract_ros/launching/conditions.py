@@ -5,7 +5,7 @@ import sys
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from ..lockstep.report_delays import VARIABLE as DELAY
+from ..lockstep.participation.report_delays import VARIABLE as DELAY
 
 LAYOUT = 'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT'  # read by the launcher of unmodified programs
 LIMIT = 50.0  # times real time

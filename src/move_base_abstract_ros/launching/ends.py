@@ -15,7 +15,7 @@ from typing import NamedTuple
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog, EventLogError
 
-from ..lockstep.failures import ASKED, UNASKED, UNCAUGHT, words_of
+from ..lockstep.failing.failures import ASKED, UNASKED, UNCAUGHT, words_of
 from ..replacing.replaced import replace
 
 TIME_MASTER = '/time_master'

@@ -14,7 +14,8 @@ from roslaunch import substitution_args
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.runs import event_log
 
-from ..lockstep import binary, recorders, report_delays
+from ..lockstep.participation import report_delays
+from ..lockstep.programs import binary, recorders
 from ..loopback import PACKAGE, find_executable
 from . import core_file, roles
 from .ends import TIME_MASTER

@@ -8,9 +8,9 @@ from importlib.machinery import PathFinder
 from roslib import packages
 from rospkg import ResourceNotFound, RosPack
 
-from ..lockstep import command_line, recorders
-from ..lockstep.binary import links_to_roscpp
-from ..lockstep.shell_scripts import programs_in
+from ..lockstep.programs import command_line, recorders
+from ..lockstep.programs.binary import links_to_roscpp
+from ..lockstep.programs.shell_scripts import programs_in
 
 _RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space
 _EXTENDS = re.compile(rb"^__extended_path = ['\"]([^'\"\n]+)['\"]", re.MULTILINE)  # of catkin, for a package there

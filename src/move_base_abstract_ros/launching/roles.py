@@ -6,8 +6,8 @@ from typing import NamedTuple
 from rosgraph.names import ns_join
 from roslib import packages
 
-from ..lockstep import recorders
-from ..lockstep.shell_scripts import is_shell_word
+from ..lockstep.programs import recorders
+from ..lockstep.programs.shell_scripts import is_shell_word
 from ..loopback import PACKAGE
 from ..nodes import lockstep_launcher
 from . import programs

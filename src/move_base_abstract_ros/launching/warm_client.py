@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 
-from ..lockstep import native_library
+from ..lockstep.programs import native_library
 from . import processes, request, warm_nodes
 
 _CODE = ('import sys; sys.path[0] = {!r}; from move_base_abstract_ros.launching.warm_process import main; '

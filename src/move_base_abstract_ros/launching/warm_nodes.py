@@ -72,7 +72,7 @@ def _is_shadowed(words):
 
     Python would take that one. words: of the launcher.
     """
-    from ..lockstep import command_line
+    from ..lockstep.programs import command_line
     path = command_line.script_of(words)
     if path is None:
         return False

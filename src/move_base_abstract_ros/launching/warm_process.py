@@ -12,7 +12,7 @@ import select
 import socket
 import sys
 
-from ..lockstep import address_layout, native_library
+from ..lockstep.programs import address_layout, native_library
 from . import processes, request, ros_master
 
 _NODES = ('rospy', 'move_base_abstract_ros.lockstep.program', 'move_base_abstract_ros.nodes.lockstep_launcher')

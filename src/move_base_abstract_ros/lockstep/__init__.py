@@ -6,8 +6,9 @@ docs/lockstep.md says what counts and what does not.
 """
 import importlib
 
-_PLACES = {'Participant': 'taking_part', 'is_lockstep': 'access', 'join': 'joining', 'node_is_there': 'joining',
-           'participant': 'joining', 'repetition': 'links', 'sender': 'links', 'take_part': 'joining'}
+_PLACES = {'Participant': 'participation.taking_part', 'is_lockstep': 'exchange.access', 'repetition': 'exchange.links',
+           'sender': 'exchange.links', **dict.fromkeys(('join', 'node_is_there', 'participant', 'take_part'),
+                                                       'participation.joining')}
 __all__ = ['Participant', 'is_lockstep', 'join', 'node_is_there', 'participant', 'repetition', 'sender', 'take_part']
 
 

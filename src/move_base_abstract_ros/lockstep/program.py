@@ -10,29 +10,15 @@ from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ..replacing import rospy_start
 from ..replacing.replaced import replace
-from . import (
-    address_layout,
-    binary,
-    chance,
-    clocks,
-    deeds,
-    early,
-    event_loops,
-    finish,
-    garbage,
-    identity,
-    joining,  # here, before the names of the module time that it takes are others
-    objects,
-    own_code,
-    sqlite,
-    threads,
-    turns,
-    watchdog,
-)
-from .files import files
-from .master_calls import calls
-from .native import native
-from .told import told
+from .code import objects, own_code, turns
+from .code.labels import told
+from .machine import chance, clocks, identity, irregular, sqlite
+from .machine.files import files
+from .machine.native import native
+from .participation import early, finish, garbage, joining
+from .programs import address_layout, binary
+from .ros_master.master_calls import calls
+from .waiting import event_loops, threads, watchdog
 
 _NAME = '__name:='
 _HASHES = 'texts are hashed in another way in each run, so that sets of them have another order (PYTHONHASHSEED is ' \
@@ -65,8 +51,8 @@ def _watch(options, name, before_node):
     draw = chance.install(start, seen.date_ns)
     identity.install(seen)
     sqlite.install(seen, draw)
-    deeds.install()
-    deeds.hand_on(seen)
+    irregular.install()
+    irregular.hand_on(seen)
     event_loops.install(seen, before_node.take_part)
     garbage.install()
     threads.watch_start(before_node.take_part)
@@ -183,5 +169,5 @@ def _call(main):
 
 
 def _is_ours(filename):
-    return filename.startswith('<frozen runpy') or os.path.dirname(filename) == os.path.dirname(__file__) or (
+    return filename.startswith('<frozen runpy') or filename.startswith(os.path.dirname(__file__) + os.sep) or (
         os.path.basename(filename) == 'runpy.py')

@@ -6,7 +6,7 @@ from nav_msgs.msg import OccupancyGrid
 
 from move_base_abstract.maps.costmaps import Window
 
-from ..lockstep import beforehand
+from ..lockstep.exchange import beforehand
 from ..messages import conversions
 from ..messages.outlets import LatchedOutlet, LatchedOutlets
 from ..messages.packing import InFrame, of_message

@@ -10,7 +10,7 @@ import rospy
 
 from move_base_abstract.engine.event_queue import NOBODY, ONLOOKERS, PARTICIPANTS
 
-from ..lockstep import beforehand
+from ..lockstep.exchange import beforehand
 
 
 class _Header:

@@ -16,8 +16,8 @@ import sys
 from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.wire import MAX_RANK
 
-from ..lockstep import address_layout, native_library, shell_scripts
-from ..lockstep.command_line import PYTHON, find, kind_of, own_words, path_of, split_interpreter
+from ..lockstep.programs import address_layout, native_library, shell_scripts
+from ..lockstep.programs.command_line import PYTHON, find, kind_of, own_words, path_of, split_interpreter
 
 _WHOLE_NUMBER = re.compile(r'[+-]?[0-9]{1,18}\Z', re.ASCII)
 _AS_SCRIPT = '--as-script'
@@ -36,7 +36,7 @@ def main():
         sys.exit('lockstep: {}'.format(error))
     # Only what this kind of program needs is imported: for a binary that is little, and takes a tenth of the time.
     if kind == 'binary':
-        from ..lockstep import binary
+        from ..lockstep.programs import binary
         binary.execute(path, arguments, options)
     elif kind == 'shell':
         shell_scripts.execute(path, arguments, sys.argv[:len(sys.argv) - len(command)])
@@ -55,7 +55,7 @@ def _behind_front_end(kind, path, arguments):
     """Return (kind, path, arguments) of the binary that a script is a front end of, or those of the script."""
     if kind != 'script' or os.path.basename(path) != 'rosbag':
         return kind, path, arguments
-    from ..lockstep import recorders
+    from ..lockstep.programs import recorders
     recorder = recorders.behind_front_end(path, arguments)
     return ('binary', *recorder) if recorder else (kind, path, arguments)
 

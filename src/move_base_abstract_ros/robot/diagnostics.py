@@ -4,7 +4,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from move_base_abstract.common.units import NS_PER_S
 
 from .. import lockstep
-from ..lockstep import beforehand
+from ..lockstep.exchange import beforehand
 from ..messages import conversions, packing
 from ..messages.outlets import Outlet
 from .heartbeat import Heartbeat

@@ -11,7 +11,7 @@ from move_base_abstract.runs.trace import RobotTrace
 
 from .. import backends, lockstep
 from ..clocks.throttle import WallThrottle
-from ..lockstep import beforehand
+from ..lockstep.exchange import beforehand
 from ..maps.costmap_topics import CostmapTopics
 from ..maps.planner_interface import PlannerInterface
 from ..maps.robot_map import RobotMap

@@ -10,7 +10,7 @@ from tf2_msgs.msg import TFMessage
 
 from move_base_abstract.engine.event_queue import NOBODY
 
-from ..lockstep import beforehand
+from ..lockstep.exchange import beforehand
 from ..messages import packing
 from ..messages.outlets import Outlet, Packed
 

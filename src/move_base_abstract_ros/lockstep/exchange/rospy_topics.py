@@ -1,0 +1,152 @@
+"""Where rospy's own topics hand over to :class:`topics.Topics`: its manager and its connections."""
+import rospy
+
+from ...replacing.replaced import replace
+
+_OWN = ('move_base_abstract_ros.', 'soil_mapping.')
+
+
+def install(topics):
+    """Put a participant's ``topics`` in the place of rospy's connections among participants."""
+    _follow_manager(topics)
+    _replace_receiving(topics)
+    _replace_connecting(topics)
+    _replace_publishing(topics)
+    _count_participants(topics)
+
+
+def _follow_manager(topics):
+    def adding(add):
+        def _add(self, impl, rmap, reg_type):
+            add(self, impl, rmap, reg_type)
+            topics.added(impl, reg_type)
+        return _add
+
+    def removing(remove):
+        def _remove(self, impl, rmap, reg_type):
+            topics.removed(impl, reg_type)
+            remove(self, impl, rmap, reg_type)
+        return _remove
+
+    replace('rospy.topics._TopicManager._add', adding)
+    replace('rospy.topics._TopicManager._remove', removing)
+
+
+def _replace_receiving(topics):
+    def receiving(receive_callback):
+        def _receive(self, messages, connection):
+            if topics.is_link(connection):
+                receive_callback(self, messages, connection)
+            else:
+                topics.outside(self, messages, connection, lambda *args: receive_callback(self, *args))
+        return _receive
+
+    replace('rospy.topics._SubscriberImpl.receive_callback', receiving)
+
+
+def _replace_connecting(topics):
+    participant = topics._participant
+
+    def adding(add_connection):
+        def _add_connection(self, connection):
+            if self.resolved_name not in topics.excluded and participant.is_member(connection.endpoint_id):
+                connection.close()
+                return False
+            if not _is_onlooker(self, topics, connection):
+                return add_connection(self, connection)
+            return _add_onlooker(self, connection)
+        return _add_connection
+
+    def removing(remove_connection):
+        def _remove_connection(self, connection):
+            if not _is_onlooker(self, topics, connection):
+                remove_connection(self, connection)
+            else:
+                _remove_onlooker(self, connection)
+        return _remove_connection
+
+    def creating(create_transport):
+        def _create_transport(self, resolved_name, pub_uri, protocol_params):
+            if resolved_name not in topics.excluded and pub_uri in participant.uris.values():
+                return 1, 'through the time master', 0
+            return create_transport(self, resolved_name, pub_uri, protocol_params)
+        return _create_transport
+
+    replace('rospy.topics._PublisherImpl.add_connection', adding)
+    replace('rospy.topics._PublisherImpl.remove_connection', removing)
+    replace('rospy.impl.tcpros_pubsub.TCPROSHandler.create_transport', creating)
+
+
+def _replace_publishing(topics):
+    def publishing(publish):
+        def _publish(self, message, connection_override=None):
+            receivers = self.connections if connection_override is None else (connection_override,)
+            lock = self.publock  # none once the topic is closed; rospy says then what that means
+            if lock is None or any(topics.is_link(receiver) and receiver.is_heard for receiver in receivers):
+                return publish(self, message, connection_override)
+            with lock:
+                number = self.seq
+                try:
+                    return publish(self, message, connection_override)
+                finally:
+                    self.seq = number
+        return _publish
+
+    replace('rospy.topics._PublisherImpl.publish', publishing)
+
+
+def _is_onlooker(impl, topics, connection):
+    takes_part = topics.is_link(connection) or impl.resolved_name in topics.excluded
+    return not takes_part and not topics._participant.scheduler.is_closed
+
+
+def _add_onlooker(impl, connection):
+    """Have the connection of a node that does not take part; the program, which would act then, is not told.
+
+    Who shows something to onlookers in a thread of its own, as this package does, is told.
+    """
+    if impl.queue_size is not None:
+        connection = rospy.topics.QueuedConnection(connection, impl.queue_size)
+    rospy.topics._TopicImpl.add_connection(impl, connection)
+
+    def publish_single(data):
+        impl.publish(data, connection_override=connection)
+    for listener in _own_listeners(impl):
+        listener.peer_subscribe(impl.resolved_name, impl.publish, publish_single)
+    if impl.is_latch and impl.latch is not None:
+        with impl.publock:
+            impl.publish(impl.latch, connection_override=connection)
+    return True
+
+
+def _remove_onlooker(impl, connection):
+    rospy.topics._TopicImpl.remove_connection(impl, connection)
+    for listener in _own_listeners(impl):
+        listener.peer_unsubscribe(impl.resolved_name, impl.get_num_connections())
+
+
+def _own_listeners(impl):
+    return [one for one in impl.subscriber_listeners if type(one).__module__.startswith(_OWN)]
+
+
+def _count_participants(topics):
+    """Have a topic's one link to all participants count as that many connections, and onlookers not as listeners."""
+    def counting(_original):
+        def _get_num_connections(self):
+            with_onlookers = (self.resolved_name in topics.excluded or not hasattr(self, 'subscriber_listeners')
+                              or not topics._participant.scheduler.is_mine())
+            return sum(getattr(connection, 'count', 1) for connection in self.connections
+                       if with_onlookers or topics.is_link(connection))
+        return _get_num_connections
+
+    def seeking(_original):
+        return lambda self, endpoint_id: any(
+            connection.endpoint_id == endpoint_id or getattr(connection, 'has_name', _never)(endpoint_id)
+            for connection in self.connections)
+
+    replace('rospy.topics._TopicImpl.get_num_connections', counting)
+    replace('rospy.topics._TopicImpl.has_connection', seeking)
+
+
+def _never(_name):
+    return False

@@ -1,0 +1,306 @@
+"""Service calls between participants, put in the place of rospy's connections.
+
+A call is handled in the next round, by a thread of its own as in rospy, and may itself sleep or call. Calls from other
+nodes come over rospy's connections and enter at the next grant; calls to other nodes block, with time standing still,
+unless the answer takes long: the other node may wait for simulated time.
+"""
+import _thread
+import sys
+import time
+from functools import partial
+from io import BytesIO
+
+import rospy
+from rospy.impl import registration, tcpros_service
+
+from move_base_abstract.lockstep import wire
+from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
+
+from ...replacing.replaced import replace
+from ..ros_master.master_calls import aside
+from .links import creating_index
+
+#: how the services end that rospy itself offers in each node; those do not count
+_OF_ROSPY = ('/get_loggers', '/set_logger_level')
+_TIME_MASTERS = '/time_master/'  # its services
+_SEEK_SECONDS = 0.1
+_PATIENCE = 5.0  # s, wall
+
+
+class Services:
+    """The services that a participant offers and calls."""
+
+    def __init__(self, participant):
+        self._participant = participant
+        self._names = []
+        self._offered = {}
+        self._calls = {}
+        self._call_count = 0
+        self._found = set()
+
+    def install(self):
+        """Take rospy's services over, those that there are and those to come; but not rospy's own."""
+        _patch(self)
+        for name, service in sorted(registration.get_service_manager().map.items()):
+            if not name.endswith(_OF_ROSPY):
+                self.register(name, service)
+
+    # --- services of this node --------------------------------------------------------------------------------------
+
+    def register(self, name, service):
+        """A service is new."""
+        number = len(self._names)
+        self._names.append(name)
+        self._offered[number] = service
+        service._lockstep_number = number
+        self._participant.add(wire.serve(number, creating_index(), name))
+
+    def unregister(self, service):
+        """A service is gone."""
+        number = getattr(service, '_lockstep_number', None)
+        if self._offered.pop(number, None) is not None:
+            self._participant.add(wire.unserve(number))
+
+    def on_called(self, number, caller, call, data):
+        """A participant calls."""
+        return lambda: self._handle(number, caller, call, data)
+
+    def _handle(self, number, caller, call, data):
+        service = self._offered.get(number)
+        if service is None:
+            name = self._names[number] if number < len(self._names) else number
+            is_ok, answer = 0, 'service [{}] is not offered any more'.format(name).encode('utf-8')
+        else:
+            is_ok, answer = _serve(service, data)
+        self._participant.add(wire.response(caller, call, is_ok, answer))
+
+    def from_outside(self, service, handle):
+        """A node that does not take part calls: run ``handle()`` in the next round and wait for its end."""
+        over = _make_lock()
+        over.acquire()
+
+        def run():
+            self._participant.label('service {} was called by a node that does not take part'.format(
+                service.resolved_name))
+            try:
+                handle()
+            finally:
+                over.release()
+        self._participant.scheduler.from_outside(run)
+        while not over.acquire(True, 0.5):
+            if self._participant.scheduler.is_closed:
+                return
+
+    # --- calls of this node -----------------------------------------------------------------------------------------
+
+    def call(self, name, request):
+        """Call a participant's service; return (status of wire, bytes). The caller waits, others go on."""
+        self._call_count += 1
+        number = self._call_count
+        scheduler = self._participant.scheduler
+        self._calls[number] = [scheduler.current(), None]
+        self._participant.add(wire.call(number, creating_index(), name, request))
+        try:
+            while self._calls[number][1] is None:
+                scheduler.wait(waits_for='the answer of service {}'.format(name))
+            return self._calls[number][1]
+        finally:
+            del self._calls[number]
+
+    def on_answered(self, number, status, data):
+        """The answer to a call."""
+        def take():
+            if number in self._calls:
+                self._calls[number][1] = (status, data)
+                self._participant.scheduler.wake(self._calls[number][0])
+        return take
+
+    def on_found(self, name):
+        """A service that somebody waits for is offered."""
+        return lambda: self._found.add(name)
+
+    def wait_for(self, name, timeout_ns):
+        """Wait until a participant offers the service, or another node does; return False when time is up."""
+        scheduler = self._participant.scheduler
+        self._found.discard(name)
+        self._participant.add(wire.watch(name))
+        scheduler.wait_round()  # in which those participants are named that offer it
+        if name in self._found or self.is_offered_outside(name):
+            return True
+        wake_ns = wire.NEVER if timeout_ns is None else scheduler.now_ns + timeout_ns
+        sought = [name]
+        _thread.start_new_thread(self._seek_outside, (sought,))
+        try:
+            return scheduler.wait_until(lambda: name in self._found, wake_ns, 'service {}'.format(name))
+        finally:
+            sought.clear()
+
+    def _seek_outside(self, sought):
+        """Tell the thread that waits for a service when a node offers it that does not take part; in another thread."""
+        while sought and not self._participant.scheduler.is_closed:
+            name = sought[0]
+            if self.is_offered_outside(name):
+                self._participant.scheduler.from_outside(partial(self._found_outside, name))
+                return
+            time.sleep(_SEEK_SECONDS)
+
+    def _found_outside(self, name):
+        self._participant.label('service {} was waited for; a node offers it that does not take part'.format(name))
+        self._found.add(name)
+
+    def call_outside(self, name, call):
+        """Return what ``call()`` returns, which asks a node that answers as it likes; the run is labelled.
+
+        Simulated time stands until the answer comes, but for a few seconds of wall time at most. (The time master's own
+        services label nothing.)
+        """
+        if name.startswith(_TIME_MASTERS):
+            with aside():
+                return call()
+        self._participant.parameters.settle()  # the other node may look at them
+        label = self._participant.label
+        label('service {}, which was called, is offered by a node that does not take part'.format(name))
+        asked = _Asked(call)
+        if not asked.is_over.acquire(True, _PATIENCE):
+            label('service {} of a node that does not take part has not answered for {:g} s of wall time: simulated '
+                  'time goes on until it does'.format(name, _PATIENCE))
+            scheduler = self._participant.scheduler
+            asked.when_over(lambda: scheduler.from_outside(_nothing))
+            try:
+                scheduler.wait_until(lambda: asked.outcome, waits_for='the answer of service {}'.format(name))
+            except TurnLost:
+                raise rospy.ROSInterruptException('node shutdown interrupted service call') from None
+        return asked.result()
+
+    def is_offered_outside(self, name):
+        """Return whether the ROS master knows a node that offers the service and has never taken part.
+
+        Those that take part, or did, are registered there at moments of the wall clock, which must not matter.
+        """
+        try:
+            with aside():
+                code, _, (_, _, offered) = rospy.client.get_master().getSystemState()
+        except (OSError, ValueError):
+            return False
+        members = set(self._participant.names.values())
+        return code == 1 and any(service == name and not members.issuperset(nodes) for service, nodes in offered)
+
+
+class _Asked:
+    """A call in a thread of its own, which is none of the application's."""
+
+    def __init__(self, call):
+        self.outcome = []  # what it returns, what it raises
+        self.is_over = _make_lock()
+        self.is_over.acquire()
+        self._then = []
+        _thread.start_new_thread(self._ask, (call,))
+
+    def _ask(self, call):
+        try:
+            outcome = (call(), None)
+        except BaseException as error:
+            outcome = (None, error)
+        self.outcome.append(outcome)
+        self.is_over.release()
+        for then in self._then:
+            then()
+
+    def when_over(self, then):
+        """Have ``then()`` called in the thread of the call, unless that is over by now, which ``outcome`` says."""
+        self._then.append(then)
+
+    def result(self):
+        """Return what the call returned, or raise what it raised."""
+        (result, error), = self.outcome
+        if error is not None:
+            raise error
+        return result
+
+
+def _nothing():
+    """There is nothing to do but to look what has happened."""
+
+
+def _serve(service, data):
+    """Return (1, response) or (0, text of the error), as rospy's own connections would."""
+    request = service.request_class()
+    try:
+        request.deserialize(data)
+        response = tcpros_service.convert_return_to_response(service.handler(request), service.response_class)
+        buffer = BytesIO()
+        response.serialize(buffer)
+        service.seq += 1
+        return 1, buffer.getvalue()
+    except rospy.ServiceException as error:
+        return 0, 'service cannot process request: {}'.format(error).encode('utf-8')
+    except TurnLost:
+        raise
+    except (Exception, SystemExit) as error:  # sys.exit ends the connection in rospy, so that the caller gets an error
+        service.error_handler(error, *sys.exc_info())
+        return 0, 'error processing request: {}'.format(error).encode('utf-8')
+
+
+def _patch(services):
+    """Put this participant's services in the place of rospy's connections among participants."""
+    _replace_offering(services)
+    _replace_calling(services, services._participant.scheduler)
+
+
+def _replace_offering(services):
+    def registering(register):
+        def _register(self, name, service):
+            register(self, name, service)
+            if not name.endswith(_OF_ROSPY):
+                services.register(name, service)
+        return _register
+
+    def unregistering(unregister):
+        def _unregister(self, name, service):
+            services.unregister(service)
+            unregister(self, name, service)
+        return _unregister
+
+    def handling(handle_request):
+        def _handle_request(self, transport, request):
+            if hasattr(self, '_lockstep_number') and not services._participant.scheduler.is_closed:
+                services.from_outside(self, lambda: handle_request(self, transport, request))
+            else:
+                handle_request(self, transport, request)
+        return _handle_request
+
+    replace('rospy.service.ServiceManager.register', registering)
+    replace('rospy.service.ServiceManager.unregister', unregistering)
+    replace('rospy.impl.tcpros_service.ServiceImpl._handle_request', handling)
+
+
+def _replace_calling(services, scheduler):
+    def calling(call):
+        def _call(self, *args, **kwds):
+            if not scheduler.is_mine():
+                return call(self, *args, **kwds)
+            request = rospy.msg.args_kwds_to_message(self.request_class, args, kwds)
+            buffer = BytesIO()
+            request.serialize(buffer)
+            try:
+                status, answer = services.call(self.resolved_name, buffer.getvalue())
+            except TurnLost:
+                raise rospy.ROSInterruptException('node shutdown interrupted service call') from None
+            if status != wire.CallStatus.NO_SERVER:
+                return _answer(self, status, answer)
+            if services.is_offered_outside(self.resolved_name):
+                return services.call_outside(self.resolved_name, lambda: call(self, request))
+            raise rospy.ServiceException('service [{}] unavailable'.format(self.resolved_name))
+        return _call
+
+    replace('rospy.impl.tcpros_service.ServiceProxy.call', calling)
+
+
+def _answer(proxy, status, data):
+    """Return the response, or raise what rospy raises."""
+    if status == wire.CallStatus.OK:
+        return proxy.response_class().deserialize(data)
+    if status == wire.CallStatus.SERVER_GONE:
+        raise rospy.ServiceException('transport error completing service call: the server of {} is gone'.format(
+            proxy.resolved_name))
+    raise rospy.ServiceException('service [{}] responded with an error: {}'.format(proxy.resolved_name, data))

@@ -1,0 +1,211 @@
+"""Topics between participants, put in the place of rospy's connections.
+
+rospy's own topic objects stay in use, with connections of their own, see :mod:`links`, between participants.
+Connections to all other nodes are rospy's.
+"""
+from rospy.impl import registration
+from rospy.impl.registration import Registration
+
+from move_base_abstract.lockstep import wire
+
+from . import rospy_topics
+from .interest import Hearing
+from .links import MemberLinks, PublisherLink, creating_index
+
+
+class Topics:
+    """The topics of a participant, by numbers."""
+
+    def __init__(self, participant):
+        self._participant = participant
+        self.excluded = set()
+        self.constants = set()
+        self._numbers = {}
+        self._names = []
+        self._links = {}
+        self._publisher_links = {}
+        self._told_types = set()
+        self.hearing = Hearing(self)
+
+    def tell_hearing(self, impl, what):
+        """Tell which messages (wire.Hearing) have any effect on a subscription."""
+        number = self._numbers.get(impl.resolved_name)
+        if number is not None:
+            self._participant.add(wire.hears(number, what))
+
+    def install(self):
+        """Take rospy's topics over: those that there are, and those to come."""
+        manager = registration.get_topic_manager()
+        rospy_topics.install(self)
+        self.hearing.install()
+        for reg_type, topics in ((Registration.PUB, manager.pubs), (Registration.SUB, manager.subs)):
+            for impl in topics.values():
+                self.added(impl, reg_type)
+
+    def _number(self, name):
+        if name not in self._numbers:
+            self._numbers[name] = len(self._names)
+            self._names.append(name)
+        return self._numbers[name]
+
+    # --- what this node does ----------------------------------------------------------------------------------------
+
+    def added(self, impl, reg_type):
+        """A publisher or subscriber is new."""
+        name = impl.resolved_name
+        if name in self.excluded:
+            return
+        number, sub = self._number(name), creating_index()
+        if reg_type == Registration.SUB:
+            self._participant.add(wire.subscribe(number, sub, name, impl.data_class._md5sum))
+            return
+        self._links[number] = MemberLinks(self._participant, number, sub, impl)
+        # Whether it is latched is known only after rospy has made it.
+        self._participant.add(lambda: self._advertise(number, sub, impl))
+
+    def _advertise(self, number, sub, impl):
+        """Return the item; the definition of a type, some kilobytes, is told once."""
+        kind = impl.data_class
+        md5 = kind._md5sum if kind else ''  # rospy forgets the class of a topic that has been closed again
+        definition = kind._full_text if kind and md5 not in self._told_types else ''
+        self._told_types.add(md5)
+        return wire.advertise(number, sub, impl.resolved_name, impl.type or '', md5, impl.is_latch, definition)
+
+    def removed(self, impl, reg_type):
+        """A publisher or subscriber is gone."""
+        number = self._numbers.get(impl.resolved_name)
+        if number is None:
+            return
+        if reg_type == Registration.SUB:
+            self.hearing.forget(impl)
+            self._participant.add(wire.unsubscribe(number))
+            for key in [key for key in self._publisher_links if key[0] == number]:
+                del self._publisher_links[key]
+        else:
+            self._participant.add(wire.unadvertise(number))
+            self._links.pop(number, None)
+
+    # --- what the time master tells ---------------------------------------------------------------------------------
+
+    def on_publisher(self, number, member, type_name, md5, latched, definition):
+        """A participant publishes what this one listens to."""
+        return lambda: self._connect_publisher(number, member, {
+            'callerid': self._participant.names.get(member, ''), 'topic': self._names[number], 'type': type_name,
+            'md5sum': md5, 'latching': '1' if latched else '0', 'message_definition': definition})
+
+    def _connect_publisher(self, number, member, header):
+        impl = registration.get_topic_manager().get_subscriber_impl(self._names[number])
+        if impl is not None and (number, member) not in self._publisher_links:
+            link = PublisherLink(self._participant, number, impl, member, header)
+            self._publisher_links[number, member] = link
+            with impl.c_lock:
+                impl.connections = impl.connections + [link]
+
+    def on_no_publisher(self, number, member):
+        """It does so no more."""
+        return lambda: self._disconnect_publisher(number, member)
+
+    def _disconnect_publisher(self, number, member):
+        link = self._publisher_links.pop((number, member), None)
+        if link is not None and not link._impl.closed:
+            with link._impl.c_lock:
+                link._impl.connections = [other for other in link._impl.connections if other is not link]
+
+    def on_subscriber(self, number, member):
+        """A participant listens to what this one publishes."""
+        return lambda: self._connect_subscriber(number, member)
+
+    def _connect_subscriber(self, number, member):
+        link = self._links.get(number)
+        impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
+        if link is None or impl is None or impl.closed:
+            return
+        link.add(member)
+        with impl.c_lock:
+            if link not in impl.connections:
+                impl.connections = impl.connections + [link]
+        one = link.for_one(member)
+
+        def publish_single(data):
+            impl.publish(data, connection_override=one)
+        for listener in impl.subscriber_listeners:
+            listener.peer_subscribe(impl.resolved_name, impl.publish, publish_single)
+        if impl.is_latch and impl.latch is not None:
+            with impl.publock:
+                impl.publish(impl.latch, connection_override=one)
+
+    def on_no_subscriber(self, number, member):
+        """It does so no more."""
+        return lambda: self._disconnect_subscriber(number, member)
+
+    def _disconnect_subscriber(self, number, member):
+        link = self._links.get(number)
+        impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
+        if link is None or impl is None or impl.closed:
+            return
+        link.remove(member)
+        if not link.members:
+            with impl.c_lock:
+                impl.connections = [other for other in impl.connections if other is not link]
+        count = impl.get_num_connections()
+        for listener in impl.subscriber_listeners:
+            listener.peer_unsubscribe(impl.resolved_name, count)
+
+    def on_heard(self, number, member, what):
+        """Some of what this one publishes (wire.Hearing) has an effect on a participant that listens."""
+        return lambda: self._note_hearing(number, member, what)
+
+    def _note_hearing(self, number, member, what):
+        link = self._links.get(number)
+        impl = registration.get_topic_manager().get_publisher_impl(self._names[number])
+        if link is None or impl is None or impl.closed or member not in link.members:
+            return
+        link.hearing(member, what)
+        for listener in impl.subscriber_listeners:
+            if hasattr(listener, 'begins_to_hear'):
+                listener.hears_less() if what == wire.Hearing.NOTHING else listener.begins_to_hear()
+
+    def on_deliver(self, number, member, data):
+        """A participant's message."""
+        def deliver():
+            link = self._publisher_links.get((number, member))
+            if link is not None:
+                link.take(data)
+        return deliver
+
+    # --- other nodes ------------------------------------------------------------------------------------------------
+
+    def drop_connections_to(self, name):
+        """A node has joined: what it sent and heard over connections of its own goes through the time master now."""
+        manager = registration.get_topic_manager()
+        with manager.lock:
+            impls = list(manager.pubs.values())
+        for impl in impls:
+            if impl.resolved_name not in self.excluded:
+                for connection in impl.connections:
+                    if connection.endpoint_id == name:
+                        connection.close()
+
+    @staticmethod
+    def is_link(connection):
+        """Return whether it is a connection to participants, not one of rospy's."""
+        return isinstance(connection, MemberLinks)
+
+    def outside(self, impl, messages, connection, deliver):
+        """Messages have come from a node that does not take part, or over a connection that does not count."""
+        participant = self._participant
+        is_free = impl.resolved_name in self.excluded or (participant.is_starting
+                                                          and impl.resolved_name in self.constants)
+        if participant.scheduler.is_closed or is_free:
+            deliver(messages, connection)
+            return
+        if participant.is_member(connection.callerid_pub):
+            return
+
+        def take():
+            if participant.is_member(connection.callerid_pub):
+                return  # it has joined in the meantime
+            participant.label('a message on {} came from {}, which does not take part'.format(
+                impl.resolved_name, connection.callerid_pub))
+            deliver(messages, connection)
+        participant.scheduler.from_outside(take)

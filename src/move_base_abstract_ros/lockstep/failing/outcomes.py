@@ -1,0 +1,217 @@
+"""Jobs that ended with an exception for which nobody asks: futures, results of pools of threads, asyncio's tasks.
+
+Such an exception waits in its future until somebody asks; if nobody does, Python says nothing, or says it when the
+future is gone. Most are asked for later: when a round is over in which one still waits, the event log says
+``unasked``, and ``asked`` as soon as somebody has. What nobody has asked for when the run is over, nobody has caught
+(``launching.ends``).
+"""
+import weakref
+from types import SimpleNamespace
+
+import rospy
+
+from ...replacing.replaced import replace
+from ..code.imports import when_imported
+from . import uncaught
+from .failures import ASKED, UNASKED
+
+_JOB, _TASK = 'a job whose outcome nobody has asked for', 'a task whose outcome nobody has asked for'
+_MOST_OPEN = 1000  # those before them stay told; whether somebody asks for one is not looked at any more
+_state = SimpleNamespace(participant=None, count=0, open=[])
+
+
+class _Outcome:
+    """An exception that waits for somebody who asks. ``is_asked``: whether somebody has."""
+
+    def __init__(self, error, what):
+        self.error_name, self.where = type(error).__name__, '{}, {}'.format(what, uncaught.place_of(error))
+        self.is_asked = False
+        self.number = None  # by which the event log has it
+
+    def look(self):
+        """See whether somebody has asked, where that is not told by itself."""
+
+
+class _OfTask(_Outcome):
+    """Python itself notes of a task whether somebody has asked; of one that is gone it says that nobody has."""
+
+    def __init__(self, task, error):
+        super().__init__(error, _TASK)
+        self._task = weakref.ref(task)
+        self.is_lost = False
+
+    def look(self):
+        task = self._task()
+        if not self.is_lost:
+            self.is_asked = not task._log_traceback if task is not None else True
+
+
+def install(participant):
+    """Have the event log say from now on for which outcomes nobody asks."""
+    _state.participant = participant
+    participant.last_words.append(_tell)
+    when_imported('concurrent.futures._base', _follow_futures)
+    when_imported('multiprocessing.pool', _follow_pools)
+
+
+def _note(outcome):
+    participant = _state.participant
+    if participant is not None and not participant.scheduler.is_closed and not rospy.core.is_shutdown_requested():
+        _state.open.append(outcome)
+
+
+def _tell():
+    """A round is over: tell what waits in it, and what waits no more."""
+    if not _state.open:  # as in nearly all rounds
+        return
+    participant = _state.participant
+    for one in list(_state.open):
+        one.look()
+        if one.is_asked:
+            _state.open.remove(one)
+            if one.number is not None:
+                participant.log(rospy.get_name(), ASKED, [one.number])
+        elif one.number is None:
+            _state.count += 1
+            one.number = _state.count
+            participant.log(rospy.get_name(), UNASKED, [one.number, one.error_name, one.where])
+    del _state.open[:-_MOST_OPEN]
+
+
+# --- futures and pools ----------------------------------------------------------------------------------------------
+
+
+def _follow_futures():
+    replace('concurrent.futures._base.Future.set_exception', _setting)
+    for name in ('result', 'exception'):
+        replace('concurrent.futures._base.Future.' + name, _asking)
+    replace('concurrent.futures._base.Future.add_done_callback', _calling_back)
+
+
+def _keep(job, error):
+    if uncaught.is_failure(error):
+        job._lockstep_outcome = outcome = _Outcome(error, _JOB)
+        _note(outcome)
+
+
+def _setting(set_exception):
+    def _set_exception(self, exception):
+        if exception is not None:
+            _keep(self, exception)
+        set_exception(self, exception)
+    return _set_exception
+
+
+def _asking(ask):
+    def _ask(self, timeout=None):
+        try:
+            return ask(self, timeout)
+        finally:
+            outcome = self.__dict__.get('_lockstep_outcome')
+            if outcome is not None:
+                outcome.is_asked = True
+    return _ask
+
+
+def _calling_back(add_done_callback):
+    def _add_done_callback(self, fn):
+        add_done_callback(self, uncaught.told(fn, "a job's done callback"))
+    return _add_done_callback
+
+
+def _follow_pools():
+    for name in ('ApplyResult', 'MapResult'):
+        replace('multiprocessing.pool.{}._set'.format(name), _setting_result)
+    replace('multiprocessing.pool.ApplyResult.get', _asking)
+    for name in ('IMapIterator', 'IMapUnorderedIterator'):
+        replace('multiprocessing.pool.{}._set'.format(name), _setting_item)
+    for name in ('next', '__next__'):
+        replace('multiprocessing.pool.IMapIterator.' + name, _taking)
+
+
+def _setting_result(set_result):
+    def _set(self, i, obj):
+        is_success, value = obj
+        if not is_success and self._error_callback is None and not hasattr(self, '_lockstep_outcome'):
+            _keep(self, value)
+        set_result(self, i, obj)
+    return _set
+
+
+def _setting_item(set_item):
+    def _set(self, i, obj):
+        is_success, value = obj
+        if not is_success and uncaught.is_failure(value):
+            value._lockstep_outcome = outcome = _Outcome(value, _JOB)
+            _note(outcome)
+        set_item(self, i, obj)
+    return _set
+
+
+def _taking(take):
+    """Who takes an item whose job has failed gets the exception."""
+    def _next(self, *args, **kwds):
+        try:
+            return take(self, *args, **kwds)
+        except BaseException as error:
+            outcome = getattr(error, '_lockstep_outcome', None)
+            if outcome is not None:
+                outcome.is_asked = True
+            raise
+    return _next
+
+
+# --- tasks of asyncio -----------------------------------------------------------------------------------------------
+
+
+def follow_tasks():
+    """Hear what asyncio's loops say of exceptions that nobody catches."""
+    replace('asyncio.base_events.BaseEventLoop.default_exception_handler', _handling)
+    replace('asyncio.tasks._GatheringFuture.set_exception', _setting_of_many)
+
+
+def _handling(handle):
+    def default_exception_handler(self, context):
+        error = context.get('exception')
+        outcome = getattr(error, '_lockstep_outcome', None)
+        if outcome is not None:
+            outcome.is_lost, outcome.is_asked = True, False
+        elif error is not None:
+            uncaught.tell(error, 'a callback of its event loop')
+        handle(self, context)
+    return default_exception_handler
+
+
+def _setting_of_many(set_exception):
+    """Return the method of what gather() returns: it has asked its tasks, and is asked in their place."""
+    def _set_exception(self, exception):
+        set_exception(self, exception)
+        _ended(self)
+    return _set_exception
+
+
+def methods_of(kind):
+    """Return the methods with which a kind of asyncio's tasks or futures notes what it ends with."""
+    if not hasattr(kind, 'get_coro'):
+        def set_exception(self, exception):
+            kind.set_exception(self, exception)
+            _ended(self)
+        return {'set_exception': set_exception}
+
+    def init(self, *args, **kwds):
+        kind.__init__(self, *args, **kwds)
+        self.add_done_callback(_ended)
+    return {'__init__': init}
+
+
+def _ended(task):
+    """A task has ended. A loop with a handler of the program's own is asked by nobody else."""
+    error = None if task.cancelled() else task._exception
+    if not uncaught.is_failure(error) or task.get_loop().get_exception_handler() is not None:
+        return
+    before = getattr(error, '_lockstep_outcome', None)  # of a task that this one has waited for
+    if before is not None:
+        before.look()
+    if before is None or before.is_asked:
+        error._lockstep_outcome = outcome = _OfTask(task, error)
+        _note(outcome)

@@ -1,0 +1,165 @@
+"""What nobody catches is told: an exception in a callback, a handler or a thread is an event of the run.
+
+rospy, actionlib and Python itself show such an exception and go on, so that the process's exit code says nothing of it.
+The event log says it (``uncaught``), and with it who judges the run (``launching.ends``). What comes when the node is
+told to end, or the run is over, is no event any more.
+"""
+import os
+from types import SimpleNamespace
+
+import rospy
+
+from move_base_abstract.lockstep.scheduler import TurnLost
+
+from ...replacing.replaced import replace
+from ..code.own_code import is_library
+from .failures import UNCAUGHT, words_of
+
+_state = SimpleNamespace(participant=None)
+
+
+def install(participant):
+    """Have the event log say from now on what nobody catches in this process."""
+    _state.participant = participant
+    replace('rospy.topics._SubscriberImpl._invoke_callback', _invoking)
+    replace('rospy.impl.tcpros_service.ServiceImpl.error_handler', _handling)
+    replace('actionlib.simple_action_server.SimpleActionServer.__init__', _executing)
+    for what in ('goal', 'preempt'):
+        replace('actionlib.simple_action_server.SimpleActionServer.register_{}_callback'.format(what),
+                lambda register, what=what: _registering(register, "an action's {} callback".format(what)))
+    replace('threading.excepthook', _in_threads)
+    replace('sys.unraisablehook', _ignored)
+
+
+def tell(error, where):
+    """Have the event log say that nobody has caught ``error``, once; ``where``: what was called, in words."""
+    if not rospy.core.is_shutdown_requested():
+        _tell(error, where)
+
+
+def _tell_last(error, where):
+    """The same of what the node calls when it ends by itself, which is when many write down what came out."""
+    if not (_state.participant.is_told_to_end or isinstance(error, rospy.ROSInterruptException)):
+        _tell(error, where)
+
+
+def _tell(error, where):
+    participant = _state.participant
+    if participant is None or participant.scheduler.is_closed:
+        return
+    if not is_failure(error) or hasattr(error, '_lockstep_told'):
+        return
+    error._lockstep_told = True
+    participant.log(rospy.get_name(), UNCAUGHT, [type(error).__name__, '{}, {}'.format(where, place_of(error))])
+
+
+def is_failure(error):
+    """Return whether an exception that nobody catches is one of the program: no end of the run, of a job or of itself.
+
+    ``sys.exit`` with an error is one: where it is caught by no main thread, it ends a callback and not the program.
+    So is an exception of a class that is derived from ``BaseException`` alone.
+    """
+    if isinstance(error, SystemExit):
+        return error.code not in (None, 0)
+    return isinstance(error, BaseException) and not isinstance(error, (TurnLost, KeyboardInterrupt))
+
+
+def place_of(error):
+    """Return 'FILE, line N': the innermost place of the program's own code in an exception's traceback, else of any."""
+    found, trace = None, error.__traceback__
+    while trace is not None:
+        filename = trace.tb_frame.f_code.co_filename
+        if filename != __file__ and (found is None or not is_library(filename) or is_library(found[0])):
+            found = (filename, trace.tb_lineno)
+        trace = trace.tb_next
+    return '{}, line {}'.format(os.path.basename(found[0]), found[1]) if found else 'an unknown place'
+
+
+class _Again:
+    """A callback that has been called, for rospy, which shows what it has raised under the callback's own name."""
+
+    def __init__(self, callback, error):
+        self._callback = callback
+        self._error = error
+
+    def __call__(self, *_):
+        raise self._error.with_traceback(self._error.__traceback__.tb_next)  # where the callback begins
+
+    def __str__(self):
+        return str(self._callback)
+
+
+def _invoking(invoke_callback):
+    def _invoke_callback(self, message, callback, arguments):
+        try:
+            if arguments is None:
+                callback(message)
+            else:
+                callback(message, arguments)
+        except (Exception, SystemExit) as error:
+            tell(error, 'a callback of {}'.format(self.resolved_name))
+            invoke_callback(self, message, _Again(callback, error), arguments)
+    return _invoke_callback
+
+
+def _handling(error_handler):
+    def _error_handler(self, error, *about):
+        tell(error, 'the handler of service {}'.format(self.resolved_name))
+        error_handler(self, error, *about)
+    return _error_handler
+
+
+def _executing(init):
+    def _init(self, *args, **kwds):
+        init(self, *args, **kwds)
+        if self.execute_callback:
+            self.execute_callback = told(self.execute_callback, "an action's execute callback")
+    return _init
+
+
+def _registering(register, where):
+    def _register(self, cb):
+        register(self, None if cb is None else told(cb, where))
+    return _register
+
+
+def told(function, where, tell_it=tell):
+    """Return a function that tells what nobody has caught in another one; ``where``: what that is, in words."""
+    def call(*args):
+        try:
+            return function(*args)
+        except BaseException as error:
+            tell_it(error, where)
+            raise
+    return call
+
+
+def follow_hooks():
+    """Tell what nobody catches in the functions that rospy is about to call as the node shuts down."""
+    hooks = rospy.core._client_shutdown_hooks
+    hooks[:] = [told(hook, 'a function of rospy.on_shutdown', _tell_last) for hook in hooks]
+
+
+def _ignored(hook):
+    def unraisablehook(args):
+        about = args.err_msg or ''
+        if 'atexit' in about:
+            _tell_last(args.exc_value, 'a function of atexit')
+        elif 'ctypes' in about:  # others are of destructors
+            tell(args.exc_value, 'a callback of a library in C')
+        hook(args)
+    return unraisablehook
+
+
+def _in_threads(excepthook):
+    def _excepthook(args):
+        if args.exc_value is not None:
+            is_ours = getattr(args.thread, 'name', '').startswith('lockstep_')
+            tell(args.exc_value, 'a callback' if is_ours else words_of(args.thread))
+        excepthook(args)
+    return _excepthook
+
+
+def run_of(thread):
+    """Return a thread's ``run``, which tells while the thread still has its turn what nobody catches in it."""
+    return told(thread.run, 'a callback of rospy.Timer' if isinstance(thread, rospy.Timer) else words_of(thread))

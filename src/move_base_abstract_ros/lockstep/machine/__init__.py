@@ -1,0 +1,1 @@
+"""What a program sees of its machine: chance, clocks, files, names; what cannot be followed labels the run."""

@@ -1,0 +1,141 @@
+"""The program's random numbers: they follow from the run's seed, the node's name, and how many were drawn before.
+
+Python's and numpy's global generators start so, and what the machine would give (os.urandom and all that is made of it:
+secrets, SystemRandom, generators without a seed, numpy's too, uuid, temporary names) is drawn so. Threads that lockstep
+does not order draw from other bytes, so that they do not disturb the others, and are told.
+"""
+import os
+import random
+import sys
+import tempfile
+import uuid
+import zlib
+
+from move_base_abstract.lockstep.seen import Entropy
+
+from ...replacing.replaced import replace
+from ..code.callers import asker, is_own, own_frame, sees_run
+from ..code.labels import told
+
+_STRAY = 'draws in a thread that lockstep does not order'
+_BITS = 32  # bytes of a start for a generator
+_MULTICAST = 1 << 40  # of a node of uuid.uuid1: no address of hardware
+
+
+def install(text, present_ns):
+    """Seed the global generators, and have the program draw from the run's chance. ``text``: seed and name of the node.
+
+    ``present_ns(frame)`` [ns] is the date that the code of a frame sees; None: the machine's. Return what draws bytes
+    for who calls it: ``draw(size)``.
+    """
+    number = zlib.crc32(text.encode('utf-8'))
+    random.seed(number)  # noqa: TID251 - the generator of the program, not ours
+    chance = _Chance(text)
+    replace('uuid.uuid1', lambda machine: _dated_identifier(machine, chance, present_ns))
+    for name in ('os.urandom', 'random._urandom'):
+        replace(name, lambda machine: lambda size, /: _or_else(chance.draw(size, sys._getframe(1)), machine, size))
+    replace('os.getrandom', lambda machine: lambda size, flags=0: _or_else(
+        chance.draw(size, sys._getframe(1)), machine, size, flags))
+    replace('random.Random.seed', lambda seed: _seeding(seed, chance))
+    replace('random.seed', lambda _seed: random._inst.seed)
+    replace('tempfile._get_candidate_names', lambda machine: _naming(machine, chance))
+    _seed_numpy(number)
+    return chance.draw_in_turn
+
+
+def _seed_numpy(number):
+    try:
+        import numpy
+    except ImportError:
+        return
+    numpy.random.seed(number)  # noqa: NPY002 - the generator of the program, not ours
+
+
+class _Chance:
+    """What is drawn by whom."""
+
+    def __init__(self, text):
+        self._ordered = Entropy(text + '\nentropy')
+        self._strays = Entropy(text + '\nstrays')
+
+    def draw_in_turn(self, size):
+        """Return so many bytes for the calling thread, whoever asks."""
+        return (self._ordered if told.is_ordered() else self._strays).draw(size)
+
+    def draw(self, size, frame):
+        """Return so many bytes for the code of a frame; None: those of the machine."""
+        frame = asker(frame)
+        if not sees_run(frame):
+            return None
+        if not told.is_ordered() and is_own(frame):
+            told.tell(frame, 'chance', _STRAY)
+        return self.draw_in_turn(size)
+
+
+def _or_else(drawn, machine, *given):
+    return machine(*given) if drawn is None else drawn
+
+
+def _seeding(original, chance):
+    def seed(self, a=None, version=2):
+        """As random.Random.seed; without a number, from the run's chance."""
+        drawn = chance.draw(_BITS, sys._getframe(1)) if a is None else None
+        original(self, a if drawn is None else int.from_bytes(drawn, 'little'), version)
+    return seed
+
+
+def _dated_identifier(machine, chance, present_ns):
+    """The computer's address is another one on another computer: it is drawn, if none is given."""
+    ticks_to_1970, last = 0x01b21dd213814000, [0]  # 100 ns since 1582, RFC 4122
+
+    def uuid1(node=None, clock_seq=None):
+        frame = sys._getframe(1)
+        now_ns = present_ns(frame)
+        drawn = None if now_ns is None else chance.draw(8, frame)
+        if drawn is None:
+            return machine(node, clock_seq)
+        ticks = last[0] = max(now_ns // 100 + ticks_to_1970, last[0] + 1)
+        node = int.from_bytes(drawn[:6], 'little') | _MULTICAST if node is None else node
+        clock_seq = int.from_bytes(drawn[6:], 'little') & 0x3fff if clock_seq is None else clock_seq
+        return uuid.UUID(fields=(ticks & 0xffffffff, (ticks >> 32) & 0xffff, (ticks >> 48) & 0x0fff,
+                                 (clock_seq >> 8) & 0x3f, clock_seq & 0xff, node), version=1)
+    return uuid1
+
+
+class _Names:
+    """Names of temporary files, as tempfile makes them."""
+
+    _LETTERS = 'abcdefghijklmnopqrstuvwxyz0123456789_'
+
+    def __init__(self, draw):
+        self._draw = draw
+
+    def __iter__(self):
+        return self
+
+    def __next__(self):
+        number = int.from_bytes(self._draw(8), 'little')
+        letters = []
+        for _ in range(8):
+            number, place = divmod(number, len(self._LETTERS))
+            letters.append(self._LETTERS[place])
+        return ''.join(letters)
+
+
+def _naming(machine, chance):
+    def names():
+        frame = sys._getframe(1)
+        while frame is not None and frame.f_globals.get('__name__') == tempfile.__name__:
+            frame = frame.f_back
+        if not is_own(frame):
+            return machine()
+        return _Names(lambda size: _or_else(chance.draw(size, frame), os.urandom, size))
+    return names
+
+
+def is_taken(path, frame):
+    """Tell if the name of a temporary file that is about to be made is there already: the next one is taken."""
+    frame = own_frame(frame)
+    if frame is not None and isinstance(path, (str, bytes)) and os.path.lexists(path):
+        told.tell(frame, 'tempfile', 'finds a file of an earlier run, which had the same name for it; another TMPDIR '
+                  'for each run, or another --seed, helps')

@@ -1,0 +1,148 @@
+"""Python's clocks as the program sees them: they go on with simulated time, from the program's first line on."""
+import datetime
+import sys
+import time
+
+from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
+from move_base_abstract.lockstep import seen
+from move_base_abstract.lockstep.loops import TIME_STEP_NS
+from move_base_abstract.lockstep.scheduler import TurnLost
+
+from ...replacing.replaced import replace
+from ..code.callers import asker, is_own, sees_run
+from ..code.labels import told
+
+_STRAY = 'reads a clock in a thread that lockstep does not order'
+_KINDS = {'time': seen.DATE, 'monotonic': seen.UPTIME, 'perf_counter': seen.UPTIME, 'process_time': seen.PROCESSOR,
+          'thread_time': seen.PROCESSOR}
+_SPLIT = ('localtime', 'gmtime', 'ctime')  # of the present, if nothing is said
+
+
+def install(seed, is_simulated, slept_ns):
+    """Have the program see the run's clocks; to be called before its first line. Return them.
+
+    ``slept_ns``: as of :class:`.SeenClocks`.
+    """
+    clocks = _Clocks(seen.SeenClocks(seed, is_simulated, slept_ns))
+    for name, kind in _KINDS.items():
+        replace('time.' + name, lambda machine, kind=kind: _Clock(clocks, kind, machine, lambda ns: ns / NS_PER_S))
+        replace('time.{}_ns'.format(name), lambda machine, kind=kind: _Clock(clocks, kind, machine, lambda ns: ns))
+    for name, in_unit in (('time.clock_gettime', lambda ns: ns / NS_PER_S), ('time.clock_gettime_ns', lambda ns: ns)):
+        replace(name, lambda machine, in_unit=in_unit: _ClockOfKernel(clocks, machine, in_unit))
+    for name in _SPLIT:
+        replace('time.' + name, lambda machine: _Split(clocks, machine, machine, 0))
+    for name, place in (('time.asctime', 0), ('time.strftime', 1)):
+        replace(name, lambda machine, place=place: _Split(clocks, machine, time.localtime.machine, place))
+    return clocks
+
+
+class _Clocks:
+    """What the clocks show to whom."""
+
+    def __init__(self, clocks):
+        self._clocks = clocks
+
+    def read(self, kind, frame):
+        """Return what a clock of a kind shows [ns] to the code of a frame; None: what the machine's does."""
+        frame = asker(frame)
+        if not sees_run(frame):
+            return None
+        participant = told.participant
+        if told.is_ordered():
+            self._look(participant)
+        elif not is_own(frame):
+            return None
+        else:
+            told.tell(frame, 'a clock', _STRAY)
+            self._clocks.look()
+        return self.now(kind)
+
+    def now(self, kind):
+        """Return what a clock of a kind shows [ns], without looking at it for the program."""
+        participant = told.participant
+        return self._clocks.read(kind, 0 if participant is None else participant.now_ns)
+
+    def start(self, kind):
+        """Return what a clock of a kind showed [ns] when nothing had been done yet."""
+        return self._clocks.start(kind)
+
+    def _look(self, participant):
+        if participant is None:
+            self._clocks.look()
+            return
+        try:
+            participant.scheduler.look(TIME_STEP_NS)
+        except TurnLost:
+            pass  # lockstep is over
+
+    def add_sleep(self, seconds):
+        """So long was slept by the wall, by the program."""
+        self._clocks.add_sleep(seconds_to_ns(seconds))
+
+    def date_ns(self, frame):
+        """Return the date [ns] that the code of a frame sees; None: the machine's."""
+        return self.read(seen.DATE, frame)
+
+    def moment(self, kind, name, frame):
+        """Return what stands in for the method ``name`` of ``kind``, a datetime or date: it asks for the present."""
+        def present(zone=None):
+            now_ns = self.read(seen.DATE, frame)
+            if now_ns is None:
+                return getattr(kind, name)(*([] if zone is None else [zone]))
+            seconds = now_ns / NS_PER_S
+            if name == 'utcnow':
+                return kind.fromtimestamp(seconds, datetime.timezone.utc).replace(tzinfo=None)
+            return kind.fromtimestamp(seconds) if zone is None else kind.fromtimestamp(seconds, zone)
+
+        def today():
+            return present()
+        if name == 'now':
+            return lambda tz=None: present(tz)
+        return today
+
+
+class _Clock:
+    """A clock of the module time; no function, so that it can be an attribute of a class as the machine's can."""
+
+    __slots__ = ('_clocks', '_kind', '_machine', '_in_unit')
+
+    def __init__(self, clocks, kind, machine, in_unit):
+        self._clocks, self._kind, self._machine, self._in_unit = clocks, kind, machine, in_unit
+
+    def __call__(self):
+        now_ns = self._clocks.read(self._kind, sys._getframe(1))
+        return self._machine() if now_ns is None else self._in_unit(now_ns)
+
+
+class _ClockOfKernel:
+    """time.clock_gettime."""
+
+    def __init__(self, clocks, machine, in_unit):
+        self._clocks, self._machine, self._in_unit = clocks, machine, in_unit
+
+    def __call__(self, clock_id, /):
+        machine = self._machine(clock_id)
+        now_ns = self._clocks.read(seen.kind_of(clock_id), sys._getframe(1))
+        return machine if now_ns is None else self._in_unit(now_ns)
+
+
+class _Split:
+    """time.localtime and what is like it: the present, where no other time is given at ``place``."""
+
+    def __init__(self, clocks, machine, split, place):
+        self._clocks, self.machine, self._split, self._place = clocks, machine, split, place
+
+    def __call__(self, *given):
+        is_present = len(given) == self._place or self.machine is self._split and given == (None,)
+        now_ns = self._clocks.read(seen.DATE, sys._getframe(1)) if is_present else None
+        if now_ns is None:
+            return self.machine(*given)
+        present = now_ns // NS_PER_S
+        return self.machine(*given[:self._place], present if self.machine is self._split else self._split(present))
+
+
+def is_moment(function):
+    """Return whether a function is a datetime's or date's that asks for the present."""
+    kind = getattr(function, '__self__', None)
+    is_date = isinstance(kind, type) and issubclass(kind, datetime.date)
+    return is_date and function.__name__ in ('now', 'utcnow', 'today')

@@ -1,0 +1,70 @@
+"""What a program learns of its own threads and of the computer: the same in each run, on any computer.
+
+Threads without a name are counted where the program makes them: rospy's own, which come and go by the wall clock, are
+not in its count. A pool has as many threads as it would have on a computer of :data:`CORES` cores. Records of the
+program's log have the run's date.
+"""
+import itertools
+import os
+import sys
+import threading
+
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.lockstep.seen import DATE, UPTIME
+
+from ...replacing.replaced import replace
+from ..code.callers import sees_run
+from ..code.labels import told
+
+CORES = 4
+_THREADS = 'Thread-%d'
+#: modules whose threads come and go by the wall clock
+_FOREIGN = ('rospy.impl.', 'rosgraph.', 'xmlrpc.', 'socketserver.', 'http.', 'move_base_abstract_ros.')
+
+
+def install(clocks):
+    """Have the program see what is the same everywhere; to be called before its first line. ``clocks``: its own."""
+    replace('threading._newname', _Names)
+    for name in ('os.cpu_count', 'os.process_cpu_count'):
+        if hasattr(os, name.partition('.')[2]):
+            replace(name, lambda _machine: lambda: CORES)
+    replace('logging._logRecordFactory', lambda record: _recording(record, clocks))
+
+
+class _Names:
+    """Names of threads to which nobody has given one."""
+
+    def __init__(self, machine):
+        self._machine = machine
+        self._numbers = itertools.count(1)
+
+    def __call__(self, template=_THREADS):
+        is_counted = template == _THREADS and told.is_ordered() and not _is_foreign(sys._getframe(1))
+        return template % next(self._numbers) if is_counted else self._machine(template)
+
+
+def _is_foreign(frame):
+    """Whether what makes a thread, beyond the class of threads itself, does so by the wall clock."""
+    while frame is not None and frame.f_globals.get('__name__') == threading.__name__:
+        frame = frame.f_back
+    return frame is None or (frame.f_globals.get('__name__') or '').startswith(_FOREIGN)
+
+
+def _recording(make, clocks):
+    def record(*args, **kwds):
+        made = make(*args, **kwds)
+        if told.is_ordered() and sees_run(_Source(made.pathname)):
+            now_ns = clocks.now(DATE)
+            made.created = now_ns / NS_PER_S
+            made.msecs = float(now_ns % NS_PER_S // 1000000)
+            made.relativeCreated = (clocks.now(UPTIME) - clocks.start(UPTIME)) / 1e6
+        return made
+    return record
+
+
+class _Source:
+    """A frame that is known by its file only."""
+
+    def __init__(self, filename):
+        self.f_code = self
+        self.co_filename = filename

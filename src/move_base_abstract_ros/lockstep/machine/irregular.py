@@ -1,0 +1,251 @@
+"""What a program does that differs from run to run, and cannot be followed: its place is told, and the run labelled.
+
+Other processes, connections and devices; the processor's and the machine's figures; waits in the kernel; addresses.
+Only what the program's own code has done counts, not what ROS or Python's library do for themselves.
+"""
+import builtins
+import getpass  # noqa: F401 - replaced by name, as the others
+import os
+import platform  # noqa: F401
+import resource  # noqa: F401
+import select  # noqa: F401
+import shutil  # noqa: F401
+import signal  # noqa: F401
+import socket  # noqa: F401
+import sys
+import threading
+import time
+import types
+
+import rospy
+import rospy.msproxy  # noqa: F401 - replaced by name
+
+from move_base_abstract.lockstep.asked import ASK, FILE_TIME, HASHED
+from move_base_abstract.lockstep.numbered import Numbered, is_hashed_by_address
+from move_base_abstract.lockstep.own_cores import own_cores
+
+from ...replacing.replaced import replace
+from ..code.callers import is_own, own_frame
+from ..code.labels import told
+from . import chance
+from .clocks import is_moment
+from .files import files
+from .native import native
+
+_PROCESS = 'starts another process, which does not take part in lockstep by itself'
+_CONNECTION = 'opens a connection of its own: what comes over it comes when it comes'
+#: events that Python tells of (sys.audit)
+EVENTS = {
+    'socket.connect': _CONNECTION,
+    'socket.bind': _CONNECTION,
+    'subprocess.Popen': _PROCESS,
+    'os.system': _PROCESS,
+    'os.posix_spawn': _PROCESS,
+    'os.exec': 'becomes another program, which takes part no more',
+    'os.fork': 'forks: the child does not take part in lockstep',
+    'os.forkpty': 'forks: the child does not take part in lockstep',
+    'builtins.input': 'waits for somebody to type',
+}
+_STARTS = ('subprocess.Popen', 'os.system', 'os.posix_spawn', 'os.exec', 'os.fork')
+_PROCESSOR = 'tells what the processor has worked, or the machine has to do'
+_WOKEN = 'has the kernel wake the program by the wall clock'
+_NUMBER = 'is another number in another run'
+_COMPUTER = 'is another one on another computer'
+_WRITTEN = 'tells when a file was written, by the wall clock'
+_THREADS = 'counts threads of ROS, too, which come and go by the wall clock'
+_WATCHES = 'looks at a connection or a file, by the wall clock'
+#: functions that are told where the program's own code calls them
+CALLS = {
+    'os.getpid': _NUMBER, 'os.getppid': _NUMBER, 'os.getpgrp': _NUMBER, 'threading.get_native_id': _NUMBER,
+    'threading.active_count': _THREADS, 'threading.enumerate': _THREADS,
+    'socket.gethostname': _COMPUTER, 'socket.getfqdn': _COMPUTER, 'platform.node': _COMPUTER, 'os.uname': _COMPUTER,
+    'getpass.getuser': _COMPUTER, 'uuid.getnode': _COMPUTER, 'os.sched_getaffinity': _COMPUTER,
+    'shutil.disk_usage': _COMPUTER, 'os.path.getmtime': _WRITTEN, 'os.path.getctime': _WRITTEN,
+    'os.path.getatime': _WRITTEN,
+    'os.times': _PROCESSOR, 'os.getloadavg': _PROCESSOR, 'resource.getrusage': _PROCESSOR,
+    'signal.setitimer': _WOKEN, 'signal.alarm': _WOKEN, 'signal.sigtimedwait': _WOKEN,
+    'select.poll': _WATCHES, 'select.epoll': _WATCHES,
+}
+_ADDRESS = 'tells an address, which differs from run to run'
+_DEVICES = ('/dev/', '/proc/', '/sys/')
+#: what lies there and says the same in each run, or is the program's own output
+_HARMLESS = ('/dev/null', '/dev/zero', '/dev/full', '/dev/tty', '/dev/stdin', '/dev/stdout', '/dev/stderr', '/dev/fd/',
+             '/dev/shm/', '/dev/pts/')
+
+
+#: functions of the C library that a program gets by ctypes and that are the machine's, however it gets them
+_OF_C = frozenset(('clock_gettime64', 'times', 'getpid', 'gettid', 'getrusage', 'syscall'))
+#: those that are the run's where the program asks for them among all that is loaded (CDLL(None)), not in libc itself
+_FOLLOWED_OF_C = frozenset((
+    'time', 'clock_gettime', 'gettimeofday', 'ftime', 'timespec_get', 'clock', 'nanosleep', 'clock_nanosleep', 'usleep',
+    'sleep', 'getrandom', 'getentropy', 'arc4random', 'arc4random_buf', 'arc4random_uniform'))
+
+
+def install():
+    """Begin to watch; to be called before the program's first line, when its clocks are there."""
+    replace('os.sched_getaffinity', own_cores.seen)
+    replace('os.sched_setaffinity', own_cores.chosen)
+    replace('_imp.create_dynamic', own_cores.loading)
+    for name, why in CALLS.items():
+        replace(name, lambda function, name=name, why=why: _telling(function, name, why))
+    replace('select.select', _selecting)
+    replace('rospy.msproxy.MasterProxy.__getitem__', _asking_parameter)
+    replace('_posixsubprocess.fork_exec', _spawning)
+    replace('concurrent.futures._base.Future.__hash__', lambda _hash: Numbered.__hash__)
+    for name in ('os.listdir', 'os.scandir'):
+        replace(name, lambda machine, name=name: _IN_ORDER[name](machine))
+        in_order = getattr(os, name[len('os.'):])
+        os.supports_fd.add(in_order)
+        if sys.version_info < (3, 11):  # pathlib has kept what was there when it was imported
+            replace('pathlib._NormalAccessor.' + name[len('os.'):], lambda _machine, by=in_order: staticmethod(by))
+    sys.addaudithook(_audit)
+
+
+def hand_on(clocks):
+    """Have what the program's own code asks for in words of C come here."""
+    setattr(builtins, ASK, _Asking(clocks).ask)
+    setattr(builtins, FILE_TIME, _file_time)
+    setattr(builtins, HASHED, _hashed)
+
+
+def _telling(function, name, why):
+    def call(*args, **kwds):
+        frame = sys._getframe(1)
+        if is_own(frame):
+            told.tell(frame, name, why)
+        return function(*args, **kwds)
+    return call
+
+
+def _asking_parameter(getitem):
+    """Parameters that roslaunch makes anew for each run, and all of them together."""
+    def get(self, key):
+        name = rospy.resolve_name(key)
+        if name in ('/', '/run_id') or (name + '/').startswith('/roslaunch/'):
+            frame = sys._getframe(1)
+            while frame is not None and not is_own(frame):
+                frame = frame.f_back
+            told.tell(frame, 'rospy.get_param', 'of {}: roslaunch sets another one in each run'.format(name))
+        return getitem(self, key)
+    return get
+
+
+def _spawning(fork_exec):
+    """What multiprocessing starts anew; of subprocess Python tells."""
+    def call(*args):
+        frame = sys._getframe(1)
+        if frame.f_globals.get('__name__') != 'subprocess':
+            told.tell(own_frame(frame), '_posixsubprocess.fork_exec', _PROCESS)
+        with own_cores.lifted():
+            return fork_exec(*args)
+    return call
+
+
+def _selecting(select_):
+    """select.select; without anything to look at it is a sleep."""
+    def call(rlist, wlist, xlist, timeout=None, /):
+        frame = sys._getframe(1)
+        if is_own(frame):
+            if timeout is not None and isinstance(rlist, (list, tuple)) and not (rlist or wlist or xlist):
+                time.sleep(max(0.0, timeout))
+                return [], [], []
+            told.tell(frame, 'select.select', _WATCHES)
+        return select_(rlist, wlist, xlist, timeout)
+    return call
+
+
+def _listing(listdir):
+    """The order of a folder's entries is the file system's."""
+    def in_order(*args, **kwds):
+        return sorted(listdir(*args, **kwds))
+    return in_order
+
+
+class _Scan:
+    """What os.scandir returns, in the order of names."""
+
+    def __init__(self, entries):
+        with entries:
+            self._entries = iter(sorted(entries, key=lambda entry: entry.name))
+
+    def __iter__(self):
+        return self
+
+    def __next__(self):
+        return next(self._entries)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_error):
+        self.close()
+
+    def close(self):
+        """As of os.scandir's."""
+        self._entries = iter(())
+
+
+def _scanning(scandir):
+    def in_order(*args, **kwds):
+        return _Scan(scandir(*args, **kwds))
+    return in_order
+
+
+_IN_ORDER = {'os.listdir': _listing, 'os.scandir': _scanning}
+
+
+def _audit(event, arguments):
+    files.audit(event, arguments)
+    if event in EVENTS:
+        told.tell(own_frame(sys._getframe(1)), event, EVENTS[event])
+        if event in _STARTS and told.participant is not None:
+            told.participant.parameters.settle()  # the other process may look at them
+    elif event == 'open':
+        path = arguments[0]
+        path = os.fsdecode(path) if isinstance(path, bytes) else path
+        if isinstance(path, str) and path.startswith(_DEVICES) and not path.startswith(_HARMLESS):
+            told.tell(own_frame(sys._getframe(1)), 'open', 'of {}: what the machine says there differs from run to '
+                      'run'.format(path))
+    elif event == 'ctypes.dlsym' and (arguments[1] in _OF_C or arguments[1] in _FOLLOWED_OF_C and not (
+            native.is_there and getattr(arguments[0], '_name', '') is None)):
+        told.tell(own_frame(sys._getframe(1)), 'ctypes.dlsym', "{}() of the C library is the machine's, not the run's"
+                  .format(arguments[1]))
+    elif event in ('tempfile.mkstemp', 'tempfile.mkdtemp'):
+        chance.is_taken(arguments[0], sys._getframe(1))
+
+
+class _Asking:
+    """What stands for a name of C in the program's own code."""
+
+    def __init__(self, clocks):
+        self._clocks = clocks
+
+    def ask(self, what):
+        """Return what the program is to get instead of ``what``."""
+        kind = type(what)
+        if kind is types.BuiltinFunctionType:
+            if what is _id:
+                told.tell(sys._getframe(1), 'id', _ADDRESS)
+            elif what is threading.get_ident:
+                told.tell(sys._getframe(1), 'threading.get_ident', _ADDRESS)
+            elif is_moment(what):
+                return self._clocks.moment(what.__self__, what.__name__, sys._getframe(1))
+        elif kind is type and what.__name__ == 'datetime64' and not native.is_there:  # numpy knows the present by words
+            told.tell(sys._getframe(1), 'numpy.datetime64', 'reads the wall clock')
+        return what
+
+
+_id = id
+
+
+def _file_time(value):
+    if type(value) in (int, float):
+        told.tell(sys._getframe(1), 'os.stat', _WRITTEN)
+    return value
+
+
+def _hashed(value):
+    if is_hashed_by_address(value):
+        told.tell(sys._getframe(1), 'hash', _ADDRESS)
+    return value
+

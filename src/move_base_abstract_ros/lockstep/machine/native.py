@@ -1,0 +1,180 @@
+"""What libraries in C that the program loads see of time and chance, beside what Python itself does.
+
+A preloaded library (src/python_shim) stands in front of libc for them: extension modules, and what they, numba and
+ctypes call. Here it is told what time it is and whose threads have turns; here it sleeps; and what it has noticed is
+told when a turn is over. The numbers that both sides read lie where the library has them.
+"""
+import atexit
+import ctypes
+import os
+import sys
+
+import rospy
+
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.lockstep import seen
+from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
+
+from ..code.labels import told
+from ..code.own_code import is_library
+from ..programs import native_library
+
+#: numbers of the library, in the order of src/python_shim/run.h
+_NOW, _SLEPT, _DATE, _UPTIME, _PROCESSOR, _EPOCH, _IS_FOLLOWED, _MAY_CALL, _NOTICES, _PATIENCE, _CELLS = range(11)
+_BEFORE, _AS_NODE = 1, 2  # epochs: whose threads have turns
+_STRAY_CLOCK, _STRAY_CHANCE, _COMPUTES, _TIMES, _USAGE, _LOAD, _SYSTEM, _WAKES, _PROCESS, _NUMBER, _DEVICE, _ENTROPY = \
+    range(12)
+#: what the library notices, in the order of src/python_shim/notices.h
+WORDS = (
+    'a library reads a clock in a thread that lockstep does not order',
+    'a library draws a random number in a thread that lockstep does not order',
+    'a library looks at a clock, and has computed for {:g} s between two of its waits: from here on the clocks that it '
+    'sees go on as it computes (limits that count steps, not time, repeat; {} is the time in seconds)',
+    'times() says how long the processor has worked',
+    'getrusage() says how long the processor has worked',
+    'getloadavg() says how busy the machine is',
+    'sysinfo() says how busy the machine is',
+    'a library has the kernel wake the program by the wall clock',
+    "a library starts a process that takes no part: what it answers is the machine's",
+    'getpid() is another number in another run',
+    'a library opens a device, or what the system says of itself: that is so on this machine, now',
+    "random bytes of a device cannot be stood in for, and are the machine's")
+#: what is told only of the program's own libraries: those of others name files by it, and look at the computer
+_OF_OWN = (_NUMBER, _DEVICE)
+_SYSTEMS = ('/usr/lib/', '/lib/', '/lib64/', '/opt/ros/')
+_LIMIT = 'MOVE_BASE_ABSTRACT_COMPUTE_LIMIT'
+_DEFAULT_LIMIT = 20.0  # s of the processor
+_PATH_SIZE = 4096
+ABSENT = ('the library that stands in front of libc for extension modules is not in this process ({}): clocks, chance '
+          'and sleeps that they ask for themselves are not seen'.format(native_library.LIBRARY))
+
+
+class Native:
+    """The side of Python; where the library is not there, nothing."""
+
+    def __init__(self):
+        self._library = ctypes.PyDLL(None) if native_library.is_loaded() else None
+        self.cells = None if self._library is None else self._find_cells()
+        self._sleep = self._callback = None
+        self._told = 0
+
+    def _find_cells(self):
+        find = self._library.move_base_abstract_native_cells
+        find.restype = ctypes.c_void_p
+        return memoryview((ctypes.c_int64 * _CELLS).from_address(find())).cast('B').cast('q')
+
+    def install(self, text, clocks, sleep):
+        """Have libraries see the run's time and chance from now on; to be called by the main thread.
+
+        ``text``: seed and name of the node. ``clocks``: those that the program sees. ``sleep(seconds, frame)`` sleeps
+        as the program does.
+        """
+        if self.cells is None:
+            return
+        self._sleep = sleep
+        Scheduler.thread_changes = self._thread_changes
+        for cell, kind in ((_DATE, seen.DATE), (_UPTIME, seen.UPTIME), (_PROCESSOR, seen.PROCESSOR)):
+            self.cells[cell] = clocks.start(kind)
+        self.cells[_PATIENCE] = int(_limit() * NS_PER_S)
+        self._callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64)(self._wait)  # is to live as long as the process
+        self._library.move_base_abstract_native_begin(os.fsencode(text), self._callback)
+        self.cells[_EPOCH] = _BEFORE
+        self._library.move_base_abstract_native_enter(1)
+        self.cells[_MAY_CALL] = self.cells[_IS_FOLLOWED] = 1
+        atexit.register(self._end)
+
+    def _end(self):
+        self.cells[_MAY_CALL] = 0
+
+    def follow(self, participant):
+        """The program takes part from now on."""
+        if participant is None:
+            if self.cells is not None:
+                self.cells[_IS_FOLLOWED] = 0
+            return
+        if self.cells is None:
+            participant.label(ABSENT)
+            return
+        self.cells[_NOW] = participant.now_ns
+        participant.scheduler.shown_ns = self.cells[_NOW:_NOW + 1]
+        participant.last_words.append(self._tell)
+
+    @property
+    def is_there(self):
+        """Whether this process has the library."""
+        return self.cells is not None
+
+    def slept_ns(self):
+        """Return where it is kept what the clocks have gone on by themselves [ns]: a sequence of one number."""
+        return [0] if self.cells is None else self.cells[_SLEPT:_SLEPT + 1]
+
+    def _thread_changes(self, begins):
+        """The calling thread begins to be one of those that take turns, or ends to."""
+        self.cells[_EPOCH] = _AS_NODE
+        self._library.move_base_abstract_native_enter(int(begins))
+
+    def _wait(self, duration_ns):
+        """A library's thread that has the turn sleeps, or looks at a clock again and again; 1: it was interrupted."""
+        try:
+            if duration_ns >= 0:
+                self._sleep(duration_ns / NS_PER_S, sys._getframe(0).f_back)
+            else:
+                _look_away(-duration_ns)
+        except KeyboardInterrupt:
+            _thread_interrupt()
+            return 1
+        return 0
+
+    def _tell(self):
+        """Label the run for what was noticed since the last time."""
+        while self._told < self.cells[_NOTICES]:
+            path, offset = ctypes.create_string_buffer(_PATH_SIZE), ctypes.c_size_t()
+            what = self._library.move_base_abstract_native_notice(self._told, path, ctypes.c_size_t(_PATH_SIZE),
+                                                                  ctypes.byref(offset))
+            if what < 0:
+                return  # it is being written
+            self._told += 1
+            _tell(what, os.fsdecode(path.value), offset.value)
+
+
+def _tell(what, path, offset):
+    participant = told.participant
+    if what in _OF_OWN and (not path or path.startswith(_SYSTEMS) or is_library(os.path.realpath(path))):
+        return
+    if participant is None or told.is_over():
+        return
+    place = '{}+{:#x}'.format(os.path.basename(path), offset) if path else 'code without a file'
+    text = '{}: {} ({})'.format(participant.names[0], WORDS[what].format(_limit(), _LIMIT), place)
+    rospy.logwarn('%s', text)
+    participant.label(text)
+
+
+def _look_away(step_ns):
+    """A library looks at a clock again and again: simulated time goes on by so much."""
+    participant = told.participant
+    try:
+        if participant is not None and participant.scheduler.is_mine():
+            participant.scheduler.wait(participant.now_ns + step_ns)
+            return
+    except TurnLost:
+        pass  # lockstep is over
+    native.cells[_SLEPT] += step_ns
+
+
+def _thread_interrupt():
+    """Have the interruption raised again, where the library returns to Python."""
+    import _thread
+    _thread.interrupt_main()
+
+
+def _limit():
+    """Return for how long a thread may compute between two of its waits [s of the processor]."""
+    try:
+        limit = float(os.environ.get(_LIMIT, _DEFAULT_LIMIT))
+    except ValueError:
+        return _DEFAULT_LIMIT
+    return limit if 0.0 < limit < 1e9 else _DEFAULT_LIMIT
+
+
+#: of this process; its Python is one with the library, or is not
+native = Native()

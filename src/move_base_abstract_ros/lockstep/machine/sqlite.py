@@ -1,0 +1,75 @@
+"""SQLite's own chance and dates, of the connections of a program: the run's.
+
+Its functions for them are replaced in each connection by ones that ask here; those for dates hand on to SQLite itself
+what is not about the present.
+"""
+import datetime
+import sys
+
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.lockstep.seen import DATE
+
+from ...replacing.replaced import replace
+from ..code.callers import own_frame
+from ..code.imports import when_imported
+from .files import files
+
+_DATES = ('date', 'time', 'datetime', 'julianday', 'unixepoch')
+_NOW = 'now'
+
+
+def install(clocks, draw):
+    """Stand before sqlite3.connect when it is there. ``draw(size)`` -> bytes of the run's chance."""
+    when_imported('sqlite3', lambda: _install(_Functions(clocks, draw)))
+
+
+def _install(functions):
+    for name in ('sqlite3.connect', 'sqlite3.dbapi2.connect'):
+        replace(name, lambda connect: _connecting(connect, functions))
+
+
+def _connecting(connect, functions):
+    def connect_(*args, **kwds):
+        made = connect(*args, **kwds)
+        if own_frame(sys._getframe(1)) is not None:
+            functions.give(made, connect)
+            files.connected(*args, **kwds)
+        return made
+    return connect_
+
+
+class _Functions:
+    """The functions of SQLite that are the machine's."""
+
+    def __init__(self, clocks, draw):
+        self._clocks, self._draw = clocks, draw
+        self._plain = None
+
+    def give(self, connection, connect):
+        """Have a connection ask here."""
+        if self._plain is None:
+            self._plain = connect(':memory:', check_same_thread=False)
+        made = connection.create_function
+        made('random', 0, lambda: int.from_bytes(self._draw(8), 'little', signed=True))
+        made('randomblob', 1, lambda size: self._draw(max(1, int(size or 0))))
+        for name, shown in (('current_timestamp', '%Y-%m-%d %H:%M:%S'), ('current_date', '%Y-%m-%d'),
+                            ('current_time', '%H:%M:%S')):
+            made(name, 0, lambda shown=shown: self._present().strftime(shown))
+        for name in _DATES:
+            made(name, -1, self._dating(name, 0), deterministic=True)
+        made('strftime', -1, self._dating('strftime', 1), deterministic=True)
+
+    def _present(self):
+        return datetime.datetime.fromtimestamp(self._clocks.now(DATE) / NS_PER_S, datetime.timezone.utc)
+
+    def _dating(self, name, place):
+        """Return what stands for a function of dates; the instant that it is about is its argument at ``place``."""
+        def function(*given):
+            words = list(given)
+            if len(words) == place:
+                words.append(_NOW)
+            if len(words) > place and isinstance(words[place], str) and words[place].strip().lower() == _NOW:
+                words[place] = self._present().strftime('%Y-%m-%d %H:%M:%S.%f')[:-3]
+            marks = ', '.join('?' * len(words))
+            return self._plain.execute('SELECT {}({})'.format(name, marks), words).fetchone()[0]
+        return function

@@ -1,0 +1,104 @@
+"""A node takes part: what ``lockstep.join`` does, in its two halves."""
+import os
+import time
+from types import SimpleNamespace
+
+import rosgraph
+import rospy
+
+from move_base_abstract.common.parameter_table import Parameter, checked, integer
+from move_base_abstract.lockstep.charge import make_charge
+from move_base_abstract.lockstep.wire import MAX_RANK
+
+from ...replacing import replaced
+from ..exchange.access import connect, is_lockstep
+from ..failing import outcomes, uncaught
+from ..ros_master.master_calls import calls
+from ..ros_master.parameters import Parameters
+from ..ros_master.queries import Queries
+from ..waiting import polling, threads, waits
+from . import finish, fork
+from .taking_part import Participant
+
+RANK = Parameter('lockstep_rank', None, integer(-MAX_RANK - 1, MAX_RANK),
+                 'a whole number in {}..{}'.format(-MAX_RANK - 1, MAX_RANK))
+_state = SimpleNamespace(joined=None)
+
+
+def participant():
+    """Return this process's :class:`Participant`, or None."""
+    return _state.joined
+
+
+def join(rank=None, own_threads=True):
+    """Take part in lockstep; return the :class:`Participant`, or None where the time master is not in lockstep.
+
+    To be called after ``rospy.init_node``, before topics, threads and locks are made (topics that are there already
+    are taken over; locks are not). Returns when the clock has started, and waits for that as long as it takes. ``rank``
+    orders messages of the same instant, lowest first; without it and without the private parameter ``lockstep_rank``
+    nodes come after the robots, in the order of their names. ``own_threads=False`` leaves Python's threads and locks
+    alone, and who is there is asked as ever: for a node without its own.
+
+    :raises ConfigurationError: for a bad parameter, or if the time master leaves lockstep meanwhile.
+    """
+    if _state.joined is not None or not is_lockstep():
+        return _state.joined
+    joining = take_part(rospy.get_name(), rospy.get_node_uri(), rank, own_threads)
+    node_is_there(joining)
+    return joining
+
+
+def take_part(name, uri, rank, own_threads=True):
+    """Take part as the node ``name`` with the address ``uri``, which may not be there yet: :func:`join`'s first half.
+
+    ``rank``: None for that of the parameter.
+    """
+    declared = rank if rank is not None else rospy.get_param(name + '/lockstep_rank', None)
+    if declared is not None:
+        declared = checked(declared, 'lockstep_rank', RANK, name)
+    charge = make_charge(rospy.get_param(name + '/lockstep_charge', 'none'), time.perf_counter_ns, time.process_time_ns)
+    joining = Participant(connect(), charge)
+    # Time comes with the grants; a message on /clock may be earlier or later than they.
+    replaced.replace('rospy.impl.simtime._set_rostime', lambda _original: lambda _time: None)
+    # After the hooks of the application, which may still publish.
+    rospy.core.add_preshutdown_hook(lambda _reason: joining.leave('its node shuts down'))
+    joining.present(name, uri, declared)
+    joining.topics.install()
+    joining.services.install()
+    waits.install(joining)
+    polling.install(joining)
+    threads.install(joining, own_threads)
+    uncaught.install(joining)
+    outcomes.install(joining)
+    finish.install(joining)
+    fork.install(joining)
+    _follow_master_calls(joining, own_threads)
+    _state.joined = joining
+    return joining
+
+
+def _follow_master_calls(joining, asks):
+    """Have the ROS master told of parameters in the order of the rounds, and, if ``asks``, asked who is there."""
+    master = rospy.core.xmlrpcapi(rosgraph.get_master_uri())
+    joining.parameters = Parameters(joining, master)
+    calls.follow(joining, {**(Queries(joining, master).answers() if asks else {}), **joining.parameters.answers()})
+
+
+def node_is_there(joining):
+    """``rospy.init_node`` is through: :func:`join`'s second half."""
+    clock = getattr(rospy.impl.simtime, '_clock_sub', None)
+    if clock is not None:
+        clock.unregister()
+    _warn(joining)
+
+
+def _warn(joined):
+    if replaced.unknown():
+        rospy.logwarn('%s: %s', rospy.get_name(), replaced.unknown())
+    if not rospy.get_param('/use_sim_time', False):
+        rospy.logwarn('%s takes part in lockstep, but /use_sim_time is not true', rospy.get_name())
+    if not joined.charge.is_repeatable:
+        joined.label('{} charges what it measures; replay the record to repeat the run'.format(rospy.get_name()))
+    if os.environ.get('PYTHONHASHSEED', 'random') == 'random':
+        rospy.logdebug('%s: sets of texts are iterated in another order in every run; PYTHONHASHSEED=0 fixes that',
+                       rospy.get_name())

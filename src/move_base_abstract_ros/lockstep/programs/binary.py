@@ -1,0 +1,175 @@
+"""Make a participant of an unmodified roscpp binary: preload the library that stands in front of roscpp.
+
+docs/lockstep_roscpp.md says what is exact then.
+"""
+import os
+import shutil
+import stat
+import struct
+import subprocess
+import sys
+
+from . import recorders
+
+SHIM = 'libmove_base_abstract_roscpp_shim.so'
+_LOOPBACK_ONLY = 'libmove_base_abstract_loopback_only.so'
+_ROSCPP = 'libroscpp.so'
+_PARTICIPANT = 'libmove_base_abstract_lockstep.so'
+_RANK = 'MOVE_BASE_ABSTRACT_LOCKSTEP_RANK'
+_SLEEP = 'MOVE_BASE_ABSTRACT_LOCKSTEP_SLEEP'
+_CHANCE = 'MOVE_BASE_ABSTRACT_LOCKSTEP_CHANCE'
+_STRICT = 'MOVE_BASE_ABSTRACT_LOCKSTEP_STRICT'
+_PRELOAD = 'LD_PRELOAD'
+_NAME, _NAMESPACE = '__name:=', '__ns:='
+# Of the ELF format, 64 bits, little endian.
+_HEADER = struct.Struct('<16sHHIQQQIHHHHHH')
+_SEGMENT = struct.Struct('<IIQQQQQQ')
+_ENTRY = struct.Struct('<qQ')
+_LOAD, _DYNAMIC = 1, 2
+_NEEDED, _STRING_TABLE = 1, 5
+
+
+def execute(path, arguments, options):
+    """Become the program; does not return."""
+    try:
+        environment = prepare(path, options.rank, options.sleep, os.environ)
+    except ValueError as error:
+        sys.exit('lockstep: {}'.format(error))
+    if _parameter('mode') == 'lockstep':
+        if recorders.is_program(path):
+            arguments = recorders.without_past_lockstep(arguments, _parameter('excluded_topics') or [])
+        environment[_CHANCE] = '{} {}'.format(options.seed, node_name(path, arguments, environment))
+    if options.strict:
+        environment[_STRICT] = '1'
+    os.execve(path, [path] + arguments, environment)
+
+
+def prepare(path, rank, sleep, environment):
+    """Return the environment in which the binary takes part.
+
+    :raises ValueError: if it cannot.
+    """
+    needed = needed_libraries(path)
+    if any(name.startswith(_PARTICIPANT) for name in needed):
+        return dict(environment)  # it takes part by itself
+    if not links_to_roscpp(path):
+        raise ValueError("'{}' is no roscpp program: it needs {}, but not {}; programs that it starts can be given "
+                         'themselves'.format(path, ', '.join(needed) or 'no library (it is static)', _ROSCPP))
+    if os.stat(path).st_mode & (stat.S_ISUID | stat.S_ISGID):
+        raise ValueError("'{}' runs with the rights of another user or group (setuid, setgid): the system lets nobody "
+                         'preload a library into it'.format(path))
+    result = dict(environment)
+    result[_PRELOAD] = _preloaded(SHIM, environment)
+    if rank is not None:
+        result[_RANK] = str(rank)
+    result[_SLEEP] = sleep
+    return result
+
+
+def loopback_only(environment):
+    """Return (name, value) by which a roscpp program that takes no part listens as ROS_IP says, if that is 127.0.0.1.
+
+    :raises ValueError: as :func:`find_shim`.
+    """
+    return _PRELOAD, _preloaded(_LOOPBACK_ONLY, environment)
+
+
+def _preloaded(library, environment):
+    return ' '.join([find_shim(environment, library)] + environment.get(_PRELOAD, '').split())
+
+
+def node_name(path, arguments, environment):
+    """Return a node's name as far as its command line has it, which is before the program says its own."""
+    name, namespace = os.path.basename(path), environment.get('ROS_NAMESPACE', '')
+    for word in arguments:
+        if word.startswith(_NAME):
+            name = word[len(_NAME):]
+        elif word.startswith(_NAMESPACE):
+            namespace = word[len(_NAMESPACE):]
+    return '/{}/{}'.format(namespace.strip('/'), name) if namespace.strip('/') else '/' + name
+
+
+def _parameter(name):
+    """Return a parameter of the time master, or None.
+
+    Where it works in lockstep, clocks and chance are the run's from the program's first instruction on.
+    """
+    try:
+        from xmlrpc.client import ServerProxy  # only now: it takes a while
+        code, _, value = ServerProxy(os.environ['ROS_MASTER_URI']).getParam('/lockstep', '/time_master/' + name)
+        return value if code == 1 else None
+    except Exception:
+        return None  # the program will find out, or fail, by itself
+
+
+def find_shim(environment, library=SHIM):
+    """Return the path of a library to preload: in catkin's devel or install space.
+
+    :raises ValueError: if it is in none of the places.
+    """
+    prefixes = environment.get('CMAKE_PREFIX_PATH', '').split(os.pathsep)
+    folders = [os.path.join(prefix, 'lib') for prefix in prefixes if prefix]
+    folders += [folder for folder in environment.get('LD_LIBRARY_PATH', '').split(os.pathsep) if folder]
+    # Without an environment: PREFIX/lib/python3/dist-packages/move_base_abstract_ros/lockstep/programs/binary.py
+    folders.append(os.path.normpath(os.path.join(os.path.dirname(__file__), *[os.pardir] * 5)))
+    for folder in folders:
+        path = os.path.join(folder, library)
+        if os.path.isfile(path):
+            return path
+    raise ValueError('{} is in none of {}; source the setup.sh of the workspace that has move_base_abstract'.format(
+        library, ', '.join(folders)))
+
+
+def links_to_roscpp(path):
+    """Return whether a program needs roscpp, by itself or by way of the libraries that it needs.
+
+    :raises ValueError: as :func:`needed_libraries`.
+    """
+    needed = needed_libraries(path)
+    loader = shutil.which('ldd')
+    if needed and loader and not any(name.startswith(_ROSCPP) for name in needed):
+        listed = subprocess.run([loader, path], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)
+        needed = [line.strip() for line in listed.stdout.decode('utf-8', 'replace').splitlines()]
+    return any(name.startswith(_ROSCPP) for name in needed)
+
+
+def needed_libraries(path):
+    """Return the names of the shared libraries that an ELF file asks for.
+
+    :raises ValueError: if it is no 64-bit ELF file of this kind of machine.
+    """
+    with open(path, 'rb') as stream:
+        data = stream.read()
+    if len(data) < _HEADER.size or data[:6] != b'\x7fELF\x02\x01':
+        raise ValueError("'{}' is no 64-bit little-endian ELF program".format(path))
+    try:
+        return _needed(data)
+    except (struct.error, IndexError, UnicodeDecodeError):
+        raise ValueError("'{}' is a damaged ELF program".format(path)) from None
+
+
+def _needed(data):
+    header = _HEADER.unpack_from(data)
+    at, size, count = header[5], header[9], header[10]
+    segments = [_SEGMENT.unpack_from(data, at + size * k) for k in range(count)]
+    entries = []
+    for kind, _flags, offset, _address, _physical, length, _memory, _align in segments:
+        if kind == _DYNAMIC:
+            entries = [_ENTRY.unpack_from(data, offset + k) for k in range(0, length, _ENTRY.size)]
+    tables = [value for tag, value in entries if tag == _STRING_TABLE]
+    if not tables:
+        return []
+    begin = _offset(tables[0], segments)
+    return [_text(data, begin + value) for tag, value in entries if tag == _NEEDED]
+
+
+def _offset(address, segments):
+    """Return where in the file a memory address lies."""
+    for kind, _flags, offset, virtual, _physical, length, _memory, _align in segments:
+        if kind == _LOAD and virtual <= address < virtual + length:
+            return offset + address - virtual
+    raise IndexError(address)
+
+
+def _text(data, begin):
+    return data[begin:data.index(b'\0', begin)].decode('utf-8')

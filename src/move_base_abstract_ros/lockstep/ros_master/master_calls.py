@@ -1,0 +1,123 @@
+"""What this process asks the ROS master, at the one place where all ways of asking come by: requests of XML-RPC.
+
+Answers that are lists, or trees, come in the order of the names' bytes; stock ones come in the order in which nodes
+have registered, which differs from run to run. What the thread that has the turn asks is answered by
+:mod:`queries` (who is there) and :mod:`parameters`.
+"""
+import threading
+from contextlib import contextmanager
+from urllib.parse import urlsplit
+
+import rosgraph
+import rospy.core  # noqa: F401 - replaced by name
+
+from move_base_abstract.lockstep.parameters import in_order
+
+from ...replacing.replaced import replace
+
+QUESTIONS = ('getPublishedTopics', 'getTopicTypes', 'getSystemState', 'lookupNode', 'lookupService')
+CHANGES = ('setParam', 'deleteParam')
+_MULTICALL = 'system.multicall'
+_METHODS = frozenset((*QUESTIONS, *CHANGES, _MULTICALL, 'getParam', 'hasParam', 'searchParam', 'getParamNames',
+                      'subscribeParam'))
+_local = threading.local()
+
+
+class MasterCalls:
+    """Of this process: who answers, from when on."""
+
+    def __init__(self):
+        self._is_installed = False
+        self.before = None  # take_part(what), of a program that is not a node yet
+        self._participant = None
+        self._answers = {}
+
+    def install(self):
+        """Stand before requests of XML-RPC."""
+        if not self._is_installed:
+            self._is_installed = True
+            replace('xmlrpc.client.ServerProxy._ServerProxy__request', self._following)
+            # Before its lock: who waits for the others holds none that they may wait for.
+            replace('rospy.core._LockedServerProxy._ServerProxy__request', self._following)
+
+    def follow(self, participant, answers):
+        """The process takes part: {method: answer(ask, *arguments)} for the thread that has the turn."""
+        self.install()
+        replace('rospy.msproxy.MasterProxy.get_param_cached', lambda _cached: _get_param)
+        self._participant, self._answers = participant, answers
+
+    def _following(self, request):
+        def _request(proxy, method, arguments):
+            def ask(*others):
+                with aside():
+                    return request(proxy, method, others or arguments)
+            if method not in _METHODS or getattr(_local, 'is_aside', False) or not _is_of_ros_master(proxy):
+                return request(proxy, method, arguments)
+            return self._call(ask, method, arguments)
+        return _request
+
+    def _call(self, ask, method, arguments):
+        if self.before is not None and method in QUESTIONS + CHANGES:
+            self.before('a call of the ROS master ({})'.format(method))
+        participant = self._participant
+        if participant is None or participant.is_told_to_end:
+            return ask() if method == _MULTICALL else _in_order(method, ask())
+        if not participant.scheduler.is_mine():
+            if method in CHANGES and participant.scheduler.current() is None and not participant.scheduler.is_closed:
+                _label_stray(participant, arguments)
+            return ask() if method == _MULTICALL else _in_order(method, ask())
+        if method == _MULTICALL:
+            return self._multicall(ask, *arguments)
+        answer = self._answers.get(method)
+        return _in_order(method, ask()) if answer is None else answer(ask, *arguments)
+
+    def _multicall(self, ask, calls):
+        """Answer what changes parameters, have the ROS master answer all else at once."""
+        others = [call for call in calls if call['methodName'] not in CHANGES]
+        answers = iter(ask(others) if others else ())
+        return [[self._answers[call['methodName']](None, *call['params'])] if call['methodName'] in CHANGES
+                else next(answers) for call in calls]
+
+
+#: of this process
+calls = MasterCalls()
+
+
+@contextmanager
+def aside():
+    """Within this context, the calling thread's requests are its own: they are answered as ever."""
+    before, _local.is_aside = getattr(_local, 'is_aside', False), True
+    try:
+        yield
+    finally:
+        _local.is_aside = before
+
+
+def _get_param(self, key):
+    value = self[key]
+    if isinstance(value, dict) and not value:
+        raise KeyError(key)  # as rospy, to which the ROS master says the same of what is not there
+    return value
+
+
+def _is_of_ros_master(proxy):
+    return proxy._ServerProxy__host == urlsplit(rosgraph.get_master_uri()).netloc
+
+
+def _label_stray(participant, arguments):
+    participant.label('{}: parameter {} is set or deleted by a thread that lockstep does not order'.format(
+        participant.names[0], rosgraph.names.resolve_name(arguments[1], arguments[0])))
+
+
+def _in_order(method, answer):
+    """Return an answer of the ROS master with its lists of names in order."""
+    code, message, value = answer
+    if code != 1:
+        return answer
+    if method in ('getPublishedTopics', 'getTopicTypes', 'getParamNames'):
+        value = sorted(value)
+    elif method == 'getSystemState':
+        value = [sorted([name, sorted(nodes)] for name, nodes in group) for group in value]
+    elif method in ('getParam', 'subscribeParam'):
+        value = in_order(value)
+    return [code, message, value]

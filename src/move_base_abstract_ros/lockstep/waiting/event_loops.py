@@ -1,0 +1,326 @@
+"""Event loops of asyncio: their time is the run's, and waiting for a callback gives the turn away as any wait does.
+
+A loop waits in its selector, until a timer is due or another thread calls ``call_soon_threadsafe``. Both are known to
+lockstep: the timer's instant is simulated time, the other thread has the turn. What comes over connections and pipes,
+or from the kernel by a signal, is served as ever: it comes when it comes, which labels the run where it decides.
+Nothing is done before the program imports asyncio.
+"""
+import importlib
+import itertools
+import signal
+import sys
+import threading
+import types
+
+from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
+from move_base_abstract.lockstep.loops import STEP_NS
+from move_base_abstract.lockstep.numbered import Numbered
+from move_base_abstract.lockstep.open_waits import WORK
+from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
+from move_base_abstract.lockstep.seen import UPTIME
+from move_base_abstract.lockstep.wire import NEVER
+
+from ...replacing.replaced import replace
+from ..code.callers import is_own, own_frame
+from ..code.imports import when_imported
+from ..code.labels import told
+from ..failing import outcomes
+from .waits import replace_within, until_shutdown
+
+_WAITS_FOR = 'a callback of its event loop'
+_OUTSIDE = 'gets something over a connection or a pipe: it comes when it comes'
+_BY_ADDRESS = 'goes through a set of coroutines, which Python hashes by their address: its order differs from run to ' \
+              'run'
+_ENDS = (signal.SIGINT, signal.SIGTERM)  # of the run
+_LOOK_SECONDS, _LAST_WAIT = 0.05, 1.0  # wall; so soon new connections are watched too; as of locks
+_numbers = itertools.count()
+
+
+def install(clocks, take_part):
+    """Have event loops go by the run's clocks as soon as asyncio is there.
+
+    ``take_part(what)`` is called where a program that is no node yet waits, as of the watchdog.
+    """
+    when_imported('asyncio', lambda: _install(clocks, take_part))
+
+
+def _install(clocks, take_part):
+    loops = 'asyncio.selector_events.BaseSelectorEventLoop.'
+    replace(loops + '__init__', lambda init: _making(init, clocks, take_part))
+    replace(loops + '_write_to_self', _waking)
+    replace('asyncio.unix_events._UnixSelectorEventLoop._handle_signal', _signalled)
+    replace('asyncio.base_events.BaseEventLoop.time', lambda time: _telling_time(time, clocks))
+    replace('asyncio.events.TimerHandle.__init__', _in_order_of_creation)
+    for name in ('asyncio.tasks.Task', 'asyncio.futures.Future'):
+        replace(name, _numbered)
+    outcomes.follow_tasks()
+    replace('asyncio.tasks.__sleep0', lambda _sleep: _sleep0)
+    tasks = importlib.import_module('asyncio.tasks')
+    replace_within(tasks.as_completed, _completing)
+    if sys.version_info < (3, 11):  # later it takes no coroutines
+        replace_within(tasks.wait, _waiting)
+    if sys.version_info >= (3, 12):  # so that a thread waits for a child, as before
+        replace('asyncio.unix_events.can_use_pidfd', lambda _can: lambda: False)
+
+
+# --- the loop's clock -----------------------------------------------------------------------------------------------
+
+
+def _telling_time(machine, clocks):
+    def time(self):
+        """Return the time of the loop's clock [s]: the program's time.monotonic."""
+        selector = self.__dict__.get('_selector')
+        if not told.is_ordered() and not (told.is_over() and getattr(selector, 'is_ordered', False)):
+            return machine(self)
+        frame = sys._getframe(1)
+        now_ns = clocks.read(UPTIME, frame) if is_own(frame) else None
+        return (clocks.now(UPTIME) if now_ns is None else now_ns) / NS_PER_S
+    return time
+
+
+class _When(float):
+    """A timer's instant [s]; of equal ones that comes first which was made first, as where time passes meanwhile."""
+
+    __slots__ = ('number',)
+
+    def __lt__(self, other):
+        if float.__eq__(self, other):
+            return self.number < getattr(other, 'number', -1)
+        return float.__lt__(self, other)
+
+
+def _in_order_of_creation(init):
+    def init_in_order(self, when, *args, **kwds):
+        if type(when) is float:
+            when = _When(when)
+            when.number = next(_numbers)
+        init(self, when, *args, **kwds)
+    return init_in_order
+
+
+# --- the loop's wait ------------------------------------------------------------------------------------------------
+
+
+def _making(init, clocks, take_part):
+    def init_with_selector(self, selector=None):
+        if selector is None:
+            selector = importlib.import_module('selectors').DefaultSelector()
+        frame = own_frame(sys._getframe(1))
+        init(self, _Selector(selector, self, _place_of(frame), clocks, take_part))
+    return init_with_selector
+
+
+def _place_of(frame):
+    return frame and (frame.f_code.co_filename, frame.f_lineno)
+
+
+def _waking(write):
+    def _write_to_self(self):
+        selector = self._selector
+        if not isinstance(selector, _Selector) or not selector.wake():
+            write(self)
+    return _write_to_self
+
+
+def _signalled(handle):
+    def handle_signal(self, number):
+        if number not in _ENDS and isinstance(self._selector, _Selector):
+            told.tell_place(self._selector.place, 'asyncio', '{} comes when it comes'.format(
+                signal.Signals(number).name))
+        handle(self, number)
+    return handle_signal
+
+
+class _Selector:
+    """What a loop takes for its selector."""
+
+    def __init__(self, selector, loop, place, clocks, take_part):
+        self._selector = selector
+        self._loop = loop
+        self.place = place
+        self._clocks, self._take_part = clocks, take_part
+        self._own = None  # the loop's own end of a pair of sockets
+        self._places = {}
+        self._waiting = None  # the task of the thread that waits here
+        self._watch = None
+        self.is_ordered = False
+        self.has_yielded = False
+
+    def __getattr__(self, name):
+        return getattr(self._selector, name)
+
+    def register(self, fileobj, events, data=None):
+        """As of selectors.BaseSelector."""
+        key = self._selector.register(fileobj, events, data)
+        if self._own is None:
+            self._own = key.fd
+        self._places[key.fd] = _place_of(own_frame(sys._getframe(1))) or self.place
+        return key
+
+    def select(self, timeout=None):
+        """As of selectors.BaseSelector; the time-out [s] is simulated."""
+        participant = told.participant
+        if participant is None:
+            return self._before_node(timeout)
+        scheduler = participant.scheduler
+        if not scheduler.is_mine():
+            return self._in_the_end(timeout) if self.is_ordered and told.is_over() else self._selector.select(timeout)
+        self.is_ordered = True
+        ready = self._selector.select(0)
+        if not ready and (timeout is None or timeout > 0):
+            return self._wait(scheduler, timeout)
+        if self.has_yielded:
+            self._look(scheduler)
+        return self._told_of(ready)
+
+    def _wait(self, scheduler, timeout):
+        wake_ns = NEVER if timeout is None else scheduler.now_ns + max(1, seconds_to_ns(timeout))
+        self._waiting = scheduler.current()
+        if self._has_outside:
+            self._watch = self._watch or _Watch(self._selector, self._wake)
+            self._watch.begin()
+        try:
+            scheduler.wait(wake_ns, _WAITS_FOR, WORK)
+        except TurnLost:
+            return self._in_the_end(timeout)
+        finally:
+            self._waiting = None
+            if self._watch is not None:
+                self._watch.end()
+        return self._told_of(self._selector.select(0))
+
+    @property
+    def _has_outside(self):
+        """Whether something may come from outside of the program: connections, pipes, signals."""
+        return len(self._selector.get_map()) > 1 or bool(getattr(self._loop, '_signal_handlers', None))
+
+    def _told_of(self, ready):
+        for key, _events in ready:
+            if key.fd != self._own:
+                told.tell_place(self._places.get(key.fd), 'asyncio', _OUTSIDE)
+        return ready
+
+    def _look(self, scheduler):
+        """The loop goes round without waiting, since somebody sleeps for 0 s: a wait by looking, as time.sleep(0)."""
+        self.has_yielded = False
+        step_ns = STEP_NS
+        if self._loop._scheduled:
+            step_ns = min(step_ns, max(1, seconds_to_ns(self._loop._scheduled[0].when() - self._loop.time())))
+        try:
+            scheduler.look(step_ns)
+        except TurnLost:
+            pass  # lockstep is over
+
+    def wake(self):
+        """Another thread has something for the loop; return False if the loop is to be told by its sockets, too."""
+        participant = told.participant
+        if participant is None or not self.is_ordered:
+            return False
+        if participant.scheduler.is_mine():
+            self._wake()
+            return True
+        if not participant.scheduler.is_closed:
+            participant.scheduler.from_outside(self._wake)
+        return False
+
+    def _wake(self):
+        if self._waiting is not None:
+            told.participant.scheduler.wake(self._waiting)
+
+    def _before_node(self, timeout):
+        """A wait before the program takes part: it does so from here on, or waits by the wall."""
+        if timeout and not self._has_outside and self._take_part('a wait of asyncio'):
+            return self.select(timeout)
+        ready = self._selector.select(timeout)
+        if timeout and not ready and told.is_ordered():
+            self._clocks.add_sleep(timeout)
+        return ready
+
+    def _in_the_end(self, timeout):
+        """Lockstep is over, and the node about to end."""
+        until_shutdown()
+        ready = self._selector.select(_LAST_WAIT if timeout is None else min(timeout, _LOOK_SECONDS))
+        if not ready:
+            if timeout is None:
+                raise TurnLost('lockstep has ended while an event loop waited')
+            self._clocks.add_sleep(timeout)
+        return ready
+
+
+class _Watch:
+    """A thread that looks, by the wall, whether something has come for a loop that waits."""
+
+    def __init__(self, selector, wake):
+        self._selector, self._wake = selector, wake
+        self._go = _make_lock()
+        self._go.acquire()
+        self._is_wanted = False
+        threading.Thread(target=self._live, name='lockstep_event_loop', daemon=True).start()
+
+    def begin(self):
+        """Look from now on."""
+        self._is_wanted = True
+        try:
+            self._go.release()
+        except RuntimeError:
+            pass  # it has been let go before
+
+    def end(self):
+        """Look no more."""
+        self._is_wanted = False
+
+    def _live(self):
+        while True:
+            self._go.acquire()
+            while self._is_wanted:
+                try:
+                    is_there = self._selector.select(_LOOK_SECONDS)
+                except (OSError, ValueError, AttributeError, TypeError):
+                    return  # it has been closed
+                if is_there and self._is_wanted:
+                    told.participant.scheduler.from_outside(self._wake)
+                    break
+
+
+# --- tasks ----------------------------------------------------------------------------------------------------------
+
+
+def _numbered(kind):
+    """Tasks and futures are hashed by number: asyncio cancels and counts them in the order of sets.
+
+    They note what they end with, too.
+    """
+    return type(kind.__name__, (Numbered, kind), {
+        '__slots__': (), '__module__': kind.__module__, '__qualname__': kind.__qualname__, '__doc__': kind.__doc__,
+        **outcomes.methods_of(kind)})
+
+
+@types.coroutine
+def _sleep0():
+    loop = sys.modules['asyncio.events']._get_running_loop()
+    if isinstance(getattr(loop, '_selector', None), _Selector):
+        loop._selector.has_yielded = True
+    yield
+
+
+def _completing(complete):
+    def as_completed(fs, *args, **kwds):
+        return complete(_in_order(fs, kwds.get('loop'), sys._getframe(2)), *args, **kwds)
+    return as_completed
+
+
+def _waiting(wait):
+    async def wait_for_all(fs, *args, **kwds):
+        return await wait(_in_order(fs, kwds.get('loop'), sys._getframe(1)), *args, **kwds)
+    return wait_for_all
+
+
+def _in_order(some, loop, frame):
+    """Return tasks of coroutines in the order in which they are given; asyncio would make a set of them first."""
+    tasks = sys.modules['asyncio.tasks']
+    if isinstance(some, (set, frozenset)) and sum(map(tasks.coroutines.iscoroutine, some)) > 1:
+        told.tell(own_frame(frame), 'asyncio', _BY_ADDRESS)
+    is_one = tasks.futures.isfuture(some) or tasks.coroutines.iscoroutine(some)
+    if is_one or not hasattr(some, '__iter__'):
+        return some  # which is an error
+    return [tasks.ensure_future(one, loop=loop) for one in dict.fromkeys(some)]

@@ -1,0 +1,100 @@
+"""Pools of Python's library: those of threads take turns, those of processes work while simulated time stands.
+
+The threads that manage a pool of processes wait for these in the kernel, as do those that wait for asyncio's children:
+they are none of the application's. As long as such a pool has work to do, or such a child works, the process reports
+nothing, so that results come at the instant at which they were asked for (that processes take no part labels the run
+all the same).
+"""
+import time
+
+import rospy
+
+from move_base_abstract.lockstep.open_waits import WORK
+from move_base_abstract.lockstep.wire import NEVER
+
+from ...replacing.replaced import replace
+
+_OF_PROCESSES = ('concurrent.futures.process', 'multiprocessing.queues')
+_POOL = 'multiprocessing.pool'
+_OF_CHILDREN = 'asyncio.unix_events'  # its threads wait for a child each
+_LOOK_S, _LAST_WORDS_S, _LONGEST_S = 0.001, 0.05, 60.0  # wall
+_sleep = time.sleep  # the wall's
+_jobs = []  # of pools of processes: (thread that manages them, dict of what is to be done)
+
+
+def is_manager(thread):
+    """Return whether a thread that is about to start manages a pool of processes; if so, its results are awaited."""
+    target = getattr(thread, '_target', None)
+    module = getattr(target, '__module__', None)
+    is_manager_ = type(thread).__module__ in _OF_PROCESSES or module in (*_OF_PROCESSES, _OF_CHILDREN) or (
+        module == _POOL and target.__name__.startswith('_handle_') and _has_pipes(thread))
+    if is_manager_:
+        _jobs.extend((thread, jobs) for jobs in _jobs_of(thread, module))
+    return is_manager_
+
+
+def _jobs_of(thread, module):
+    """Return [dict of what is to be done] of a managing thread, none where another thread has it."""
+    if hasattr(thread, 'pending_work_items'):
+        return [thread.pending_work_items]
+    if module == _OF_PROCESSES[0]:  # before Python 3.9
+        return [thread._args[2]]
+    if module == _OF_CHILDREN:
+        return [{0: 'the end of a child'}]
+    return [one for one in thread._args if isinstance(one, dict)]
+
+
+def _has_pipes(thread):
+    """Whether a pool's thread gets its work over pipes; one of each pool tells of changes."""
+    pipes = sum(type(one).__module__ == 'multiprocessing.queues' for one in thread._args)
+    return pipes > (thread._target.__name__ == '_handle_workers')
+
+
+def await_results(scheduler):
+    """Wait, by the wall, until a pool of processes that has work to do has done some of it."""
+    if not _jobs:
+        return
+    _jobs[:] = [(thread, jobs) for thread, jobs in _jobs if thread.is_alive()]
+    if not _is_working():
+        return
+    if not _wait_by_the_wall(scheduler, _LONGEST_S, _is_working):
+        rospy.logwarn('%s: a pool of processes, or a child of asyncio, has not said anything for %g s; simulated time '
+                      'goes on without waiting for it', rospy.get_name(), _LONGEST_S)
+        _jobs.clear()
+    _wait_by_the_wall(scheduler, _LAST_WORDS_S, lambda: True)  # of what is off the list, and not told yet
+
+
+def _is_working():
+    return any(jobs and thread.is_alive() for thread, jobs in _jobs)
+
+
+def _wait_by_the_wall(scheduler, longest, condition):
+    """Wait for something from outside while a condition holds; return whether it was there within ``longest`` [s]."""
+    end = time.monotonic() + longest
+    while condition() and not (scheduler.has_outside or rospy.core.is_shutdown_requested()):
+        if time.monotonic() > end:
+            return False
+        _sleep(_LOOK_S)
+    return True
+
+
+def follow(thread, scheduler):
+    """Have a thread that keeps a pool of threads going wait for them as any other thread."""
+    target = getattr(thread, '_target', None)
+    if getattr(target, '__module__', None) == _POOL and not _state:
+        _state.append(True)
+        replace('multiprocessing.pool.Pool._wait_for_updates', lambda wait: staticmethod(_waiting(scheduler, wait)))
+
+
+_state = []
+
+
+def _waiting(scheduler, wait):
+    def wait_for_updates(sentinels, change_notifier, timeout=None):
+        if not scheduler.is_mine():
+            wait(sentinels, change_notifier, timeout)
+            return
+        scheduler.wait_until(lambda: not change_notifier.empty(), NEVER, 'the threads of a pool', WORK)
+        while not change_notifier.empty():
+            change_notifier.get()
+    return wait_for_updates

@@ -1,0 +1,200 @@
+"""rospy's and actionlib's waits, made exact: they give the turn away and end at their instant, not after it.
+
+The functions of rospy are replaced from within (their code, not their name), so that modules which have imported them
+by name follow as well. A thread that is not the application's waits as ever.
+"""
+import time
+from contextlib import contextmanager
+
+import genpy
+import rospy
+import rospy.client
+import rospy.timer
+from rospy.impl import tcpros_service
+
+from move_base_abstract.lockstep.loops import STEP_NS
+from move_base_abstract.lockstep.scheduler import TurnLost
+from move_base_abstract.lockstep.wire import NEVER
+
+from ...replacing import replaced
+
+
+def install(participant):
+    """Replace the waits; to be called once."""
+    scheduler = participant.scheduler
+    waits = _Waits(participant)
+    replace(rospy.timer.sleep, waits.sleep, lambda: not scheduler.is_mine())
+    replace(rospy.client.spin, waits.spin, lambda: not scheduler.is_mine())
+    replace(rospy.client.wait_for_message, waits.wait_for_message, lambda: not scheduler.is_mine())
+    replace(tcpros_service.wait_for_service, waits.wait_for_service, lambda: not scheduler.is_mine())
+    replaced.replace('rospy.impl.tcpros_service.ServiceImpl.spin',
+                     lambda _spin: lambda self: rospy.spin() if not self.done else None)
+    _install_actionlib(waits, scheduler)
+
+
+def _install_actionlib(waits, scheduler):
+    try:
+        from actionlib import action_client, simple_action_client
+    except ImportError:
+        return  # then nobody here uses it
+    replace(action_client.ActionClient.wait_for_server, waits.wait_for_server, lambda: not scheduler.is_mine())
+    replace(simple_action_client.SimpleActionClient.wait_for_result, waits.wait_for_result,
+             lambda: not scheduler.is_mine())
+
+
+def replace(function, hook, is_foreign):
+    """Have ``function`` do what ``hook`` does, except in threads for which ``is_foreign()``."""
+    def make(original):
+        def call(*args, **kwds):
+            return original(*args, **kwds) if is_foreign() else hook(*args, **kwds)
+        return call
+    replace_within(function, make)
+
+
+def replace_within(function, make):
+    """Have ``function`` do what ``make(original)`` does; it stays the same object, whoever has imported it."""
+    replaced.note(replaced.name_of(function), function)
+    original = type(function)(function.__code__, function.__globals__, function.__name__, function.__defaults__)
+    original.__kwdefaults__ = function.__kwdefaults__
+    key = '_lockstep_{}'.format(function.__name__)
+    function.__globals__[key] = make(original)
+    namespace = {}
+    exec(compile('def {}(*args, **kwds):\n    return {}(*args, **kwds)\n'.format(function.__name__, key),
+                 __file__, 'exec'), function.__globals__, namespace)
+    function.__defaults__ = function.__kwdefaults__ = None
+    function.__code__ = namespace[function.__name__].__code__
+
+
+@contextmanager
+def replaced_within(function, make):
+    """As :func:`replace_within`, for the time of a context."""
+    before = function.__code__, function.__defaults__, function.__kwdefaults__
+    replace_within(function, make)
+    try:
+        yield
+    finally:
+        function.__code__, function.__defaults__, function.__kwdefaults__ = before
+
+
+def to_ns(duration):
+    """Return seconds (int, float) or a Duration as ns, rounded as rospy does."""
+    if not isinstance(duration, genpy.Duration):
+        duration = genpy.Duration.from_sec(duration)
+    return duration.to_nsec()
+
+
+class _Waits:
+    """The waits themselves. Each ends when the node shuts down, in the way of the original."""
+
+    def __init__(self, participant):
+        self._participant = participant
+        self._scheduler = participant.scheduler
+
+    def _wake_ns(self, timeout):
+        return NEVER if timeout is None else self._scheduler.now_ns + max(0, to_ns(timeout))
+
+    def sleep(self, duration):
+        """rospy.sleep."""
+        pause_ns = to_ns(duration)
+        if pause_ns > 0:
+            try:
+                self._scheduler.wait(self._scheduler.now_ns + pause_ns)
+            except TurnLost:
+                until_shutdown()
+        elif self._scheduler.is_mine():
+            self._look()
+        if rospy.core.is_shutdown():
+            raise rospy.ROSInterruptException('ROS shutdown request')
+
+    def _look(self):
+        """Sleep for no time: a loop of such sleeps waits by looking."""
+        try:
+            self._scheduler.look(STEP_NS)
+        except TurnLost:
+            pass  # lockstep is over
+
+    def spin(self):
+        """rospy.spin."""
+        if not rospy.core.is_initialized():
+            raise rospy.ROSInitException('client code must call rospy.init_node() first')
+        try:
+            while not rospy.core.is_shutdown():
+                self._scheduler.wait(waits_for='the end', kind=None)
+        except TurnLost:
+            until_shutdown()
+        except KeyboardInterrupt:
+            rospy.core.signal_shutdown('keyboard interrupt')
+
+    def _until(self, condition, timeout, what):
+        try:
+            return self._scheduler.wait_until(condition, self._wake_ns(timeout), what)
+        except TurnLost:
+            until_shutdown()
+            raise rospy.ROSInterruptException('rospy shutdown') from None
+
+    def wait_for_message(self, topic, topic_type, timeout=None):
+        """rospy.wait_for_message; the timeout is simulated time (stock rospy's is wall time)."""
+        messages = []
+        subscriber = rospy.Subscriber(topic, topic_type, messages.append)
+        try:
+            if not self._until(lambda: messages, timeout, 'a message on {}'.format(topic)):
+                raise rospy.ROSException('timeout exceeded while waiting for message on topic {}'.format(topic))
+        finally:
+            subscriber.unregister()
+        return messages[0]
+
+    def wait_for_service(self, service, timeout=None):
+        """rospy.wait_for_service; the timeout is simulated time (stock rospy's is wall time)."""
+        name = rospy.resolve_name(service)
+        timeout_ns = None if timeout is None else to_ns(timeout)
+        if timeout_ns == 0:
+            raise ValueError('timeout must be non-zero')
+        try:
+            is_found = self._participant.services.wait_for(name, timeout_ns)
+        except TurnLost:
+            until_shutdown()
+            raise rospy.ROSInterruptException('rospy shutdown') from None
+        if not is_found:
+            raise rospy.ROSException('timeout exceeded while waiting for service {}'.format(name))
+
+    def wait_for_result(self, client, timeout=genpy.Duration()):
+        """SimpleActionClient.wait_for_result."""
+        from actionlib.simple_action_client import SimpleGoalState
+        if not client.gh:
+            rospy.logerr('Called wait_for_result when no goal exists')
+            return False
+        self._until_or_shutdown(lambda: client.simple_state == SimpleGoalState.DONE, timeout,
+                                'the result of {}'.format(client.action_client.ns))
+        return client.simple_state == SimpleGoalState.DONE
+
+    def wait_for_server(self, client, timeout=genpy.Duration()):
+        """ActionClient.wait_for_server, and through it SimpleActionClient's."""
+        if to_ns(timeout) < 0:  # as in actionlib: look once
+            return _is_connected(client)
+        return self._until_or_shutdown(lambda: _is_connected(client), timeout,
+                                       'the action server {}'.format(client.ns))
+
+    def _until_or_shutdown(self, condition, timeout, what):
+        timeout = timeout if to_ns(timeout) > 0 else None
+        try:
+            return bool(self._scheduler.wait_until(condition, self._wake_ns(timeout), what))
+        except TurnLost:
+            until_shutdown()
+            return bool(condition())
+
+
+def until_shutdown():
+    """Lockstep has ended in the middle of a wait, so the node is about to: wait for it, in wall time."""
+    deadline = time.monotonic() + 5.0
+    while not rospy.core.is_shutdown() and time.monotonic() < deadline:
+        time.sleep(0.01)
+
+
+def _is_connected(client):
+    """Return whether an action server has been heard and all topics are connected; actionlib's own condition."""
+    if not client.last_status_msg:
+        return False
+    server = client.last_status_msg._connection_header['callerid']
+    return (client.pub_goal.impl.has_connection(server) and client.pub_cancel.impl.has_connection(server)
+            and all(any(connection.callerid_pub == server for connection in subscriber.impl.connections)
+                    for subscriber in (client.result_sub, client.feedback_sub)))
