@@ -6,10 +6,9 @@ from typing import NamedTuple
 from rosgraph.names import ns_join
 from roslib import packages
 
-from ..lockstep.programs import recorders
+from ..lockstep.programs import command_line, recorders
 from ..lockstep.programs.shell_scripts import is_shell_word
 from ..loopback import PACKAGE
-from ..nodes import lockstep_launcher
 from . import programs
 
 _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver', 'soil_coordinator',
@@ -117,7 +116,7 @@ def is_shell(node):
     prefix = shlex.split(node.launch_prefix or '')
     path = None if node.package == PACKAGE else program_of(node)
     return bool(prefix) and is_shell_word(prefix[0]) or (
-        path is not None and lockstep_launcher.kind_of(path) == 'shell')
+        path is not None and command_line.kind_of(path) == 'shell')
 
 
 def _without(node):
