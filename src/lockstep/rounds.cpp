@@ -206,6 +206,9 @@ std::vector<LockstepRounds::Grant> LockstepRounds::leap(Nanoseconds wall) {
 bool LockstepRounds::goTo(Nanoseconds next, Nanoseconds wall) {
   if (next == kNever) {
     becomeIdle();
+    if (settings_.end_when_idle) {
+      return false;  // the run ends here, not at a later end that it has, too
+    }
   }
   if (paused_) {
     return false;

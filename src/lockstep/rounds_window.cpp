@@ -81,7 +81,8 @@ std::vector<LockstepRounds::Grant> LockstepRounds::nextWindow(Nanoseconds wall) 
     ++microstep_;
     return grantWindow(begin, wall);
   }
-  if (begin == kNever && !target_ && !paused_) {  // it stands where the last one did something
+  const bool stays = !target_ || settings_.end_when_idle;
+  if (begin == kNever && stays && !paused_) {  // it stands where the last one did something
     const Nanoseconds last = latest();
     microstep_ = last == time_ ? microstep_ : 0;
     time_ = last;

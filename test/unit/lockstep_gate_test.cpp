@@ -92,13 +92,17 @@ TEST(Gate, TheRunEndsAtItsEndWhateverElseTheGateIsTold) {
   EXPECT_TRUE(alone.session.status().ended_as_wished);
 }
 
-TEST(Gate, AnIdleRunWithAnEndEndsAsWished) {
+TEST(Gate, AnIdleRunWithAnEndEndsAsWishedWhenItIsIdle) {
   LockstepSettings settings = named({"/a"});
   settings.end_at = 2.5;
   settings.end_when_idle = true;
-  Alone alone(kNever, settings);
+  Alone alone(2 * kOne, settings);
+  alone.grant(1);
+  alone.report(1, kNever);
   EXPECT_EQ(alone.phase(), "ended");
   EXPECT_TRUE(alone.session.status().ended_as_wished);
+  EXPECT_EQ(alone.session.now(), 2 * kOne);
+  EXPECT_EQ(alone.end[1].substr(0, 11), "idle at 2 s");
 }
 
 TEST(Gate, AnEndFromOutsideCutsTheRunUnlessItWouldStandThereInEachRun) {
