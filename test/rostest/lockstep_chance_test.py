@@ -17,7 +17,7 @@ from move_base_abstract_ros.loopback import find_executable
 #: what the line of a label has, where it is not the last part of the name
 SHOWN = {'subprocess.Popen': 'check_output', 'os.fork': 'child.start()',
          'socket.connect': 'create_connection', 'ctypes.dlsym': "CDLL('libc.so.6').time", 'id': 'id(rospy)',
-         'hash': 'hash(threading.Lock())', 'open': "open('/dev/urandom'", 'os.exec': 'os.execv',
+         'hash': 'hash', 'open': "('/", 'rospy.get_param': 'get_param(', 'os.exec': 'os.execv',
          'builtins.input': 'input()'}
 LABEL = re.compile(r"'/\w+': /\w+: (a clock|\S+) in (\S+), line (\d+): ")
 

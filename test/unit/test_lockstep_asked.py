@@ -44,6 +44,12 @@ def test_the_address_of_a_thread_is_handed_on_as_any_other(text, expected):
     assert run(text, get_ident=threading.get_ident)[1] == [threading.get_ident] * expected
 
 
+def test_hash_is_handed_on_itself_where_it_is_not_called():
+    names, asked, hashed = run('x = sorted([a], key=hash)\ny = hash(a)', a='a')
+    assert (asked, hashed) == ([hash], ['a'])
+    assert (names['x'], names['y']) == (['a'], hash('a'))
+
+
 def test_times_of_files_are_handed_on():
     seen = []
     text = ("import os, pathlib\na = os.stat('.').st_mtime\nb = pathlib.Path('.').stat().st_ctime_ns\n"

@@ -14,6 +14,8 @@ ATTRIBUTES = frozenset(('now', 'utcnow', 'today', 'get_ident'))
 FILE_TIMES = frozenset(('st_{}time{}'.format(which, unit) for which in 'mac' for unit in ('', '_ns')))
 #: functions that return an address
 _ADDRESSES = ('id', 'get_ident')
+#: these, and the one that may
+_HANDED = (*_ADDRESSES, 'hash')
 #: methods to which an address may be given: nothing of it shows but whether it is the same
 _KEYED = frozenset(('add', 'discard', 'remove', 'get', 'pop', 'setdefault'))
 
@@ -35,12 +37,11 @@ class _Asking(ast.NodeTransformer):
         return _handed(ASK, node) if node.attr in ATTRIBUTES else node
 
     def visit_Name(self, node):  # noqa: N802
-        return _handed(ASK, node) if node.id in _ADDRESSES and isinstance(node.ctx, ast.Load) else node
+        return _handed(ASK, node) if node.id in _HANDED and isinstance(node.ctx, ast.Load) else node
 
     def visit_Call(self, node):  # noqa: N802
         if isinstance(node.func, ast.Name) and node.func.id == 'hash' and len(node.args) == 1:
-            self.generic_visit(node)
-            node.args = [_handed(HASHED, node.args[0])]
+            node.args = [_handed(HASHED, self.visit(node.args[0]))]
             return node
         if _is_present_of_numpy(node):
             self.generic_visit(node)

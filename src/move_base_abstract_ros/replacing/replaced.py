@@ -212,6 +212,8 @@ _ROWS = (
     Row('threading.enumerate', LAUNCHER, _TOLD),
     Row('rospy.msproxy.MasterProxy.__getitem__', LAUNCHER,
         'labels the run where the program asks for what roslaunch makes anew for each run'),
+    Row('rosgraph.masterapi.Master.getParam', LAUNCHER,
+        'labels the run where the program asks for what roslaunch makes anew for each run'),
     Row('os.sched_yield', LAUNCHER, 'is a sleep of no length'),
     Row('os.getrandom', LAUNCHER, _CHANCE),
     Row('os.cpu_count', LAUNCHER, _CORES),

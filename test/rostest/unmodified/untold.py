@@ -16,6 +16,8 @@ import threading
 import time
 import uuid
 
+import rosgraph
+import rosparam
 import rospy
 from std_msgs.msg import String
 
@@ -71,13 +73,29 @@ def interrupted():
     signal.alarm(1)
 
 
+def by_hash():
+    return sorted([Slot(), Slot()], key=hash)
+
+
+def listed():
+    return os.listdir('/proc')
+
+
+def by_rosparam():
+    try:
+        return rosparam.get_param('/run_id')
+    except rosgraph.MasterError:
+        return ''
+
+
 WAYS = {
     'os.getpid': lambda: os.getpid(), 'os.getppid': lambda: os.getppid(), 'os.times': lambda: os.times(),
     'os.getloadavg': lambda: os.getloadavg(), 'resource.getrusage': lambda: resource.getrusage(resource.RUSAGE_SELF),
     'signal.setitimer signal.alarm': interrupted, 'select.select': handled, 'select.poll': lambda: select.poll(),
     'signal.sigtimedwait': lambda: signal.sigtimedwait([signal.SIGUSR1], 0.01),
     'select.epoll': lambda: select.epoll(), 'id': lambda: '%d' % id(rospy),
-    'hash': lambda: hash(threading.Lock()), 'open': lambda: open('/dev/urandom', 'rb').read(1),
+    'hash hash': lambda: (hash(threading.Lock()), by_hash()),
+    'open open': lambda: (open('/dev/urandom', 'rb').read(1), listed()),
     'os.system': lambda: os.system('true'),
     'os.exec': execute, 'builtins.input': ask,
     'subprocess.Popen': lambda: subprocess.check_output(['date', '+%N']), 'os.fork': fork,
@@ -92,10 +110,10 @@ WAYS = {
     'os.sched_getaffinity': lambda: os.sched_getaffinity(0),
     'shutil.disk_usage': lambda: shutil.disk_usage('/'), 'os.path.getmtime': lambda: os.path.getmtime('/'),
     'os.path.getctime': lambda: os.path.getctime('/'), 'os.path.getatime': lambda: os.path.getatime('/'),
-    'os.stat': lambda: os.stat('/').st_mtime, 'rospy.get_param': lambda: rospy.get_param('/run_id', ''),
+    'os.stat': lambda: os.stat('/').st_mtime, 'rospy.get_param rospy.get_param': lambda: (rospy.get_param('/run_id', ''), by_rosparam()),
     'ctypes.dlsym': lambda: ctypes.CDLL('libc.so.6').time(None),
 }
-EARLY = ('os.getpid', 'open')  # before the program is a node
+EARLY = ('os.getpid', 'open open')  # before the program is a node
 
 
 def main():

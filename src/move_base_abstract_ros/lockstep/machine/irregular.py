@@ -17,6 +17,7 @@ import threading
 import time
 import types
 
+import rosgraph
 import rospy
 import rospy.msproxy  # noqa: F401 - replaced by name
 
@@ -90,6 +91,7 @@ def install():
         replace(name, lambda function, name=name, why=why: _telling(function, name, why))
     replace('select.select', _selecting)
     replace('rospy.msproxy.MasterProxy.__getitem__', _asking_parameter)
+    replace('rosgraph.masterapi.Master.getParam', _asking_master)
     replace('_posixsubprocess.fork_exec', _spawning)
     replace('concurrent.futures._base.Future.__hash__', lambda _hash: Numbered.__hash__)
     for name in ('os.listdir', 'os.scandir'):
@@ -120,14 +122,29 @@ def _telling(function, name, why):
 def _asking_parameter(getitem):
     """Parameters that roslaunch makes anew for each run, and all of them together."""
     def get(self, key):
-        name = rospy.resolve_name(key)
-        if name in ('/', '/run_id') or (name + '/').startswith('/roslaunch/'):
-            frame = sys._getframe(1)
-            while frame is not None and not is_own(frame):
-                frame = frame.f_back
-            told.tell(frame, 'rospy.get_param', 'of {}: roslaunch sets another one in each run'.format(name))
+        frame = sys._getframe(1)
+        while frame is not None and not is_own(frame):
+            frame = frame.f_back
+        _tell_of_roslaunch(rospy.resolve_name(key), frame)
         return getitem(self, key)
     return get
+
+
+def _asking_master(get_param):
+    """The same, by rosgraph and rosparam; what ROS and this package ask for themselves does not count."""
+    def getParam(self, key):  # noqa: N802
+        frame = sys._getframe(1)
+        while frame.f_globals.get('__name__') == 'rosparam':
+            frame = frame.f_back
+        if is_own(frame):
+            _tell_of_roslaunch(rosgraph.names.resolve_name(key, self.caller_id), frame)
+        return get_param(self, key)
+    return getParam
+
+
+def _tell_of_roslaunch(name, frame):
+    if name in ('/', '/run_id') or (name + '/').startswith('/roslaunch/'):
+        told.tell(frame, 'rospy.get_param', 'of {}: roslaunch sets another one in each run'.format(name))
 
 
 def _spawning(fork_exec):
@@ -156,9 +173,16 @@ def _selecting(select_):
 
 def _listing(listdir):
     """The order of a folder's entries is the file system's."""
-    def in_order(*args, **kwds):
-        return sorted(listdir(*args, **kwds))
+    def in_order(path='.'):
+        _tell_of_device(path, sys._getframe(1))
+        return sorted(listdir(path))
     return in_order
+
+
+def _tell_of_device(path, frame):
+    path = os.fsdecode(path) if isinstance(path, (bytes, os.PathLike)) else path
+    if isinstance(path, str) and (path + '/').startswith(_DEVICES) and not path.startswith(_HARMLESS):
+        told.tell(own_frame(frame), 'open', 'of {}: what the machine says there differs from run to run'.format(path))
 
 
 class _Scan:
@@ -186,8 +210,9 @@ class _Scan:
 
 
 def _scanning(scandir):
-    def in_order(*args, **kwds):
-        return _Scan(scandir(*args, **kwds))
+    def in_order(path='.'):
+        _tell_of_device(path, sys._getframe(1))
+        return _Scan(scandir(path))
     return in_order
 
 
@@ -201,11 +226,7 @@ def _audit(event, arguments):
         if event in _STARTS and told.participant is not None:
             told.participant.parameters.settle()  # the other process may look at them
     elif event == 'open':
-        path = arguments[0]
-        path = os.fsdecode(path) if isinstance(path, bytes) else path
-        if isinstance(path, str) and path.startswith(_DEVICES) and not path.startswith(_HARMLESS):
-            told.tell(own_frame(sys._getframe(1)), 'open', 'of {}: what the machine says there differs from run to '
-                      'run'.format(path))
+        _tell_of_device(arguments[0], sys._getframe(1))
     elif event == 'ctypes.dlsym' and (arguments[1] in _OF_C or arguments[1] in _FOLLOWED_OF_C and not (
             native.is_there and getattr(arguments[0], '_name', '') is None)):
         told.tell(own_frame(sys._getframe(1)), 'ctypes.dlsym', "{}() of the C library is the machine's, not the run's"
@@ -228,6 +249,8 @@ class _Asking:
                 told.tell(sys._getframe(1), 'id', _ADDRESS)
             elif what is threading.get_ident:
                 told.tell(sys._getframe(1), 'threading.get_ident', _ADDRESS)
+            elif what is _hash:
+                return _hash_of  # it is handed on itself, as a key to sort by
             elif is_moment(what):
                 return self._clocks.moment(what.__self__, what.__name__, sys._getframe(1))
         elif kind is type and what.__name__ == 'datetime64' and not native.is_there:  # numpy knows the present by words
@@ -235,7 +258,7 @@ class _Asking:
         return what
 
 
-_id = id
+_id, _hash = id, hash
 
 
 def _file_time(value):
@@ -248,4 +271,10 @@ def _hashed(value):
     if is_hashed_by_address(value):
         told.tell(sys._getframe(1), 'hash', _ADDRESS)
     return value
+
+
+def _hash_of(value, /):
+    if is_hashed_by_address(value):
+        told.tell(own_frame(sys._getframe(1)), 'hash', _ADDRESS)
+    return _hash(value)
 
