@@ -86,6 +86,7 @@ bool Parameters::answer(const std::string& method, const XmlRpcValue& request, X
     answer = isSet(name, request, ask);
     return true;
   }
+  tellOfRoslaunch(name);
   return get(name, request, answer, ask);  // nobody is told of changes by the wall clock
 }
 
@@ -100,6 +101,14 @@ void Parameters::look(const std::string& name) {
     turn().wait(std::move(wait));
   }
   look.at = node().now();
+}
+
+void Parameters::tellOfRoslaunch(const std::string& name) {
+  const bool is_roslaunchs =
+      name == "/" || name == "/run_id" || (name + "/").rfind("/roslaunch/", 0) == 0;
+  if (is_roslaunchs && told_.insert(name).second) {
+    node().label("getParam() of " + name + ": roslaunch sets another one in each run");
+  }
 }
 
 bool Parameters::get(const std::string& name, const XmlRpcValue& request, XmlRpcValue& answer,

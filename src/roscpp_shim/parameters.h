@@ -67,6 +67,8 @@ class Parameters {
   bool names(const XmlRpc::XmlRpcValue& request, XmlRpc::XmlRpcValue& answer, const AskMaster& ask);
   void note(const std::string& name);
   void look(const std::string& name);
+  /** @brief What roslaunch makes anew for each run is told once. */
+  void tellOfRoslaunch(const std::string& name);
 
   struct Look {
     unsigned count = 0;
@@ -75,6 +77,7 @@ class Parameters {
 
   PendingParameters pending_;
   std::set<std::string> asked_;
+  std::set<std::string> told_;
   std::map<std::string, Look> looks_;
 };
 

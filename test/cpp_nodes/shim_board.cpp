@@ -61,6 +61,13 @@ void start(ros::NodeHandle& node) {
 int main(int argc, char** argv) {
   ros::init(argc, argv, "board");
   ros::NodeHandle node;
+  if (argc > 1 && std::string(argv[1]) == "run_id") {
+    for (const char* name : {"/run_id", "/roslaunch", "/board", "/run_id"}) {
+      XmlRpc::XmlRpcValue value;
+      node.getParam(name, value);
+    }
+    return 0;
+  }
   if (argc > 1) {
     start(node);
     return 0;

@@ -44,6 +44,12 @@ class ParametersTest(unittest.TestCase):
         self.assertEqual(run.printed('board'), ['0 0', '3'])
         self.assertEqual(len(run.state.not_repeatable_because), 1, run.state)  # of the program
 
+    def test_what_roslaunch_makes_anew_for_each_run_is_labelled_in_cpp_too(self):
+        run = run_programs({'board': [find_executable('shim_board'), 'run_id']}, until=5.0)
+        self.assertEqual(list(run.state.not_repeatable_because), [
+            "'/board': getParam() of {}: roslaunch sets another one in each run".format(name)
+            for name in ('/run_id', '/roslaunch')])
+
     def test_what_is_set_by_hand_is_seen_and_labelled_where_it_is_asked_for(self):
         # It is set until the run is labelled, and asked for until it is not set any more.
         run = run_programs({'waiter': ['parameter_waiter.py', '/by_hand']}, until=1e9, others={
