@@ -3,14 +3,20 @@
 A computation is a round in which the participant sends something; the messages leave when it is over, and what comes
 in the meantime waits.
 """
+from __future__ import annotations
+
 import json
 import os
+from typing import IO, TYPE_CHECKING, Any, Callable, List, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.input_files import open_text_input
 from ..common.own_files import PART, OutputError, check_file, create_file
 from ..common.shown import shown, shown_text
 from ..common.units import seconds_to_ns
+
+if TYPE_CHECKING:
+    pass
 
 _ALLOWED = ("'none', 'fixed:SECONDS', 'measured' or 'measured:FILE' (wall clock), 'measured_cpu' or "
             "'measured_cpu:FILE' (this process's CPU), 'replay:FILE'")
@@ -21,24 +27,24 @@ class NoCharge:
 
     is_repeatable = True
 
-    def begin(self):
+    def begin(self) -> None:
         """A round begins."""
 
-    def cost_ns(self, _now_ns):
+    def cost_ns(self, _now_ns: int) -> int:
         """Return what the computation that ends now costs [ns]."""
         return 0
 
-    def close(self):
+    def close(self) -> None:
         """Write out what there is to write."""
 
 
 class FixedCharge(NoCharge):
     """Each computation takes the same time. Repeatable."""
 
-    def __init__(self, cost_ns):
+    def __init__(self, cost_ns: int) -> None:
         self._cost_ns = cost_ns
 
-    def cost_ns(self, _now_ns):
+    def cost_ns(self, _now_ns: int) -> int:
         """Return the fixed time [ns]."""
         return self._cost_ns
 
@@ -48,25 +54,25 @@ class MeasuredCharge(NoCharge):
 
     is_repeatable = False
 
-    def __init__(self, path, clock_ns):
+    def __init__(self, path: str, clock_ns: Any) -> None:
         self._clock_ns = clock_ns
         self._begin_ns = clock_ns()
         self._path = path
         self._record = _create(path) if path else None
 
-    def begin(self):
+    def begin(self) -> None:
         """A round begins: note when."""
         self._begin_ns = self._clock_ns()
 
-    def cost_ns(self, now_ns):
+    def cost_ns(self, now_ns: int) -> int:
         """Return how long this round has taken [ns], and record it."""
-        cost_ns = self._clock_ns() - self._begin_ns
+        cost_ns: int = self._clock_ns() - self._begin_ns
         if self._record is not None:
             self._record.write(json.dumps({'time_ns': now_ns, 'cost_ns': cost_ns}) + '\n')
             self._record.flush()
         return cost_ns
 
-    def close(self):
+    def close(self) -> None:
         """Give the record its final name."""
         if self._record is not None:
             self._record.close()
@@ -78,11 +84,11 @@ class MeasuredCharge(NoCharge):
 class ReplayCharge(NoCharge):
     """Each computation takes what an earlier run recorded. Repeatable."""
 
-    def __init__(self, path):
+    def __init__(self, path: str) -> None:
         self._path = path
         self._costs = iter(_read(path))
 
-    def cost_ns(self, now_ns):
+    def cost_ns(self, now_ns: int) -> int:
         """Return the recorded time [ns].
 
         :raises ConfigurationError: if the record has no more, or is of another instant: this is not the run that was
@@ -96,7 +102,7 @@ class ReplayCharge(NoCharge):
         return cost_ns
 
 
-def make_charge(text, wall_ns, cpu_ns):
+def make_charge(text: Optional[Union[float, str]], wall_ns: Callable[..., Any], cpu_ns: Callable[..., Any]) -> Any:
     """Return the charge that ``text`` describes; ``wall_ns()`` and ``cpu_ns()`` are the machine's clocks [ns].
 
     :raises ConfigurationError: if it describes none, or its file cannot be read or written.
@@ -111,7 +117,7 @@ def make_charge(text, wall_ns, cpu_ns):
     return MeasuredCharge(detail, wall_ns if kind == 'measured' else cpu_ns)
 
 
-def check_charge(text):
+def check_charge(text: Optional[Union[float, str]]) -> Tuple[str, str]:
     """Return the kind of the charge that ``text`` describes, and what stands behind the colon; no file is opened.
 
     :raises ConfigurationError: if it describes none.
@@ -124,14 +130,14 @@ def check_charge(text):
     return kind, detail
 
 
-def _is_time(text):
+def _is_time(text: str) -> bool:
     try:
         return 0.0 <= float(text) < 1e9
     except ValueError:
         return False
 
 
-def _create(path):
+def _create(path: str) -> Optional[IO[str]]:
     """Open the file that the record is called while it grows; neither it nor the record may be somebody else's."""
     try:
         check_file(path, _is_record)
@@ -140,7 +146,7 @@ def _create(path):
         raise ConfigurationError('charge measured: {}'.format(error)) from None
 
 
-def _is_record(line):
+def _is_record(line: bytes) -> bool:
     """Whether the first line of a file (bytes) is that of a record."""
     try:
         entry = json.loads(line)
@@ -149,19 +155,19 @@ def _is_record(line):
     return isinstance(entry, dict) and sorted(entry) == ['cost_ns', 'time_ns']
 
 
-def _error(text):
+def _error(text: str) -> ConfigurationError:
     return ConfigurationError('charge replay: ' + text)
 
 
-def _whole(value):
+def _whole(value: Any) -> int:
     """Return a time [ns] as an int, as the protocol holds it."""
-    value = int(value)
-    if not -2 ** 63 <= value < 2 ** 63:
-        raise ValueError('got {}; allowed: a whole number of 64 bits'.format(shown(value)))
-    return value
+    whole = int(value)
+    if not -2 ** 63 <= whole < 2 ** 63:
+        raise ValueError('got {}; allowed: a whole number of 64 bits'.format(shown(whole)))
+    return whole
 
 
-def _read(path):
+def _read(path: str) -> List[Tuple[int, ...]]:
     costs = []
     try:
         with open_text_input(path, None, _error) as lines:

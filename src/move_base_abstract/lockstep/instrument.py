@@ -12,7 +12,10 @@ than look. That is told by the text:
 
 Knows Python's text only: no ROS, no threads, no clock.
 """
+from __future__ import annotations
+
 import ast
+from typing import Any, Dict, Iterable, Iterator, List, Optional, Set, Tuple
 
 #: kinds of loops: turns may do nothing but look; the same, and they look at the time; each turn calls what may compute;
 #: each turn computes, but not what would end the loop
@@ -40,7 +43,7 @@ _ASSIGNMENTS = (ast.Assign, ast.AnnAssign)
 _COMPUTING = (ast.Await, ast.Yield, ast.YieldFrom)
 
 
-def instrument(tree):
+def instrument(tree: ast.Module) -> ast.Module:
     """Have the waiting loops of a module's ``tree`` (of :func:`ast.parse`) call :data:`LOOK`; return it."""
     for node in list(ast.walk(tree)):
         if isinstance(node, ast.While):
@@ -48,7 +51,7 @@ def instrument(tree):
     return ast.fix_missing_locations(tree)
 
 
-def kind_of(loop):
+def kind_of(loop: ast.While) -> Optional[int]:
     """Return what kind of waiting a ``while`` loop is, or None: each turn computes what may end it."""
     return _Loop(loop).kind
 
@@ -56,19 +59,19 @@ def kind_of(loop):
 class _Loop:
     """What the turns of a loop may do. ``kind`` as of :func:`kind_of`."""
 
-    def __init__(self, loop):
+    def __init__(self, loop: ast.While) -> None:
         self._loop = loop
         self._flow = _flow(loop)
-        self._acts = []  # (list of statements, one of them, whether it computes)
+        self._acts: List[Any] = []  # (list of statements, one of them, whether it computes)
         self._times = False
         calls = self._calls_unknown(loop.test)
         is_idle = not _yields(loop.test) and self._block(loop.body)
-        self.kind = CALLS if calls else TIMES if self._times else WAITS
+        self.kind: Optional[int] = CALLS if calls else TIMES if self._times else WAITS
         if not is_idle:
             self.kind = COMPUTES if _is_ended_by_others(loop) else None
             self._acts = []
 
-    def instrument(self):
+    def instrument(self) -> None:
         """Add the calls to the loop's text."""
         if self.kind is None:
             return
@@ -76,7 +79,7 @@ class _Loop:
             block.insert(block.index(statement), _call(ACT, [computes], statement))
         self._loop.body.insert(0, _call(LOOK, [self.kind, self._loop.lineno], self._loop))
 
-    def _block(self, block):
+    def _block(self, block: List[Any]) -> bool:
         """Look at statements that come one after the other; return whether a turn may pass them without computing."""
         for number, statement in enumerate(block):
             if not self._statement(block, statement):
@@ -84,7 +87,7 @@ class _Loop:
                 return any(isinstance(part, ast.Continue) for earlier in block[:number] for part in ast.walk(earlier))
         return True
 
-    def _statement(self, block, node):
+    def _statement(self, block: List[Any], node: Any) -> bool:
         """Return whether a turn may pass a statement of a block without computing."""
         is_compound = isinstance(node, _WITH_BLOCKS)
         heads = _heads(node) if is_compound else list(ast.iter_child_nodes(node))
@@ -97,7 +100,7 @@ class _Loop:
             self._acts.append((block, node, False))
         return not is_compound or self._passes(node)
 
-    def _is_plain(self, node):
+    def _is_plain(self, node: Any) -> bool:
         """Return whether a statement without others in it stores nothing that matters."""
         if not isinstance(node, _ASSIGNMENTS):
             return isinstance(node, _SIMPLE)
@@ -105,7 +108,7 @@ class _Loop:
         names = [name for target in targets for name in _names(target)]
         return not any(name is None or _goes_into(self._flow, name, name) for name in names)
 
-    def _passes(self, node):
+    def _passes(self, node: Any) -> bool:
         """Return whether a turn may pass a statement with others in it; look at all of them."""
         body, orelse = self._block(node.body), self._block(getattr(node, 'orelse', []))
         if isinstance(node, ast.Try):
@@ -115,19 +118,20 @@ class _Loop:
             return body or orelse
         return body or not isinstance(node, ast.With)  # a loop may have no turn
 
-    def _calls_unknown(self, node):
+    def _calls_unknown(self, node: Any) -> bool:
         """Return whether an expression calls what may compute."""
         calls = [part for part in ast.walk(node) if isinstance(part, ast.Call)]
         self._times = self._times or any(dotted(call.func)[-1:] and dotted(call.func)[-1] in _TIMES for call in calls)
         return not all(_is_known(call) for call in calls)
 
 
-def _is_ended_by_others(loop):
+def _is_ended_by_others(loop: ast.While) -> bool:
     """Whether nothing that a loop stores, or calls a method of, is what its ends depend on."""
     ends = [loop.test] + [part.test for part in _parts(loop.body) if isinstance(part, ast.If) and any(
         isinstance(inner, (ast.Break, ast.Return, ast.Raise)) for inner in _parts(part.body))]
     read = set().union(*map(_read, ends))
-    stored, handed = set(), set()
+    stored: Set[str] = set()
+    handed: Set[str] = set()
     for part in _parts(loop.body):
         if isinstance(getattr(part, 'ctx', None), (ast.Store, ast.Del)):
             stored.add(_whole_name(part.value if isinstance(part, ast.Subscript) else part))
@@ -137,7 +141,7 @@ def _is_ended_by_others(loop):
     return bool(read) and not is_own
 
 
-def _parts(block):
+def _parts(block: Iterable[ast.AST]) -> Iterator[Any]:
     """Yield all parts of statements, but not those of functions in them."""
     for node in block:
         yield node
@@ -145,46 +149,47 @@ def _parts(block):
             yield from _parts(ast.iter_child_nodes(node))
 
 
-def _read(node):
+def _read(node: Any) -> Set[str]:
     """Return the names, dotted ones whole, that an expression reads."""
     name = _whole_name(node)
     return {name} if name else set().union(*map(_read, ast.iter_child_nodes(node)))
 
 
-def _whole_name(node):
+def _whole_name(node: Any) -> str:
     return '.'.join(dotted(node))
 
 
-def _overlap(one, other):
+def _overlap(one: str, other: str) -> bool:
     return one and other and (one + '.').startswith(other + '.') or (other + '.').startswith(one + '.')
 
 
-def _heads(node):
+def _heads(node: Any) -> List[Any]:
     """Return the expressions of a statement with others in it that are its own."""
     heads = [getattr(node, name) for name in ('test', 'iter') if hasattr(node, name)]
     return heads + [item.context_expr for item in getattr(node, 'items', ())]
 
 
-def _yields(node):
+def _yields(node: Any) -> bool:
     return any(isinstance(part, _COMPUTING) for part in ast.walk(node))
 
 
-def _call(name, values, place):
+def _call(name: str, values: List[int], place: Any) -> ast.Expr:
     call = ast.Call(func=ast.Name(id=name, ctx=ast.Load()), args=[ast.Constant(value=value) for value in values],
                     keywords=[])
     return ast.copy_location(ast.Expr(value=call), place)
 
 
-def _names(target):
+def _names(target: Any) -> List[Optional[str]]:
     """Return the names that an assignment's target stores in; None stands for anything else."""
     if isinstance(target, (ast.Tuple, ast.List)):
         return [name for part in target.elts for name in _names(part)]
     return [target.id if isinstance(target, ast.Name) else None]
 
 
-def _flow(loop):
+def _flow(loop: ast.While) -> Dict[str, Set[str]]:
     """Return {name that the loop stores: names that go into it}."""
-    flow = {}
+    flow: Dict[str, Set[str]] = {}
+    targets: List[Any]
     for node in ast.walk(loop):
         if isinstance(node, ast.NamedExpr):
             targets, value = [node.target], node.value
@@ -198,7 +203,7 @@ def _flow(loop):
     return flow
 
 
-def _goes_into(flow, name, target):
+def _goes_into(flow: Dict[str, Set[str]], name: str, target: str) -> bool:
     """Return whether what ``name`` says goes into ``target``, over any number of names."""
     seen, todo = set(), [target]
     while todo:
@@ -211,7 +216,7 @@ def _goes_into(flow, name, target):
     return False
 
 
-def _is_known(call):
+def _is_known(call: ast.Call) -> bool:
     """Return whether a call tells something, and changes nothing."""
     name = dotted(call.func)
     if len(name) == 1:
@@ -222,13 +227,13 @@ def _is_known(call):
         call.func.attr in _METHODS or call.func.attr in _WAITS and _has_no_length(call))
 
 
-def _has_no_length(call):
+def _has_no_length(call: Any) -> bool:
     """Whether a call of what may wait only looks: ``event.wait(0)``, ``queue.get(block=False)``."""
     given = call.args[:1] + [keyword.value for keyword in call.keywords if keyword.arg in ('timeout', 'block')]
     return any(isinstance(one, ast.Constant) and one.value is not None and not one.value for one in given)
 
 
-def dotted(node):
+def dotted(node: Any) -> Tuple[str, ...]:
     """Return the parts of a dotted name, or () if it is something else."""
     if isinstance(node, ast.Name):
         return (node.id,)

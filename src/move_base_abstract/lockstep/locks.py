@@ -4,13 +4,20 @@
 :func:`clock` what is left of a time-out. Time-outs of application threads are simulated time. Threads that are not the
 application's wait as ever, and are waited for with simulated time standing still.
 """
+from __future__ import annotations
+
 from collections import deque
 from threading import TIMEOUT_MAX, get_ident
+from typing import TYPE_CHECKING, Any, Callable, Deque, Optional
 
 from ..common.units import seconds_to_ns
 from . import open_waits
-from .scheduler import TurnLost, _make_lock
+from .scheduler import TurnLost
+from .task import _make_lock
 from .wire import NEVER
+
+if TYPE_CHECKING:
+    from threading import Lock
 
 _LAST_WAIT = 1.0  # s, wall
 
@@ -22,7 +29,7 @@ class _NoScheduler:
     is_closed = True
 
     @staticmethod
-    def is_mine():
+    def is_mine() -> bool:
         """No thread has a turn."""
         return False
 
@@ -30,22 +37,23 @@ class _NoScheduler:
 class Process:
     """Whom the locks of this process ask: its scheduler, once it takes part."""
 
-    scheduler = _NoScheduler()
+    scheduler: Any = _NoScheduler()  # a Scheduler
 
 
-def clock(machine_clock):
+def clock(machine_clock: Callable[[], float]) -> Callable[[], float]:
     """Return a function that tells application threads simulated time [s], and others what ``machine_clock()`` says."""
-    def now():
+    def now() -> float:
         scheduler = Process.scheduler
         return scheduler.now_ns * 1e-9 if scheduler.is_mine() else machine_clock()
     return now
 
 
-def _wake_ns(timeout):
+def _wake_ns(timeout: float) -> int:
     """Return when ``timeout`` [s] is over, or NEVER; what is left of one must not be lost in rounding."""
     if timeout < 0 or timeout >= TIMEOUT_MAX:
         return NEVER
-    return Process.scheduler.now_ns + (max(1, seconds_to_ns(timeout)) if timeout > 0 else 0)
+    now_ns: int = Process.scheduler.now_ns
+    return now_ns + (max(1, seconds_to_ns(timeout)) if timeout > 0 else 0)
 
 
 class CooperativeLock:
@@ -53,12 +61,12 @@ class CooperativeLock:
 
     __slots__ = ('_lock', '_waiting', '_is_applications', '__weakref__')
 
-    def __init__(self):
-        self._lock = _make_lock()
-        self._waiting = None
+    def __init__(self) -> None:
+        self._lock: Lock = _make_lock()
+        self._waiting: Optional[Deque[Any]] = None  # tasks
         self._is_applications = False
 
-    def acquire(self, blocking=True, timeout=-1):
+    def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
         """As threading.Lock.acquire; the time-out is simulated in application threads."""
         if self._lock.acquire(False):
             self._is_applications = Process.scheduler.turn_ident == get_ident()
@@ -74,7 +82,7 @@ class CooperativeLock:
 
     __enter__ = acquire
 
-    def _wait(self, timeout):
+    def _wait(self, timeout: float) -> bool:
         task = Process.scheduler.current()
         wake_ns = _wake_ns(timeout)
         kind, what = open_waits.of_lock(2) if wake_ns >= NEVER else (None, '')
@@ -94,7 +102,7 @@ class CooperativeLock:
         self._is_applications = True
         return True
 
-    def _wait_in_the_end(self, timeout):
+    def _wait_in_the_end(self, timeout: float) -> bool:
         """Lockstep is over, and the node about to end: wait for a holder that goes on now, but for no other."""
         if self._lock.acquire(True, _LAST_WAIT if timeout < 0 else min(timeout, _LAST_WAIT)):
             return True
@@ -102,7 +110,7 @@ class CooperativeLock:
             raise TurnLost('lockstep has ended while this thread waited for another one')
         return False
 
-    def release(self, *_error):
+    def release(self, *_error: Any) -> None:
         """As threading.Lock.release."""
         self._is_applications = False
         self._lock.release()
@@ -111,21 +119,21 @@ class CooperativeLock:
 
     __exit__ = release
 
-    def _wake(self):
+    def _wake(self) -> None:
         if Process.scheduler.is_mine():
-            Process.scheduler.wake(self._waiting.popleft())
+            Process.scheduler.wake(self._waiting.popleft())  # type: ignore[union-attr]
         elif not Process.scheduler.is_closed:
             Process.scheduler.from_outside(self._wake_one)
 
-    def _wake_one(self):
+    def _wake_one(self) -> None:
         if self._waiting:
             Process.scheduler.wake(self._waiting.popleft())
 
-    def locked(self):
+    def locked(self) -> bool:
         """As threading.Lock.locked."""
         return self._lock.locked()
 
-    def _at_fork_reinit(self):
+    def _at_fork_reinit(self) -> None:
         self._lock = _make_lock()
         self._waiting = None
 
@@ -138,12 +146,12 @@ class CooperativeRLock:
 
     __slots__ = ('_block', '_owner', '_count', '__weakref__')
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._block = CooperativeLock()
-        self._owner = None
+        self._owner: Optional[int] = None
         self._count = 0
 
-    def acquire(self, blocking=True, timeout=-1):
+    def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
         """As threading.RLock.acquire."""
         me = get_ident()
         if self._owner == me:
@@ -160,7 +168,7 @@ class CooperativeRLock:
 
     __enter__ = acquire
 
-    def release(self, *_error):
+    def release(self, *_error: Any) -> None:
         """As threading.RLock.release."""
         if self._owner != get_ident():
             raise RuntimeError('cannot release un-acquired lock')
@@ -173,27 +181,27 @@ class CooperativeRLock:
 
     # What threading.Condition asks for.
 
-    def _is_owned(self):
+    def _is_owned(self) -> bool:
         return self._owner == get_ident()
 
-    def _release_save(self):
+    def _release_save(self) -> int:
         count, self._count, self._owner = self._count, 0, None
         self._block.release()
         return count
 
-    def _acquire_restore(self, count):
+    def _acquire_restore(self, count: int) -> None:
         self._block.acquire()
         self._owner, self._count = get_ident(), count
 
-    def _at_fork_reinit(self):
+    def _at_fork_reinit(self) -> None:
         self._block._at_fork_reinit()
         self._owner, self._count = None, 0
 
     # What newer Pythons ask for: multiprocessing from 3.13 on, anybody from 3.14 on.
 
-    def _recursion_count(self):
+    def _recursion_count(self) -> int:
         return self._count if self._owner == get_ident() else 0
 
-    def locked(self):
+    def locked(self) -> bool:
         """As threading.RLock.locked."""
         return self._owner is not None

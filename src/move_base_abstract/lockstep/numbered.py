@@ -1,12 +1,15 @@
 """Objects that are hashed by number, not by their address: sets of them are gone through in one order in every run."""
+from __future__ import annotations
+
 import abc
 import dataclasses
 import sys
 import types
 import weakref
 from functools import lru_cache
+from typing import Any, Dict, Tuple
 
-_HASHED_BY_ADDRESS = object.__hash__
+_HASHED_BY_ADDRESS: Any = object.__hash__
 _METHODS = (types.MethodType, types.BuiltinMethodType, types.MethodWrapperType)
 
 
@@ -20,32 +23,35 @@ class Numbered:
 
     __slots__ = ()
 
-    def __hash__(self):
+    def __hash__(self) -> int:
         entry = _numbers.get(id(self))
         return entry.number if entry is not None else _number(self)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return '<{0.__module__}.{0.__qualname__} object at 0x{1:012x}>'.format(type(self), Numbered.__hash__(self))
 
 
-class _Number(weakref.ref):
+class _Number(weakref.ref):  # type: ignore[type-arg]
     __slots__ = ('key', 'number')
+    key: int
+    number: int
 
 
-_numbers = {}  # id of an object: its number
+_numbers: Dict[int, _Number] = {}  # id of an object: its number
 
 
-def _number(one):
+def _number(one: Numbered) -> int:
     try:
         entry = _Number(one, _forget)
     except TypeError:
-        return _HASHED_BY_ADDRESS(one)  # its class has __slots__, and no room for a weak reference
+        number: int = _HASHED_BY_ADDRESS(one)
+        return number  # its class has __slots__, and no room for a weak reference
     entry.key, entry.number = id(one), _Count.next()
     _numbers[entry.key] = entry
     return entry.number
 
 
-def _forget(entry):
+def _forget(entry: _Number) -> None:
     if _numbers is not None:  # at the end of Python
         _numbers.pop(entry.key, None)
 
@@ -54,12 +60,12 @@ class _Count:
     value = 0
 
     @classmethod
-    def next(cls):
+    def next(cls) -> int:
         cls.value += 1
         return cls.value
 
 
-def bases_of(*bases):
+def bases_of(*bases: Any) -> Tuple[Any, ...]:
     """Return the bases of a class of the program: :class:`Numbered` among them if it would be hashed by address.
 
     It comes last, but before ``object``. Classes with a metaclass of their own stay as they are, and so do exceptions
@@ -74,10 +80,10 @@ def bases_of(*bases):
     return bases[:before] + (Numbered,) + bases[before:]
 
 
-def is_hashed_by_address(one):
+def is_hashed_by_address(one: Any) -> bool:
     """Return whether an object's hash differs from run to run."""
-    kind = type(one)
-    by = kind.__hash__
+    kind: Any = type(one)
+    by: Any = kind.__hash__
     if by is Numbered.__hash__:
         return not kind.__weakrefoffset__
     if by in (tuple.__hash__, frozenset.__hash__):
@@ -91,7 +97,7 @@ def is_hashed_by_address(one):
 
 
 @lru_cache(maxsize=None)
-def _hashed_fields(kind):
+def _hashed_fields(kind: Any) -> Tuple[str, ...]:
     """Return the names of the fields of which a dataclass has made the hash of its objects; () of anything else."""
     params = getattr(kind, '__dataclass_params__', None)
     code = getattr(kind.__hash__, '__code__', None)

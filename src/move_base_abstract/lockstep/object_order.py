@@ -5,7 +5,10 @@ hashes: another one in each run. So the bases of each class are handed to :data:
 otherwise; and whatever is gone through, printed, popped or unpacked in an order that may be a set's is handed to
 :data:`ORDER`. Knows Python's text only.
 """
+from __future__ import annotations
+
 import ast
+from typing import Any
 
 #: the names of what is called, to be found among the builtins: ``BASES(*bases)`` -> bases, ``ORDER(value)`` -> value
 BASES, ORDER = '__lockstep_bases__', '__lockstep_order__'
@@ -25,15 +28,16 @@ _UNORDERED = frozenset(('all', 'any', 'frozenset', 'fsum', 'len', 'set', 'sorted
 _METACLASSES = frozenset(('ABCMeta', 'type'))
 
 
-def follow_order(tree):
+def follow_order(tree: ast.Module) -> ast.Module:
     """Have a module's ``tree`` (of :func:`ast.parse`) call :data:`BASES` and :data:`ORDER`; return it."""
-    return ast.fix_missing_locations(_Order().visit(tree))
+    changed: ast.Module = _Order().visit(tree)
+    return ast.fix_missing_locations(changed)
 
 
 class _Order(ast.NodeTransformer):
     # The methods have ast's names.
 
-    def visit_ClassDef(self, node):  # noqa: N802
+    def visit_ClassDef(self, node: ast.ClassDef) -> ast.ClassDef:  # noqa: N802
         self.generic_visit(node)
         metaclasses = [keyword.value for keyword in node.keywords if keyword.arg in (None, 'metaclass')]
         if all(_last(metaclass) in _METACLASSES for metaclass in metaclasses):
@@ -42,31 +46,32 @@ class _Order(ast.NodeTransformer):
             node.bases = [ast.copy_location(ast.Starred(value=ast.copy_location(bases, at), ctx=ast.Load()), at)]
         return node
 
-    def visit_For(self, node):  # noqa: N802
+    def visit_For(self, node: ast.For) -> ast.For:  # noqa: N802
         self.generic_visit(node)
         node.iter = _seen(node.iter)
         return node
 
-    def visit_comprehension(self, node):
+    def visit_comprehension(self, node: ast.comprehension) -> ast.comprehension:
         self.generic_visit(node)
         node.iter = _seen(node.iter)
         return node
 
-    def visit_SetComp(self, node):  # noqa: N802
+    def visit_SetComp(self, node: ast.SetComp) -> ast.SetComp:  # noqa: N802
         return self._visit_unordered(node)
 
-    def _visit_unordered(self, node):
+    def _visit_unordered(self, node: ast.SetComp) -> ast.SetComp:
         """Visit a comprehension of which the order does not matter: all but what it goes through."""
         self.generic_visit(node)
         for generator in node.generators:
             generator.iter = _unseen(generator.iter)
         return node
 
-    def visit_Call(self, node):  # noqa: N802
+    def visit_Call(self, node: ast.Call) -> ast.Call:  # noqa: N802
         name = _last(node.func)
         self.generic_visit(node)
         if _is_unordered(name, node):
-            for generator in node.args[0].generators:
+            argument: Any = node.args[0]
+            for generator in argument.generators:
                 generator.iter = _unseen(generator.iter)
         elif name in _ORDERED or _has_key(node):
             node.args = [_seen(argument) for argument in node.args]
@@ -74,35 +79,35 @@ class _Order(ast.NodeTransformer):
             node.func.value = _seen(node.func.value)
         return node
 
-    def visit_Starred(self, node):  # noqa: N802
+    def visit_Starred(self, node: ast.Starred) -> ast.Starred:  # noqa: N802
         self.generic_visit(node)
         if isinstance(node.ctx, ast.Load):
             node.value = _seen(node.value)
         return node
 
-    def visit_FormattedValue(self, node):  # noqa: N802
+    def visit_FormattedValue(self, node: ast.FormattedValue) -> ast.FormattedValue:  # noqa: N802
         self.generic_visit(node)
         node.value = _seen(node.value)
         return node
 
-    def visit_Assign(self, node):  # noqa: N802
+    def visit_Assign(self, node: ast.Assign) -> ast.Assign:  # noqa: N802
         self.generic_visit(node)
         if any(isinstance(target, (ast.Tuple, ast.List)) or _is_slice(target) for target in node.targets):
             node.value = _seen(node.value)
         return node
 
-    def visit_AugAssign(self, node):  # noqa: N802
+    def visit_AugAssign(self, node: ast.AugAssign) -> ast.AugAssign:  # noqa: N802
         self.generic_visit(node)
         if isinstance(node.op, ast.Add):  # to a list
             node.value = _seen(node.value)
         return node
 
-    def visit_YieldFrom(self, node):  # noqa: N802
+    def visit_YieldFrom(self, node: ast.YieldFrom) -> ast.YieldFrom:  # noqa: N802
         self.generic_visit(node)
         node.value = _seen(node.value)
         return node
 
-    def visit_BinOp(self, node):  # noqa: N802
+    def visit_BinOp(self, node: ast.BinOp) -> ast.BinOp:  # noqa: N802
         self.generic_visit(node)
         if isinstance(node.op, ast.Mod) and isinstance(node.left, (ast.Constant, ast.JoinedStr)):  # a text
             if isinstance(node.right, ast.Tuple):
@@ -112,12 +117,12 @@ class _Order(ast.NodeTransformer):
         return node
 
 
-def _has_key(node):
+def _has_key(node: ast.Call) -> bool:
     """Whether a call sorts by a key: of equal keys that one comes first which came first."""
     return any(keyword.arg == 'key' for keyword in node.keywords)
 
 
-def _is_unordered(name, node):
+def _is_unordered(name: str, node: ast.Call) -> bool:
     """Whether a call is handed one generator whose order does not matter."""
     if len(node.args) != 1 or not isinstance(node.args[0], ast.GeneratorExp) or _has_key(node):
         return False
@@ -125,11 +130,11 @@ def _is_unordered(name, node):
     return counts or name in _UNORDERED
 
 
-def _is_slice(target):
+def _is_slice(target: ast.expr) -> bool:
     return isinstance(target, ast.Subscript) and isinstance(target.slice, ast.Slice)
 
 
-def _seen(node):
+def _seen(node: Any) -> Any:
     """Return an expression whose value is handed on by ORDER; those that are no set stay as they are."""
     if isinstance(node, (ast.Starred, ast.Constant, ast.List, ast.Tuple, ast.Dict, ast.ListComp, ast.DictComp,
                          ast.GeneratorExp, ast.JoinedStr, ast.Lambda)):
@@ -140,10 +145,10 @@ def _seen(node):
     return ast.copy_location(call, node)
 
 
-def _unseen(node):
+def _unseen(node: ast.expr) -> ast.expr:
     return node.args[0] if isinstance(node, ast.Call) and _last(node.func) == ORDER else node
 
 
-def _last(node):
+def _last(node: ast.AST) -> str:
     """Return the last part of a name, '' of anything else."""
     return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ''

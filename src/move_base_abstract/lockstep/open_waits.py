@@ -6,9 +6,17 @@ thread is idle. A callback that waits is in the middle of its work, whatever it 
 
 Told by who in Python's library waits for the lock in question. Knows no ROS.
 """
+from __future__ import annotations
+
 import queue
 import sys
 import threading
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+    from .task import Task
 
 #: what a wait is for; the task of another thread stands for its end
 OWED, WORK = 'owed', 'work'
@@ -21,9 +29,9 @@ _QUEUE = queue.__name__
 _FOR_THREADS = (threading.__name__, 'concurrent.futures._base', 'multiprocessing.pool')
 
 
-def of_lock(depth=1):
+def of_lock(depth: int = 1) -> Tuple[str, str]:
     """Return (kind, text) of a wait for a lock, by the caller so many frames above."""
-    frame = sys._getframe(depth + 1)
+    frame: Any = sys._getframe(depth + 1)
     if frame.f_code is not _CONDITION:
         return OWED, 'another thread{}'.format(_place(frame))
     while frame.f_code in _BETWEEN:
@@ -37,24 +45,24 @@ def of_lock(depth=1):
     return kind, 'another thread, by a condition or an event{}'.format(_place(frame))
 
 
-def _module(frame):
+def _module(frame: FrameType) -> Any:
     return frame.f_globals.get('__name__')
 
 
-def _place(frame):
+def _place(frame: Optional[FrameType]) -> str:
     """Return where the program waits: the first place outside of Python's library for threads."""
     while frame is not None and _module(frame) in (_QUEUE, *_FOR_THREADS, 'concurrent.futures.thread'):
         frame = frame.f_back
     return '' if frame is None else ' ({}, line {})'.format(frame.f_code.co_filename, frame.f_lineno)
 
 
-def split(tasks):
+def split(tasks: List[Task]) -> Tuple[List[Task], List[Task]]:
     """Return (those to whom something is owed, those who wait for work) of tasks that wait without end."""
     owed = [task for task in tasks if _is_owed(task)]
     return owed, [task for task in tasks if task not in owed]
 
 
-def _is_owed(task):
+def _is_owed(task: Task) -> bool:
     """Who waits for the end of a thread is owed what that one is; nobody ends where they wait for each other."""
     chain = [task]
     while isinstance(chain[-1].kind, type(task)):

@@ -3,14 +3,17 @@
 Names are absolute; a parameter that is a dict contains those below it. What is here follows the ROS master's own rules
 (rosmaster.paramserver); a test compares them. Nothing here knows ROS.
 """
+from __future__ import annotations
+
 from collections import deque
+from typing import Any, Callable, Deque, List, Optional
 
 #: there is no such parameter
 MISSING = object()
 _DELETED = object()
 
 
-def parts_of(name):
+def parts_of(name: str) -> List[str]:
     """Return the words of an absolute name; none for the root."""
     return [part for part in name.split('/') if part]
 
@@ -18,30 +21,30 @@ def parts_of(name):
 class PendingParameters:
     """What was set and deleted and has not been told yet, in this order."""
 
-    def __init__(self):
-        self._changes = deque()
+    def __init__(self) -> None:
+        self._changes: Deque[Any] = deque()
 
-    def __bool__(self):
+    def __bool__(self) -> bool:
         return bool(self._changes)
 
-    def set(self, name, value):
+    def set(self, name: str, value: Any) -> None:
         """A parameter is set to ``value``, which is not changed afterwards."""
         self._changes.append((parts_of(name), value))
 
-    def delete(self, name):
+    def delete(self, name: Any) -> None:
         """A parameter is deleted."""
         self._changes.append((parts_of(name), _DELETED))
 
-    def first_is_told(self):
+    def first_is_told(self) -> None:
         """The ROS master has the first of them, or is about to have it before anybody asks."""
         self._changes.popleft()
 
-    def concern(self, name):
+    def concern(self, name: str) -> bool:
         """Return whether any of them changes what ``name`` is."""
         parts = parts_of(name)
         return any(_is_below(parts, changed) or _is_below(changed, parts) for changed, _ in self._changes)
 
-    def seen(self, name, current):
+    def seen(self, name: str, current: object) -> Any:
         """Return what ``name`` is after them; ``current`` is what it was before them. Either may be MISSING."""
         parts = parts_of(name)
         tree = {} if current is MISSING else _copied(current) if not parts else {}
@@ -56,7 +59,7 @@ class PendingParameters:
                 tree = _copied(value)
         return _get(tree, parts)
 
-    def names(self, names):
+    def names(self, names: List[Any]) -> List[Any]:
         """Return the names of all parameters after them; ``names``: before."""
         there = [parts_of(name) for name in names]
         for changed, value in self._changes:
@@ -67,7 +70,7 @@ class PendingParameters:
         return ['/' + '/'.join(parts) for parts in there]
 
 
-def search(namespace, key, has):
+def search(namespace: str, key: str, has: Callable[..., Any]) -> Optional[str]:
     """Return the name that the ROS master finds for ``key`` from ``namespace`` upwards, or None; ``has(name)``."""
     if key.startswith('/'):
         return key if has(key) else None
@@ -79,31 +82,31 @@ def search(namespace, key, has):
     return None
 
 
-def in_order(value):
+def in_order(value: Any) -> Any:
     """Return the value with its dicts in the order of their keys."""
     if isinstance(value, dict):
         return {key: in_order(value[key]) for key in sorted(value)}
     return [in_order(item) for item in value] if isinstance(value, list) else value
 
 
-def _is_below(parts, above):
+def _is_below(parts: List[str], above: List[str]) -> bool:
     return parts[:len(above)] == above
 
 
-def _copied(value):
+def _copied(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _copied(item) for key, item in value.items()}
     return [_copied(item) for item in value] if isinstance(value, list) else value
 
 
-def _leaves(value):
+def _leaves(value: Any) -> Any:
     """Return the words of what is no dict."""
     if not isinstance(value, dict):
         return [[]]
     return [[key] + below for key, item in value.items() for below in _leaves(item)]
 
 
-def _set(tree, parts, value):
+def _set(tree: Any, parts: List[str], value: Any) -> None:
     for part in parts[:-1]:
         if not isinstance(tree.get(part), dict):
             tree[part] = {}
@@ -111,14 +114,14 @@ def _set(tree, parts, value):
     tree[parts[-1]] = value
 
 
-def _delete(tree, parts):
+def _delete(tree: Any, parts: Any) -> None:
     for part in parts[:-1]:
         tree = tree.get(part) if isinstance(tree, dict) else None
     if isinstance(tree, dict):
         tree.pop(parts[-1], None)
 
 
-def _get(tree, parts):
+def _get(tree: Any, parts: List[str]) -> Any:
     for part in parts:
         if not isinstance(tree, dict) or part not in tree:
             return MISSING

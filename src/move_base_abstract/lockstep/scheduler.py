@@ -12,13 +12,16 @@ Nothing here knows ROS or sockets: ``channel.exchange()`` reports, waits for the
 done in it; then ``channel.is_at_rest`` says whether nobody else has anything left to do at this instant. A channel that
 can go on by itself has ``goes_on_to(due_ns)``: in the place of an exchange from which nothing but time would come.
 """
+from __future__ import annotations
+
 import heapq
 import sys
 import threading
 from collections import deque
 from threading import get_ident
+from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 
-from .loops import Looking
+from .loops import Looking, holds
 from .open_waits import OWED
 from .task import Task, _make_lock, is_current, release
 from .wire import NEVER
@@ -34,74 +37,74 @@ class Scheduler(Looking):
     """Gives the turn to one thread of the process after the other."""
 
     #: called in each thread of the application, with whether it begins to be one or ends to; for all of the process
-    thread_changes = None
+    thread_changes: Optional[Callable[[bool], object]] = None
 
-    def __init__(self, channel):
+    def __init__(self, channel: Any) -> None:
         self._channel = channel
         self.now_ns = 0  # [ns], of the present grant; the channel's to set
         self.shown_ns = [0]  # the same, for who looks at it where it lies; the channel's, too
-        self._source = None
+        self._source: Any = None
         self._is_source_busy = False
-        self._goes_on_to = None
+        self._goes_on_to: Any = None
         self.is_closed = False
         self.turn_ident = 0
-        self._tasks = {}
-        self._ready = deque()
-        self._mail = deque()
-        self._sleepers = []
+        self._tasks: Dict[int, Task] = {}
+        self._ready: Deque[Task] = deque()
+        self._mail: Deque[Any] = deque()
+        self._sleepers: List[Tuple[int, int, int, Task]] = []
         self._sequence = 0
-        self._next_round = deque()
-        self._resting = deque()
-        self._conditions = []
-        self._idle_workers = []
-        self._open = []
-        self._outside = deque()
+        self._next_round: Deque[Any] = deque()
+        self._resting: Deque[Any] = deque()
+        self._conditions: List[Tuple[Callable[[], object], Task]] = []
+        self._idle_workers: List[Task] = []
+        self._open: List[Any] = []
+        self._outside: Deque[Any] = deque()
         self._outside_lock = _make_lock()
         self._happened = 0
 
-    def set_source(self, source):
+    def set_source(self, source: Any) -> None:
         """Have events driven by the grants: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``."""
         self._source = source
         self._goes_on_to = getattr(self._channel, 'goes_on_to', None)
 
     # --- who is who -------------------------------------------------------------------------------------------------
 
-    def is_mine(self):
+    def is_mine(self) -> bool:
         """Return whether the calling thread has the turn."""
         return self.turn_ident == get_ident() and not self.is_closed
 
-    def adopt_caller(self, name):
+    def adopt_caller(self, name: str) -> None:
         """Make the calling thread one of the application's, with the turn; for the first one only."""
         task = Task(name)
         self._enter(task)
         self.turn_ident = task.ident
 
-    def _enter(self, task):
+    def _enter(self, task: Task) -> None:
         task.ident = get_ident()
         self._tasks[task.ident] = task
         if self.thread_changes is not None:
             self.thread_changes(True)
 
-    def current(self):
+    def current(self) -> Any:
         """Return the task of the calling thread, or None."""
         return self._tasks.get(get_ident())
 
     # --- threads of the application ---------------------------------------------------------------------------------
 
-    def spawn(self, name):
+    def spawn(self, name: str) -> Task:
         """Return a task for a thread that is about to start; it is ready, behind those that are so already."""
         task = Task(name)
         self._ready.append(task)
         return task
 
-    def begin(self, task):
+    def begin(self, task: Task) -> None:
         """First word of a new thread: wait for the first turn."""
         self._enter(task)
         task.parking.acquire()
         if not self.is_closed:
             self.turn_ident = task.ident
 
-    def finish(self):
+    def finish(self) -> None:
         """Last word of a thread: pass the turn on."""
         task = self._tasks.pop(get_ident(), None)
         if task is None:
@@ -115,7 +118,7 @@ class Scheduler(Looking):
 
     # --- waiting ----------------------------------------------------------------------------------------------------
 
-    def wait(self, wake_ns=NEVER, waits_for='', kind=OWED):
+    def wait(self, wake_ns: int = NEVER, waits_for: str = '', kind: Optional[str] = OWED) -> bool:
         """Give the turn away until :meth:`wake` or ``wake_ns`` [ns]; return False if time was up.
 
         ``kind``: what a wait without end is for (:mod:`.open_waits`), which the time master names when nothing is left
@@ -128,7 +131,7 @@ class Scheduler(Looking):
         self._happened += 1
         return self._wait(task, wake_ns, waits_for, kind)
 
-    def _wait(self, task, wake_ns, waits_for, kind):
+    def _wait(self, task: Task, wake_ns: int, waits_for: str, kind: Optional[str]) -> bool:
         task.is_waiting = True
         task.timed_out = False
         task.wake_token += 1
@@ -149,7 +152,8 @@ class Scheduler(Looking):
                 self._open.remove(task)
         return not task.timed_out
 
-    def wait_until(self, condition, wake_ns=NEVER, waits_for='', kind=OWED):
+    def wait_until(self, condition: Callable[..., Any], wake_ns: int = NEVER, waits_for: str = '',
+                   kind: str = OWED) -> bool:
         """Give the turn away until ``condition()`` holds or ``wake_ns`` [ns] has come; return what it says then.
 
         It is looked at whenever something has happened in this process.
@@ -166,7 +170,7 @@ class Scheduler(Looking):
                 self._conditions.remove(entry)
         return True
 
-    def acts(self):
+    def acts(self) -> bool:
         """The calling thread does something that others may see; return whether it has the turn."""
         ident = get_ident()
         if self.turn_ident != ident or self.is_closed:
@@ -175,48 +179,48 @@ class Scheduler(Looking):
         task.looks = task.turns = task.idle_turns = task.is_looking = 0
         return True
 
-    def wait_round(self):
+    def wait_round(self) -> None:
         """Give the turn away until the time master has granted another round, of this instant if nothing else is."""
         self._next_round.append(self.current())
         self.wait(kind=None)
 
-    def rest(self):
+    def rest(self) -> None:
         """Give the turn away until nobody who takes part has anything left to do at this instant."""
         self._resting.append(self.current())
         self.wait(kind=None)
 
     @property
-    def is_resting(self):
+    def is_resting(self) -> bool:
         """Whether a thread waits for that."""
         return bool(self._resting)
 
-    def wake(self, task):
+    def wake(self, task: Task) -> None:
         """Make a waiting task ready; the caller has the turn."""
         if task.is_waiting:
             task.is_waiting = False
             self._ready.append(task)
 
-    def from_outside(self, action):
+    def from_outside(self, action: Callable[[], object]) -> None:
         """Have ``action()`` called by a worker in the next round; from any thread."""
         with self._outside_lock:
             self._outside.append(action)
         self._channel.knock()
 
     @property
-    def has_outside(self):
+    def has_outside(self) -> bool:
         """Whether something from outside has not entered yet; for any thread."""
         return bool(self._outside)
 
     @property
-    def open_waits(self):
+    def open_waits(self) -> List[Task]:
         """The tasks that wait without end for something that is not time."""
         return self._open
 
-    def next_ns(self):
+    def next_ns(self) -> int:
         """Return the earliest instant at which somebody wants to go on [ns], or NEVER."""
         return min(self.next_besides_source_ns(), self._source_due_ns())
 
-    def next_besides_source_ns(self):
+    def next_besides_source_ns(self) -> int:
         """Return the same of all but the source of events."""
         if self._next_round:
             return self.now_ns
@@ -226,13 +230,13 @@ class Scheduler(Looking):
         return sleepers[0][0] if sleepers else NEVER
 
     @property
-    def can_foresee(self):
+    def can_foresee(self) -> bool:
         """Whether the source of events is all that has something to do by itself, and is at rest."""
         return not (self._is_source_busy or self._outside or self._next_round)
 
     # --- passing the turn -------------------------------------------------------------------------------------------
 
-    def _run(self, task):
+    def _run(self, task: Task) -> None:
         """Let others go on, until ``task``, the caller's, is made ready and its turn has come."""
         while True:
             if self._mail:
@@ -247,12 +251,12 @@ class Scheduler(Looking):
             if not self._mail:
                 self._begin_round()
 
-    def _next_ready(self):
+    def _next_ready(self) -> Optional[Task]:
         """Return the next task that can go on at this instant; None if there is none, or mail comes first."""
         if self._ready:
             return self._ready.popleft()
         for condition, task in self._conditions:
-            if task.is_waiting and _holds(condition):
+            if task.is_waiting and holds(condition):
                 task.is_waiting = False
                 return task
         if self._source_due_ns() <= self.now_ns:
@@ -261,18 +265,18 @@ class Scheduler(Looking):
             return None
         return self._next_sleeper()
 
-    def _source_due_ns(self):
+    def _source_due_ns(self) -> int:
         due_ns = None if self._source is None or self._is_source_busy else self._source.next_due_ns()
         return NEVER if due_ns is None else due_ns
 
-    def _run_source(self):
+    def _run_source(self) -> None:
         self._is_source_busy = True
         try:
             self._source.run(self.now_ns)
         finally:
             self._is_source_busy = False
 
-    def _next_sleeper(self):
+    def _next_sleeper(self) -> Optional[Task]:
         sleepers = self._sleepers
         while sleepers and (sleepers[0][0] <= self.now_ns or not is_current(sleepers[0])):
             entry = heapq.heappop(sleepers)
@@ -282,7 +286,7 @@ class Scheduler(Looking):
                 return entry[3]
         return None
 
-    def _begin_round(self):
+    def _begin_round(self) -> None:
         """Nobody can go on: report, and take the next grant in."""
         if self.is_closed:
             raise TurnLost()
@@ -296,7 +300,7 @@ class Scheduler(Looking):
                 self._mail.extend(self._outside)
                 self._outside.clear()
 
-    def _park(self, task, other):
+    def _park(self, task: Task, other: Task) -> None:
         """Give the turn to ``other`` and wait for it to come back."""
         if self.is_closed:
             release(other)
@@ -308,7 +312,7 @@ class Scheduler(Looking):
             raise TurnLost()
         self.turn_ident = task.ident
 
-    def _worker(self):
+    def _worker(self) -> Task:
         """Return a worker that is free."""
         if self._idle_workers:
             return self._idle_workers.pop()
@@ -317,7 +321,7 @@ class Scheduler(Looking):
         self.start_thread(_Thread_start, thread)
         return task
 
-    def start_thread(self, start, thread):
+    def start_thread(self, start: Callable[..., Any], thread: threading.Thread) -> None:
         """Call ``start(thread)``; while it starts, Python itself waits for it, which is no wait of the application."""
         if not self.is_mine():
             start(thread)
@@ -328,13 +332,13 @@ class Scheduler(Looking):
         finally:
             self.turn_ident = mine
 
-    def _resume_worker(self):
+    def _resume_worker(self) -> None:
         """Give the turn to a worker for good: the calling thread ends, or leaves the application."""
         worker = self._worker()
         self.turn_ident = worker.ident
         release(worker)
 
-    def _work(self, task):
+    def _work(self, task: Task) -> None:
         """The life of a worker: handle messages while it has the turn, and pass it on."""
         task.parking.acquire()
         self._enter(task)
@@ -345,7 +349,7 @@ class Scheduler(Looking):
         except TurnLost:
             pass
 
-    def _work_on(self, task):
+    def _work_on(self, task: Task) -> None:
         mail = self._mail
         while not self.is_closed:
             while mail:
@@ -364,33 +368,25 @@ class Scheduler(Looking):
             else:
                 self._begin_round()
 
-    def _source_goes_on(self):
+    def _source_goes_on(self) -> bool:
         """Return whether time has moved on to the source's next event, because nothing else comes before it."""
         if self._goes_on_to is None or self._is_source_busy or self._conditions or self._next_round or self._resting:
             return False
         due_ns = self._source_due_ns()
         return self.now_ns < due_ns < self.next_besides_source_ns() and self._goes_on_to(due_ns)
 
-    def abandon(self):
+    def abandon(self) -> None:
         """Take no more part in this process, in which no other thread is left: one that was forked."""
         self.is_closed, self.turn_ident = True, 0
 
-    def close(self):
+    def close(self) -> None:
         """Let go of all threads: from now on they run as they like."""
         self.is_closed, self.turn_ident = True, 0
         for task in list(self._tasks.values()) + self._idle_workers + list(self._ready):
             release(task)
 
 
-def _holds(condition):
-    """Whether a thread's condition holds, or fails: then that thread is to look at it, so that the error is its own."""
-    try:
-        return bool(condition())
-    except Exception:
-        return True
-
-
-def _handle(action):
+def _handle(action: Callable[[], object]) -> None:
     """Call what is delivered; what it raises is shown, and the worker goes on with what comes next."""
     try:
         action()

@@ -1,13 +1,21 @@
 """The secret of a run, which keeps strangers of the same machine out."""
+from __future__ import annotations
+
 import os
 import stat
+from typing import TYPE_CHECKING, Any
 
 from ..common.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from os import stat_result
+
+    from ..common.type_names import StrPath
 
 LONGEST = 1024  # bytes
 
 
-def run_secret(text, path):
+def run_secret(text: Any, path: Any) -> bytes:
     """Return the secret as bytes, b'' if there is none: of the parameter ``text``, or of the file ``path``.
 
     :raises ConfigurationError: if both are given, or the file is missing, empty or too long, or not only its owner, who
@@ -19,14 +27,14 @@ def run_secret(text, path):
     if text and path:
         raise ConfigurationError('parameters /time_master/lockstep_secret and lockstep_secret_file: both are set; '
                                  'allowed: one of them')
-    secret = _read(path) if path else text.encode('utf-8').strip()
+    secret: bytes = _read(path) if path else text.encode('utf-8').strip()
     if len(secret) > LONGEST or (path or text) and not secret:
         raise ConfigurationError('parameter /time_master/lockstep_secret{}: got {}; allowed: 1 to {} bytes'.format(
             '_file' if path else '', 'more' if secret else 'none', LONGEST))
     return secret
 
 
-def _read(path):
+def _read(path: StrPath) -> bytes:
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
         with open(descriptor, 'rb') as stream:
@@ -39,7 +47,7 @@ def _read(path):
     return secret
 
 
-def _objection(status):
+def _objection(status: stat_result) -> str:
     if not stat.S_ISREG(status.st_mode):
         return 'it is no ordinary file'
     if status.st_uid != os.geteuid():
@@ -47,6 +55,6 @@ def _objection(status):
     return 'others may use it too; chmod 600 changes that' if status.st_mode & (stat.S_IRWXG | stat.S_IRWXO) else ''
 
 
-def _refusal(path, why):
+def _refusal(path: StrPath, why: str) -> ConfigurationError:
     return ConfigurationError('parameter /time_master/lockstep_secret_file: got {!r}; allowed: a file that only its '
                               'owner can read: {}'.format(path, why))

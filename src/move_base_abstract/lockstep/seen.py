@@ -4,7 +4,10 @@ As in the library for roscpp programs: dates begin on 2020-01-01 with as many se
 count from the machine's start at an hour, and all go on with simulated time and with what was slept by the wall. No
 ROS, no threads, no clock.
 """
+from __future__ import annotations
+
 import random
+from typing import Any, Optional
 
 from ..common.units import NS_PER_S
 
@@ -24,7 +27,7 @@ class SeenClocks:
     ``slept_ns``: a sequence of one number, where it is kept how far they have gone on by themselves [ns].
     """
 
-    def __init__(self, seed, is_simulated, slept_ns=None):
+    def __init__(self, seed: int, is_simulated: bool, slept_ns: None = None) -> None:
         date_ns = EPOCH_NS + seed % SEEDS * NS_PER_S
         self._starts = {DATE: date_ns, UPTIME: UPTIME_NS, PROCESSOR: 0}
         if is_simulated:
@@ -32,26 +35,26 @@ class SeenClocks:
         self._slept_ns = [0] if slept_ns is None else slept_ns
         self._looks = 0
 
-    def read(self, kind, now_ns):
+    def read(self, kind: str, now_ns: int) -> int:
         """Return what a clock of this kind shows [ns] at the simulated time ``now_ns`` (0 before the run)."""
         return self._starts[kind] + now_ns + self._slept_ns[0]
 
-    def start(self, kind):
+    def start(self, kind: Any) -> Any:
         """Return what a clock of this kind shows [ns] before the run."""
         return self._starts[kind]
 
-    def add_sleep(self, duration_ns):
+    def add_sleep(self, duration_ns: int) -> None:
         """So long [ns] was slept by the wall, while simulated time stood."""
         self._slept_ns[0] += duration_ns
 
-    def look(self):
+    def look(self) -> None:
         """A thread that takes no turns looks at a clock: a loop that does nothing else sees it go on some day."""
         self._looks += 1
         if self._looks % LOOKS == 0:
             self._slept_ns[0] += STEP_NS
 
 
-def kind_of(clock_id):
+def kind_of(clock_id: int) -> str:
     """Return which kind of clock a number of clock_gettime(2) is."""
     if clock_id in _PROCESSORS or clock_id < 0:
         return PROCESSOR
@@ -64,10 +67,10 @@ class Entropy:
     Not secret: keys that a program makes of them can be guessed.
     """
 
-    def __init__(self, text):
+    def __init__(self, text: str) -> None:
         self._generator = random.Random(text)
 
-    def draw(self, size):
+    def draw(self, size: int) -> Optional[bytes]:
         """Return ``size`` bytes.
 
         :raises ValueError: if it is negative.

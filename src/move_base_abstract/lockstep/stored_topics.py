@@ -1,5 +1,8 @@
 """Topics of which a user says that nodes only store what they hear: 'TOPIC', or 'NODE=TOPIC' for one node."""
+from __future__ import annotations
+
 import re
+from typing import Optional, Union
 
 from ..common.errors import ConfigurationError
 from ..common.shown import shown
@@ -7,7 +10,7 @@ from ..common.shown import shown
 _NAME = re.compile('/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*')
 
 
-def checked(text):
+def checked(text: Optional[Union[int, str]]) -> str:
     """Return an entry with resolved names: those without a leading slash are below the root.
 
     :raises ConfigurationError: if it is none.

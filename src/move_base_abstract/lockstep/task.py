@@ -1,8 +1,11 @@
 """A thread of a participant, as the scheduler sees it."""
+from __future__ import annotations
+
 import threading
+from typing import Any, Tuple
 
 # The machine's own locks: those that the application gets are made of waits in the scheduler.
-_make_lock = threading._allocate_lock
+_make_lock = threading._allocate_lock  # type: ignore[attr-defined]
 
 
 class Task:
@@ -12,25 +15,25 @@ class Task:
                  'is_finished', 'is_worker', 'looks', 'turns', 'idle_turns',
                  'is_looking')
 
-    def __init__(self, name, is_worker=False):
+    def __init__(self, name: str, is_worker: bool = False) -> None:
         self.name = name
         self.ident = 0
-        self.parking = _make_lock()
+        self.parking: Any = _make_lock()
         self.parking.acquire()
         self.is_waiting = False
         self.wake_token = 0
         self.timed_out = False
         self.waits_for = ''
-        self.kind = None  # of a wait without end: see open_waits
+        self.kind: Any = None  # of a wait without end: see open_waits
         self.is_finished = False
         self.is_worker = is_worker
         self.looks = 0  # since it has waited, sent, or looked away
-        self.is_looking = False
+        self.is_looking: int = False
         self.turns = 0  # of loops; since it has computed, too
         self.idle_turns = 0  # since it has also called what may compute
 
 
-def release(task):
+def release(task: Task) -> None:
     """Let a parked thread go. One may be let go twice: by who has the turn, and by the end of lockstep."""
     try:
         task.parking.release()
@@ -38,6 +41,6 @@ def release(task):
         pass
 
 
-def is_current(entry):
+def is_current(entry: Tuple[int, int, int, Task]) -> bool:
     """Whether a sleeper still sleeps, and in the same wait."""
     return entry[3].is_waiting and entry[3].wake_token == entry[2]

@@ -4,11 +4,17 @@ Made of the table in :mod:`.wire_format`; docs/lockstep_protocol.md describes it
 is its length (u32), its type (u8) and its body. A function that makes an item or a body takes the fields' values in
 the table's order.
 """
+from __future__ import annotations
+
 import struct
 from enum import IntEnum
+from typing import TYPE_CHECKING, Any, Callable, List, Tuple, Union
 
 from . import wire_format
 from .wire_format import LARGEST_FRAME, NEVER, PROTOCOL
+
+if TYPE_CHECKING:
+    from .wire_format import Layout
 
 __all__ = ['LARGEST_FRAME', 'NEVER', 'PROTOCOL']
 MAX_RANK = 2 ** 31 - 1  # a rank has 32 bits with its sign
@@ -19,7 +25,7 @@ NoteKind, Hearing, CallStatus = (IntEnum(name, [(value, number) for number, valu
                         for name in ('NoteKind', 'Hearing', 'CallStatus'))
 
 
-def _numbers(layouts, names):
+def _numbers(layouts: Any, names: Any) -> Any:
     return (layouts[name].number for name in names.split())
 
 
@@ -42,38 +48,38 @@ class WireError(ValueError):
     """What came is no frame of this protocol."""
 
 
-def frame(kind, body=b''):
+def frame(kind: int, body: bytes = b'') -> bytes:
     """Return a whole frame."""
     return _FRAME.pack(len(body) + 1, kind) + body
 
 
-def _names_and_kinds(fields):
+def _names_and_kinds(fields: Tuple[str, ...]) -> List[Tuple[str, str]]:
     """Return (name, type) of each field; items, which are appended, are left out."""
     pairs = [field.split()[:2] for field in fields]
     return [(name, kind) for kind, name in pairs if kind not in ('ReportItem', 'GrantItem')]
 
 
-def _kinds(layout):
+def _kinds(layout: Layout) -> List[str]:
     return [kind for _, kind in _names_and_kinds(layout.fields)]
 
 
 # --- writing --------------------------------------------------------------------------------------------------------
 
-def text(value):
+def text(value: Any) -> bytes:
     """Return a text as bytes."""
     return payload(value.encode('utf-8'))
 
 
-def payload(data):
+def payload(data: bytes) -> bytes:
     """Return bytes with their length before them."""
     return _U32.pack(len(data)) + data
 
 
-def _texts(values):
+def _texts(values: List[str]) -> bytes:
     return b''.join([text(value) for value in values])
 
 
-def _writer(name, fields, head=()):
+def _writer(name: str, fields: Tuple[str, ...], head: Tuple[Tuple[str, int], ...] = ()) -> Callable[..., Any]:
     """Return the function of the fields' values that returns their bytes, after ``head``: ((code, number), ...).
 
     Its source is made here, as collections.namedtuple does it: it is called for each message, with no loop in it.
@@ -82,7 +88,7 @@ def _writer(name, fields, head=()):
     lines, terms, names = [], [], {'text': text, '_texts': _texts}
     codes, values = ''.join(code for code, _ in head), [str(number) for _, number in head]
 
-    def end_of_run():
+    def end_of_run() -> None:
         nonlocal codes, values
         if codes:
             pack = '_pack{}'.format(len(names))
@@ -105,7 +111,7 @@ def _writer(name, fields, head=()):
     return names[name]
 
 
-def _item(name):
+def _item(name: Any) -> Any:
     """Return the function that makes an item of a report."""
     layout = ITEMS[name]
     return _writer(name.lower(), layout.fields, (('B', layout.number),))
@@ -126,41 +132,42 @@ _report = _writer('report', ('u32 length', 'u8 type') + FRAMES['REPORT'].fields)
 _REPORT_HEAD = len(_report(0, 0, 0, False, 0, 0)) - 4  # bytes behind the length
 
 
-def hello(name, uri, rank, rank_declared, incarnation, secret=b''):
+def hello(name: str, uri: str, rank: int, rank_declared: bool, incarnation: int, secret: bytes = b'') -> bytes:
     """Return the frame by which a participant presents itself; ``secret`` (bytes) is the run's, if it has one."""
     return frame(HELLO, _hello(PROTOCOL, name, uri, rank, rank_declared, incarnation, secret))
 
 
-def report(round_number, is_leaving, next_ns, open_waits, items):
+def report(round_number: int, is_leaving: bool, next_ns: int, open_waits: int, items: List[bytes]) -> bytes:
     """Return a report; ``items`` is a list of bytes, ``next_ns`` [ns] may be NEVER."""
     body = b''.join(items)
-    return _report(len(body) + _REPORT_HEAD, REPORT, round_number, is_leaving, next_ns, open_waits) + body
+    head: bytes = _report(len(body) + _REPORT_HEAD, REPORT, round_number, is_leaving, next_ns, open_waits)
+    return head + body
 
 
-def leave(reason):
+def leave(reason: str) -> bytes:
     """Return the frame by which a participant leaves without a grant."""
     return frame(LEAVE, text(reason))
 
 
-def stopping(reason):
+def stopping(reason: str) -> bytes:
     """Return the frame by which a participant says that it was told to end, before it leaves."""
     return frame(STOPPING, text(reason))
 
 
-def busy(round_number, where):
+def busy(round_number: int, where: str) -> bytes:
     """Return the frame by which a participant says where it is, while its work on a grant takes long."""
     return frame(BUSY, _busy(round_number, where))
 
 
 # --- reading --------------------------------------------------------------------------------------------------------
 
-def read_text(body, at):
+def read_text(body: bytes, at: int) -> Tuple[str, int]:
     """Return (text, position after it)."""
     data, at = _read_bytes(body, at)
     return data.decode('utf-8'), at
 
 
-def _read_bytes(body, at):
+def _read_bytes(body: bytes, at: int) -> Tuple[bytes, int]:
     length, = _U32.unpack_from(body, at)
     at += 4
     if len(body) - at < length:
@@ -168,7 +175,7 @@ def _read_bytes(body, at):
     return bytes(body[at:at + length]), at + length
 
 
-def _read_texts(body, at):
+def _read_texts(body: bytes, at: int) -> Tuple[List[str], int]:
     count, = _U32.unpack_from(body, at)
     at += 4
     values = []
@@ -178,10 +185,10 @@ def _read_texts(body, at):
     return values, at
 
 
-def _reader_of_one(code):
+def _reader_of_one(code: str) -> Callable[..., Any]:
     layout = struct.Struct('<' + code)
 
-    def read(body, at):
+    def read(body: bytes, at: int) -> Tuple[int, int]:
         return layout.unpack_from(body, at)[0], at + layout.size
     return read
 
@@ -190,7 +197,7 @@ _READERS = {'text': read_text, 'bytes': _read_bytes, 'texts': _read_texts}
 _READERS.update((kind, _reader_of_one(code)) for kind, code in _CODES.items())
 
 
-def _reader(kinds, head=''):
+def _reader(kinds: List[str], head: str = '') -> Callable[..., Any]:
     """Return a function (body, at) -> (tuple of the fields' values, position after them); ``head`` as of a writer."""
     codes = '<' + head + ''.join(_CODES.get(kind, '') for kind in kinds)
     layout = struct.Struct(codes + ('I' if kinds[-1:] == ['bytes'] else ''))
@@ -199,7 +206,7 @@ def _reader(kinds, head=''):
         return lambda body, at: (unpack_from(body, at), at + size)
     if kinds[-1] == 'bytes' and all(kind in _CODES for kind in kinds[:-1]):  # what comes often
 
-        def read(body, at):
+        def read(body: bytes, at: int) -> Tuple[Tuple[Union[bytes, int], ...], int]:
             values = unpack_from(body, at)
             begin = at + size
             end = begin + values[-1]
@@ -207,7 +214,7 @@ def _reader(kinds, head=''):
         return read
     readers = [_reader_of_one(code) for code in head] + [_READERS[kind] for kind in kinds]
 
-    def read_each(body, at):
+    def read_each(body: bytes, at: int) -> Tuple[Tuple[Any, ...], int]:
         values = []
         for read_one in readers:
             value, at = read_one(body, at)
@@ -221,18 +228,19 @@ _READ_ITEM = {layout.number: _reader(_kinds(layout), 'B') for layout in wire_for
 _READ_FRAME = {layout.number: _reader(_kinds(layout)) for layout in wire_format.MASTER_FRAMES}
 
 
-def read_frame(kind, body):
+def read_frame(kind: int, body: bytes) -> Tuple[Any, ...]:
     """Return the values of the fields of a frame from the time master, as a tuple; of a grant, those before its items.
 
     :raises WireError: if it is no such frame.
     """
     try:
-        return _READ_FRAME[kind](body, 0)[0]
+        values: Tuple[Any, ...] = _READ_FRAME[kind](body, 0)[0]
+        return values
     except (struct.error, IndexError, KeyError, UnicodeDecodeError) as error:
         raise WireError('a frame of type {} and {} bytes is none: {!r}'.format(kind, len(body), error)) from None
 
 
-def read_grant(body):
+def read_grant(body: bytes) -> Tuple[int, int, int, List[Tuple[Any, ...]]]:
     """Return (round, time [ns], microstep, list of items) of a grant; an item is a tuple that begins with its kind.
 
     :raises WireError: if it is none.
@@ -249,4 +257,4 @@ def read_grant(body):
             len(body), at, error)) from None
     if at != end:
         raise WireError('a grant of {} bytes ends within an item'.format(end))
-    return head + (items,)
+    return head + (items,)  # type: ignore[no-any-return]
