@@ -177,11 +177,10 @@ class LaunchTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder)
         with open(self.path('package.xml'), 'w') as stream:
             stream.write(PACKAGE)
-        scripts = [os.path.join(HERE, 'unmodified', name) for name in
-                   ('answerer.py', 'asker.py', 'fates.py', 'flags.py', 'leaves.py', 'ticks.py')]
-        for path in [*scripts, os.path.join(HERE, os.pardir, os.pardir, 'tools', 'run_tests.py')]:
-            shutil.copy(path, self.folder)
-            os.chmod(self.path(os.path.basename(path)), 0o755)
+        for name in ('answerer.py', 'asker.py', 'fates.py', 'flags.py', 'leaves.py', 'ticks.py',
+                     '../../../tools/run_tests.py', '../../../tools/test_summary.py'):
+            shutil.copy(os.path.join(HERE, 'unmodified', name), self.folder)
+            os.chmod(self.path(os.path.basename(name)), 0o755)
         for name, text in SCRIPTS.items():
             with open(self.path(name), 'w') as stream:
                 stream.write(text)
@@ -348,11 +347,11 @@ class LaunchTest(unittest.TestCase):
         self.assertIn('/left', ' '.join(map(str, self.log('a.jsonl')[1])))
 
     def test_a_node_that_ends_before_it_takes_part_ends_the_run_and_is_named(self):
-        early = '<node pkg="study_of_others" type="run_tests.py" name="early" args="--help"/>'
-        done = self.run_it('--participant', '/early', self.file(TICKING.format(more=early)))
-        self.assertEqual(done.returncode, 1, done.stdout)
-        self.assertIn('/early ended', done.stdout)
-        self.assertIn('--onlooker /early', done.stdout)
+        for word, told in (('--help', 'code 0.*--onlooker /early'), ('--no', '2.*said last:\n.*\n    [^\n]*--no ')):
+            early = '<node pkg="study_of_others" type="run_tests.py" name="early" args="{}"/>'.format(word)
+            done = self.run_it('--participant', '/early', self.file(TICKING.format(more=early)))
+            self.assertEqual(done.returncode, 1, done.stdout)
+            self.assertRegex(done.stdout, '(?s)lockstep_launch: /early ended .*' + told)
 
     def test_a_node_that_crashes_is_named_with_how_and_when(self):
         nodes = [FATE.format(name, 'required="true"' if name == 'last_round' else '') for name in (

@@ -161,7 +161,7 @@ def _end_of(process, log):
     code = process.code if is_early or not _is_ours(process.code) else None
     is_told = bool(whys) or bool(code)
     return End(process.node, code, time_ns, tuple(uncaught), '; '.join(whys) or None,
-               tuple(_plain(line) for line in process.printed) if is_told else ())
+               plain_lines(process) if is_told else ())
 
 
 def _unexpected(process, died):
@@ -219,6 +219,11 @@ def note_threads():
         return _excepthook
     replace('threading.excepthook', noting)
     return noted
+
+
+def plain_lines(process):
+    """Return the last lines that a Process has printed, without what differs from run to run."""
+    return tuple(_plain(line) for line in process.printed)
 
 
 def _plain(line):

@@ -118,13 +118,18 @@ class Parent(roslaunch.parent.ROSLaunchParent):
                 self._has_started = True
                 return
             if gone and not self._over.is_set():
-                name, exit_code = gone[0]
-                print('lockstep_launch: {} ended ({}) before it took part, so that time never starts. If it is no node '
-                      'that goes on, leave it as an onlooker: --onlooker {}'.format(
-                          name, 'exit code 0' if exit_code == 0 else ends.described(exit_code), name), file=sys.stderr)
+                self._complain(*gone[0])
                 self.code = BAD
                 self.pm.shutdown()
                 return
+
+    def _complain(self, name, exit_code):
+        """Say that a participant has gone before time started, and what it has said last, or what to do about it."""
+        print('lockstep_launch: {} ended ({}) before it took part, so that time never starts.{}'.format(
+            name, ends.described(exit_code) if exit_code else 'exit code 0', ' It said last:' if exit_code else
+            ' If it is no node that goes on, leave it as an onlooker: --onlooker {}'.format(name)), file=sys.stderr)
+        for line in ends.plain_lines(self._watched[name].process(name, True)) if exit_code else ():
+            print('    ' + line, file=sys.stderr)
 
     def _stop_time_master(self):
         for name in self.pm.get_active_names():
