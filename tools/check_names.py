@@ -3,13 +3,17 @@
 
 usage: check_names.py FOLDER...    (files below them are read; src/ is where our modules are)
 
-Needs neither ROS nor any import: a name exists where its module binds it at the top level.
+Needs neither ROS nor any import: a name exists where its module binds it at the top level. Programs that a file holds
+as texts, as tests do for the processes they start, are read as the files are.
 """
 import ast
 import pathlib
+import re
 import sys
 
 SOURCE = pathlib.Path('src')
+IMPORT = re.compile(r'^\s*from move_base_abstract', re.MULTILINE)
+GENERATED = ('cfg', 'msg', 'srv')  # catkin makes these modules
 
 
 def bound_names(tree):
@@ -52,13 +56,19 @@ def our_modules():
     return modules
 
 
+def is_ours(module, modules):
+    """Tell whether a module is one that lies in src/, or would if it existed."""
+    parts = module.split('.')
+    return parts[0] in modules and parts[-1] not in GENERATED
+
+
 def missing_names(tree, modules):
     """Yield (line, module, name) of every name of ``modules`` that ``tree`` imports or looks up in vain."""
     here = {}
     for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.level == 0 and node.module in modules:
+        if isinstance(node, ast.ImportFrom) and node.level == 0 and is_ours(node.module, modules):
             for alias in node.names:
-                if alias.name not in modules[node.module]:
+                if alias.name not in modules.get(node.module, ()):
                     yield node.lineno, node.module, alias.name
                 here[alias.asname or alias.name] = f'{node.module}.{alias.name}'
     for node in ast.walk(tree):
@@ -68,14 +78,26 @@ def missing_names(tree, modules):
                 yield node.lineno, module, node.attr
 
 
+def programs(tree):
+    """Yield the first line and the tree of each text in ``tree`` that is a program with imports of ours."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and IMPORT.search(node.value):
+            try:
+                yield node.lineno, ast.parse(node.value)
+            except SyntaxError:  # prose, or a part of a program
+                continue
+
+
 def main():
     """Check all files below the folders named; the exit status is 1 if a name is missing."""
     modules, bad = our_modules(), False
     for folder in sys.argv[1:]:
         for path in sorted(pathlib.Path(folder).rglob('*.py')):
-            for line, module, name in missing_names(ast.parse(path.read_text()), modules):
-                print(f'{path}:{line}: {module} has no {name}')
-                bad = True
+            tree = ast.parse(path.read_text())
+            for first, program in [(1, tree), *programs(tree)]:
+                for line, module, name in missing_names(program, modules):
+                    print(f'{path}:{first + line - 1}: {module} has no {name}')
+                    bad = True
     return 1 if bad else 0
 
 

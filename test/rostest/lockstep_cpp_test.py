@@ -41,7 +41,7 @@ sys.path.insert(0, sys.argv[1])
 import rosgraph, rospy
 from lockstep_raw_client import RawClient, advertise, send
 from std_msgs.msg import Time
-from move_base_abstract_ros.lockstep.access import secret
+from move_base_abstract_ros.lockstep.exchange.access import secret
 rospy.init_node('ghost')
 address = rospy.get_param('/time_master/lockstep_address')
 ghost = RawClient(address).hello('/ghost', uri=rospy.get_node_uri(), secret=secret())

@@ -30,7 +30,7 @@ import time
 slept = []
 sleep = time.sleep
 time.sleep = lambda seconds: (slept.append(seconds), sleep(seconds))
-from move_base_abstract_ros import rospy_waits
+from move_base_abstract_ros.replacing import rospy_waits
 import rospy
 from rospy.impl import masterslave
 from rospy.impl.registration import get_registration_listeners
