@@ -189,7 +189,9 @@ def checked(found, factors, known):
         value = given.item() if hasattr(given, 'item') else given  # of numpy
         if value is not None and not isinstance(value, (bool, int, float)):
             raise TypeError(f'{name} must be a number or None, got {type(value).__name__}')
-        is_none = isinstance(value, float) and not math.isfinite(value)
+        if isinstance(value, float) and math.isinf(value):
+            raise ValueError(f'{name} must be finite, NaN or None (no value), got {value}')
+        is_none = isinstance(value, float) and math.isnan(value)
         if isinstance(value, int) and abs(value) > _LARGEST:
             raise ValueError(f'{name} must lie within what a float holds, got {shown(value)}')
         numbers[name] = None if is_none else int(value) if isinstance(value, bool) else value

@@ -75,9 +75,9 @@ def test_a_run_without_an_end_is_an_error(tmp_path):
 
 
 def test_what_a_function_may_return():
-    assert functions.checked({'a': 1, 'b': True, 'c': float('inf'), 'd': None}, [], []) == {
+    assert functions.checked({'a': 1, 'b': True, 'c': float('nan'), 'd': None}, [], []) == {
         'a': 1, 'b': 1, 'c': None, 'd': None}
-    for bad in ([], {'a': 'x'}, {'a b': 1}, {'goals': 1}, {'robots': 1}):
+    for bad in ([], {'a': 'x'}, {'a b': 1}, {'goals': 1}, {'robots': 1}, {'a': float('-inf')}):
         with pytest.raises((TypeError, ValueError)):
             functions.checked(bad, ['robots'], ['goals'])
 

@@ -76,6 +76,15 @@ def test_what_a_user_schedules_comes_after_the_robots_events_of_that_instant():
         fleet.at(S, lambda there: None)
 
 
+@pytest.mark.parametrize('go_on', [lambda fleet, time_ns: fleet.run(time_ns), lambda fleet, time_ns: fleet.at(time_ns, print),
+                                   lambda _fleet, time_ns: make_fleet(start_ns=time_ns)])
+def test_simulated_time_has_an_end(go_on):
+    fleet = make_fleet()
+    with pytest.raises(TimeError, match='simulated time ends at 2147483647 s'):
+        go_on(fleet, 10 ** 30)
+    assert fleet.now_ns == S
+
+
 def test_cancel_and_replacement_end_each_goal_once():
     fleet = make_fleet()
     fleet.send('r_0', 100.0, 0.0, goal_id='a')

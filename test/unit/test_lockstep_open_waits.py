@@ -75,6 +75,13 @@ def test_who_waits_for_work_is_idle_and_its_place_is_told(program, wait):
     assert __file__ in what and 'another thread' in what
 
 
+def test_the_place_is_the_programs_own_where_it_waits_in_what_stands_in_for_rospy(program):
+    ours = {'__name__': 'move_base_abstract_ros.lockstep.exchange.topics', 'queue': queue}
+    exec(compile('def receive(): queue.Queue().get()', 'topics.py', 'exec'), ours)
+    _, _, (what,) = owed_and_idle(program, lambda: ours['receive']())
+    assert __file__ in what and 'topics.py' not in what
+
+
 @pytest.mark.parametrize('wait', OWED.values(), ids=OWED)
 def test_what_others_must_do_is_owed(program, wait):
     assert owed_and_idle(program, wait)[:2] == (['thread 0'], [])

@@ -1,6 +1,7 @@
 """Values in error texts are short, and cost nothing to shorten."""
 import pytest
 
+from move_base_abstract.common.bounded_yaml import load_yaml_text
 from move_base_abstract.common.shown import MAX_LENGTH, shown, shown_text
 
 
@@ -46,3 +47,11 @@ def test_texts_stand_as_they_are_but_for_control_characters():
     assert len(shown_text('x' * 10_000_000)) == MAX_LENGTH
     assert len(shown_text('\x00' * 1000)) <= MAX_LENGTH
     assert len(shown_text(doubled(200))) <= MAX_LENGTH
+
+
+@pytest.mark.parametrize(('text', 'has_note'), [
+    ('1e308', True), ('-2E-3', True), ('1.5e3', True), ('1.e3', True), ('1e', False), ('e3', False), ('1e3 m', False)])
+def test_a_number_that_yaml_reads_as_a_text_has_a_note(text, has_note):
+    assert isinstance(load_yaml_text(text, 'here'), str)
+    assert ('1.0e+3' in shown(text)) == has_note
+    assert isinstance(load_yaml_text('1.0e+3', 'here'), float)

@@ -5,8 +5,9 @@ import numbers
 import operator
 from typing import Dict
 
-from .errors import ConfigurationError
+from .errors import ConfigurationError, TimeError
 from .shown import shown
+from .units import check_reachable
 
 
 def as_float(value: object, name: str) -> float:
@@ -35,6 +36,19 @@ def as_ns(value: object, name: str) -> int:
     except TypeError:
         pass
     raise ConfigurationError('{}: got {}; allowed: a whole number [ns]'.format(name, shown(value)))
+
+
+def as_instant(value: object, name: str) -> int:
+    """Return the instant ``value`` [ns] of simulated time as an int.
+
+    :raises ConfigurationError: as of :func:`as_ns`. :raises TimeError: naming ``name``, if simulated time ends before.
+    """
+    time_ns = as_ns(value, name)
+    try:
+        check_reachable(time_ns, name)
+    except ValueError as error:
+        raise TimeError(str(error)) from None
+    return time_ns
 
 
 def check_kind(value: object, kind: type, name: str) -> None:

@@ -2,9 +2,12 @@
 from __future__ import annotations
 
 import math
+import re
 import reprlib
 
 MAX_LENGTH = 120  # characters of a text that stands for a value
+_EXPONENT = re.compile(r'[-+]?[0-9]{1,20}(\.[0-9]{0,20})?[eE][-+]?[0-9]{1,5}\Z')
+_YAML_NOTE = ' (a text: in YAML a number with an exponent has a point and a sign, as 1.0e+3)'
 _MAX_BITS = 200  # of a whole number that is written out
 
 
@@ -29,8 +32,12 @@ _SHORTENER = _Shortener()
 
 
 def shown(value: object) -> str:
-    """Return ``repr(value)``, or as much of it as tells what it is, in at most 120 characters of one line."""
-    return _cut(_SHORTENER.repr(value))
+    """Return ``repr(value)``, or as much of it as tells what it is, in at most 120 characters of one line.
+
+    A text like '1e3' has a note: somebody wrote a number, and YAML 1.1 reads those of this form as texts.
+    """
+    text = _cut(_SHORTENER.repr(value))
+    return text + _YAML_NOTE if isinstance(value, str) and _EXPONENT.match(value) else text
 
 
 def shown_text(value: object) -> str:

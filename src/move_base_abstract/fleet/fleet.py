@@ -10,7 +10,7 @@ The robots are those of the nodes, with the same settings, and time is kept in t
 import itertools
 from functools import partial
 
-from ..common.arguments import as_float, as_ns, check_kind
+from ..common.arguments import as_float, as_instant, check_kind
 from ..common.errors import ConfigurationError, FrameError, TimeError
 from ..common.parameter_table import checked
 from ..common.units import NS_PER_S, seconds_to_ns
@@ -46,7 +46,7 @@ class Fleet:
 
     def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=(), occupancy=None,
                  on_worked=None):
-        self.simulation = Simulation(as_ns(start_ns, 'start_ns'))
+        self.simulation = Simulation(as_instant(start_ns, 'start_ns'))
         self._trace = None if trace is None else list(trace)
         self._rows = []  # of the trace, that nobody has read
         self._record = None if trace is None else self._rows.append
@@ -205,9 +205,9 @@ class Fleet:
     def at(self, time_ns, action):
         """Call ``action(fleet)`` at ``time_ns`` [ns], a whole number.
 
-        :raises TimeError: if that is past.
+        :raises TimeError: if that is past, or after the end of simulated time.
         """
-        time_ns = as_ns(time_ns, 'time_ns')
+        time_ns = as_instant(time_ns, 'time_ns')
         if time_ns < self.now_ns:
             raise TimeError('time {} ns is past, it is {} ns'.format(time_ns, self.now_ns))
         self.simulation.queue.schedule(time_ns, _USER_INDEX, lambda due_ns, _now_ns: action(self))
@@ -217,9 +217,9 @@ class Fleet:
 
         Without ``until_ns`` it waits neither for batteries nor for failures that are to come.
 
-        :raises TimeError: if ``until_ns`` is past.
+        :raises TimeError: if ``until_ns`` is past, or after the end of simulated time.
         """
-        until_ns = None if until_ns is None else as_ns(until_ns, 'until_ns')
+        until_ns = None if until_ns is None else as_instant(until_ns, 'until_ns')
         self.simulation.run(until_ns)
         return self.now_ns
 

@@ -25,6 +25,8 @@ _SEMAPHORE = threading.Semaphore.acquire.__code__
 #: what only hands on a wait for a condition
 _BETWEEN = (_CONDITION, threading.Condition.wait_for.__code__, threading.Event.wait.__code__)
 _QUEUE = queue.__name__
+#: modules that stand in for Python's and rospy's
+_OURS = (__name__.rpartition('.')[0] + '.', 'move_base_abstract_ros.lockstep.')
 #: modules whose waits are for what other threads are about to do: permits, barriers, outcomes of jobs
 _FOR_THREADS = (threading.__name__, 'concurrent.futures._base', 'multiprocessing.pool')
 
@@ -50,8 +52,9 @@ def _module(frame: FrameType) -> Any:
 
 
 def _place(frame: Optional[FrameType]) -> str:
-    """Return where the program waits: the first place outside of Python's library for threads."""
-    while frame is not None and _module(frame) in (_QUEUE, *_FOR_THREADS, 'concurrent.futures.thread'):
+    """Return where the program waits: the first place outside of Python's library for threads, and of ours."""
+    while frame is not None and (_module(frame) in (_QUEUE, *_FOR_THREADS, 'concurrent.futures.thread')
+                                 or str(_module(frame)).startswith(_OURS)):
         frame = frame.f_back
     return '' if frame is None else ' ({}, line {})'.format(frame.f_code.co_filename, frame.f_lineno)
 
