@@ -108,7 +108,7 @@ def _run(options):
 
 
 def _status(options):
-    from . import state
+    from .results import state
     for line in state.lines(options.output):
         print(line)
     return GOOD
@@ -134,6 +134,6 @@ def _write_report(output, with_own=True):
 
 
 def _rerun(options):
-    from . import again
-    return again.rerun(options.output, options.trial, until=options.until, speed=options.speed, rviz=options.rviz,
+    from . import rerun
+    return rerun.rerun(options.output, options.trial, until=options.until, speed=options.speed, rviz=options.rviz,
                        logs=options.logs)

@@ -10,9 +10,12 @@ import threading  # noqa: TID251 - of the client, whose threads are Dask's
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 
-from . import checks, cluster, jobs, launch_files, outputs, plan, resumed, spec, tables, trial
-from .progress import Progress
-from .workers import told_workers
+from .carrying import cluster, jobs
+from .carrying.workers import told_workers
+from .description import checks, launch_files, plan, spec
+from .results import outputs, resumed, tables
+from .results.progress import Progress
+from .trials import trial
 
 
 def run(path, output, workers, scheduler, stream=sys.stdout, folder=None, keep_old=False,

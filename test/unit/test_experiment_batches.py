@@ -6,7 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from move_base_abstract_experiments import batches, cluster, jobs, run_folders, spool
+from move_base_abstract_experiments.carrying import batches, cluster, jobs, spool
+from move_base_abstract_experiments.trials import run_folders
 
 
 def jobs_of(count):

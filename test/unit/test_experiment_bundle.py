@@ -4,7 +4,9 @@ import os
 
 import pytest
 
-from move_base_abstract_experiments import bundle, outputs, run_folders, sweep, tables
+from move_base_abstract_experiments import sweep
+from move_base_abstract_experiments.results import outputs, tables
+from move_base_abstract_experiments.trials import bundle, run_folders
 from test_experiment_outputs import ABOUT, ID, PLAN, packed, trial
 
 NAMES = ['result 0.csv', 'a\nb.csv', '\u00fc.csv', '[1](2){3}.csv', b'\xff\xfe.csv', '-rf.csv', '.hidden.csv',

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
-from move_base_abstract_experiments import functions, trial
+from move_base_abstract_experiments.trials import functions, trial
 
 MODEL = """
 import os, sys, threading, time
@@ -62,7 +62,7 @@ def call(tmp_path, n):
     path = tmp_path / 'job.json'
     path.write_text(json.dumps({'job': job, 'folders': folders}))
     environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
-    subprocess.run([sys.executable, '-m', 'move_base_abstract_experiments.functions', str(path)], timeout=60,
+    subprocess.run([sys.executable, '-m', 'move_base_abstract_experiments.trials.functions', str(path)], timeout=60,
                    check=True, env=environment)
     return json.loads((tmp_path / 'job.json.answer').read_text())
 

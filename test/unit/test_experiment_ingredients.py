@@ -8,20 +8,10 @@ import subprocess
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_experiments import (
-    bundle,
-    elsewhere,
-    ingredients,
-    jobs,
-    outputs,
-    plan,
-    program_files,
-    resumed,
-    spec,
-    state,
-    tables,
-    trial,
-)
+from move_base_abstract_experiments.carrying import jobs
+from move_base_abstract_experiments.description import elsewhere, ingredients, plan, program_files, spec
+from move_base_abstract_experiments.results import outputs, resumed, state, tables
+from move_base_abstract_experiments.trials import bundle, trial
 from test_experiment_outputs import ABOUT, packed
 
 LAUNCH = """<launch>

@@ -3,7 +3,7 @@ import sys
 
 import pytest
 
-from move_base_abstract_experiments import jobs
+from move_base_abstract_experiments.carrying import jobs
 
 SERVER = """#!{}
 import socket, sys

@@ -4,7 +4,7 @@ import json
 import pytest
 
 from move_base_abstract.runs.event_log import EventLogError
-from move_base_abstract_experiments import ended_by, functions, metrics
+from move_base_abstract_experiments.trials import ended_by, functions, metrics
 
 SECOND = 10**9
 

@@ -6,7 +6,8 @@ import tarfile
 
 import pytest
 
-from move_base_abstract_experiments import command, outputs, sweep, tables
+from move_base_abstract_experiments import command, sweep
+from move_base_abstract_experiments.results import outputs, tables
 from test_experiment_outputs import ID, PLAN, packed, trial
 
 DEEP = '[' * 100_000 + ']' * 100_000

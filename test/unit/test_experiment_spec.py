@@ -2,7 +2,9 @@
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_experiments import checks, jobs, plan, spec, trial
+from move_base_abstract_experiments.carrying import jobs
+from move_base_abstract_experiments.description import checks, plan, spec
+from move_base_abstract_experiments.trials import trial
 from move_base_abstract_ros.launching import conditions  # noqa: TID251 - it knows no ROS
 
 BASE = {'experiment': 'x', 'launch': 'x.launch'}

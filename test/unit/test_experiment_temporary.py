@@ -4,7 +4,7 @@ import tempfile
 
 import pytest
 
-from move_base_abstract_experiments import temporary
+from move_base_abstract_experiments.carrying import temporary
 
 PREFIX = 'move_base_abstract_x_'
 

@@ -9,7 +9,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from move_base_abstract_experiments import command, outputs, sweep, workers
+from move_base_abstract_experiments import command, sweep
+from move_base_abstract_experiments.carrying import workers
+from move_base_abstract_experiments.results import outputs
 
 
 class Client:

@@ -18,7 +18,7 @@ from move_base_abstract.scenario import make_scenario, read_scenario
 from move_base_abstract.tasks.arrivals import read_arrivals
 from move_base_abstract.tasks.places import read_places
 from move_base_abstract_calibration.csv_files import read_legs
-from move_base_abstract_experiments import spec
+from move_base_abstract_experiments.description import spec
 from move_base_abstract_replay.recording import read_recording
 from move_base_abstract_ros.maps.map_files import read_description, read_pixels  # noqa: TID251 (knows no ROS)
 from soil_mapping.field import load_field

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.shown import shown_text
-from move_base_abstract_experiments import processes
+from move_base_abstract_experiments.trials import processes
 from soil_mapping import environment
 from soil_mapping.config import Crs, TrialConfig
 
@@ -117,7 +117,9 @@ def _run(arguments):
     """Run what is missing of the study's experiment, then write the report."""
     from yaml import safe_dump
 
-    from move_base_abstract_experiments import outputs, sweep, temporary
+    from move_base_abstract_experiments import sweep
+    from move_base_abstract_experiments.carrying import temporary
+    from move_base_abstract_experiments.results import outputs
 
     from . import experiment, trials
     config = _config(arguments)

@@ -3,8 +3,8 @@
 import signal
 import time
 
-from move_base_abstract_experiments import processes
-from move_base_abstract_experiments.warm_loopback import WarmLoopback
+from move_base_abstract_experiments.carrying.warm_loopback import WarmLoopback
+from move_base_abstract_experiments.trials import processes
 from soil_mapping.result import collect
 from soil_mapping.sampling import start_places
 from soil_mapping.stopwatch import Stopwatch

@@ -4,7 +4,7 @@ import base64
 import html
 from pathlib import Path
 
-from move_base_abstract_experiments import temporary
+from move_base_abstract_experiments.carrying import temporary
 from move_base_abstract_experiments.report.parts import Html, Section, figure_of
 from soil_mapping.pictures import write_pictures
 from soil_mapping.trial_folder import read_trial

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.own_files import whole_file
-from move_base_abstract_experiments import processes
+from move_base_abstract_experiments.trials import processes
 from soil_mapping.config import TrialConfig
 from soil_mapping.provenance import machine, versions
 from soil_mapping.trial_folder import TrialFolder, write_files

@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 
-from move_base_abstract_experiments import processes
+from move_base_abstract_experiments.trials import processes
 from soil_mapping.field import DrawnField, load_field
 from soil_mapping.inputs import inputs_of
 

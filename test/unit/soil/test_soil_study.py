@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_experiments import plan, spec
+from move_base_abstract_experiments.description import plan, spec
 from move_base_abstract_experiments.report import command as report
 from move_base_abstract_experiments.report import extension, outcome
 from soil_mapping.comparison import differences

@@ -9,8 +9,8 @@ import io
 import json
 import sys
 
+from ..trials.trial import COMPLETE, DIFFERENT, IDENTICAL
 from . import outputs
-from .trial import COMPLETE, DIFFERENT, IDENTICAL
 
 BEFORE = ('replication', 'seed', 'status')
 AFTER = ('simulated_seconds', 'wall_seconds', 'times_real_time', 'repeatable', 'labels', 'events', 'log_sha256',

@@ -8,14 +8,16 @@ import tarfile
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_experiments import again, command, ingredients, plan, spec, trial
+from move_base_abstract_experiments import command, rerun
+from move_base_abstract_experiments.description import ingredients, plan, spec
+from move_base_abstract_experiments.trials import trial
 
 ID = '0001-ab12cd'
 
 
 def test_rviz_shows_the_robots(monkeypatch):
     monkeypatch.setattr(shutil, 'which', lambda name: f'/bin/{name}')
-    path, option, config = again._rviz_words()
+    path, option, config = rerun._rviz_words()
     assert (path, option) == ('/bin/rviz', '-d')
     with open(config, encoding='utf-8') as stream:
         assert '/move_base_abstract/markers' in stream.read()
@@ -39,15 +41,15 @@ def outputs(metrics, *logs):
     ({'a': 1}, {'a': 1}, (('events.jsonl', ''),), 'different: an event log the second time only')])
 def test_a_function_is_compared_by_all_that_it_gave(tmp_path, was, now, logs, said):
     stream = io.StringIO()
-    code = again._compare_function(outputs(now, *logs), str(tmp_path), {'metrics': was}, stream)
+    code = rerun._compare_function(outputs(now, *logs), str(tmp_path), {'metrics': was}, stream)
     assert said in stream.getvalue()
-    assert code == (again.SAME if 'the same' in said else again.DIFFERENT)
+    assert code == (rerun.SAME if 'the same' in said else rerun.DIFFERENT)
 
 
 def test_a_log_that_a_function_left_is_missed(tmp_path):
     (tmp_path / 'events.jsonl').write_text('')
     stream = io.StringIO()
-    assert again._compare_function(outputs({}), str(tmp_path), {'metrics': {}}, stream) == again.DIFFERENT
+    assert rerun._compare_function(outputs({}), str(tmp_path), {'metrics': {}}, stream) == rerun.DIFFERENT
     assert 'an event log the first time only' in stream.getvalue()
 
 
@@ -65,9 +67,9 @@ def folder(tmp_path):
 
 
 @pytest.mark.parametrize('change, metrics, code, said', [
-    ('', {'a': 1}, again.SAME, ''), ('', {'a': 2}, again.DIFFERENT, ''),
-    ('x = 1', {'a': 1}, again.SAME, 'model.py has changed since the trial was recorded'),
-    ('x = 1', {'a': 2}, again.CHANGED, 'model.py has changed since the trial was recorded')])
+    ('', {'a': 1}, rerun.SAME, ''), ('', {'a': 2}, rerun.DIFFERENT, ''),
+    ('x = 1', {'a': 1}, rerun.SAME, 'model.py has changed since the trial was recorded'),
+    ('x = 1', {'a': 2}, rerun.CHANGED, 'model.py has changed since the trial was recorded')])
 def test_that_the_program_has_changed_since_is_said_and_is_no_word_on_repeating(
         folder, monkeypatch, change, metrics, code, said):
     (folder / 'model.py').write_text('def run(args, seed):\n    return {"a": 1}\n')
@@ -83,9 +85,9 @@ def test_that_the_program_has_changed_since_is_said_and_is_no_word_on_repeating(
     with open(folder / 'model.py', 'a') as stream:
         stream.write(change)
     plan.forget()
-    monkeypatch.setattr(again, '_run', lambda job, logs, stream: outputs(metrics))
+    monkeypatch.setattr(rerun, '_run', lambda job, logs, stream: outputs(metrics))
     stream = io.StringIO()
-    assert again.rerun(str(folder), '1', stream=stream) == code
+    assert rerun.rerun(str(folder), '1', stream=stream) == code
     assert (said in stream.getvalue()) and ('since' in stream.getvalue()) == bool(change)
 
 
@@ -97,17 +99,17 @@ def test_a_trial_that_has_not_run_cannot_be_run_again(folder, capsys):
 def test_a_folder_that_is_there_is_not_taken_for_logs(folder):
     (folder / 'logs').mkdir()
     with pytest.raises(ConfigurationError, match='--logs: .*logs is there already'):
-        again.rerun(str(folder), '1', logs=str(folder / 'logs'))
+        rerun.rerun(str(folder), '1', logs=str(folder / 'logs'))
 
 
 def test_a_number_that_int_does_not_read_is_no_trial(folder):
     with pytest.raises(ConfigurationError, match='TRIAL'):
-        again.rerun(str(folder), '\u00b2')
+        rerun.rerun(str(folder), '\u00b2')
 
 
 def test_ctrl_c_ends_it_with_a_line(monkeypatch, capsys):
     def interrupted(*_words, **_options):
         raise KeyboardInterrupt
-    monkeypatch.setattr(again, 'rerun', interrupted)
+    monkeypatch.setattr(rerun, 'rerun', interrupted)
     assert command.main(['rerun', 'x', '1']) == command.INTERRUPTED
     assert capsys.readouterr().err == 'experiment: interrupted\n'

@@ -11,20 +11,8 @@ from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.runs import run_difference
 from move_base_abstract_ros.launching import ends
 
-from . import (
-    bundle,
-    elsewhere,
-    ended_by,
-    functions,
-    ingredients,
-    launch_files,
-    metrics,
-    plan,
-    run,
-    run_folders,
-    spec,
-    user_metrics,
-)
+from ..description import elsewhere, ingredients, launch_files, plan, spec
+from . import bundle, ended_by, functions, metrics, run, run_folders, user_metrics
 
 FORMAT = 1
 COMPLETE, FAILED = 'complete', 'failed'

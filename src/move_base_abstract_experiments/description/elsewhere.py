@@ -27,7 +27,7 @@ def view():
 
 @lru_cache(maxsize=None)
 def _own_folder():
-    return str(Path(__file__).resolve().parent)
+    return str(Path(__file__).resolve().parents[1])
 
 
 def told(experiment, asked):

@@ -148,7 +148,7 @@ def _named(words, folder):
 @lru_cache(maxsize=None)
 def _own():
     """Return a digest of this package: its Python modules but for the report, and its programs that keep the time."""
-    root, paths = Path(__file__).resolve().parents[1], []
+    root, paths = Path(__file__).resolve().parents[2], []
     for name in _OWN_FOLDERS:
         paths += sorted(path for path in (root / name).rglob('*.py') if 'report' not in path.parts)
     content = [[str(path.relative_to(root)), digest(str(path))] for path in paths]

@@ -10,8 +10,8 @@ from pathlib import Path
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog
 
+from ..description.metric_names import BUILT_IN
 from . import functions, run
-from .metric_names import BUILT_IN
 
 _LIMIT_S = 120.0  # wall
 

@@ -9,7 +9,10 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.runs import event_log, run_difference
 from move_base_abstract.runs.event_log import EventLog
 
-from . import checks, jobs, outputs, plan, records, resumed, run, spec, temporary, trial
+from .carrying import jobs, temporary
+from .description import checks, plan, spec
+from .results import outputs, records, resumed
+from .trials import run, trial
 
 SAME, DIFFERENT, FAILED = 0, 1, 1
 CHANGED = 3  # it is different, and so is what it is made of

@@ -109,7 +109,7 @@ def versions():
 @functools.lru_cache(maxsize=None)
 def package_version():
     """Return the version of this package as its package.xml says, in the source tree or installed; or 'unknown'."""
-    for folder in list(Path(__file__).resolve().parents)[1:6]:
+    for folder in list(Path(__file__).resolve().parents)[2:7]:
         for file in (folder / 'package.xml', folder / 'share' / 'move_base_abstract' / 'package.xml'):
             if file.is_file():
                 found = re.search(r'<version>\s*([^<\s]+)\s*</version>', file.read_text(encoding='utf-8'))

@@ -10,7 +10,9 @@ import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the 
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract_ros.launching.warm_nodes import interpreter_of
 
-from . import bundle, elsewhere, functions, ingredients, plan, spool
+from ..description import elsewhere, ingredients, plan
+from ..trials import bundle, functions
+from . import spool
 
 _END_S = 10.0  # wall
 _BESIDE_S = 300.0  # wall, that a trial may take beside its runs: metrics, packing
@@ -35,7 +37,7 @@ def shared_of(experiment):
 
 def make_job(experiment, one, shared=None, **others):
     """Return the job of a plan.Trial: plain values that JSON can carry. shared: of shared_of()."""
-    from . import checks
+    from ..description import checks
     values, made = plan.values_of(one), plan.ingredients_of(experiment, one)
     return {**(shared or shared_of(experiment)),
             'id': one.id, 'configuration': one.configuration, 'replication': one.replication, 'seed': one.seed,
@@ -70,7 +72,7 @@ class WarmProcess:
             environment = {name: value for name, value in os.environ.items() if name not in (
                 'ROS_HOSTNAME', 'ROS_NAMESPACE')}
             self._process = subprocess.Popen(
-                [python, '-m', 'move_base_abstract_experiments.warm', str(other.fileno())], env=environment,
+                [python, '-m', 'move_base_abstract_experiments.carrying.warm', str(other.fileno())], env=environment,
                 pass_fds=[other.fileno()], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                 stderr=self._said, start_new_session=True)
         self._socket = own

@@ -81,7 +81,7 @@ def _received(connection):
 
 def _carry_on(asked, descriptors):
     """Carry out what is asked for until nobody can ask any more."""
-    from . import trial
+    from ..trials import trial
     for descriptor in descriptors:
         os.close(descriptor)
     with asked.makefile('rb') as requests:

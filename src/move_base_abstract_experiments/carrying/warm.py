@@ -1,6 +1,6 @@
 """The warm process of a worker: it has imported all, and forks a process for each trial. It has one thread.
 
-    python3 -m move_base_abstract_experiments.warm SOCKET_DESCRIPTOR
+    python3 -m move_base_abstract_experiments.carrying.warm SOCKET_DESCRIPTOR
 
 A request on the socket is a line of JSON, a job; the answer is a line as well, when the trial has ended: {"code": 0,
 "path": ...}. What the trial has to say is in its folder. When the other end of the socket is closed, because the worker
@@ -22,7 +22,9 @@ import sys
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_ros.launching import look_ups, processes, warm_nodes
 
-from . import carriers, functions, launch_files, run_folders, temporary
+from ..description import launch_files
+from ..trials import functions, run_folders
+from . import carriers, temporary
 
 _HASH_SEED = 'PYTHONHASHSEED'
 READY = b'ready\n'
@@ -43,7 +45,7 @@ def main(words):
     processes.keep_memory()
     for name in warm_nodes.MODULES:
         importlib.import_module(name)
-    from . import trial  # noqa: F401 - for the forks
+    from ..trials import trial  # noqa: F401 - for the forks
     launch_files.core()
     look_ups.remember()
     replaced.look_up()
@@ -137,7 +139,7 @@ def _share():
 
 
 def _carry_out(job, path, problem, descriptors):
-    from . import trial
+    from ..trials import trial
     for descriptor in descriptors:
         os.close(descriptor)
     trial.carry_out(job, path, problem)

@@ -9,7 +9,9 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract_ros.launching import ends
 
-from . import ingredients, outputs, plan, trial
+from ..description import ingredients, plan
+from ..trials import trial
+from . import outputs
 
 FILE = 'programs.json'
 _FILE_SAYS = "what the experiment's file says of them, or the version of Python,"

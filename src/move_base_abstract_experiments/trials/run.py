@@ -18,7 +18,7 @@ from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract_ros.launching import ends, processes, ros_master, warm_nodes
 from move_base_abstract_ros.loopback import PACKAGE
 
-from . import launch_files
+from ..description import launch_files
 
 LOG_MOTION, PARTICIPANTS = '/log_motion', '/time_master/participants'
 END_NODE, RECORDER_NODE = '/experiment_end', '/experiment_recorder'

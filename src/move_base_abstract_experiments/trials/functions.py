@@ -23,7 +23,7 @@ from move_base_abstract_ros.launching import ends, processes
 from . import run, run_folders
 
 OUTPUT = 'function.txt'  # what a trial's function prints
-_LOOPBACK = f'{__package__}.warm_loopback'  # there if a function starts nodes by it
+_LOOPBACK = 'move_base_abstract_experiments.carrying.warm_loopback'  # there if a function starts nodes by it
 _MOST_BYTES = 1 << 20
 _DYING_S = 1.0  # wall, in which a process that says no more has ended
 _MOST_METRICS = 200
@@ -178,7 +178,7 @@ def checked(found, factors, known):
 
     :raises ValueError, TypeError: saying what is allowed.
     """
-    from .spec import OWN_COLUMNS
+    from ..description.spec import OWN_COLUMNS
     if not isinstance(found, dict) or len(found) > _MOST_METRICS:
         raise TypeError(f'must return a mapping of at most {_MOST_METRICS} numbers by name, got {type(found).__name__}')
     numbers = {}

@@ -1,0 +1,1 @@
+"""Who carries trials out: warm processes, workers, clusters, and what goes to them."""

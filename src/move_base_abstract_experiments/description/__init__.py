@@ -1,0 +1,1 @@
+"""What an experiment is: its file, its plan, and what its trials are made of."""

@@ -1,0 +1,1 @@
+"""One trial in its own process: the run or the function, its metrics, and what goes back."""
