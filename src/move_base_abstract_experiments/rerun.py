@@ -11,7 +11,8 @@ from move_base_abstract.runs.event_log import EventLog
 
 from .carrying import jobs, temporary
 from .description import checks, plan, spec
-from .results import outputs, records, resumed
+from . import records
+from .results import outputs, resumed
 from .trials import run, trial
 
 SAME, DIFFERENT, FAILED = 0, 1, 1

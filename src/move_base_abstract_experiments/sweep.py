@@ -66,7 +66,7 @@ def check(experiment, chosen):
 
 _LOAD = """
 import sys
-from move_base_abstract_experiments.functions import load
+from move_base_abstract_experiments.trials.functions import load
 for key, name in zip(sys.argv[2::2], sys.argv[3::2]):
     try:
         load(name, sys.argv[1])

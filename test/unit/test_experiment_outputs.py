@@ -8,7 +8,8 @@ import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments import sweep
-from move_base_abstract_experiments.results import outputs, records, state, tables
+from move_base_abstract_experiments import records
+from move_base_abstract_experiments.results import outputs, state, tables
 
 ID, OTHER = '0001-abcdef', '0002-abcdef'
 ABOUT = {'format': 1, 'id': ID, 'configuration': {'robots': 1}, 'replication': 0, 'seed': 3, 'status': 'complete',

@@ -14,7 +14,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.json_files import MAX_BYTES, load_json_mapping
 from move_base_abstract.common.shown import shown, shown_text
 
-from ..results import records
+from .. import records
 from . import design, endings
 
 FORMAT = 1

@@ -22,7 +22,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.json_files import loads_cleaned
 from move_base_abstract.common.own_files import FolderKind, new_file, on_disk, whole_file
 
-from . import records
+from .. import records
 
 EXPERIMENT_MARKER = '.move_base_abstract_experiment'
 UNFINISHED = '.unfinished'

@@ -6,7 +6,7 @@ from move_base_abstract.common.shown import shown_text
 
 from ..carrying import workers
 from ..trials import trial
-from . import records
+from .. import records
 
 _MOST_SHOWN = 10
 
