@@ -1,14 +1,20 @@
 // What is shared with processes that take no part, or started as one: that is told.
+#include <fcntl.h>
+#include <mqueue.h>
 #include <netinet/in.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/mman.h>
+#include <sys/msg.h>
+#include <sys/sem.h>
 #include <sys/shm.h>
 #include <sys/socket.h>
 #include <sys/sysinfo.h>
+#include <threads.h>
 #include <unistd.h>
 
+#include <cstdarg>
 #include <string>
 
 #include "cores.h"
@@ -42,6 +48,19 @@ void tellShared(const std::string& name, const void* caller) {
       isProgramsOwn(caller)) {
     tell(name + " shares memory with other processes: what they write comes when it comes", caller);
   }
+}
+
+/** @brief Queues and semaphores that have a name in the system. */
+void tellQueue(const std::string& name, const void* caller) {
+  tellUse((name + " opens what other processes have too: what they do comes when it comes").c_str(),
+          caller);
+}
+
+/** @brief C11's threads are libc's own: they call nothing that could be stood in for. */
+void tellC11(const std::string& name, const void* caller) {
+  tellUse(
+      (name + " is not followed: C11's threads take no turns, and wait by the wall clock").c_str(),
+      caller);
 }
 
 void tellMapped(int flags, int file, const void* caller) {
@@ -142,6 +161,60 @@ void* mmap64(void* address, size_t length, int protection, int flags, int file, 
   static auto* const function = shim::real<void*(void*, size_t, int, int, int, off64_t)>("mmap64");
   shim::tellMapped(flags, file, MOVE_BASE_ABSTRACT_CALLER);
   return function(address, length, protection, flags, file, offset);
+}
+
+// ---- queues of several processes -------------------------------------------------------------
+
+mqd_t mq_open(const char* name, int flags, ...) {
+  static auto* const function = shim::real<mqd_t(const char*, int, ...)>("mq_open");
+  shim::tellQueue("mq_open()", MOVE_BASE_ABSTRACT_CALLER);
+  if ((flags & O_CREAT) == 0) {
+    return function(name, flags);
+  }
+  va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = va_arg(rest, mode_t);
+  mq_attr* const attributes = va_arg(rest, mq_attr*);
+  va_end(rest);
+  return function(name, flags, mode, attributes);
+}
+
+int msgget(key_t key, int flags) {
+  static auto* const function = shim::real<int(key_t, int)>("msgget");
+  shim::tellQueue("msgget()", MOVE_BASE_ABSTRACT_CALLER);
+  return function(key, flags);
+}
+
+int semget(key_t key, int count, int flags) {
+  static auto* const function = shim::real<int(key_t, int, int)>("semget");
+  shim::tellQueue("semget()", MOVE_BASE_ABSTRACT_CALLER);
+  return function(key, count, flags);
+}
+
+// ---- C11's threads ---------------------------------------------------------------------------
+
+int thrd_create(thrd_t* thread, thrd_start_t start, void* argument) {
+  static auto* const function = shim::real<int(thrd_t*, thrd_start_t, void*)>("thrd_create");
+  shim::tellC11("thrd_create()", MOVE_BASE_ABSTRACT_CALLER);
+  return function(thread, start, argument);
+}
+
+int thrd_sleep(const timespec* duration, timespec* rest) {
+  static auto* const function = shim::real<int(const timespec*, timespec*)>("thrd_sleep");
+  shim::tellC11("thrd_sleep()", MOVE_BASE_ABSTRACT_CALLER);
+  return function(duration, rest);
+}
+
+int cnd_timedwait(cnd_t* condition, mtx_t* mutex, const timespec* until) {
+  static auto* const function = shim::real<int(cnd_t*, mtx_t*, const timespec*)>("cnd_timedwait");
+  shim::tellC11("cnd_timedwait()", MOVE_BASE_ABSTRACT_CALLER);
+  return function(condition, mutex, until);
+}
+
+int mtx_timedlock(mtx_t* mutex, const timespec* until) {
+  static auto* const function = shim::real<int(mtx_t*, const timespec*)>("mtx_timedlock");
+  shim::tellC11("mtx_timedlock()", MOVE_BASE_ABSTRACT_CALLER);
+  return function(mutex, until);
 }
 
 // ---- the machine -----------------------------------------------------------------------------

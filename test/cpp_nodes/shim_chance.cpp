@@ -277,8 +277,8 @@ void file(const std::string& path, const std::string& how) {
 /** What is not followed: one of them, or each. */
 void untold(const std::string& what, ros::NodeHandle& own) {
   using namespace untold_sources;
-  for (const auto* all :
-       {&machine(), &descriptors(), &maskedDescriptors(), &timers(), &others(), &system_()}) {
+  for (const auto* all : {&machine(), &descriptors(), &maskedDescriptors(), &timers(), &others(),
+                          &queues(), &system_()}) {
     for (const auto& [name, source] : *all) {
       if (what == "all" || what == name) {
         tell(name, source());

@@ -3,6 +3,7 @@
 #define MOVE_BASE_ABSTRACT_TEST_UNTOLD_SOURCES_H
 
 #include <fcntl.h>
+#include <mqueue.h>
 #include <poll.h>
 #include <semaphore.h>
 #include <signal.h>
@@ -10,8 +11,10 @@
 #include <stdlib.h>
 #include <sys/epoll.h>
 #include <sys/mman.h>
+#include <sys/msg.h>
 #include <sys/resource.h>
 #include <sys/select.h>
+#include <sys/sem.h>
 #include <sys/shm.h>
 #include <sys/socket.h>
 #include <sys/sysinfo.h>
@@ -19,6 +22,7 @@
 #include <sys/timerfd.h>
 #include <sys/times.h>
 #include <sys/wait.h>
+#include <threads.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -161,6 +165,39 @@ inline const Sources& others() {
        }},
       {"shmget",
        [] { return shmctl(shmget(IPC_PRIVATE, 4096, IPC_CREAT | 0600), IPC_RMID, nullptr); }}};
+  return all;
+}
+
+/** Queues that other processes may have too, and C11's threads. */
+inline const Sources& queues() {
+  static const timespec none{0, 0};
+  static mtx_t mutex;
+  static cnd_t condition;
+  static const Sources all = {
+      {"mq_open",
+       [] {
+         const mqd_t queue = mq_open("/move_base_abstract_test", O_CREAT | O_RDWR, 0600, nullptr);
+         return mq_close(queue) + mq_unlink("/move_base_abstract_test");
+       }},
+      {"msgget", [] { return msgctl(msgget(IPC_PRIVATE, IPC_CREAT | 0600), IPC_RMID, nullptr); }},
+      {"semget", [] { return semctl(semget(IPC_PRIVATE, 1, IPC_CREAT | 0600), 0, IPC_RMID); }},
+      {"thrd_sleep", [] { return thrd_sleep(&none, nullptr); }},
+      {"mtx_timedlock",
+       [] {
+         mtx_init(&mutex, mtx_timed);
+         return mtx_timedlock(&mutex, &none);
+       }},
+      {"cnd_timedwait",
+       [] {
+         cnd_init(&condition);
+         return cnd_timedwait(&condition, &mutex, &none) != thrd_timedout;
+       }},
+      {"thrd_create", [] {
+         thrd_t thread;
+         thrd_create(
+             &thread, [](void*) { return 0; }, nullptr);
+         return thrd_join(thread, nullptr);
+       }}};
   return all;
 }
 

@@ -111,6 +111,10 @@ class LockstepRoscppChanceTest(unittest.TestCase):
                     for what in ('popen', 'system', 'fork', 'posix_spawn', 'posix_spawnp'))
         told.update((what, what + '() shares memory with other processes: what they write comes when it comes')
                     for what in ('shm_open', 'shmget', 'mmap', 'mmap64'))
+        told.update((what, what + '() opens what other processes have too: what they do comes when it comes')
+                    for what in ('mq_open', 'msgget', 'semget'))
+        told.update((what, what + "() is not followed: C11's threads take no turns, and wait by the wall clock")
+                    for what in ('thrd_create', 'thrd_sleep', 'cnd_timedwait', 'mtx_timedlock'))
         told.update((what, what + '() says how busy the machine is') for what in ('getloadavg', 'sysinfo'))
         told['socket'] = 'socket() makes a connection: what comes over it comes when it comes'
         told.update((what, 'a file in {} is opened: it says what is so on this machine, now'.format(what))
