@@ -9,9 +9,9 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.runs import event_log, run_difference
 from move_base_abstract.runs.event_log import EventLog
 
+from . import records
 from .carrying import jobs, temporary
 from .description import checks, plan, spec
-from . import records
 from .results import outputs, resumed
 from .trials import run, trial
 

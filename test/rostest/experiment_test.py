@@ -16,10 +16,10 @@ import psutil
 import rostest
 from own_folder import OwnFolder
 
-from move_base_abstract_experiments.carrying import jobs
 from move_base_abstract_experiments import records
-from move_base_abstract_experiments.results import outputs, tables
+from move_base_abstract_experiments.carrying import jobs
 from move_base_abstract_experiments.description import plan, spec
+from move_base_abstract_experiments.results import outputs, tables
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 200.0  # s, wall; only ends what would never end

@@ -35,8 +35,8 @@ def said(run, topic, name='native'):
 
 
 class FollowedTest(unittest.TestCase):
-    # 'given' comes last: a thread of the library's own is there before its caller waits, or not, and so its caller looks at
-    # a clock once more or once less; 'spin' says how many looks there were before at its instant.
+    # 'given' comes last: a thread of the library's own is there before its caller waits, or not, and so its caller
+    # looks at a clock once more or once less; 'spin' says how many looks there were before at its instant.
     TOPICS = 'clocks', 'sleeps', 'waits', 'timed', 'chance', 'files', 'spin', 'given'
 
     @classmethod

@@ -7,8 +7,7 @@ import tarfile
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_experiments import sweep
-from move_base_abstract_experiments import records
+from move_base_abstract_experiments import records, sweep
 from move_base_abstract_experiments.results import outputs, state, tables
 
 ID, OTHER = '0001-abcdef', '0002-abcdef'

@@ -76,8 +76,9 @@ def test_what_a_user_schedules_comes_after_the_robots_events_of_that_instant():
         fleet.at(S, lambda there: None)
 
 
-@pytest.mark.parametrize('go_on', [lambda fleet, time_ns: fleet.run(time_ns), lambda fleet, time_ns: fleet.at(time_ns, print),
-                                   lambda _fleet, time_ns: make_fleet(start_ns=time_ns)])
+@pytest.mark.parametrize('go_on', [
+    lambda fleet, time_ns: fleet.run(time_ns), lambda fleet, time_ns: fleet.at(time_ns, print),
+    lambda _fleet, time_ns: make_fleet(start_ns=time_ns)])
 def test_simulated_time_has_an_end(go_on):
     fleet = make_fleet()
     with pytest.raises(TimeError, match='simulated time ends at 2147483647 s'):

@@ -78,7 +78,10 @@ def test_who_waits_for_work_is_idle_and_its_place_is_told(program, wait):
 def test_the_place_is_the_programs_own_where_it_waits_in_what_stands_in_for_rospy(program):
     ours = {'__name__': 'move_base_abstract_ros.lockstep.exchange.topics', 'queue': queue}
     exec(compile('def receive(): queue.Queue().get()', 'topics.py', 'exec'), ours)
-    _, _, (what,) = owed_and_idle(program, lambda: ours['receive']())
+
+    def wait():
+        ours['receive']()
+    _, _, (what,) = owed_and_idle(program, wait)
     assert __file__ in what and 'topics.py' not in what
 
 

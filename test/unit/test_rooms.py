@@ -32,9 +32,11 @@ MAY_IMPORT = {
         'participation': 'ros_master exchange failing waiting',
         'program': 'code programs ros_master failing machine waiting participation'},
     'move_base_abstract_experiments': {
-        'description': '', 'records': '', 'report': 'records', 'trials': 'description', 'carrying': 'description trials',
+        'description': '', 'records': '', 'report': 'records', 'trials': 'description',
+        'carrying': 'description trials',
         'results': 'records description trials carrying', 'sweep': 'description trials carrying results report',
-        'rerun': 'records description trials carrying results', 'command': 'description trials results report sweep rerun'}}
+        'rerun': 'records description trials carrying results',
+        'command': 'description trials results report sweep rerun'}}
 OF_THE_CORE = {  # what these rooms of ROS may know of the core: nothing of robots
     'replacing': 'common', 'loopback': '', 'time_master_client': 'srv msg',
     'process': 'common', 'lockstep': 'common lockstep'}

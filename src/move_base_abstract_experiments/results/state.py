@@ -4,9 +4,9 @@ import time
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown_text
 
+from .. import records
 from ..carrying import workers
 from ..trials import trial
-from .. import records
 
 _MOST_SHOWN = 10
 
