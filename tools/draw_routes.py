@@ -11,8 +11,8 @@ from PIL import Image, ImageDraw
 
 from move_base_abstract import mission
 from move_base_abstract.fleet import Fleet
+from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract_ros.maps.map_files import load_map, read_description
 from move_base_abstract_ros.nodes.demo_nodes import robot_settings, shipped
 
 PIXELS = 2  # of the picture for each of the map's; drawn at twice that and made smaller, so that lines are smooth

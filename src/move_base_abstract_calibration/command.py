@@ -143,7 +143,7 @@ def _map_ways(options, notes):
     if options.map is None:
         return None
     from move_base_abstract.maps.grid_planner import MapWays
-    from move_base_abstract_ros.maps.map_files import load_map, read_description
+    from move_base_abstract.maps.map_files import load_map, read_description
     description = read_description(options.map)
     notes += list(description.warnings)
     return MapWays.on(load_map(description), options.radius)

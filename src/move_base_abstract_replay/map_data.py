@@ -3,8 +3,8 @@ import os
 
 import numpy as np
 
+from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract_ros.maps.map_files import load_map, read_description
 
 from .packed import Packer
 

@@ -16,9 +16,9 @@ from lockstep_fleet_client import NS_PER_S, YARD, plan_of
 from roslib import packages
 
 from move_base_abstract.fleet import Fleet
+from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_ros.loopback import Loopback, find_executable
-from move_base_abstract_ros.maps.map_files import load_map, read_description
 
 GUARD = 60.0  # s, wall; only ends a test that would never end
 HERE = os.path.dirname(os.path.abspath(__file__))

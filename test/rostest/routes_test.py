@@ -13,11 +13,11 @@ from nav_msgs.srv import GetPlan
 from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
 
 from move_base_abstract.fleet import Fleet
+from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import ZoneStates
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract.srv import CloseZone
-from move_base_abstract_ros.maps.map_files import load_map, read_description
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 MAPS = os.path.join(ROOT, 'maps')

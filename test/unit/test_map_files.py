@@ -8,14 +8,14 @@ from PIL import Image
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.maps.map_check import Ground
-from move_base_abstract.maps.occupancy import ImageRule, MapMode
-from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract_ros.maps.map_files import (  # noqa: TID251 (reads files, knows no ROS)
+from move_base_abstract.maps.map_files import (  # noqa: TID251 (reads files, knows no ROS)
     MapDescription,
     load_map,
     read_description,
     read_pixels,
 )
+from move_base_abstract.maps.occupancy import ImageRule, MapMode
+from move_base_abstract.motion.geometry import Pose2D
 
 GOOD = {'image': 'm.pgm', 'resolution': '0.05', 'origin': '[1, -2.5, 0.5]', 'negate': '0', 'occupied_thresh': '0.65',
         'free_thresh': '0.196'}

@@ -11,10 +11,10 @@ import pytest
 import yaml
 
 from move_base_abstract.maps.map_check import Ground
+from move_base_abstract.maps.map_files import load_map, read_description, read_pixels  # noqa: TID251 (knows no ROS)
 from move_base_abstract.maps.occupancy import MapMode
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import read_scenario
-from move_base_abstract_ros.maps.map_files import load_map, read_description, read_pixels  # noqa: TID251 (knows no ROS)
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 #: the scenario whose robots stand in the world of that name; stage.launch pairs them too (launch_files_test)

@@ -4,8 +4,8 @@ import os
 import rospkg
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract_ros.loopback import PACKAGE
-from move_base_abstract_ros.maps.map_files import load_map, read_description
 
 WATCHED_POSES = 10.0  # Hz, simulated: in lockstep poses on the way are told only where they are asked for
 ROBOT_RADIUS = 0.6  # m, of robots that drive around what the map shows

@@ -2,23 +2,27 @@
 
 No node and no topic here: a file in, an :class:`OccupancyMap` out, or a ConfigurationError that names the file.
 """
+from __future__ import annotations
+
 import difflib
 import math
 import os
 from dataclasses import dataclass
-from typing import Tuple
+from typing import TYPE_CHECKING, Any, Dict, Iterator, Mapping, Optional, Tuple, TypeVar
 
 import numpy as np
 from PIL import Image
 
-from move_base_abstract.common.bounded_yaml import load_yaml_file
-from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.input_files import open_input
-from move_base_abstract.common.shown import shown, shown_text
-from move_base_abstract.maps.occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
-from move_base_abstract.motion.geometry import Pose2D
-
+from ..common.bounded_yaml import load_yaml_file
+from ..common.errors import ConfigurationError
+from ..common.input_files import open_input
+from ..common.shown import shown, shown_text
+from ..motion.geometry import Pose2D
+from .occupancy import ImageRule, MapMode, OccupancyMap, cells_of_image
 from .pnm_files import BYTES_MAX, is_pnm, read_pnm
+
+if TYPE_CHECKING:
+    from ..common.type_names import StrPath
 
 _REQUIRED = ('image', 'resolution', 'origin', 'negate', 'occupied_thresh', 'free_thresh')
 _KEYS = _REQUIRED + ('mode',)
@@ -27,6 +31,7 @@ _MODES = tuple(mode.value for mode in MapMode)
 _CONVERSIONS = {'1': 'L', 'L': 'L', 'LA': 'RGBA', 'La': 'RGBA', 'P': 'RGB', 'PA': 'RGBA', 'RGB': 'RGB',
                 'RGBA': 'RGBA', 'RGBX': 'RGB', 'CMYK': 'RGB', 'YCbCr': 'RGB'}
 _GREY_16 = ('I', 'I;16', 'I;16B', 'I;16L')
+_Chosen = TypeVar('_Chosen')
 
 
 @dataclass(frozen=True)
@@ -40,7 +45,7 @@ class MapDescription:
     warnings: Tuple[str, ...] = ()
 
 
-def load_map(description):
+def load_map(description: MapDescription) -> OccupancyMap:
     """Return the :class:`OccupancyMap` of a :class:`MapDescription`.
 
     :raises ConfigurationError: if the image is missing, damaged or of a kind that cannot be read.
@@ -49,7 +54,7 @@ def load_map(description):
                         description.origin)
 
 
-def read_description(path):
+def read_description(path: StrPath) -> MapDescription:
     """Return the :class:`MapDescription` in the YAML file ``path``.
 
     :raises ConfigurationError: naming the file, the key, what was got and what is allowed.
@@ -67,7 +72,7 @@ def read_description(path):
                           tuple(_warnings(document, rule, path)))
 
 
-def _parse(path):
+def _parse(path: StrPath) -> Dict[Any, Any]:
     document = load_yaml_file(path)
     if not isinstance(document, dict):
         raise ConfigurationError('{}: got {}; allowed: a mapping with the keys {}'.format(
@@ -75,7 +80,7 @@ def _parse(path):
     return document
 
 
-def _number(raw, path, key, above=None, unit=''):
+def _number(raw: Any, path: StrPath, key: str, above: Optional[float] = None, unit: str = '') -> float:
     """Return ``raw`` as a finite float; YAML 1.1 reads 5e-2 as a string, other readers of maps do not."""
     try:
         if isinstance(raw, bool):
@@ -89,31 +94,31 @@ def _number(raw, path, key, above=None, unit=''):
     return value
 
 
-def _choice(raw, path, key, choices, allowed):
+def _choice(raw: Any, path: StrPath, key: str, choices: Mapping[Any, _Chosen], allowed: str) -> _Chosen:
     if not isinstance(raw, (bool, int, str)) or raw not in choices:
         raise ConfigurationError('{}: {}: got {}; allowed: {}'.format(path, key, shown(raw), allowed))
     return choices[raw]
 
 
-def _mode(raw, path):
+def _mode(raw: Any, path: StrPath) -> MapMode:
     return _choice(raw, path, 'mode', {mode.value: mode for mode in MapMode}, ', '.join(_MODES))
 
 
-def _origin(raw, path):
+def _origin(raw: Any, path: StrPath) -> Pose2D:
     if not isinstance(raw, list) or len(raw) != 3:
         raise ConfigurationError('{}: origin: got {}; allowed: [x, y, yaw] [m, m, rad], the pose of the lower left '
                                  'corner'.format(path, shown(raw)))
     return Pose2D(*(_number(part, path, 'origin[{}]'.format(index)) for index, part in enumerate(raw)))
 
 
-def _image_path(raw, path):
+def _image_path(raw: Any, path: StrPath) -> str:
     if not isinstance(raw, str) or not raw:
         raise ConfigurationError('{}: image: got {}; allowed: the path of an image, relative to this file or '
                                  'absolute'.format(path, shown(raw)))
     return os.path.join(os.path.dirname(path), raw)
 
 
-def _warnings(document, rule, path):
+def _warnings(document: Dict[Any, Any], rule: ImageRule, path: StrPath) -> Iterator[str]:
     for key in document:
         if key not in _KEYS:
             close = difflib.get_close_matches(shown_text(key), _KEYS, n=1)
@@ -124,7 +129,7 @@ def _warnings(document, rule, path):
             path, rule.free_thresh, rule.occupied_thresh)
 
 
-def read_pixels(path):
+def read_pixels(path: StrPath) -> Any:
     """Return the pixels of the image file ``path``: uint8 (rows from the top, columns, channels).
 
     Channels: 1 = grey, 3 = colour, 4 = colour and alpha.
@@ -147,7 +152,7 @@ def read_pixels(path):
         raise ConfigurationError('{}: the image is damaged or truncated: {}'.format(path, error)) from None
 
 
-def _to_channels(path, image):
+def _to_channels(path: StrPath, image: Any) -> Any:
     if image.mode in _GREY_16:
         return (np.asarray(image).astype(np.uint16) >> 8).astype(np.uint8)[:, :, np.newaxis]
     if image.mode not in _CONVERSIONS:

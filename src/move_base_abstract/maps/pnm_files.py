@@ -3,11 +3,17 @@
 Pillow reads text only since 9.2 and scales small greatest values only since 9.1, so that what a map looks like would
 depend on the release of Debian.
 """
+from __future__ import annotations
+
 import re
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from move_base_abstract.common.errors import ConfigurationError
+from ..common.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from ..common.type_names import StrPath
 
 CHANNELS = {b'P2': 1, b'P3': 3, b'P5': 1, b'P6': 3}
 PIXELS_MAX = 2 ** 27  # 134 million: 11.6 km x 11.6 km in cells of 1 m
@@ -16,7 +22,7 @@ _GAP = rb'(?:\s|#[^\n]*\n)+'
 _HEADER = re.compile(rb'P[2356]' + _GAP + rb'(\d{1,9})' + _GAP + rb'(\d{1,9})' + _GAP + rb'(\d{1,9})(?:\s|(?=#)|$)')
 
 
-def is_pnm(stream):
+def is_pnm(stream: IO[bytes]) -> bool:
     """Return whether the file ``stream`` begins as a PGM or PPM image does; it is at its beginning afterwards.
 
     :raises OSError: if it cannot be read.
@@ -26,7 +32,7 @@ def is_pnm(stream):
     return magic in CHANNELS
 
 
-def read_pnm(path, stream):
+def read_pnm(path: StrPath, stream: IO[bytes]) -> Any:
     """Return the pixels of a PGM or PPM file: uint8, 0 to 255, (rows from the top, columns, 1 or 3 channels).
 
     :raises ConfigurationError: naming the file, if it is damaged, too large, or has more than 8 bits a value.
@@ -35,7 +41,7 @@ def read_pnm(path, stream):
     data = stream.read(BYTES_MAX)
     magic, header = data[:2], _HEADER.match(data)
     columns, rows, greatest = (int(part) for part in header.groups()) if header else (0, 0, 0)
-    if not (columns and rows and greatest):
+    if header is None or not (columns and rows and greatest):
         raise ConfigurationError('{}: is not an image of a known kind, or its header is damaged; allowed: PGM, PNG and '
                                  'other common formats'.format(path))
     if rows * columns > PIXELS_MAX:
@@ -54,7 +60,7 @@ def read_pnm(path, stream):
     return values.astype(np.uint8).reshape(shape)
 
 
-def _of_text(path, text, count):
+def _of_text(path: StrPath, text: bytes, count: int) -> Any:
     text = re.sub(rb'#[^\n]*', b'', text)
     if re.search(rb'[^0-9\s]|[0-9]{10}', text):
         raise ConfigurationError('{}: the image is damaged or truncated: its values are not all whole numbers below '
@@ -66,7 +72,7 @@ def _of_text(path, text, count):
     return values[:count]
 
 
-def _of_bytes(path, data, count):
+def _of_bytes(path: StrPath, data: bytes, count: int) -> Any:
     if len(data) < count:
         raise ConfigurationError('{}: the image is damaged or truncated: got {} values; its header announces {}'.format(
             path, len(data), count))
