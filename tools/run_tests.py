@@ -26,6 +26,7 @@ ROOT = Path(__file__).resolve().parent.parent
 WS = ROOT / '.ws'
 RESULTS = WS / 'test_results'
 VENV_PYTHON = WS / 'venv' / 'bin' / 'python'  # the same Python, with what the study needs from PyPI
+PLAIN_PYTHON = WS / 'plain' / 'bin' / 'python'  # likewise, with what processes in plain Python need
 ROSTEST = '/usr/bin/rostest'
 # Wall seconds; it only ends a step that would never end. A busy machine may need 20 times what an idle one does.
 LIMIT_S = 1800.0
@@ -52,6 +53,7 @@ def all_steps():
                                        'shim_heap_test', 'pending_parameters_test',
                                        'parameters_at_start_test')]
     steps += [_pytest('unit', ROOT / 'test' / 'unit', VENV_PYTHON)]
+    steps += [_pytest('plain', ROOT / 'test' / 'plain', PLAIN_PYTHON)]
     steps += [_pytest(name, ROOT / 'test' / name) for name in ('export', 'browser')]
     steps += [_rostest(path) for path in sorted((ROOT / 'test' / 'rostest').glob('*.test'))]
     return [*steps, _pytest('install', ROOT / 'test' / 'install')]

@@ -22,8 +22,9 @@ def declared():
 
 
 def only_on_pypi():
-    """Return the modules that the study's own environment brings, which package.xml cannot name."""
-    lines = (ROOT / 'src' / 'soil_mapping' / 'requirements.txt').read_text().splitlines()
+    """Return the modules that environments of their own bring, for the study and for plain Python."""
+    lines = [line for path in ('src/soil_mapping/requirements.txt', 'tools/requirements-plain.txt')
+             for line in (ROOT / path).read_text().splitlines()]
     return {re.match(r'[\w-]+', line).group().lower() for line in lines if line and not line.startswith('#')}
 
 

@@ -186,13 +186,14 @@ def check_file(path: StrPath, is_own: Callable[[bytes], bool]) -> None:
     raise ConfigurationError(f'{path}: is there already, as {kind}, and this program did not make it; it stays')
 
 
-def create_file(path: StrPath, is_own: Callable[[bytes], bool]) -> Optional[IO[str]]:
+def create_file(path: StrPath, is_own: Callable[[bytes], bool]) -> IO[str]:
     """Open a new text file in the place of nothing, or of a file of our own. As check_file; also OutputError."""
     check_file(path, is_own)
     with _clear_errors(path, 'cannot be written'):
         with contextlib.suppress(FileNotFoundError):
             os.unlink(path)
         return open(path, 'x', encoding='utf-8')
+    raise AssertionError  # for mypy, to which a with statement may swallow what is raised
 
 
 def _kind_of(path: StrPath) -> str:

@@ -21,6 +21,7 @@ from ..goals.navigator import GoalPose, NavigatorListener
 from ..goals.outcome import BATTERY_EMPTY, ROBOT_REMOVED, ROBOT_RESET
 from ..maps.map_check import MapCheck
 from ..motion.geometry import Pose2D, quaternion_of_yaw
+from ..runs.event_log_file import write_event_log
 from ..runs.trace import RobotTrace, TraceEntry, as_entries
 from ..scenario import Scenario, make_robot
 from ..tasks.arrivals import check_task
@@ -28,11 +29,14 @@ from ..tasks.place_tasks import Rooms
 from ..tasks.worker import Worker
 from ..traffic.control import DeadlockPolicy, Traffic
 from .robot_parts import make_planner, make_robot_parts
+from .robot_view import RobotView
 
 __all__ = ['Fleet', 'TraceEntry']
 
 #: what a user schedules comes after the robots' own events of the same instant
 _USER_INDEX = 2 ** 31 - 1
+#: behind these: processes
+AFTER_USERS = _USER_INDEX + 2
 
 
 class Fleet:
@@ -41,15 +45,20 @@ class Fleet:
     ``on_end(robot, goal_id, state, text, now_ns)``, if given, is called when a goal ends, and may send the next one.
     With ``trace=None`` nothing is recorded; else :attr:`trace` is a list that begins with these entries. ``occupancy``
     (OccupancyMap, its frame the global one) is the map of the robots with ``use_map``; ``planner`` is in the place of
-    what the settings ask for. ``on_worked``: as ``on_end``, of tasks at places (:meth:`work`).
+    what the settings ask for. ``on_worked``: as ``on_end``, of tasks at places (:meth:`work`). ``on_event(entry)`` is
+    called with each :class:`TraceEntry`, at the end of its instant and in the order of the trace.
     """
 
     def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=(), occupancy=None,
-                 on_worked=None):
+                 on_worked=None, on_event=None):
         self.simulation = Simulation(as_instant(start_ns, 'start_ns'))
+        self._start_ns = self.simulation.now_ns
         self._trace = None if trace is None else list(trace)
         self._rows = []  # of the trace, that nobody has read
+        self._on_event = on_event
         self._record = None if trace is None else self._rows.append
+        if on_event is not None:
+            self._record = self._noted
         self.scenario = scenario
         self._on_end = on_end
         self._on_worked = on_worked
@@ -76,9 +85,26 @@ class Fleet:
         return self.simulation.now_ns
 
     @property
+    def now(self):
+        """The present [s]."""
+        return self.simulation.now_ns / NS_PER_S
+
+    @property
     def names(self):
         """The robots' names, in the order of their indices."""
         return list(self._members)
+
+    @property
+    def robots(self):
+        """The robots, in the order of their indices: [:class:`.RobotView`, ...]."""
+        return [RobotView(self, name) for name in self._members]
+
+    def robot(self, name):
+        """Return a robot's :class:`.RobotView`. :raises ConfigurationError: if there is none of that name."""
+        return RobotView(self, name)
+
+    def __repr__(self):
+        return '<Fleet of {} robots at {:.3f} s>'.format(len(self._members), self.now)
 
     def add(self, name, **parameters):
         """Add a robot now; ``parameters`` as of the ``move_base`` node.
@@ -212,13 +238,15 @@ class Fleet:
             raise TimeError('time {} ns is past, it is {} ns'.format(time_ns, self.now_ns))
         self.simulation.queue.schedule(time_ns, _USER_INDEX, lambda due_ns, _now_ns: action(self))
 
-    def run(self, until_ns=None):
-        """Let everything happen up to ``until_ns`` [ns], or to the end of all events; return the time [ns].
+    def run(self, until_ns=None, until=None):
+        """Let all happen up to ``until_ns`` [ns] or ``until`` [s], or to the end of all events; return the time [ns].
 
-        Without ``until_ns`` it waits neither for batteries nor for failures that are to come.
+        Without either it waits neither for batteries nor for failures that are to come.
 
-        :raises TimeError: if ``until_ns`` is past, or after the end of simulated time.
+        :raises TimeError: if that is past, or after the end of simulated time.
         """
+        if until is not None:
+            until_ns = seconds_to_ns(as_float(until, 'until'))
         until_ns = None if until_ns is None else as_instant(until_ns, 'until_ns')
         self.simulation.run(until_ns)
         return self.now_ns
@@ -226,6 +254,23 @@ class Fleet:
     def run_for(self, seconds):
         """Let ``seconds`` of simulated time pass; return the time [ns]."""
         return self.run(self.now_ns + seconds_to_ns(as_float(seconds, 'seconds')))
+
+    def write_log(self, path):
+        """Write :attr:`trace` as an event log (JSON lines), which replay, compare and the report read.
+
+        :raises ConfigurationError: if there is a file that is no event log, or no trace.
+        :raises OutputError: if it cannot be written.
+        """
+        if self._trace is None:
+            raise ConfigurationError('trace: got None, so that nothing is there to be written; allowed: a list')
+        write_event_log(path, self.trace, self._start_ns)
+
+    def _noted(self, row):
+        """Keep a row of the trace, and tell the user of it when what it belongs to is over."""
+        if self._trace is not None:
+            self._rows.append(row)
+        self.simulation.queue.schedule(max(row[0], self.now_ns), _USER_INDEX, lambda _due_ns, _now_ns: self._on_event(
+            *as_entries([row])))
 
     def _add(self, spec):
         self._members[spec.name] = _Member(self, spec, next(self._indices), self._planner, self._occupancy)

@@ -4,6 +4,10 @@ from __future__ import annotations
 import math
 from typing import Any, Callable, Iterable, Iterator, NamedTuple, Optional, Sequence, Tuple, Union
 
+#: of what happens to robots, see :class:`TraceEntry` and :class:`TaskTrace`
+KINDS = ('departed', 'route', 'stands', 'ended', 'entered', 'left', 'deadlock', 'held', 'released', 'failed',
+         'repaired', 'battery', 'charging_began', 'charging_ended', 'motion', 'waiting_began', 'waiting_ended',
+         'task_began', 'task_ended')
 #: takes an entry as one tuple: (time_ns, robot, kind, *values)
 Record = Callable[[Tuple[Any, ...]], object]
 

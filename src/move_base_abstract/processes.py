@@ -1,0 +1,185 @@
+"""Processes that send robots about: SimPy's generators on a fleet's own clock. Needs SimPy (3 or 4), no ROS.
+
+    env = Environment(make_scenario({'robots': [{'name': 'bot', 'max_speed': 2.0}]}))
+
+    def patrol(env, bot):
+        for _ in range(3):
+            yield bot.go(10.0, 0.0)
+            yield env.timeout(5.0)
+            yield bot.go(0.0, 0.0)
+
+    env.process(patrol(env, env.robot('bot')))
+    env.run(until=60.0)
+
+Everything of SimPy is there: processes, interrupts, conditions, resources, stores. Its heap of events is not: all
+events are in the fleet's queue, in integer nanoseconds. At one instant robots come first, then what is urgent to SimPy
+(new processes and interrupts), then the rest in the order in which it was scheduled.
+"""
+import math
+from typing import NamedTuple
+
+import simpy
+from simpy.core import EmptySchedule, StopSimulation
+from simpy.events import NORMAL, URGENT, Event
+
+from .common.arguments import as_float
+from .common.units import NS_PER_S, check_reachable, seconds_to_ns
+from .common.unknown_keys import check_keys
+from .fleet.fleet import AFTER_USERS, Fleet
+from .fleet.robot_view import RobotView
+from .goals.outcome import GoalState
+from .runs.trace import KINDS
+from .scenario import Scenario
+
+__all__ = ['Environment', 'Outcome', 'Robot']
+
+
+class Outcome(NamedTuple):
+    """How a goal or a task has ended: its id, state and text, and when [ns]."""
+
+    goal_id: str
+    state: GoalState
+    text: str
+    time_ns: int
+
+    @property
+    def succeeded(self):
+        """Whether it was reached, or done."""
+        return self.state is GoalState.SUCCEEDED
+
+
+class Robot(RobotView):
+    """A robot that processes wait for. What its methods return are events of SimPy: ``yield`` them, combine them."""
+
+    def __init__(self, env, name):
+        super().__init__(env.fleet, name)
+        self._env = env
+
+    def go(self, x, y, yaw=0.0):
+        """Send it to (x, y) [m] with ``yaw`` [rad], in the frame ``map``; the event's value is the :class:`Outcome`.
+
+        A goal that fails is no exception: look at ``outcome.succeeded``. Another goal ends it as PREEMPTED.
+        """
+        return self._env.ending('goal', self.name, self.send(x, y, yaw))
+
+    def work(self, task):
+        """Have it do ``task`` (:class:`.arrivals.Task`) where it stands; the event's value is the :class:`Outcome`."""
+        return self._env.ending('task', self.name, self._fleet.work(self.name, task))
+
+    def when(self, kind, *values):
+        """Wait until something of ``kind`` happens to it, as :class:`.TraceEntry` has it; the value is the entry.
+
+        ``values``: the first of the entry's: ``bot.when('entered', 'zone dock')``.
+        :raises ConfigurationError: if there is no such kind.
+        """
+        check_keys({kind: None}, KINDS, "robot '{}'".format(self.name), 'when: ')
+        return self._env.happening(self.name, kind, values)
+
+
+class Environment(simpy.Environment):
+    """SimPy's environment on a fleet; times are seconds, kept in whole nanoseconds (exact for 100 days).
+
+    ``options``: as of :class:`Fleet` (``start_ns``, ``planner``, ``trace``, ``occupancy``).
+    """
+
+    def __init__(self, scenario=Scenario(()), **options):
+        self._endings = {}  # {(kind, robot, goal id): event}
+        self._happenings = []  # of [event, robot, kind, values]
+        self.fleet = Fleet(scenario, on_end=self._ended('goal'), on_worked=self._ended('task'), on_event=self._happened,
+                           **options)
+        super().__init__()
+
+    @property
+    def now(self):
+        """The present [s]."""
+        return self.fleet.now_ns / NS_PER_S
+
+    def robot(self, name):
+        """Return the :class:`Robot` of that name. :raises ConfigurationError: if there is none."""
+        return Robot(self, name)
+
+    @property
+    def robots(self):
+        """All robots, in the order of their indices."""
+        return [Robot(self, name) for name in self.fleet.names]
+
+    def schedule(self, event, priority=NORMAL, delay=0):
+        """Have ``event`` happen after ``delay`` [s]; SimPy's events call this."""
+        self._put(event, priority, self.fleet.now_ns + seconds_to_ns(delay))
+
+    def run(self, until=None):
+        """Let everything happen; until the time ``until`` [s], or until that event, whose value is returned.
+
+        As SimPy: of what processes have scheduled for the very time ``until`` nothing has happened yet; robots have
+        come there. Without ``until`` to the end of all events; as :meth:`Fleet.run`, no charge is waited for.
+
+        :raises ValueError: if ``until`` is not in the future. :raises RuntimeError: if the event cannot happen.
+        """
+        if until is None:
+            self.fleet.run()
+            return None
+        if not isinstance(until, Event):
+            until = self._stop(as_float(until, 'until'))
+        elif until.callbacks is None:
+            return until.value
+        until.callbacks.append(StopSimulation.callback)
+        try:
+            self.fleet.run()
+        except StopSimulation as stop:
+            return stop.args[0]
+        raise RuntimeError('nothing is left to happen at {} s, and {} has not happened'.format(self.now, until))
+
+    def step(self):
+        """Let all happen that is due at the next instant. :raises simpy.core.EmptySchedule: if there is none."""
+        due_ns = self.fleet.simulation.next_due_ns()
+        if due_ns is None:
+            raise EmptySchedule
+        self.fleet.run(due_ns)
+
+    def peek(self):
+        """Return when something happens next [s], of a robot or a process; infinity: nothing does."""
+        due_ns = self.fleet.simulation.next_due_ns()
+        return math.inf if due_ns is None else due_ns / NS_PER_S
+
+    def ending(self, kind, robot, goal_id):
+        """Return the event of the end of a ``goal`` or a ``task`` that a robot has just got."""
+        return self._endings.setdefault((kind, robot, goal_id), Event(self))
+
+    def happening(self, robot, kind, values):
+        """Return the event of the next thing of ``kind`` that happens to a robot; see :meth:`Robot.when`."""
+        self._happenings.append((Event(self), robot, kind, tuple(values)))
+        return self._happenings[-1][0]
+
+    def _put(self, event, priority, due_ns):
+        check_reachable(due_ns, 'an event would be')
+        self.fleet.simulation.queue.schedule(
+            due_ns, AFTER_USERS + priority, lambda _due_ns, _now_ns: self._happen(event))
+
+    def _happen(self, event):
+        self._queue.append((self.now, NORMAL, 0, event))  # SimPy's own, in which there is never another one
+        super().step()
+
+    def _stop(self, until):
+        until_ns = seconds_to_ns(until)
+        if until_ns <= self.fleet.now_ns:
+            raise ValueError('until: got {} s; allowed: a time after the present, {} s'.format(until, self.now))
+        event = Event(self)
+        event._ok, event._value = True, None
+        self._put(event, URGENT - 1, until_ns)
+        return event
+
+    def _ended(self, kind):
+        def ended(robot, goal_id, state, text, now_ns):
+            event = self._endings.pop((kind, robot, goal_id), None)
+            if event is not None:
+                event.succeed(Outcome(goal_id, state, text, now_ns))
+        return ended
+
+    def _happened(self, entry):
+        waiting, self._happenings = self._happenings, []
+        for one in waiting:
+            event, robot, kind, values = one
+            if (robot, kind) == (entry.robot, entry.kind) and values == entry.values[:len(values)]:
+                event.succeed(entry)
+            else:
+                self._happenings.append(one)

@@ -1,0 +1,6 @@
+"""The command replay, where there is no ROS: python3 -m move_base_abstract_replay RUN.jsonl -o RUN.html."""
+import sys
+
+from .command import main
+
+sys.exit(main())

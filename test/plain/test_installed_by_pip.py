@@ -1,0 +1,84 @@
+"""pip installs the plain part, on a computer without ROS."""
+import os
+import subprocess
+import sys
+import sysconfig
+import venv
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+# What is of ROS cannot be imported, as on a computer that has none.
+WITHOUT_ROS = """
+import runpy, sys
+class NoRos:
+    def find_spec(self, name, path=None, target=None):
+        if name.split('.')[0] in ('rospy', 'roslib', 'rosgraph', 'genpy', 'genmsg', 'catkin', 'actionlib'):
+            raise ImportError(name + ': there is no ROS')
+sys.meta_path.insert(0, NoRos())
+import move_base_abstract
+print(move_base_abstract.__file__)
+sys.argv[:] = sys.argv[1:]
+runpy.run_path(sys.argv[0], run_name='__main__')
+"""
+
+
+@pytest.fixture(scope='module')
+def python(tmp_path_factory):
+    """A Python into whose environment pip has installed this package, and the folder of that environment."""
+    folder = tmp_path_factory.mktemp('environment')
+    venv.create(folder, system_site_packages=True, with_pip=True)
+    python = str(folder / 'bin' / 'python')
+    sources = tmp_path_factory.mktemp('sources') / 'sources'
+    subprocess.run(['git', 'clone', '-q', str(ROOT), str(sources)], check=True)
+    # The working tree, with what is not committed yet: pip leaves build/ and *.egg-info where it builds.
+    newest = [str(ROOT / name) for name in ('src', 'tools', 'setup.py', 'pyproject.toml', 'package.xml')]
+    subprocess.run(['cp', '-r', *newest, str(sources)], check=True)
+    subprocess.run([python, '-m', 'pip', 'install', '-q', '--no-index', '--no-deps', '--no-build-isolation',
+                    '--disable-pip-version-check', str(sources)], check=True, env=plain_environment())
+    return python, folder
+
+
+def plain_environment(**more):
+    """Return the environment without what the shell knows of ROS."""
+    return {**{name: value for name, value in os.environ.items() if 'ROS' not in name and 'PYTHON' not in name}, **more}
+
+
+def output_of(python, *words, **more):
+    return subprocess.run([python, *map(str, words)], env=plain_environment(**more), stdout=subprocess.PIPE, check=True,
+                          universal_newlines=True).stdout
+
+
+def test_an_example_runs_without_ros(python):
+    executable, folder = python
+    simpy = sysconfig.get_path('purelib')  # where this test's own Python has it
+    out = output_of(executable, '-c', WITHOUT_ROS, ROOT / 'examples' / 'plain' / 'patrol.py', PYTHONPATH=simpy)
+    path, *lines = out.splitlines()
+    assert Path(path).is_relative_to(folder) if hasattr(Path, 'is_relative_to') else path.startswith(str(folder))
+    assert lines[-1].startswith('60 s: a ')
+
+
+def test_a_log_is_compared_and_replayed_without_ros(python, tmp_path):
+    executable, _ = python
+    program = tmp_path / 'write.py'
+    program.write_text("""
+from move_base_abstract import Fleet, make_scenario
+fleet = Fleet(make_scenario({'robots': [{'name': 'bot', 'log_motion': True}]}))
+fleet.send('bot', 3.0, 4.0)
+fleet.run(until=60.0)
+fleet.write_log('run.jsonl')
+import runpy, sys
+sys.argv[:] = ['replay', 'run.jsonl', '-o', 'run.html']
+runpy.run_module('move_base_abstract_replay', run_name='__main__')
+""")
+    subprocess.run([executable, '-c', WITHOUT_ROS, str(program)], cwd=tmp_path, check=True, env=plain_environment())
+    assert 'bot' in (tmp_path / 'run.html').read_text()
+
+
+def test_metadata_names_what_is_needed(python):
+    executable, _ = python
+    shown = output_of(executable, '-m', 'pip', 'show', 'move-base-abstract')
+    assert 'Requires: ' in shown and 'PyYAML' in shown
+    assert 'ros' not in shown.split('Requires: ')[1].splitlines()[0].lower()
+    assert sys.version_info >= (3, 8)
