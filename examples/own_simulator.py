@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Somebody's own simulator: a unicycle that is integrated in steps, as in many a simulator; it knows nothing of lockstep.
+"""Somebody's own simulator: a unicycle that is integrated in steps. It knows nothing of lockstep.
 
 cmd_vel in, odom out (both in its namespace), at ~rate [Hz]; noise of the wheels by numpy's global generator.
 """
