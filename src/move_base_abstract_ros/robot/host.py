@@ -9,6 +9,7 @@ from move_base_abstract.config.rates import Rates
 
 from ..replacing.single_connections import connect_one_at_a_time
 from .diagnostics import Diagnostics
+from .events_topic import EventsTopic
 from .heartbeat import SHARED_INDEX, Heartbeat
 
 _STATUS_RATE_CAP = 5.0  # Hz, wall
@@ -77,6 +78,7 @@ class Host:
         self._tf_heartbeats = {}
         self._diagnostics = None
         timing.begin_to_publish()
+        self.events = EventsTopic(clock)
 
     def add_robot(self):
         """One more robot shares what may be published."""

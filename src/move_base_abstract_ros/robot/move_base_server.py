@@ -52,7 +52,7 @@ class MoveBaseServer(NavigatorListener):
         self._in_global_frame = InFrame(settings.values['global_frame'])
         self._told = None  # (goal id, stamp [ns]) of the latest feedback
         self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
-        self._trace = RobotTrace(names.robot, clock.record(robot_index), settings.values['log_motion'])
+        self._trace = RobotTrace(names.robot, host.events.record(robot_index), settings.values['log_motion'])
         with lockstep.sender(robot_index):
             self._set_up(robot_index)
         clock.follow_restarts(self._restart)

@@ -20,7 +20,7 @@ class TaskServer:
     def __init__(self, ns, host, robot_index, durations, feedback_frequency, min_answer_delay):
         self.ns = ns
         self._clock = host.clock
-        self._record = self._clock.record(robot_index)
+        self._record = host.events.record(robot_index)
         self._throttle = host.throttle(50.0)
         with lockstep.sender(robot_index):
             self._shell = ActionShell(ns, ns, host, _TYPES, min_answer_delay)
@@ -67,8 +67,7 @@ class TaskServer:
         self._shell.publish_result(record, pack_result(took_ns), stamp_ns)
 
     def _trace(self, time_ns, kind, *values):
-        if self._record is not None:
-            self._record((time_ns, self.ns.strip('/'), kind, *values))
+        self._record((time_ns, self.ns.strip('/'), kind, *values))
 
 
 def pack_result(took_ns):

@@ -38,7 +38,7 @@ class WorkServer(PlaceTaskListener):
         self._on_change = on_change
         self._clock = host.clock
         self._frame = settings['frame']
-        self._trace = TaskTrace(robot_name, self._clock.record(robot_index))
+        self._trace = TaskTrace(robot_name, host.events.record(robot_index))
         self._on_load = on_load
         self._throttle = host.throttle(50.0)
         self._shell = ActionShell(ns, ns, host, _TYPES, settings['min_answer_delay'])

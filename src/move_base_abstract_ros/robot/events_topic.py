@@ -1,0 +1,33 @@
+"""The topic ``~events`` of a process: what happens to its robots, row by row as the event log has it."""
+from move_base_abstract.msg import RobotEvent
+
+from ..messages import conversions
+from ..messages.outlets import Outlet
+from ..messages.packing import of_message
+
+_QUEUE_SIZE = 1000  # messages: many robots may do something at one instant
+
+
+class EventsTopic:
+    """Made once per process, when ``clock`` has started."""
+
+    def __init__(self, clock):
+        self._clock = clock
+        self._outlet = Outlet('~events', RobotEvent, _QUEUE_SIZE)
+
+    def record(self, index):
+        """Return what takes the rows of the trace of the robot with ``index``: for the event log, and those who listen."""
+        log, outlet = self._clock.record(index), self._outlet
+
+        def record(row):
+            if log is not None:
+                log(row)
+            if outlet.is_heard():
+                outlet.send(of_message(_message(*row)))
+        return record
+
+
+def _message(time_ns, robot, kind, *values):
+    texts = [value for value in values if isinstance(value, str)]
+    return RobotEvent(conversions.to_time(time_ns), robot, kind, texts,
+                      [float(value) for value in values if not isinstance(value, str)])

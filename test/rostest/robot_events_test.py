@@ -1,0 +1,39 @@
+#!/usr/bin/env python3
+"""The topic ~events has what the event log has, in its order, and programs that act upon it run the same each time."""
+import json
+import sys
+import unittest
+
+import rostest
+from lockstep_launcher_run import assert_same, run_thrice
+
+KINDS = ('departed', 'stands', 'ended', 'battery')
+
+
+class RobotEventsTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.runs = run_thrice({'event_reader': ['event_reader.py']}, until=40.0, fleet=[
+            {'name': 'robot_0', 'battery_capacity': 0.5, 'battery_thresholds': [0.9999, 0.9998]},
+            {'name': 'robot_1', 'start_y': 4.0}])
+
+    def test_programs_that_act_upon_events_do_the_same_in_each_run(self):
+        assert_same(self, self.runs)
+
+    def test_it_has_the_rows_of_the_event_log_in_their_order(self):
+        rows = []
+        for line in self.runs[0].log.decode().splitlines()[1:-1]:
+            row = json.loads(line)
+            if row['kind'] in KINDS:
+                texts = [value for value in row['values'] if isinstance(value, str)]
+                numbers = [float(value) for value in row['values'] if not isinstance(value, str)]
+                rows.append('{} {} {} {} {}'.format(row['time_ns'], row['robot'], row['kind'], texts, numbers))
+        heard = self.runs[0].printed('event_reader')
+        self.assertEqual(heard, rows[:len(heard)])
+        self.assertLess(len(rows) - len(heard), 4)  # what came at the very end was not heard
+        self.assertEqual({line.split()[2] for line in heard}, set(KINDS))
+        self.assertEqual({line.split()[1] for line in heard}, {'robot_0', 'robot_1'})
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'robot_events', RobotEventsTest, sysargs=sys.argv)
