@@ -11,6 +11,8 @@ from .shown import shown, shown_text
 
 #: (x, y), ascending by x
 Pairs = Tuple[Tuple[float, float], ...]
+#: what converters take, as JSON Schema says it: {converter: schema}; others are described in words alone
+SCHEMAS: Dict[Any, Dict[str, Any]] = {}
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,14 @@ def number(low: float = -math.inf, high: float = math.inf, above: Optional[float
         if not math.isfinite(value) or not low <= value <= high or (above is not None and not value > above):
             raise ValueError
         return float(value)
+    SCHEMAS[convert] = {'type': 'number', **_bounds(low, high)}
+    if above is not None:
+        SCHEMAS[convert]['exclusiveMinimum'] = above
     return convert
+
+
+def _bounds(low: float, high: float) -> Dict[str, float]:
+    return {name: value for name, value in (('minimum', low), ('maximum', high)) if math.isfinite(value)}
 
 
 def integer(low: int, high: float = math.inf) -> Callable[[object], int]:
@@ -42,6 +51,7 @@ def integer(low: int, high: float = math.inf) -> Callable[[object], int]:
         if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
             raise ValueError
         return value
+    SCHEMAS[convert] = {'type': 'integer', **_bounds(low, high)}
     return convert
 
 
@@ -80,6 +90,7 @@ def one_of(*choices: str) -> Callable[[object], str]:
         if not isinstance(value, str) or value not in choices:
             raise ValueError
         return value
+    SCHEMAS[convert] = {'enum': list(choices)}
     return convert
 
 
@@ -91,6 +102,7 @@ def numbers(count: int) -> Callable[[object], Tuple[float, ...]]:
         if not isinstance(value, (list, tuple)) or len(value) != count:
             raise ValueError
         return tuple(single(part) for part in value)
+    SCHEMAS[convert] = {'type': 'array', 'items': SCHEMAS[single], 'minItems': count, 'maxItems': count}
     return convert
 
 
@@ -104,6 +116,10 @@ def ascending_pairs(first: Callable[[object], float], second: Callable[[object],
             raise ValueError
         return pairs
     return convert
+
+
+SCHEMAS[boolean] = {'type': 'boolean'}
+SCHEMAS.update((one, {'type': 'string'}) for one in (text, name, topic))
 
 
 def checked(raw: object, key: str, parameter: Parameter, where: str) -> Any:

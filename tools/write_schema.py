@@ -1,0 +1,53 @@
+#!/usr/bin/python3
+"""Write config/scenario.schema.json: what a scenario file may hold, for editors that complete and check YAML.
+
+usage: tools/write_schema.py [OUTPUT.json]     (without a name: config/scenario.schema.json)
+
+It is made of the tables of the code, as docs/scenario_keys.md is; a unit test holds it to them.
+"""
+import json
+import os
+
+import write_scenario_keys
+from output_file import output_file
+
+from move_base_abstract.common.parameter_table import SCHEMAS
+
+FILE = os.path.join('config', 'scenario.schema.json')
+
+
+def of_parameter(parameter):
+    """Return the schema of a Parameter: what it takes, in words, and by kind where the code knows it."""
+    schema = {'description': parameter.allowed, **SCHEMAS.get(parameter.convert, {})}
+    if isinstance(parameter.default, (bool, int, float)) or parameter.default and isinstance(parameter.default, str):
+        schema['default'] = parameter.default
+    return schema
+
+
+def of_table(parameters, required=()):
+    """Return the schema of a mapping with these Parameters and no others."""
+    schema = {'type': 'object', 'additionalProperties': False,
+              'properties': {parameter.name: of_parameter(parameter) for parameter in parameters}}
+    return {**schema, 'required': list(required)} if required else schema
+
+
+def make_schema():
+    """Return the schema, a mapping."""
+    tables = {heading.split(':')[0]: parameters for heading, parameters, _ in write_scenario_keys.sections()}
+    settings = of_table(tables['Settings'])
+    robot = of_table([*tables['Settings'], *tables['A robot']], ['name'])
+    parts = {'robots': robot, 'zones': of_table(tables['A zone'], ['name']),
+             'places': of_table(tables['A place'], ['name']), 'arrivals': of_table(tables['Arrivals'])}
+    schema = of_table(tables['Top level'])
+    for key, part in parts.items():
+        schema['properties'][key].update(type='array', items=part)
+    schema['properties']['defaults'].update(settings)
+    for key in ('lanes', 'travel_matrix'):
+        schema['properties'][key]['type'] = 'string'
+    return {'$schema': 'http://json-schema.org/draft-07/schema#', 'title': 'a scenario of move_base_abstract', **schema}
+
+
+if __name__ == '__main__':
+    made = json.dumps(make_schema(), indent=1) + '\n'
+    with open(output_file(FILE, __doc__), 'w', encoding='utf-8') as output:
+        output.write(made)
