@@ -11,24 +11,21 @@ import itertools
 from functools import partial
 
 from ..common.arguments import as_float, as_instant, check_kind
-from ..common.errors import ConfigurationError, FrameError, TimeError
+from ..common.errors import ConfigurationError, TimeError
 from ..common.parameter_table import checked
 from ..common.units import NS_PER_S, seconds_to_ns
-from ..energy.battery import EMPTY, STATE_OF_CHARGE
+from ..energy.battery import STATE_OF_CHARGE
 from ..engine.simulation import Simulation
 from ..faults.failures import KINDS, REQUEST, check_request
-from ..goals.navigator import GoalPose, NavigatorListener
-from ..goals.outcome import BATTERY_EMPTY, ROBOT_REMOVED, ROBOT_RESET
-from ..maps.map_check import MapCheck
+from ..goals.navigator import GoalPose
 from ..motion.geometry import Pose2D, quaternion_of_yaw
 from ..runs.event_log_file import write_event_log
-from ..runs.trace import RobotTrace, TraceEntry, as_entries
+from ..runs.trace import TraceEntry, as_entries
 from ..scenario import Scenario, make_robot
 from ..tasks.arrivals import check_task
 from ..tasks.place_tasks import Rooms
-from ..tasks.worker import Worker
 from ..traffic.control import DeadlockPolicy, Traffic
-from .robot_parts import make_planner, make_robot_parts
+from .member import Member
 from .robot_view import RobotView
 
 __all__ = ['Fleet', 'TraceEntry']
@@ -273,7 +270,7 @@ class Fleet:
             *as_entries([row])))
 
     def _add(self, spec):
-        self._members[spec.name] = _Member(self, spec, next(self._indices), self._planner, self._occupancy)
+        self._members[spec.name] = Member(self, spec, next(self._indices), self._planner, self._occupancy)
 
     def _worker(self, name):
         worker = self._member(name).worker
@@ -312,114 +309,5 @@ class Fleet:
                 _call, listener, robot, record, simulation))
 
 
-class _Member(NavigatorListener):
-    """One robot of a fleet."""
-
-    def __init__(self, fleet, spec, index, planner, occupancy):
-        settings = spec.settings
-        self._fleet = fleet
-        self._settings = settings
-        self._trace = RobotTrace(spec.name, fleet._record, settings.values['log_motion'])
-        self.goal_numbers = itertools.count(1)
-        values = settings.values
-        self._map_check = None
-        if occupancy is not None and values['use_map']:
-            self._map_check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
-        parts = make_robot_parts(settings, spec.name, index, fleet.simulation, self, self, _no_lookup,
-                                 planner or make_planner(settings, self._map_check), fleet.scenario.zones,
-                                 remembered_legs=1)  # nobody here can ask for the past
-        self.robot, self._ledger, self.navigator, self.condition = (
-            parts.robot, parts.ledger, parts.navigator, parts.condition)
-        self.worker = None
-        self._trace.motion(self.robot, fleet.now_ns)
-        self._traveller = fleet.traffic.join(self.navigator, settings.network, self._trace.note, self.warn)
-        if fleet._rooms is not None:
-            self.worker = Worker(fleet._rooms, self.robot, values['seed'], fleet._record,
-                                 lambda record, stamp_ns: fleet._tell(fleet._on_worked, spec.name, record, stamp_ns),
-                                 lambda: self.condition.is_out_of_order,
-                                 None if self.condition.battery is None else self.condition.battery.load)
-        self.condition.begin(fleet.now_ns)
-
-    def reset(self, now_ns):
-        if self.worker is not None:
-            self.worker.tasks.shut_down(ROBOT_RESET, now_ns)
-        self.navigator.reset(ROBOT_RESET, now_ns)
-        self._ledger.clear()
-        self.condition.reset(now_ns)
-        self.robot.reset(self._settings.start, now_ns)
-        self._trace.motion(self.robot, now_ns)
-        self.stands(self.robot, now_ns)
-
-    def remove(self, now_ns):
-        if self.worker is not None:
-            self.worker.tasks.shut_down(ROBOT_REMOVED, now_ns)
-        self.condition.close()
-        self.navigator.close(ROBOT_REMOVED, now_ns)
-        if self._traveller is not None:
-            self._traveller.leave(now_ns)
-        self._fleet.simulation.queue.guard(self.robot.index, None)
-
-    def use_map(self, occupancy):
-        if self._map_check is not None:
-            self._map_check.use(occupancy)
-
-    def departed(self, robot, goal, now_ns):
-        self._trace.departed(goal, now_ns, robot.leg.corners)
-        if self.worker is not None:
-            self.worker.tasks.moved(now_ns)
-        if self._traveller is not None:
-            self._traveller.departed(robot.leg, now_ns)
-
-    def stands(self, robot, now_ns):
-        try:
-            self._trace.stands(robot.pose_at(now_ns), now_ns)
-            if self.worker is not None:
-                self.worker.tasks.moved(now_ns)
-        finally:  # its places are its own, whatever goes wrong with the rest
-            if self._traveller is not None:
-                self._traveller.stands(now_ns)
-
-    def abandons(self, now_ns):
-        if self._traveller is not None:
-            self._traveller.abandons(now_ns)
-
-    def broken_off(self, now_ns):
-        if self._traveller is not None:
-            self._traveller.put_in_order(now_ns)
-
-    def held(self, reasons, now_ns):
-        self._trace.held(reasons, now_ns)
-
-    def failed(self, kind, cause, now_ns):
-        self._trace.failed(kind, cause, now_ns)
-        if self.worker is not None:
-            self.worker.tasks.failed(now_ns)
-
-    def battery(self, level, what, now_ns):
-        self._trace.battery(level, what, now_ns)
-        if what == EMPTY and self.worker is not None:
-            self.worker.tasks.shut_down(BATTERY_EMPTY, now_ns)
-
-    def charging(self, charger, is_charging, now_ns):
-        self._trace.charging(charger, is_charging, now_ns)
-
-    def repaired(self, now_ns):
-        self._trace.repaired(now_ns)
-
-    def publish_status(self):
-        pass
-
-    def new_id(self, now_ns):
-        return '{}-{}'.format(self.robot.name, now_ns)
-
-    def publish_result(self, record, stamp_ns):
-        self._trace.ended(record, stamp_ns)
-        self._fleet._tell(self._fleet._on_end, self.robot.name, record, stamp_ns)
-
-
 def _call(listener, robot, record, simulation, _due_ns, _now_ns):
     listener(robot, record.goal_id, record.state, record.text, simulation.now_ns)
-
-
-def _no_lookup(frame_id, _stamp_ns):
-    raise FrameError("frame '{}' is unknown; without ROS there are only a robot's own frames".format(frame_id))
