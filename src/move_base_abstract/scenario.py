@@ -114,6 +114,8 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     if sum(_size(group) for group in groups) > MAX_ROBOTS:
         raise ConfigurationError('{}: robots: got more than {} robots; allowed: at most that'.format(where, MAX_ROBOTS))
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, where)]
+    if not specs:  # else with each robot's own
+        read_settings(defaults, where + ': defaults')
     _check_different(specs, where)
     places = None if raw.get('places') is None else read_places(raw['places'], where)
     arrivals = () if raw.get('arrivals') is None else read_arrivals(raw['arrivals'], places or {}, where)

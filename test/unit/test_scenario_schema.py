@@ -52,7 +52,7 @@ def test_what_the_code_takes_is_valid(document):
     {'arrivals': [{'rates': 1.0}]}])
 def test_what_the_code_refuses_is_not(document):
     with pytest.raises(ConfigurationError):
-        make_scenario({'robots': [ROBOT], **document})  # whose settings are looked at
+        make_scenario(document)
     assert not SCHEMA.is_valid(document)
 
 
