@@ -113,8 +113,8 @@ class Question {
 
   static void tell(const std::set<std::string>& strangers) {
     for (const std::string& node : strangers) {
-      shim::node().label(ros::this_node::getName() + " has asked the ROS master who is there: " +
-                         node + " does not take part, and is there or not by the wall clock");
+      shim::node().label("it has asked the ROS master who is there: " + node +
+                         " does not take part, and is there or not by the wall clock");
     }
   }
 

@@ -213,7 +213,7 @@ class WorkspaceTest(unittest.TestCase):
                 run = run_programs({'program': [os.path.join(folder, 'program.py')]}, until=5.0)
         self.assertEqual(run.printed('program'), ['(2020, True)'], run.outputs)
         self.assertEqual(list(run.state.not_repeatable_because), [
-            "'/program': /program: os.getpid in {}/others/__init__.py, line 8: is another number in another run".format(
+            "'/program': os.getpid in {}/others/__init__.py, line 8: is another number in another run".format(
                 packages)])
 
 

@@ -32,7 +32,7 @@ class SetsTest(unittest.TestCase):
             ('slots =', '__main__.Slot')) if line.startswith(text)]
         self.assertEqual(len(expected), 3)
         self.assertEqual(list(run.state.not_repeatable_because), [
-            "'/shifts': /shifts: {}, line {}: goes through a set of objects that Python hashes by their address ({}): "
+            "'/shifts': {}, line {}: goes through a set of objects that Python hashes by their address ({}): "
             'its order differs from run to run; a list or a dict keeps the order in which it was filled'.format(
                 path, number, kinds) for number, kinds in expected])
         self.assertEqual(len([line for line in run.logged('shifts', 'WARN') if 'goes through a set' in line]), 3)

@@ -90,7 +90,8 @@ class WhoIsThereTest(unittest.TestCase):
         self.assertEqual(services, '[]')
         self.assertEqual(nodes, "[['/offers']]")
         self.assertEqual(len(run.state.not_repeatable_because), 1, run.state)
-        self.assertIn('/asker has asked the ROS master who is there: /offers', run.state.not_repeatable_because[0])
+        self.assertIn("'/asker': it has asked the ROS master who is there: /offers",
+                      run.state.not_repeatable_because[0])
 
 
 if __name__ == '__main__':

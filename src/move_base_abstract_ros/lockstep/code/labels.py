@@ -53,8 +53,8 @@ class Told:
     def _say(self, place):
         participant = self.participant
         if participant is not None:
-            text = '{}: {} in {}, line {}: {}'.format(participant.names[0], *place)
-            rospy.logwarn('%s', text)
+            text = '{} in {}, line {}: {}'.format(*place)
+            rospy.logwarn('%s: %s', participant.names[0], text)
             participant.label(text)
 
 

@@ -65,4 +65,4 @@ class Order:
 
     def _tell(self, text):
         rospy.logwarn('%s: %s', rospy.get_name(), text)
-        self._participant.label('{}: {}'.format(rospy.get_name(), text))
+        self._participant.label(text)

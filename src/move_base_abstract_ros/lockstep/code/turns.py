@@ -79,7 +79,7 @@ class Turns:
             text = ('the loop in {}, line {}, went round {:,} times without a wait; it is taken for one that waits by '
                     'looking, and time goes on at it'.format(filename, line, patience))
             rospy.logwarn('%s: %s', rospy.get_name(), text)
-            self._participant.label('{}: {}'.format(rospy.get_name(), text))
+            self._participant.label(text)
         return True
 
     def _end(self):

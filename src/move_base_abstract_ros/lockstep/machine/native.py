@@ -144,8 +144,8 @@ def _tell(what, path, offset):
     if participant is None or told.is_over():
         return
     place = '{}+{:#x}'.format(os.path.basename(path), offset) if path else 'code without a file'
-    text = '{}: {} ({})'.format(participant.names[0], WORDS[what].format(_limit(), _LIMIT), place)
-    rospy.logwarn('%s', text)
+    text = '{} ({})'.format(WORDS[what].format(_limit(), _LIMIT), place)
+    rospy.logwarn('%s: %s', participant.names[0], text)
     participant.label(text)
 
 

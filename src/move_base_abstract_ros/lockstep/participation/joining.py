@@ -98,7 +98,7 @@ def _warn(joined):
     if not rospy.get_param('/use_sim_time', False):
         rospy.logwarn('%s takes part in lockstep, but /use_sim_time is not true', rospy.get_name())
     if not joined.charge.is_repeatable:
-        joined.label('{} charges what it measures; replay the record to repeat the run'.format(rospy.get_name()))
+        joined.label('it charges what it measures; replay the record to repeat the run')
     if os.environ.get('PYTHONHASHSEED', 'random') == 'random':
         rospy.logdebug('%s: sets of texts are iterated in another order in every run; PYTHONHASHSEED=0 fixes that',
                        rospy.get_name())

@@ -105,8 +105,8 @@ def _is_of_ros_master(proxy):
 
 
 def _label_stray(participant, arguments):
-    participant.label('{}: parameter {} is set or deleted by a thread that lockstep does not order'.format(
-        participant.names[0], rosgraph.names.resolve_name(arguments[1], arguments[0])))
+    participant.label('parameter {} is set or deleted by a thread that lockstep does not order'.format(
+        rosgraph.names.resolve_name(arguments[1], arguments[0])))
 
 
 def _in_order(method, answer):

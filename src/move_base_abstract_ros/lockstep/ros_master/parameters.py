@@ -151,8 +151,8 @@ class Parameters:
         return [code, message, names]
 
     def _subscribe(self, ask, caller, api, key):
-        self._participant.label('{} has the ROS master tell it of parameter {}: that comes at some moment of the '
-                                'wall clock'.format(self._participant.names[0], _resolved(caller, key)))
+        self._participant.label('it has the ROS master tell it of parameter {}: that comes at some moment of the '
+                                'wall clock'.format(_resolved(caller, key)))
         return ask()
 
 

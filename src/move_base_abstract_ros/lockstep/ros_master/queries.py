@@ -118,5 +118,5 @@ class Queries:
         for node in strangers:
             if node not in self._told:
                 self._told.add(node)
-                self._participant.label('{} has asked the ROS master who is there: {} does not take part, and is there '
-                                        'or not by the wall clock'.format(self._participant.names[0], node))
+                self._participant.label('it has asked the ROS master who is there: {} does not take part, and is there '
+                                        'or not by the wall clock'.format(node))

@@ -114,7 +114,7 @@ class _Sleep:
             text = 'time.sleep was called for more than {:g} s while simulated time stood at {:.9f} s; from here on ' \
                    'it takes simulated time, as with --sleep simulated'.format(_LONG_SLEEPS, participant.now_ns * 1e-9)
             rospy.logwarn('%s: %s', rospy.get_name(), text)
-            participant.label('{}: {}'.format(rospy.get_name(), text))
+            participant.label(text)
 
 
 def _is_of_ros(frame):
