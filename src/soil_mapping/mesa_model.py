@@ -65,7 +65,7 @@ class SoilMappingModel(mesa.Model):
     def step(self):
         """Simulate one second, or less where the budget ends or nothing is left to do."""
         to_ns = min(self.now_ns + STEP_NS, self.coordinator.end_ns)
-        self._queue.run_until(to_ns, self._enter)
+        self._queue.run_until(to_ns, self)
         if not self.coordinator.complete:
             self.now_ns = to_ns
         self.agents.do('step')
@@ -73,9 +73,6 @@ class SoilMappingModel(mesa.Model):
             self.coordinator.end(self.now_ns, [Place(*robot.pos) for robot in self.robots])
             self.running = False
         self.datacollector.collect(self)
-
-    def _enter(self, due_ns):
-        self.now_ns = due_ns
 
     def _carry_out(self, commands):
         for command in commands:

@@ -1,5 +1,7 @@
 """The order of events, cancelling, and series that stay on their multiples however the clock leaps."""
 
+from types import SimpleNamespace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,6 +16,7 @@ class Trace:
 
     def __init__(self):
         self.queue = EventQueue()
+        self.present = SimpleNamespace(now_ns=0)
         self.lines = []
 
     def schedule(self, due_ns, robot_index=0, name=''):
@@ -22,7 +25,7 @@ class Trace:
 
     def run(self, *instants):
         for now_ns in instants:
-            self.queue.run_until(now_ns)
+            self.queue.run_until(now_ns, self.present)
         lines, self.lines = self.lines, []
         return lines
 
@@ -234,7 +237,7 @@ def told_by(series, others):
 
 def instant_by_instant(trace, until_ns):
     while trace.queue.next_due_ns() is not None and trace.queue.next_due_ns() <= until_ns:
-        trace.queue.run_until(trace.queue.next_due_ns())
+        trace.queue.run_until(trace.queue.next_due_ns(), trace.present)
 
 
 @given(SERIES, OTHERS, st.integers(0, 60), st.integers(1, 20), st.data())
@@ -289,5 +292,5 @@ def test_what_is_cancelled_long_before_it_is_due_does_not_stay():
         if number % 1000 == 0:
             queue.schedule(10 ** 12 - number, 0, lambda due_ns, _now_ns: happened.append(due_ns))
     assert len(queue._heap) < 10_000
-    queue.run_until(10 ** 16)
+    queue.run_until(10 ** 16, SimpleNamespace(now_ns=0))
     assert happened == [10 ** 12 - number for number in reversed(range(0, 20_000, 1000))]

@@ -129,11 +129,12 @@ class EventQueue:
                 is_any = True
         return is_any
 
-    def run_until(self, until_ns, enter=lambda due_ns: None, instant_by_instant=False):
+    def run_until(self, until_ns, present, instant_by_instant=False):
         """Let all happen that is due at ``until_ns`` [ns] or before, in order, what is scheduled meanwhile included.
 
-        ``enter(due_ns)`` is called before each event. The clock shows ``until_ns`` then, or ``instant_by_instant`` when
-        each is due; and with None for ``until_ns`` it goes on as long as the queue :meth:`is_busy`.
+        ``present.now_ns`` [ns] comes to the time of each event before it happens, and never back. The clock shows
+        ``until_ns`` then, or ``instant_by_instant`` when each is due; and with None for ``until_ns`` it goes on as long
+        as the queue :meth:`is_busy`.
         """
         heap, end_ns, entered_ns = self._heap, math.inf if until_ns is None else until_ns, None
         while heap and heap[0][0] <= end_ns:
@@ -146,7 +147,8 @@ class EventQueue:
             heapq.heappop(heap)
             action, event.action = event.action, None
             entered_ns = due_ns
-            enter(due_ns)
+            if due_ns > present.now_ns:
+                present.now_ns = due_ns
             try:
                 action(due_ns, due_ns if instant_by_instant else until_ns)
             except Exception as error:

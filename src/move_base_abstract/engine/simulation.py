@@ -26,7 +26,7 @@ class Simulation:
         """
         if now_ns < self.now_ns:
             raise TimeError('time must not go back: it is {} ns, got {} ns'.format(self.now_ns, now_ns))
-        self.queue.run_until(now_ns, self._enter)
+        self.queue.run_until(now_ns, self)
         self.now_ns = now_ns
 
     def run(self, until_ns=None):
@@ -36,7 +36,7 @@ class Simulation:
 
         :raises TimeError: as of :meth:`advance`.
         """
-        self.queue.run_until(until_ns, self._enter, instant_by_instant=True)
+        self.queue.run_until(until_ns, self, instant_by_instant=True)
         if until_ns is not None:
             self.advance(until_ns)
 
@@ -47,10 +47,6 @@ class Simulation:
         """
         self.queue.shift(now_ns - self.now_ns)
         self.now_ns = now_ns
-
-    def _enter(self, due_ns):
-        if due_ns > self.now_ns:
-            self.now_ns = due_ns
 
     def next_due_ns(self):
         """Return when the next event is due [ns], or None."""
