@@ -19,7 +19,7 @@ SHOWN = {'subprocess.Popen': 'check_output', 'os.fork': 'child.start()',
          'socket.connect': 'create_connection', 'ctypes.dlsym': "CDLL('libc.so.6').time", 'id': 'id(rospy)',
          'hash': 'hash', 'open': "('/", 'rospy.get_param': 'get_param(', 'os.exec': 'os.execv',
          'builtins.input': 'input()'}
-LABEL = re.compile(r"'/\w+': /\w+: (a clock|\S+) in (\S+), line (\d+): ")
+LABEL = re.compile(r"'/\w+': (a clock|\S+) in (\S+), line (\d+): ")
 
 
 def places(run, script):
@@ -177,7 +177,7 @@ class PoolsTest(unittest.TestCase):
             ['2.000000000 [0, 1, 4, 9, 16]'] * 2 + ['2.000000000 -15', '2.000000000 0'], {'squares': 0}))
         labels = ' '.join(run.state.not_repeatable_because)
         for name in ('os.fork', '_posixsubprocess.fork_exec'):
-            self.assertIn('/squares: {} in {}, line '.format(name, os.path.join(FOLDER, 'process_pools.py')), labels)
+            self.assertIn("'/squares': {} in {}, line ".format(name, os.path.join(FOLDER, 'process_pools.py')), labels)
 
 
 WORKSPACE = {

@@ -74,14 +74,14 @@ class OutsideTest(unittest.TestCase):
         self.assertEqual(self.run_.printed('pipe'), ["2.0 read b'x'"], self.run_.outputs)
         self.assertEqual(self.run_.printed('server')[0].split()[1:], ['HELLO'], self.run_.outputs)
         for role, words in (('child', 'asyncio.run('), ('pipe', 'add_reader('), ('server', 'start_server(')):
-            self.assertTrue(any('/{}: asyncio in {}, line {}: gets something over a connection'.format(
+            self.assertTrue(any("'/{}': asyncio in {}, line {}: gets something over a connection".format(
                 role, SCRIPT, self.line(words)) in label for label in self.labels(role)), self.labels(role))
 
     def test_a_signal_wakes_a_loop_and_labels_the_run_only_when_it_comes(self):
         self.assertEqual(self.run_.printed('signal'), ['1.5 slept', '2.0 caught'], self.run_.outputs)
         told = [label for label in self.labels('signal') if 'input from outside' not in label]
         self.assertEqual(len(told), 1, told)
-        self.assertRegex(told[0], r'/signal: asyncio in .*, line {}: SIGUSR1 comes when it comes'.format(
+        self.assertRegex(told[0], r"'/signal': asyncio in .*, line {}: SIGUSR1 comes when it comes".format(
             self.line('asyncio.run(')))
         self.assertNotIn('input from outside at 1 s', ' '.join(self.labels('signal')))
 

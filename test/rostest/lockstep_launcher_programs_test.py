@@ -79,7 +79,7 @@ class ToolsTest(unittest.TestCase):
     def test_all_runs_are_the_same(self):
         # A bag is written by one node and read by another; view_frames.py has `dot` draw its graph.
         assert_same(self, self.runs, labelled=[
-            "run.bag, which '/recorder' writes", '/view_frames: subprocess.Popen in '])
+            "run.bag, which '/recorder' writes", "'/view_frames': subprocess.Popen in "])
 
     def test_rostopic_pub_at_a_rate_and_echo(self):
         self.assertEqual(self.printed('echo'), ['data: 1.5', '---'] * 5)

@@ -234,7 +234,7 @@ class HabitsTest(unittest.TestCase):
         labels = ' '.join(self.run_once.state.not_repeatable_because)
         self.assertFalse(self.run_once.state.repeatable)
         for name in ('socket.bind', 'socket.connect', 'subprocess.Popen', 'os.fork'):
-            self.assertIn('/habits: {} in '.format(name), labels)
+            self.assertIn("'/habits': {} in ".format(name), labels)
         self.assertNotIn('time.sleep', labels)
 
     def test_random_identifiers_are_repeated(self):

@@ -14,12 +14,19 @@ def read(**others):
     return spec.checked({**BASE, **others}, '/folder')
 
 
+def read_used(factors, **others):
+    """Return an Experiment whose launch file gets all factors."""
+    return read(factors=factors, args={name: '{' + name + '}' for name in factors}, **others)
+
+
 @pytest.mark.parametrize('others, text', [
     ({'replication': 3}, "did you mean 'replications'"),
     ({'until': {'second': 3}}, "did you mean 'seconds'"),
     ({'record': {'message': []}}, "did you mean 'messages'"),
     ({'factors': {'robots': [1]}, 'args': {'robots': '{robot}'}}, "did you mean 'robots'"),
     ({'factors': {'robots': [1, 1]}}, 'each value once'),
+    ({'factors': {'robots': [1, 2]}}, "factors.robots: nothing of the system depends on it.* args: robots: '{robots}'"),
+    ({'factors': {'a': [1], 'b': [2]}, 'args': {'x': 'of {a}'}}, 'factors.b: nothing of the system'),
     ({'factors': {'robots': []}}, 'a list'),
     ({'factors': {'seed': [1]}}, 'name of a column'),
     ({'factors': {'goals': [1]}}, 'name of a column'),
@@ -67,7 +74,8 @@ def test_what_cannot_be_used_is_told_with_what_is_allowed(others, text):
 
 
 def test_what_the_report_compares_by_is_in_the_plan_and_makes_no_trial_another_one():
-    about = {'factors': {'robots': [1, 2]}, 'metrics': {'function': 'm:f', 'columns': {'wait': {'unit': 's'}}}}
+    about = {'factors': {'robots': [1, 2]}, 'args': {'r': '{robots}'},
+             'metrics': {'function': 'm:f', 'columns': {'wait': {'unit': 's'}}}}
     told = {'primary': 'wait', 'baseline': {'robots': 2}, 'smallest_difference': {'wait': 2, 'goals': 1.5},
             'at_limit': {'wait': 'lower_bound'}}
     one, other = read(**about), read(**about, **told)
@@ -93,7 +101,7 @@ def test_a_file_says_where_it_is_wrong(tmp_path):
 
 
 def test_replication_k_has_the_same_seed_in_every_configuration():
-    experiment = read(factors={'a': [1, 2], 'b': ['x', 'y']}, replications=3, seed=7)
+    experiment = read_used({'a': [1, 2], 'b': ['x', 'y']}, replications=3, seed=7)
     trials = plan.trials(experiment)
     assert len(trials) == 12
     for replication in range(3):
@@ -103,14 +111,14 @@ def test_replication_k_has_the_same_seed_in_every_configuration():
 
 
 def test_more_replications_change_no_trial_that_was_there():
-    few = plan.trials(read(factors={'a': [1, 2]}, replications=2))
-    many = plan.trials(read(factors={'a': [1, 2]}, replications=5))
+    few = plan.trials(read_used({'a': [1, 2]}, replications=2))
+    many = plan.trials(read_used({'a': [1, 2]}, replications=5))
     assert [one.id for one in many[:4]] == [one.id for one in few]
     assert len({one.id for one in many}) == 10
 
 
 def test_the_share_that_runs_twice_is_the_same_choice_each_time():
-    experiment = read(factors={'a': [1, 2]}, replications=50, verify=0.05)
+    experiment = read_used({'a': [1, 2]}, replications=50, verify=0.05)
     chosen = [one.id for one in plan.trials(experiment) if one.verified_by]
     assert len(chosen) == 5
     assert chosen == [one.id for one in plan.trials(experiment) if one.verified_by]
@@ -182,8 +190,8 @@ def test_of_a_function_only_its_own_metrics_are_told():
 
 
 def test_a_factors_value_may_have_fewer_replications_and_leaves_the_others_ids_as_they_are():
-    fewer = plan.trials(read(factors={'a': [1, 2]}, replications={'all': 3, 'a': {2: 1}}))
-    whole = plan.trials(read(factors={'a': [1, 2]}, replications=3))
+    fewer = plan.trials(read_used({'a': [1, 2]}, replications={'all': 3, 'a': {2: 1}}))
+    whole = plan.trials(read_used({'a': [1, 2]}, replications=3))
     assert [one.configuration['a'] for one in fewer] == [1, 2, 1, 1]
     assert {one.id for one in fewer} < {one.id for one in whole}
 

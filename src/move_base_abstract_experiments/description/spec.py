@@ -301,11 +301,25 @@ def _sections(value):
     return names
 
 
+def _texts(experiment):
+    """Return (where, text) of all in which {NAME} stands for something."""
+    return [('launch', experiment.launch), *(('args.' + key, value) for key, value in experiment.args.items()),
+            *(('command', word) for word in experiment.command)]
+
+
+def _check_factors(experiment):
+    """Check that each factor gets to the system: else its values were all the same."""
+    for name in () if experiment.trial_function else experiment.factors:
+        if not any('{' + name + '}' in str(value) for _, value in _texts(experiment)):
+            where = 'command: a word' if experiment.command else f'args: {name}:'
+            raise ConfigurationError(f"factors.{name}: nothing of the system depends on it; wanted is {{{name}}} in "
+                                     f"what it gets, such as {where} '{{{name}}}'")
+
+
 def _check_together(experiment):
     """Check what depends on several keys."""
     known = [*experiment.factors, 'seed', 'replication']
-    for where, value in (('launch', experiment.launch), *(('args.' + key, value) for key, value in
-                         experiment.args.items()), *(('command', word) for word in experiment.command)):
+    for where, value in _texts(experiment):
         checks.check_places(where, value, known)
     for name in experiment.columns:
         if name in experiment.factors:
@@ -334,6 +348,7 @@ def _check_together(experiment):
         raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', where all takes time")
     if experiment.prepare and not experiment.trial_function:
         raise ConfigurationError("'prepare' goes with 'function'")
+    _check_factors(experiment)
 
 
 def _check_replications(experiment):
