@@ -49,6 +49,29 @@ def run(trial):
     return {'doubled': 2 * trial.args['n'], 'prepared': len(ready), 'seeds': trial.seed, 'none': float('nan')}
 """
 
+DRAW = """
+import numpy
+
+def prepare(args, factors):
+    numpy.random.seed(5)
+
+def run(trial):
+    return {'drawn': numpy.random.random()}
+"""
+DRAW_TWICE = """
+import json, os, sys
+import numpy
+from move_base_abstract_experiments.trials import functions, run_folders
+
+folder, prepared = sys.argv[1], json.loads(sys.argv[2])
+folders = run_folders.Folders(folder, folder, folder)
+job = {'configuration': {}, 'replication': 0, 'seed': 7, 'function_arguments': {}, 'factors': [], 'modules': folder,
+       'trial_function': 'draw:run', 'time_limit': 60.0, 'prepare': prepared}
+if prepared:
+    functions.prepare(prepared, folder)
+print(json.dumps([functions.run_trial(job, folders)['metrics']['drawn'] for _ in range(2)]))
+"""
+
 
 def call(tmp_path, n):
     """Return the answer of a trial in a Python of its own: it forks."""
@@ -148,3 +171,14 @@ def test_of_a_package_that_is_named_itself_all_modules_go(tmp_path):
 def test_a_module_goes_nowhere_else(tmp_path):
     with pytest.raises(ConfigurationError, match='beside the experiment'):
         functions.place({'folder': str(tmp_path), 'sources': {'../x.py': ''}}, str(tmp_path / 'own'))
+
+
+@pytest.mark.parametrize('prepared, is_same', [(None, False), (['draw:prepare', {}, {}], True)])
+def test_numpys_own_generator_begins_elsewhere_in_each_trial_unless_prepare_chose_where(tmp_path, prepared, is_same):
+    (tmp_path / 'draw.py').write_text(DRAW)
+    environment = {**os.environ, 'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1',
+                   'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
+    said = subprocess.run([sys.executable, '-c', DRAW_TWICE, str(tmp_path), json.dumps(prepared)], timeout=60,
+                          check=True, env=environment, stdout=subprocess.PIPE, text=True).stdout
+    first, second = json.loads(said)
+    assert (first == second) == is_same
