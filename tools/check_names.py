@@ -12,7 +12,7 @@ import re
 import sys
 
 SOURCE = pathlib.Path('src')
-IMPORT = re.compile(r'^\s*from move_base_abstract', re.MULTILINE)
+IMPORT = re.compile(r'^\s*from (?:move_base_abstract|soil_mapping)', re.MULTILINE)
 GENERATED = ('cfg', 'msg', 'srv')  # catkin makes these modules
 
 

@@ -54,7 +54,7 @@ class TrialConfig:
 
     field: str = 'synthetic'  # 'synthetic', 'meuse' or 'csv:PATH'
     robots: int = 3  # 1..1000
-    allocation: Allocation = Allocation.AUCTION  # or a text 'module:Class'; so sampling; own_code.py
+    allocation: Allocation = Allocation.AUCTION  # or a text 'module:Class'; so sampling; mission/own_code.py
     sampling: Sampling = Sampling.DYNAMIC
     budget_s: float = 240.0  # simulated s from the start of the mission, > 0, at most 1e7 (116 days)
     dwell_s: float = 1.0  # simulated s that taking a sample lasts, 0..1e7

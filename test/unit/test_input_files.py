@@ -21,8 +21,8 @@ from move_base_abstract.tasks.places import read_places
 from move_base_abstract_calibration.csv_files import read_legs
 from move_base_abstract_experiments.description import spec
 from move_base_abstract_replay.recording import read_recording
-from soil_mapping.field import load_field
-from soil_mapping.inputs import inputs_of
+from soil_mapping.ground_truth.field import load_field
+from soil_mapping.ground_truth.inputs import inputs_of
 
 S = 1_000_000_000
 HEAD = '{"event_log":1,"start_ns":0}\n'

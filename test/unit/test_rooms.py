@@ -1,4 +1,4 @@
-"""The rooms of the core: what is below may not know what is above, and no room has more modules than one can survey."""
+"""The rooms of the source: what is below may not know what is above, and one can survey the modules of each."""
 import ast
 import importlib
 import re
@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
-SRC = Path(__file__).resolve().parents[2] / 'src'
-MOST_MODULES = 25
+ROOT = Path(__file__).resolve().parents[2]
+SRC = ROOT / 'src'
+MOST_MODULES = 25  # in Python and in C++, where a header and its source are one
+LARGER = {'src/lockstep': 34, 'src/roscpp_shim': 41}  # how many are there, until they are cut; no more may come
 # Of each package: each room or module at its door, and those below it that it may import from, besides LOWEST.
 LOWEST = {'move_base_abstract': 'common'}
 MAY_IMPORT = {
@@ -37,7 +39,15 @@ MAY_IMPORT = {
         'carrying': 'description trials',
         'results': 'records description trials carrying', 'sweep': 'description trials carrying results report',
         'rerun': 'records description trials carrying results',
-        'command': 'description trials results report sweep rerun'}}
+        'command': 'description trials results report sweep rerun'},
+    'soil_mapping': {
+        'config': '', 'seeds': '', 'stopwatch': '', 'environment': '', 'interpolation': '',
+        'ground_truth': 'config seeds interpolation', 'mission': 'config seeds stopwatch interpolation',
+        'results': 'seeds mission',
+        'mesa_models': 'config stopwatch interpolation ground_truth mission results',
+        'ros': 'config stopwatch environment ground_truth mission results',
+        'study': 'config stopwatch environment ground_truth mission results mesa_models ros',
+        'nodes': 'environment ros study'}}
 OF_THE_CORE = {  # what these rooms of ROS may know of the core: nothing of robots
     'replacing': 'common', 'loopback': '', 'time_master_client': 'srv msg',
     'process': 'common', 'lockstep': 'common lockstep'}
@@ -93,14 +103,27 @@ def test_there_are_no_circles_among_the_rooms(package):
 
 
 @pytest.mark.parametrize('package', MAY_IMPORT)
-def test_every_room_is_listed_and_has_few_modules_and_a_sentence(package):
+def test_every_room_is_listed_and_has_a_sentence(package):
     folders = [path for path in (SRC / package).iterdir() if path.is_dir() and any(path.glob('*.py'))]
     assert sorted(folders) == rooms_of(package)
     doors = {path.stem for path in (SRC / package).glob('*.py')} - {'__init__'}
     assert {path.name for path in folders} | doors == set(MAY_IMPORT[package])
     for room in folders:
-        assert len(set(room.glob('*.py')) - {room / '__init__.py'}) <= MOST_MODULES, room
         assert ast.get_docstring(ast.parse((room / '__init__.py').read_text())), room
+
+
+def modules_of(folder):
+    """Return the names of a folder's modules."""
+    return {path.stem for path in folder.glob('*.*') if path.suffix in ('.py', '.h', '.cpp')} - {'__init__'}
+
+
+@pytest.mark.parametrize('folder', [
+    path.relative_to(ROOT).as_posix() for name in ('src', 'include') for path in sorted((ROOT / name).rglob('*'))
+    if path.is_dir() and modules_of(path)])
+def test_every_room_has_few_modules(folder):
+    number = len(modules_of(ROOT / folder))
+    assert number <= LARGER.get(folder, MOST_MODULES)
+    assert folder not in LARGER or number > MOST_MODULES, 'it is small enough and needs no exception'
 
 
 def handing_on():

@@ -21,12 +21,12 @@ from move_base_abstract_ros.process.process_end import ProcessEnd
 from move_base_abstract_ros.replacing import rospy_start
 from move_base_abstract_ros.replacing.log_files import survive_full_disk
 from soil_mapping.config import TrialConfig
-from soil_mapping.coordinator import Coordinator
-from soil_mapping.field import field_of
-from soil_mapping.inputs import inputs_of
-from soil_mapping.result import collect
+from soil_mapping.ground_truth.field import field_of
+from soil_mapping.ground_truth.inputs import inputs_of
+from soil_mapping.mission.coordinator import Coordinator
+from soil_mapping.results.result import collect
+from soil_mapping.results.trial_folder import TrialFolder
 from soil_mapping.stopwatch import Stopwatch
-from soil_mapping.trial_folder import TrialFolder
 
 from .computing import computing
 from .mission_run import MissionFailed, MissionRun

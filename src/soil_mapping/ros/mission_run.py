@@ -11,7 +11,7 @@ import time
 
 import rospy
 
-from soil_mapping.commands import Drive, TakeSample
+from soil_mapping.mission.commands import Drive, TakeSample
 
 from .ros_time import now_ns, to_ros_duration
 

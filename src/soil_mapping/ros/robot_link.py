@@ -10,7 +10,7 @@ from nav_msgs.msg import Odometry
 
 from move_base_abstract.motion.geometry import quaternion_of_yaw
 from move_base_abstract.msg import TimedTaskAction, TimedTaskGoal
-from soil_mapping.odometer import Odometer
+from soil_mapping.mission.odometer import Odometer
 
 from .ros_time import now_ns, to_ros_duration
 

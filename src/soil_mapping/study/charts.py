@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from soil_mapping.comparison import PUBLISHED_OVERALL_SPEED_UPS, PUBLISHED_TABLE, cosine_similarity
+from soil_mapping.results.comparison import PUBLISHED_OVERALL_SPEED_UPS, PUBLISHED_TABLE, cosine_similarity
 
 from .groups import FACTORS, LOCKSTEP
 from .outcomes import as_study, common_seeds, mean

@@ -53,7 +53,7 @@ def _code_of(run, arguments):
 
 def _trial(arguments):
     """Run one trial, in a process forked from this one, and print its metrics."""
-    from soil_mapping.trial_folder import TrialFolder
+    from soil_mapping.results.trial_folder import TrialFolder
 
     from . import trials
     options = _engine_options(arguments)
@@ -101,7 +101,7 @@ def _folder(arguments):
 
 def _print_trial(path, total_s):
     """Print what came out of a trial."""
-    from soil_mapping.trial_folder import read_about
+    from soil_mapping.results.trial_folder import read_about
     about = read_about(path)
     for name, value in about['metrics'].items():
         print(f'{name:<20} {"none" if value is None else f"{value:.6g}"}')

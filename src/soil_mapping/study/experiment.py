@@ -3,7 +3,7 @@
 import os
 
 from soil_mapping.config import PUBLISHED_CONFIGURATIONS
-from soil_mapping.readings import MEUSE_FILE
+from soil_mapping.ground_truth.readings import MEUSE_FILE
 
 from .groups import FACTORS
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from soil_mapping.comparison import trial_row
-from soil_mapping.motion import StraightTrip
-from soil_mapping.trial_folder import is_complete, read_about, read_trial
+from soil_mapping.mesa_models.motion import StraightTrip
+from soil_mapping.results.comparison import trial_row
+from soil_mapping.results.trial_folder import is_complete, read_about, read_trial
 
 from .groups import ALL
 

@@ -4,7 +4,7 @@ import rospy
 
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.replacing import rospy_start
-from soil_mapping.coordinator import Coordinator
+from soil_mapping.mission.coordinator import Coordinator
 from soil_mapping.ros.coordinator_node import run_mission
 from soil_mapping.ros.mission_run import MissionFailed
 

@@ -5,8 +5,8 @@ import time
 
 from move_base_abstract_experiments.carrying.warm_loopback import WarmLoopback
 from move_base_abstract_experiments.trials import processes
-from soil_mapping.result import collect
-from soil_mapping.sampling import start_places
+from soil_mapping.mission.sampling import start_places
+from soil_mapping.results.result import collect
 from soil_mapping.stopwatch import Stopwatch
 
 from .truth import truth_of

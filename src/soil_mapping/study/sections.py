@@ -6,8 +6,8 @@ from pathlib import Path
 
 from move_base_abstract_experiments.carrying import temporary
 from move_base_abstract_experiments.report.parts import Html, Section, figure_of
-from soil_mapping.pictures import write_pictures
-from soil_mapping.trial_folder import read_trial
+from soil_mapping.results.pictures import write_pictures
+from soil_mapping.results.trial_folder import read_trial
 
 from . import tables
 from .charts import error_against_speed

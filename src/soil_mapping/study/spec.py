@@ -6,7 +6,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.charge import check_charge
 from soil_mapping.config import TrialConfig
-from soil_mapping.motion import motion_named
+from soil_mapping.mesa_models.motion import motion_named
 
 from .truth import digests
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from move_base_abstract_experiments.report.parts import Table
-from soil_mapping.comparison import (
+from soil_mapping.results.comparison import (
     METRICS,
     PUBLISHED_TABLE,
     bootstrap_interval,

@@ -16,14 +16,14 @@ from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.own_files import whole_file
 from move_base_abstract_experiments.trials import processes
 from soil_mapping.config import TrialConfig
-from soil_mapping.provenance import machine, versions
-from soil_mapping.trial_folder import TrialFolder, write_files
+from soil_mapping.results.provenance import machine, versions
+from soil_mapping.results.trial_folder import TrialFolder, write_files
 
 from .groups import specs_of
 from .truth import draw_ahead, truth_of
 
 HEAVY = {'ros': ('soil_mapping.study.ros_trial', 'soil_mapping.study.ros_nodes', 'soil_mapping.study.ros_mission',
-                 'rosmaster.master'), 'mesa': ('soil_mapping.mesa_model',)}
+                 'rosmaster.master'), 'mesa': ('soil_mapping.mesa_models.mesa_model',)}
 PACKAGES = {'ros': ('rospy', 'rosmaster', 'actionlib'), 'mesa': ('mesa',)}
 END = signal.SIGTERM  # ends a trial that is run by itself, unless its mission is over and its record is not complete
 RECORD_S = 30.0  # wall; so long an interrupted trial may write what it has, once its mission is over
@@ -46,7 +46,7 @@ def check(spec, ahead=False, with_imports=True):
     ahead: another process draws the field meanwhile, if it is drawn. with_imports: else packages are only looked for.
     :raises ConfigurationError: if a file that it reads, or a class of the user's, cannot be used.
     """
-    from soil_mapping.coordinator import Coordinator
+    from soil_mapping.mission.coordinator import Coordinator
     spec.inputs  # noqa: B018 - looked at, and kept
     truth = truth_of(spec.config)
     if ahead:
@@ -84,7 +84,7 @@ def run(trial):
     result = _carry_out(spec, trial.files, trial.event_log)
     write_files(trial.files, result)
     if trial.args['pictures']:
-        from soil_mapping.pictures import write_pictures
+        from soil_mapping.results.pictures import write_pictures
         write_pictures(trial.files, result)
     trial.simulated_seconds = result.simulated_s
     if spec.engine == 'ros' and spec.clock == 'scaled':
@@ -131,7 +131,7 @@ def _carry_out(spec, folder, event_log, bag=False, over=lambda: None):
     if spec.engine == 'ros':
         from .ros_trial import run_ros_trial
         return run_ros_trial(spec, folder, event_log, bag, over)
-    from soil_mapping.mesa_model import run_mesa_trial
+    from soil_mapping.mesa_models.mesa_model import run_mesa_trial
     result = run_mesa_trial(spec.config, spec.seed, spec.motion, truth_of(spec.config), inputs=spec.inputs)
     over()
     return result

@@ -6,8 +6,8 @@ import os
 import numpy as np
 
 from move_base_abstract_experiments.trials import processes
-from soil_mapping.field import DrawnField, load_field
-from soil_mapping.inputs import inputs_of
+from soil_mapping.ground_truth.field import DrawnField, load_field
+from soil_mapping.ground_truth.inputs import inputs_of
 
 
 def truth_of(config):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from soil_mapping.config import TrialConfig
-from soil_mapping.field import Field
-from soil_mapping.grid import Grid
+from soil_mapping.ground_truth.field import Field
+from soil_mapping.ground_truth.grid import Grid
 
 SHARED_DATA = Path(__file__).resolve().parents[4] / 'shared' / 'data'  # beside the repository
 NAME = 'SOIL_MAPPING_DATA'
@@ -30,7 +30,7 @@ def compaction_source(data_folder):
 def mesa_model():
     """Return the module, or skip where there is no Mesa: on Python below 3.11 (Debian 11)."""
     pytest.importorskip('mesa', reason='Mesa is not installed; it needs Python 3.11')
-    from soil_mapping import mesa_model as module
+    from soil_mapping.mesa_models import mesa_model as module
     return module
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from soil_mapping import arithmetic
-from soil_mapping.provenance import blas_kernels
+from soil_mapping.interpolation import arithmetic
+from soil_mapping.results.provenance import blas_kernels
 
 SOURCE = Path(__file__).resolve().parents[3] / 'src'
 WIDE = 'AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL'
@@ -24,8 +24,8 @@ PROCESSORS = {
 TRIALS = """
 import hashlib, sys
 from soil_mapping.config import TrialConfig
-from soil_mapping.field import load_field
-from soil_mapping.mesa_model import run_mesa_trial
+from soil_mapping.ground_truth.field import load_field
+from soil_mapping.mesa_models.mesa_model import run_mesa_trial
 for source, crs in (('synthetic', 'degrees'), ('csv:' + sys.argv[1], 'metres'), ('csv:' + sys.argv[2], 'degrees')):
     truth = load_field(source, crs=crs)
     for allocation, sampling in (('ssi', 'dynamic'), ('rr', 'random')):

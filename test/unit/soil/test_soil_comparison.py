@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from soil_mapping.comparison import (
+from soil_mapping.results.comparison import (
     METRICS,
     PUBLISHED_TABLE,
     bootstrap_interval,
@@ -15,7 +15,7 @@ from soil_mapping.comparison import (
     similarity_interval,
     trial_row,
 )
-from soil_mapping.result import Metrics
+from soil_mapping.results.result import Metrics
 
 WIDTH = len(METRICS)
 

@@ -3,11 +3,11 @@ import math
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from soil_mapping.commands import FIRST_SAMPLE, Drive, Place, Stop, TakeSample
 from soil_mapping.config import TrialConfig
-from soil_mapping.coordinator import Coordinator
-from soil_mapping.mission_log import Activity
-from soil_mapping.result import collect, measure
+from soil_mapping.mission.commands import FIRST_SAMPLE, Drive, Place, Stop, TakeSample
+from soil_mapping.mission.coordinator import Coordinator
+from soil_mapping.mission.mission_log import Activity
+from soil_mapping.results.result import collect, measure
 
 S = 1_000_000_000
 

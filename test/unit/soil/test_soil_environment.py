@@ -141,7 +141,7 @@ def test_without_one_the_error_says_how_to_make_it(started):
 def test_setup_runs_with_debians_python_alone(tmp_path):
     """What makes the environment must not need what the environment brings."""
     code = ('import sys\nfor name in ("numpy", "scipy", "yaml", "matplotlib"): sys.modules[name] = None\n'
-            'from soil_mapping.ros.nodes import study\n'
+            'from soil_mapping.nodes import study\n'
             'from soil_mapping import environment\n'
             'environment._run = lambda words, failure: None\nsys.argv = ["study", "setup"]\nstudy.main()')
     done = subprocess.run([sys.executable, '-c', code], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True,

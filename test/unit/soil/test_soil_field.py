@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from soil_mapping.field import DrawnField, Field, load_field
-from soil_mapping.grid import Grid
-from soil_mapping.readings import read_meuse, read_readings
+from soil_mapping.ground_truth.field import DrawnField, Field, load_field
+from soil_mapping.ground_truth.grid import Grid
+from soil_mapping.ground_truth.readings import read_meuse, read_readings
 
 
 def statistics(field):
@@ -129,6 +129,6 @@ def test_a_synthetic_field_is_drawn_when_its_values_are_asked_for_and_once():
 
 
 def test_a_field_that_cannot_be_drawn_is_refused_before(monkeypatch):
-    monkeypatch.setattr('soil_mapping.field.find_spec', lambda name: None)
+    monkeypatch.setattr('soil_mapping.ground_truth.field.find_spec', lambda name: None)
     with pytest.raises(ConfigurationError, match='gstools, which draws it, is not installed'):
         load_field('synthetic:7')

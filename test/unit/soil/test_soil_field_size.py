@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from soil_mapping.coarse_cells import coarse_cells
 from soil_mapping.config import TrialConfig
-from soil_mapping.field import field_of, load_field
+from soil_mapping.ground_truth.field import field_of, load_field
+from soil_mapping.mission.coarse_cells import coarse_cells
 
 ROWS = [(0.0, 0.0), (120.0, 0.0), (0.0, 60.5), (120.0, 60.5), (50.0, 20.0), (90.0, 45.0)]
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from pykrige.ok import OrdinaryKriging
 
-from soil_mapping import kriging
-from soil_mapping.grid import Grid
-from soil_mapping.kriging import Kriging
-from soil_mapping.kriging_system import KrigingSystem
-from soil_mapping.variogram import NUGGETS, RANGES, Variogram, fit
+from soil_mapping.ground_truth.grid import Grid
+from soil_mapping.interpolation import kriging
+from soil_mapping.interpolation.kriging import Kriging
+from soil_mapping.interpolation.kriging_system import KrigingSystem
+from soil_mapping.interpolation.variogram import NUGGETS, RANGES, Variogram, fit
 
 GRID = Grid.of_field(1)
 KRIGING = Kriging(GRID)
@@ -51,7 +51,7 @@ def test_without_a_nugget_the_variance_equals_pykrige_within_a_millionth_of_the_
 
 def test_the_published_study_has_the_variogram_that_pykrige_fits():
     pytest.importorskip('mesa', reason='Mesa is not installed; it needs Python 3.11')
-    from soil_mapping.mesa_published import fit_by_pykrige  # it imports Mesa
+    from soil_mapping.mesa_models.mesa_published import fit_by_pykrige  # it imports Mesa
     points, values = scattered(20)
     ordinary = OrdinaryKriging(*points.T, values, variogram_model='gaussian')
     assert fit_by_pykrige(points, values, EXTENT) == tuple(ordinary.variogram_model_parameters)

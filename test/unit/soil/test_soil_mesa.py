@@ -4,12 +4,12 @@ import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from soil_mapping.config import PUBLISHED_CONFIGURATIONS, TrialConfig
-from soil_mapping.motion import EightWayTrip
+from soil_mapping.mesa_models.motion import EightWayTrip
+from soil_mapping.results.trial_folder import events_text
 from soil_mapping.stopwatch import Stopwatch
-from soil_mapping.trial_folder import events_text
 
 pytest.importorskip('mesa', reason='Mesa is not installed; it needs Python 3.11')
-from soil_mapping.mesa_model import SoilMappingModel, run_mesa_trial  # noqa: E402
+from soil_mapping.mesa_models.mesa_model import SoilMappingModel, run_mesa_trial  # noqa: E402
 
 S = 1_000_000_000
 

@@ -1,7 +1,7 @@
 import math
 
-from soil_mapping.commands import Place
-from soil_mapping.odometer import Odometer
+from soil_mapping.mission.commands import Place
+from soil_mapping.mission.odometer import Odometer
 
 
 def at_origin():

@@ -6,10 +6,10 @@ import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from soil_mapping.config import TrialConfig
-from soil_mapping.trial_folder import TrialFolder, read_about
+from soil_mapping.results.trial_folder import TrialFolder, read_about
 
 pytest.importorskip('mesa', reason='Mesa is not installed; it needs Python 3.11')
-from soil_mapping.mesa_model import run_mesa_trial  # noqa: E402
+from soil_mapping.mesa_models.mesa_model import run_mesa_trial  # noqa: E402
 
 CODE = """
 class Corners:

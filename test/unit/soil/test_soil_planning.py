@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from soil_mapping.allocation import Allocator
-from soil_mapping.coarse_cells import coarse_cells, compute_clusters, field_clusters, square_labels
 from soil_mapping.config import Allocation, TrialConfig
-from soil_mapping.grid import Grid
-from soil_mapping.kriging import Estimate
-from soil_mapping.sampling import Task, make_sampling, start_places
+from soil_mapping.ground_truth.grid import Grid
+from soil_mapping.interpolation.kriging import Estimate
+from soil_mapping.mission.allocation import Allocator
+from soil_mapping.mission.coarse_cells import coarse_cells, compute_clusters, field_clusters, square_labels
+from soil_mapping.mission.sampling import Task, make_sampling, start_places
 
 GRID = Grid.of_field(1)
 

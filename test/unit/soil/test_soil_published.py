@@ -3,12 +3,12 @@ import csv
 import numpy as np
 import pytest
 
-from soil_mapping.comparison import bootstrap_interval
-from soil_mapping.field import load_field
-from soil_mapping.greedy_path import greedy_path
+from soil_mapping.ground_truth.field import load_field
+from soil_mapping.mesa_models.greedy_path import greedy_path
+from soil_mapping.results.comparison import bootstrap_interval
 
 pytest.importorskip('mesa', reason='Mesa is not installed; it needs Python 3.11')
-from soil_mapping.mesa_published import run_published_trial  # noqa: E402
+from soil_mapping.mesa_models.mesa_published import run_published_trial  # noqa: E402
 
 COLUMNS = {'samples': 'Total cells sampled', 'distance': 'Total distance travelled', 'idle': 'Total idle time',
            'waiting': 'Total waiting time', 'task_time': 'Average time to complete a task', 'rmse': 'RMSE',

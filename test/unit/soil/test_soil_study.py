@@ -16,15 +16,15 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments.description import plan, spec
 from move_base_abstract_experiments.report import command as report
 from move_base_abstract_experiments.report import extension, outcome
-from soil_mapping.comparison import differences
 from soil_mapping.config import TrialConfig
-from soil_mapping.field import load_field
-from soil_mapping.result import Metrics
+from soil_mapping.ground_truth.field import load_field
+from soil_mapping.results.comparison import differences
+from soil_mapping.results.result import Metrics
+from soil_mapping.results.trial_folder import read_trial, write_files
 from soil_mapping.study import experiment, groups, outcomes, sections, tables, wording
 from soil_mapping.study.command import main
 from soil_mapping.study.provenance_tables import provenance
 from soil_mapping.study.spec import TrialSpec
-from soil_mapping.trial_folder import read_trial, write_files
 
 CONFIG = TrialConfig(budget_s=90.0, cell_m=2)
 GROUPS = ('mesa', 'ros-lockstep', 'ros-10x')
@@ -32,7 +32,7 @@ GROUPS = ('mesa', 'ros-lockstep', 'ros-10x')
 
 def run_mesa_trial(*arguments):
     pytest.importorskip('mesa', reason='Mesa is not installed; it needs Python 3.11')
-    from soil_mapping import mesa_model
+    from soil_mapping.mesa_models import mesa_model
     return mesa_model.run_mesa_trial(*arguments)
 
 

@@ -9,8 +9,8 @@ import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.own_files import MARKER, OutputError, whole_file
-from soil_mapping import pictures, provenance, trial_folder
-from soil_mapping.trial_folder import KIND, TrialFolder, is_complete, read_about, read_trial
+from soil_mapping.results import pictures, provenance, trial_folder
+from soil_mapping.results.trial_folder import KIND, TrialFolder, is_complete, read_about, read_trial
 
 
 def finish(path, result, **options):

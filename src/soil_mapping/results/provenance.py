@@ -16,7 +16,7 @@ LIBRARIES = ('numpy', 'scipy', 'PyKrige', 'gstools', 'Mesa', 'matplotlib')
 @functools.lru_cache(maxsize=1)
 def package_version():
     """Return the version of this package as its package.xml says, in the source tree or installed; or 'unknown'."""
-    for folder in list(Path(__file__).resolve().parents)[2:6]:  # Python 3.9 takes no slice of them
+    for folder in list(Path(__file__).resolve().parents)[3:7]:  # Python 3.9 takes no slice of them
         for file in (folder / 'package.xml', folder / 'share' / 'move_base_abstract' / 'package.xml'):
             if file.is_file():
                 found = re.search(r'<version>\s*([^<\s]+)\s*</version>', file.read_text(encoding='utf-8'))
@@ -40,7 +40,7 @@ def versions():
 def machine():
     """Return what is known of the machine: system, processor, number of usable cores, the kernels of its BLAS.
 
-    A trial does not depend on them (arithmetic.py); what is compared with it may.
+    A trial does not depend on them (interpolation/arithmetic.py); what is compared with it may.
     """
     return {'system': platform.platform(), 'processor': _processor(), 'cores': len(os.sched_getaffinity(0)),
             'blas': ', '.join(blas_kernels()) or 'unknown'}

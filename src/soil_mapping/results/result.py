@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .mission_log import Activity
-from .own_code import own_code
+from ..mission.mission_log import Activity
+from ..mission.own_code import own_code
 
 
 class Metrics(NamedTuple):
@@ -52,7 +52,7 @@ def measure(coordinator):
 
 @dataclass(frozen=True)
 class TrialResult:
-    """One finished trial. Lists hold the records of mission_log.py; maps have shape (rows from the south, columns)."""
+    """One finished trial. Lists hold records of mission_log.py; maps have shape (rows from the south, columns)."""
 
     config: dict  # TrialConfig.to_dict()
     seed: int
@@ -69,7 +69,7 @@ class TrialResult:
     cell_m: float = 1.0  # edge of a cell
     about_field: dict = field(default_factory=dict)  # its source, unit, width_m, height_m, and how they came about
     own_code: dict = field(default_factory=dict)  # SHA-256 of the files of a user's own classes, by their names
-    inputs: dict = field(default_factory=dict)  # what the trial read: SHA-256 by purpose, see inputs.py
+    inputs: dict = field(default_factory=dict)  # what the trial read: SHA-256 by purpose, see ground_truth/inputs.py
     wall_s: dict = field(default_factory=dict)  # wall seconds per phase: start_up, mission, kriging, allocation, ...
     moving_wall_s: float = math.nan  # wall s from the first command to the end of the mission
 

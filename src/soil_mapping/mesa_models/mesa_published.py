@@ -1,7 +1,7 @@
 """The published Mesa study by its own rules, to compare with its published results. Everything is in cells and steps.
 
-A cell is 2 m, a step 1 s, the grid 162 x 110 cells. What differs from the study's rules in coordinator.py, all of it as
-in the published program (TAROS 2022):
+A cell is 2 m, a step 1 s, the grid 162 x 110 cells. What differs from the study's rules in mission/coordinator.py, all
+of it as in the published program (TAROS 2022):
 
 - A robot moves to a neighbouring cell per step, in eight directions, along a path that is searched anew at each step
   (greedy_path.py). Cells within 2 steps of where another robot ever was weigh 2 for it, others 1. Where its next cell
@@ -29,12 +29,12 @@ import random
 import mesa
 import numpy as np
 
-from .coarse_cells import field_clusters
-from .config import Allocation, Sampling
+from ..config import Allocation, Sampling
+from ..ground_truth.grid import Grid
+from ..interpolation.kriging import MIN_SAMPLES, Kriging
+from ..interpolation.variogram import Variogram
+from ..mission.coarse_cells import field_clusters
 from .greedy_path import greedy_path
-from .grid import Grid
-from .kriging import MIN_SAMPLES, Kriging
-from .variogram import Variogram
 
 WIDTH, HEIGHT = 162, 110  # cells
 CROWDED_WEIGHT = 2

@@ -4,7 +4,7 @@ import sys
 
 from soil_mapping import environment
 
-from ..find_python import find_python
+from ..ros.find_python import find_python
 
 
 def main():

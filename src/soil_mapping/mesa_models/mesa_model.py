@@ -10,13 +10,13 @@ import mesa
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.engine.event_queue import EventQueue
 
-from .commands import Drive, Place, TakeSample
-from .coordinator import Coordinator
-from .field import field_of
-from .inputs import inputs_of
+from ..ground_truth.field import field_of
+from ..ground_truth.inputs import inputs_of
+from ..mission.commands import Drive, Place, TakeSample
+from ..mission.coordinator import Coordinator
+from ..results.result import collect
+from ..stopwatch import Stopwatch
 from .motion import motion_named
-from .result import collect
-from .stopwatch import Stopwatch
 
 STEP_NS = NS_PER_S
 

@@ -30,7 +30,7 @@ import numpy as np
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.own_files import FolderKind, OutputError, whole_file
 
-from .mission_log import Event, Moment, Sample, Waypoint
+from ..mission.mission_log import Event, Moment, Sample, Waypoint
 from .provenance import machine, package_version, versions
 from .result import Metrics, TrialResult
 

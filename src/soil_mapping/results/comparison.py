@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .seeds import Purpose, generator
+from ..seeds import Purpose, generator
 
 METRICS = ('rmse_kpa', 'mean_variance_kpa2', 'samples', 'distance_m', 'idle_s', 'task_s')  # waiting is 0 everywhere
 RESAMPLES = 2000

@@ -2,7 +2,7 @@
 
 import math
 
-from .config import Allocation
+from ..config import Allocation
 
 WAY_DECIMALS = 6  # of metres
 

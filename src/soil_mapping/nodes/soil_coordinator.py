@@ -2,12 +2,12 @@
 
 import sys
 
-from ..find_python import find_python
+from ..ros.find_python import find_python
 
 
 def main():
     """Run one mission and exit."""
     if not {'-h', '--help'} & set(sys.argv[1:]):
         find_python(sys.argv)
-    from ..coordinator_node import main as node
+    from ..ros.coordinator_node import main as node
     node()

@@ -11,14 +11,14 @@ import numpy as np
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown
 
-from .config import Crs, parse_size
+from ..config import Crs, parse_size
+from ..interpolation.kriging import neighbourhoods
+from ..interpolation.kriging_system import KrigingSystem
+from ..interpolation.variogram import Variogram, fit
+from ..seeds import Purpose, generator
 from .grid import FIELD_HEIGHT_M, FIELD_WIDTH_M, MAX_CELLS, Grid
-from .kriging import neighbourhoods
-from .kriging_system import KrigingSystem
 from .projection import to_plane
 from .readings import read_meuse, read_readings
-from .seeds import Purpose, generator
-from .variogram import Variogram, fit
 
 SYNTHETIC_MEAN_KPA = 785.2975  # statistics of the interpolated compaction of the published study's field
 SYNTHETIC_SD_KPA = 17.0323

@@ -10,11 +10,11 @@ from move_base_abstract.common.csv_files import open_csv
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown, shown_text
 
-from .config import Crs
+from ..config import Crs
 
 MIN_READINGS, MAX_READINGS = 3, 5000  # as many as kriging can do in 10 s
 MAX_VALUE = 1e12  # in any unit; squares and their sums stay finite
-MEUSE_FILE = Path(__file__).with_name('data') / 'meuse_zinc.csv'
+MEUSE_FILE = Path(__file__).parents[1] / 'data' / 'meuse_zinc.csv'
 
 
 def read_readings(path, crs=Crs.DEGREES):

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..config import Sampling
+from ..seeds import Purpose, generator
 from .coarse_cells import coarse_cells
-from .config import Sampling
-from .seeds import Purpose, generator
 
 GRID_POINTS = 10  # per side
 GRID_MARGIN = 0.05  # of the field's extent, at each side

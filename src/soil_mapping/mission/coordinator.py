@@ -17,15 +17,15 @@ mission; what happens at end_ns still counts, if it is told before end. Calls af
 
 from move_base_abstract.common.units import seconds_to_ns
 
+from ..config import Sampling
+from ..interpolation.kriging import MIN_SAMPLES, Kriging
+from ..seeds import Purpose, generator
+from ..stopwatch import NullStopwatch
 from .allocation import Allocator
 from .commands import FIRST_SAMPLE, Drive, Stop, TakeSample
-from .config import Sampling
-from .kriging import MIN_SAMPLES, Kriging
 from .mission_log import Activity, MissionLog
 from .own_code import OwnAllocator, OwnSampling, is_own
 from .sampling import make_sampling, start_places
-from .seeds import Purpose, generator
-from .stopwatch import NullStopwatch
 
 
 class Coordinator:

@@ -7,9 +7,9 @@ import numpy as np
 
 from move_base_abstract.common.errors import ConfigurationError
 
-from .config import CoarseCells
+from ..config import CoarseCells
 
-CLUSTERS_FILE = Path(__file__).with_name('data') / 'coarse_clusters.npy'  # compute_clusters(110, 162), made once
+CLUSTERS_FILE = Path(__file__).parents[1] / 'data' / 'coarse_clusters.npy'  # compute_clusters(110, 162), made once
 
 
 def coarse_cells(config, grid):

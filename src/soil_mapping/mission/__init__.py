@@ -1,0 +1,1 @@
+"""Who samples where and when: the coordinator, its samplings and allocations, and the book of what happened."""
