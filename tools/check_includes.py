@@ -24,9 +24,12 @@ PURE = frozenset((
 #: folder: (what else than its own headers it may include of ours, whether it is pure)
 ROOMS = {
     'src/clock': ((), True),
-    'src/lockstep': (('clock/',), True),
-    'src/participant': (('clock/', 'lockstep/utf8.h', 'lockstep/wire.h', 'move_base_abstract/'), False),
-    'src/roscpp_shim': (('lockstep/utf8.h', 'lockstep/wire.h', 'move_base_abstract/lockstep_participant.h',
+    'src/lockstep/wire': (('clock/',), True),
+    'src/lockstep/rounds': (('clock/', 'lockstep/wire/'), True),
+    'src/lockstep/routing': (('clock/', 'lockstep/wire/', 'lockstep/rounds/'), True),
+    'src/lockstep': (('clock/', 'lockstep/wire/', 'lockstep/rounds/', 'lockstep/routing/'), True),
+    'src/participant': (('clock/', 'lockstep/wire/utf8.h', 'lockstep/wire/wire.h', 'move_base_abstract/'), False),
+    'src/roscpp_shim': (('lockstep/wire/utf8.h', 'lockstep/wire/wire.h', 'move_base_abstract/lockstep_participant.h',
                          'participant/exchange.h', 'participant/parameter_text.h',
                          'participant/membership.h'), False),
     'src/python_shim': (('roscpp_shim/byte_stream.h', 'roscpp_shim/devices.h', 'roscpp_shim/glibc_fields.h',
@@ -36,8 +39,8 @@ ROOMS = {
 }
 
 #: headers that the build makes, and of what: (maker, table)
-MADE = {'lockstep/wire_format.h': ('src/lockstep/make_wire_format.py',
-                                   'src/move_base_abstract/lockstep/wire_format.py')}
+MADE = {'lockstep/wire/wire_format.h': ('src/lockstep/wire/make_wire_format.py',
+                                        'src/move_base_abstract/lockstep/wire_format.py')}
 
 #: where the compiler's and libc's own headers lie, below /usr/include or such
 _LIBC = re.compile(r'(?:[\w.-]+-linux-gnu[\w.-]*/)?(?:[\w.-]+\.h|(?:bits|sys|gnu|asm|asm-generic|linux)/.+)$')

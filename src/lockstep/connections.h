@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "clock/scaled_clock.h"
-#include "order.h"
-#include "wire.h"
+#include "lockstep/rounds/order.h"
+#include "lockstep/wire/wire.h"
 
 namespace move_base_abstract {
 

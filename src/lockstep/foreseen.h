@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "lockstep/wire/wire.h"
 #include "member.h"
-#include "wire.h"
 
 namespace move_base_abstract {
 

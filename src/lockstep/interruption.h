@@ -9,7 +9,7 @@
 
 #include "clock/scaled_clock.h"
 #include "connections.h"
-#include "order.h"
+#include "lockstep/rounds/order.h"
 
 namespace move_base_abstract {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "wire.h"
+#include "lockstep/wire/wire.h"
 
 namespace move_base_abstract {
 

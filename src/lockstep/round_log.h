@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "clock/scaled_clock.h"
-#include "order.h"
-#include "rounds.h"
-#include "router.h"
+#include "lockstep/rounds/order.h"
+#include "lockstep/rounds/rounds.h"
+#include "lockstep/routing/router.h"
 
 namespace move_base_abstract {
 

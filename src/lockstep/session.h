@@ -15,16 +15,16 @@
 #include "connections.h"
 #include "interruption.h"
 #include "labels.h"
+#include "lockstep/rounds/rounds.h"
+#include "lockstep/routing/router.h"
+#include "lockstep/wire/wire.h"
 #include "member.h"
 #include "message.h"
 #include "parameters.h"
 #include "round_log.h"
-#include "rounds.h"
-#include "router.h"
 #include "shared_files.h"
 #include "status.h"
 #include "walked.h"
-#include "wire.h"
 
 namespace move_base_abstract {
 

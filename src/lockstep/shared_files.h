@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "wire.h"
+#include "lockstep/wire/wire.h"
 
 namespace move_base_abstract {
 

@@ -13,9 +13,9 @@
 #include "clock/scaled_clock.h"
 #include "interruption.h"
 #include "labels.h"
+#include "lockstep/rounds/rounds.h"
+#include "lockstep/routing/router.h"
 #include "member.h"
-#include "rounds.h"
-#include "router.h"
 
 namespace move_base_abstract {
 

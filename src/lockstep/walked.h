@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
+#include "lockstep/rounds/order.h"
+#include "lockstep/wire/wire.h"
 #include "member.h"
-#include "order.h"
-#include "wire.h"
 
 namespace move_base_abstract {
 

@@ -9,9 +9,9 @@
 
 #include "clock/scaled_clock.h"
 #include "interruption.h"
-#include "order.h"
-#include "settings.h"
-#include "wire.h"
+#include "lockstep/rounds/order.h"
+#include "lockstep/rounds/settings.h"
+#include "lockstep/wire/wire.h"
 
 namespace move_base_abstract {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "link.h"
-#include "lockstep/wire.h"
+#include "lockstep/wire/wire.h"
 
 namespace move_base_abstract::lockstep::internal {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "lockstep/wire.h"
+#include "lockstep/wire/wire.h"
 
 namespace move_base_abstract::lockstep::internal {
 

@@ -14,7 +14,7 @@
 
 #include "joining.h"
 #include "link.h"
-#include "lockstep/wire.h"
+#include "lockstep/wire/wire.h"
 #include "namesake.h"
 #include "report_delay.h"
 #include "silence.h"

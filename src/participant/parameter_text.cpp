@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lockstep/utf8.h"
+#include "lockstep/wire/utf8.h"
 
 namespace move_base_abstract::lockstep::internal {
 namespace {

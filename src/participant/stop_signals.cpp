@@ -8,7 +8,7 @@
 #include <csignal>
 #include <string>
 
-#include "lockstep/wire.h"
+#include "lockstep/wire/wire.h"
 
 namespace move_base_abstract::lockstep::internal {
 namespace {

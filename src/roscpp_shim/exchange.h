@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "lockstep/wire.h"
+#include "lockstep/wire/wire.h"
 
 namespace move_base_abstract::shim {
 

@@ -14,7 +14,7 @@
 #include "chance.h"
 #include "devices.h"
 #include "followed.h"
-#include "lockstep/utf8.h"
+#include "lockstep/wire/utf8.h"
 #include "real.h"
 #include "recorder.h"
 #include "turn.h"

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "lockstep/wire.h"
+#include "lockstep/wire/wire.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {

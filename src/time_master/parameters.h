@@ -18,8 +18,8 @@
 #include "clock/shown_text.h"
 #include "clock/time_master.h"
 #include "lockstep/core_choice.h"
-#include "lockstep/rounds.h"
-#include "lockstep/stored_topics.h"
+#include "lockstep/rounds/rounds.h"
+#include "lockstep/routing/stored_topics.h"
 #include "participant/run_secret.h"
 
 namespace move_base_abstract {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "clock/time_master.h"
-#include "lockstep/rounds.h"
+#include "lockstep/rounds/rounds.h"
 #include "lockstep_client.h"
 
 namespace move_base_abstract {

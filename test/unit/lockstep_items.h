@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "lockstep/wire.h"
+#include "lockstep/wire/wire.h"
 #include "lockstep_script.h"
 
 namespace move_base_abstract {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lockstep/stored_topics.h"
+#include "lockstep/routing/stored_topics.h"
 #include "lockstep_client.h"
 
 namespace move_base_abstract {

@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include "lockstep/wire.h"
+#include "lockstep/wire/wire.h"
 #include "lockstep_items.h"
 #include "lockstep_script.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lockstep/wire.h"
+#include "lockstep/wire/wire.h"
 
 namespace move_base_abstract::wire {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lockstep/router.h"
+#include "lockstep/routing/router.h"
 #include "lockstep_client.h"
 #include "lockstep_model.h"
 

@@ -11,7 +11,7 @@
 #include <functional>
 #include <string>
 
-#include "lockstep/wire.h"
+#include "lockstep/wire/wire.h"
 
 namespace move_base_abstract::lockstep::internal {
 namespace {

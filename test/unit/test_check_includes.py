@@ -21,7 +21,7 @@ def crossings(tmp_path):
     return of
 
 
-@pytest.mark.parametrize('room', ['src/clock', 'src/lockstep'])
+@pytest.mark.parametrize('room', ['src/clock', 'src/lockstep', 'src/lockstep/rounds'])
 @pytest.mark.parametrize('name', ['ros/ros.h', 'ros/time.h', 'thread', 'chrono', 'fstream', 'sys/socket.h', 'unistd.h',
                                   'random', 'move_base_abstract/TimeState.h', 'XmlRpc.h'])
 def test_pure_folders_include_neither_ros_nor_threads_clocks_and_files(crossings, room, name):
@@ -30,7 +30,9 @@ def test_pure_folders_include_neither_ros_nor_threads_clocks_and_files(crossings
 
 
 @pytest.mark.parametrize(('room', 'name'), [
-    ('src/clock', 'lockstep/wire.h'), ('src/clock', 'lockstep/wire_format.h'),
+    ('src/clock', 'lockstep/wire/wire.h'), ('src/clock', 'lockstep/wire/wire_format.h'),
+    ('src/lockstep/wire', 'lockstep/rounds/order.h'), ('src/lockstep/rounds', 'lockstep/routing/router.h'),
+    ('src/lockstep/routing', 'lockstep/session.h'),
     ('src/lockstep', 'participant/link.h'), ('src/lockstep', '../time_master/node.h'),
     ('src/participant', 'lockstep/session.h'), ('src/participant', 'time_master/time_mode.h'),
     ('src/roscpp_shim', 'participant/core.h'), ('src/time_master', 'participant/core.h'),
@@ -46,5 +48,5 @@ def test_a_file_that_says_no_ros_has_none(crossings):
 
 
 def test_what_is_agreed_is_allowed(crossings):
-    text = '#include "own.h"\n#include <map>\n#include "clock/scaled_clock.h"\n#include "lockstep/wire_format.h"\n'
-    assert crossings('src/lockstep/a.cpp', text) == []
+    text = '#include "own.h"\n#include <map>\n#include "clock/scaled_clock.h"\n#include "lockstep/wire/wire_format.h"\n'
+    assert crossings('src/lockstep/wire/a.cpp', text) == []

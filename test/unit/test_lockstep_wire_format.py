@@ -17,7 +17,7 @@ BYTES = {'text': 'ab', 'bytes': b'\0\xff', 'texts': ['a', 'bc'], 'flag': True, '
 
 @pytest.fixture(scope='module')
 def generator():
-    spec = importlib.util.spec_from_file_location('make_wire_format', ROOT / 'src/lockstep/make_wire_format.py')
+    spec = importlib.util.spec_from_file_location('make_wire_format', ROOT / 'src/lockstep/wire/make_wire_format.py')
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

@@ -1,6 +1,6 @@
 // The frames between the time master and its participants, as bytes. No ROS, no sockets.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_H
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_WIRE_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_WIRE_H
 
 #include <cstddef>
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "lockstep/wire_format.h"
+#include "lockstep/wire/wire_format.h"
 
 /**
  * The structures of frames and items are made of move_base_abstract/lockstep/wire_format.py.
@@ -69,4 +69,4 @@ class FrameBuffer {
 
 }  // namespace move_base_abstract::wire
 
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_H
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_WIRE_H

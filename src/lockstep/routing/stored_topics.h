@@ -1,6 +1,6 @@
 // Topics of which the user says that nodes only store what they hear.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_STORED_TOPICS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_STORED_TOPICS_H
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_STORED_TOPICS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_STORED_TOPICS_H
 
 #include <set>
 #include <string>
@@ -34,4 +34,4 @@ class StoredTopics {
 
 }  // namespace move_base_abstract
 
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_STORED_TOPICS_H
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_STORED_TOPICS_H

@@ -1,6 +1,6 @@
 // The stated order of participants, and of what they do in one round.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ORDER_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ORDER_H
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ORDER_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ORDER_H
 
 #include <cstdint>
 #include <map>
@@ -44,4 +44,4 @@ class NamePlaces {
 
 }  // namespace move_base_abstract
 
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ORDER_H
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ORDER_H

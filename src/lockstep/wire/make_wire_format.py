@@ -17,7 +17,7 @@ _FRAMES = {'ParticipantFrame': 'PARTICIPANT_FRAMES', 'MasterFrame': 'MASTER_FRAM
 _MARKS = {'text': 'Text', 'texts': 'Texts', 'instant': 'Instant'}
 
 _HEAD = """\
-// Made of src/move_base_abstract/lockstep/wire_format.py by src/lockstep/make_wire_format.py; not to be edited.
+// Made of src/move_base_abstract/lockstep/wire_format.py by src/lockstep/wire/make_wire_format.py; not to be edited.
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_FORMAT_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_FORMAT_H
 

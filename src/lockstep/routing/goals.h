@@ -1,6 +1,6 @@
 // Goals of actions that some participant has been sent and has not answered. No ROS, no time.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_GOALS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_GOALS_H
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_GOALS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_GOALS_H
 
 #include <cstddef>
 #include <map>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "order.h"
+#include "lockstep/rounds/order.h"
 
 namespace move_base_abstract {
 
@@ -43,4 +43,4 @@ class OpenGoals {
 
 }  // namespace move_base_abstract
 
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_GOALS_H
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_GOALS_H

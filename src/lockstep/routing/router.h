@@ -1,6 +1,6 @@
 // What participants send each other: topics and services by name. No ROS, no sockets, no time.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_H
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_H
 
 #include <cstdint>
 #include <functional>
@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "goals.h"
-#include "rounds.h"
+#include "lockstep/rounds/rounds.h"
+#include "lockstep/wire/wire.h"
 #include "stored_topics.h"
-#include "wire.h"
 
 namespace move_base_abstract {
 
@@ -213,4 +213,4 @@ class MessageRouter {
 
 }  // namespace move_base_abstract
 
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_H
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_H

@@ -1,6 +1,6 @@
 // Rounds of the event-driven clock: who is granted, when, with which mail. No ROS, no sockets.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_H
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUNDS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUNDS_H
 
 #include <cstdint>
 #include <deque>
@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "clock/scaled_clock.h"
+#include "lockstep/wire/wire.h"
 #include "order.h"
 #include "settings.h"
-#include "wire.h"
 
 namespace move_base_abstract {
 
@@ -305,4 +305,4 @@ class LockstepRounds {
 
 }  // namespace move_base_abstract
 
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_H
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUNDS_H

@@ -1,12 +1,12 @@
 // What both halves of the router share.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_PARTS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_PARTS_H
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_PARTS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_PARTS_H
 
 #include <algorithm>
 #include <cstdint>
 #include <limits>
 
-#include "order.h"
+#include "lockstep/rounds/order.h"
 
 namespace move_base_abstract::router {
 
@@ -22,4 +22,4 @@ auto findMember(Entries& entries, MemberId id) {
 
 }  // namespace move_base_abstract::router
 
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTER_PARTS_H
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_PARTS_H

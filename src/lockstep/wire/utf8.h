@@ -1,6 +1,6 @@
 // Whether a text is UTF-8.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_UTF8_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_UTF8_H
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_UTF8_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_UTF8_H
 
 #include <string_view>
 
@@ -11,4 +11,4 @@ bool isUtf8(std::string_view text);
 
 }  // namespace move_base_abstract
 
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_UTF8_H
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_UTF8_H

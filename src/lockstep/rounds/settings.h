@@ -1,6 +1,6 @@
 // What a run of the event-driven clock can be told beforehand.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_SETTINGS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_SETTINGS_H
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_SETTINGS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_SETTINGS_H
 
 #include <cstdint>
 #include <string>
@@ -55,4 +55,4 @@ Nanoseconds toNanoseconds(double seconds);
 
 }  // namespace move_base_abstract
 
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_SETTINGS_H
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_SETTINGS_H
