@@ -12,8 +12,8 @@
 
 #include "notices.h"
 #include "real.h"
-#include "roscpp_shim/byte_stream.h"
-#include "roscpp_shim/devices.h"
+#include "roscpp_shim/machine/byte_stream.h"
+#include "roscpp_shim/machine/devices.h"
 #include "run.h"
 
 namespace move_base_abstract::native {

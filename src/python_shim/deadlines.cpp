@@ -10,7 +10,7 @@
 
 #include "clocks.h"
 #include "real.h"
-#include "roscpp_shim/glibc_fields.h"
+#include "roscpp_shim/machine/glibc_fields.h"
 
 namespace move_base_abstract::native {
 namespace {

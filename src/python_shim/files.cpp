@@ -8,7 +8,7 @@
 #include "chance.h"
 #include "notices.h"
 #include "real.h"
-#include "roscpp_shim/devices.h"
+#include "roscpp_shim/machine/devices.h"
 #include "run.h"
 
 namespace move_base_abstract::native {

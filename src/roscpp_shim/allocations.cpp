@@ -18,8 +18,8 @@
 #include <cstdint>
 
 #include "followed.h"
-#include "ordered_heap.h"
-#include "real.h"
+#include "roscpp_shim/machine/ordered_heap.h"
+#include "roscpp_shim/machine/real.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {

@@ -11,7 +11,7 @@
 
 #include "followed.h"
 #include "node.h"
-#include "real.h"
+#include "roscpp_shim/machine/real.h"
 #include "turn.h"
 #include "waits.h"
 

@@ -27,7 +27,7 @@
 #include <vector>
 
 #include "node.h"
-#include "real.h"
+#include "roscpp_shim/machine/real.h"
 
 namespace move_base_abstract::shim {
 namespace {

@@ -18,8 +18,8 @@
 #include "hearing.h"
 #include "move_base_abstract/lockstep_participant.h"
 #include "parameters.h"
-#include "real.h"
 #include "recorder.h"
+#include "roscpp_shim/machine/real.h"
 
 namespace move_base_abstract::shim {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "node.h"
 #include "participant/parameter_text.h"
-#include "real.h"
+#include "roscpp_shim/machine/real.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {

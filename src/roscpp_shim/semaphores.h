@@ -4,7 +4,7 @@
 
 #include <semaphore.h>
 
-#include "real.h"
+#include "roscpp_shim/machine/real.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {

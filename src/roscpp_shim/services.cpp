@@ -17,7 +17,7 @@
 #include "exchange.h"
 #include "node.h"
 #include "participant/exchange.h"
-#include "real.h"
+#include "roscpp_shim/machine/real.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {

@@ -11,7 +11,7 @@
 #include "followed.h"
 #include "hearing.h"
 #include "node.h"
-#include "real.h"
+#include "roscpp_shim/machine/real.h"
 #include "semaphores.h"
 #include "turn.h"
 #include "turn_local.h"

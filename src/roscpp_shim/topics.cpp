@@ -14,7 +14,7 @@
 
 #include "exchange.h"
 #include "node.h"
-#include "real.h"
+#include "roscpp_shim/machine/real.h"
 
 namespace move_base_abstract::shim {
 namespace {

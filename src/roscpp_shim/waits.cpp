@@ -14,7 +14,7 @@
 
 #include "hearing.h"
 #include "node.h"
-#include "real.h"
+#include "roscpp_shim/machine/real.h"
 #include "turn.h"
 
 namespace ros {

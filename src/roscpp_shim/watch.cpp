@@ -8,9 +8,9 @@
 #include <thread>
 
 #include "clocks.h"
-#include "kernel.h"
 #include "node.h"
-#include "real.h"
+#include "roscpp_shim/machine/kernel.h"
+#include "roscpp_shim/machine/real.h"
 #include "semaphores.h"
 #include "turn.h"
 #include "turn_local.h"

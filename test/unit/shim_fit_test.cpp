@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "roscpp_shim/fit.h"
+#include "roscpp_shim/machine/fit.h"
 
 using namespace move_base_abstract::shim;
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "roscpp_shim/ordered_heap.h"
+#include "roscpp_shim/machine/ordered_heap.h"
 
 using move_base_abstract::shim::OrderedHeap;
 

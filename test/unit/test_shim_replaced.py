@@ -9,7 +9,7 @@ ROW = re.compile(r'^REPLACED\(([\w+]+), "([^"]+)",\s+"([^"]+)",\s+(\w+),\s+"([^"
 
 def rows():
     """Return [(library, since, name, symbol, why), ...]."""
-    text = (SHIM / 'replaced.def').read_text(encoding='utf-8')
+    text = (SHIM / 'machine' / 'replaced.def').read_text(encoding='utf-8')
     found = ROW.findall(text)
     assert len(found) == text.count('\nREPLACED(')
     return found
@@ -24,7 +24,7 @@ def test_the_page_has_the_table():
 def test_each_symbol_is_there_once_and_is_asked_for_somewhere():
     symbols = [row[3] for row in rows()]
     assert len(set(symbols)) == len(symbols)
-    text = ''.join(path.read_text(encoding='utf-8') for path in sorted(SHIM.glob('*.cpp')))
+    text = ''.join(path.read_text(encoding='utf-8') for path in sorted(SHIM.rglob('*.cpp')))
     asked = {re.sub(r'"\s+"', '', one)[1:-1] for one in re.findall(r'\breal<[^\"]+>\(\s*((?:"\w+"\s*)+)\)', text)}
     # usleep() and sleep() are nanosleep() here, two are memalign(), bind() is a system call; a pass through roscpp's
     # own processPublishQueues() is replaced whole.

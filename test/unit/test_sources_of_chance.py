@@ -52,7 +52,7 @@ def literals(path, name):
 
 
 def test_each_function_that_the_library_stands_in_front_of_has_its_row():
-    text = (ROOT / 'src' / 'roscpp_shim' / 'replaced.def').read_text(encoding='utf-8')
+    text = (ROOT / 'src' / 'roscpp_shim' / 'machine' / 'replaced.def').read_text(encoding='utf-8')
     sources = [name for library, name in SHIM_ROW.findall(text) if name != 'bind()' and (
         library.startswith('lib') or name in ('ros::WallTime::now()', 'ros::SteadyTime::now()'))]
     assert len(sources) > 70
@@ -119,7 +119,7 @@ def test_each_row_says_how_why_and_by_which_test(language):
 
 
 def test_what_is_labelled_is_told_by_the_code():
-    code = ''.join(path.read_text(encoding='utf-8') for path in sorted((ROOT / 'src' / 'roscpp_shim').glob('*.cpp')))
+    code = ''.join(path.read_text(encoding='utf-8') for path in sorted((ROOT / 'src' / 'roscpp_shim').rglob('*.cpp')))
     for names, kind, _why, _tests in table('C++'):
         for name in names:
             function = re.search(r'\b{}\([^;{{}}]*\) \{{(.*?)^\}}'.format(re.escape(name.replace('()', ''))), code,

@@ -1,8 +1,8 @@
 """The wire format of lockstep: the one table of which both sides are made. Data only.
 
 docs/lockstep_protocol.md explains it. Python's :mod:`.wire` reads it when it is imported. For C++ the build makes a
-header of it (``src/lockstep/wire/make_wire_format.py``), with a structure for each frame and item. Numbers of the frames of
-one direction, of items and of the values of a choice follow on each other.
+header of it (``src/lockstep/wire/make_wire_format.py``), with a structure for each frame and item. Numbers of
+the frames of one direction, of items and of the values of a choice follow on each other.
 
 A field is ``'TYPE name'`` or ``'TYPE name = DEFAULT'``. Types: ``u32``, ``u64``, ``i32``; ``flag``, a byte that is 0
 or 1; ``instant``, an i64 [ns] that is not negative, NEVER = never; ``text``, a u32 length and as many bytes of UTF-8;

@@ -1,7 +1,7 @@
 // A heap whose addresses are a function of the calls alone: of the sizes that were asked for and
 // given back, in their order. No ROS, no libc heap below it.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_ORDERED_HEAP_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_ORDERED_HEAP_H
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_ORDERED_HEAP_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_ORDERED_HEAP_H
 
 #include <array>
 #include <atomic>
@@ -97,4 +97,4 @@ class OrderedHeap {
 
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_ORDERED_HEAP_H
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_ORDERED_HEAP_H

@@ -12,12 +12,12 @@
 #include <mutex>
 #include <set>
 
-#include "clocks.h"
-#include "followed.h"
-#include "node.h"
-#include "real.h"
-#include "turn.h"
-#include "waits.h"
+#include "roscpp_shim/clocks.h"
+#include "roscpp_shim/followed.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/node.h"
+#include "roscpp_shim/turn.h"
+#include "roscpp_shim/waits.h"
 
 namespace move_base_abstract::shim {
 namespace {

@@ -12,12 +12,12 @@
 #include <string>
 
 #include "chance.h"
-#include "devices.h"
-#include "followed.h"
 #include "lockstep/wire/utf8.h"
-#include "real.h"
-#include "recorder.h"
-#include "turn.h"
+#include "roscpp_shim/followed.h"
+#include "roscpp_shim/machine/devices.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/recorder.h"
+#include "roscpp_shim/turn.h"
 
 namespace move_base_abstract::shim {
 namespace {

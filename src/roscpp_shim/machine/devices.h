@@ -1,6 +1,6 @@
 // Files that are none: what they say is another thing in each run. For both preloaded libraries.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DEVICES_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DEVICES_H
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_DEVICES_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_DEVICES_H
 
 #include <string.h>
 
@@ -31,4 +31,4 @@ inline bool isEntropy(const char* path) {
 
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DEVICES_H
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_DEVICES_H

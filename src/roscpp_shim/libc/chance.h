@@ -1,6 +1,6 @@
 // Files of the machine's random bytes, as the program sees them.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_CHANCE_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_CHANCE_H
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CHANCE_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CHANCE_H
 
 namespace move_base_abstract::shim {
 
@@ -10,4 +10,4 @@ int openEntropy(const char* path, int flags, const void* caller);
 
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_CHANCE_H
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CHANCE_H

@@ -12,12 +12,12 @@
 #include <set>
 #include <string>
 
-#include "node.h"
-#include "parameters.h"
-#include "real.h"
-#include "registrations.h"
-#include "turn.h"
-#include "waits.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/node.h"
+#include "roscpp_shim/parameters.h"
+#include "roscpp_shim/registrations.h"
+#include "roscpp_shim/turn.h"
+#include "roscpp_shim/waits.h"
 
 namespace shim = move_base_abstract::shim;
 

@@ -15,12 +15,12 @@
 #include <random>
 #include <string>
 
-#include "byte_stream.h"
-#include "devices.h"
-#include "followed.h"
-#include "node.h"
-#include "real.h"
-#include "turn.h"
+#include "roscpp_shim/followed.h"
+#include "roscpp_shim/machine/byte_stream.h"
+#include "roscpp_shim/machine/devices.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/node.h"
+#include "roscpp_shim/turn.h"
 
 namespace move_base_abstract::shim {
 namespace {

@@ -4,14 +4,14 @@
 
 #include <cerrno>
 
-#include "clocks.h"
-#include "followed.h"
-#include "glibc_fields.h"
-#include "node.h"
-#include "real.h"
-#include "recorder.h"
-#include "turn.h"
-#include "waits.h"
+#include "roscpp_shim/clocks.h"
+#include "roscpp_shim/followed.h"
+#include "roscpp_shim/machine/glibc_fields.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/node.h"
+#include "roscpp_shim/recorder.h"
+#include "roscpp_shim/turn.h"
+#include "roscpp_shim/waits.h"
 
 namespace move_base_abstract::shim {
 namespace {

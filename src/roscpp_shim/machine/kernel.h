@@ -1,6 +1,6 @@
 // What the kernel says of this process's threads.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_KERNEL_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_KERNEL_H
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_KERNEL_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_KERNEL_H
 
 namespace move_base_abstract::shim {
 
@@ -12,4 +12,4 @@ bool waitsForReader();
 
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_KERNEL_H
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_KERNEL_H

@@ -1,7 +1,7 @@
 // Random bytes that follow from a text. Without ROS and without an allocation: for both preloaded
 // libraries.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_BYTE_STREAM_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_BYTE_STREAM_H
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_BYTE_STREAM_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_BYTE_STREAM_H
 
 #include <string.h>
 
@@ -54,4 +54,4 @@ class ByteStream {
 
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_BYTE_STREAM_H
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_BYTE_STREAM_H

@@ -8,11 +8,11 @@
 #include <sstream>
 #include <string>
 
-#include "fit.h"
-#include "followed.h"
-#include "node.h"
-#include "real.h"
-#include "turn.h"
+#include "roscpp_shim/followed.h"
+#include "roscpp_shim/machine/fit.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/node.h"
+#include "roscpp_shim/turn.h"
 
 namespace move_base_abstract::shim {
 namespace {

@@ -1,6 +1,6 @@
 // The functions that this library stands in front of: roscpp's, librostime's and libc's own.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_REAL_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_REAL_H
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_REAL_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_REAL_H
 
 namespace move_base_abstract::shim {
 
@@ -18,4 +18,4 @@ Function* real(const char* symbol) {
 
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_REAL_H
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_REAL_H

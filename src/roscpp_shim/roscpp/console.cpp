@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "real.h"
-#include "turn.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/turn.h"
 
 namespace shim = move_base_abstract::shim;
 

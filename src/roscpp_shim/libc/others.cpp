@@ -17,11 +17,11 @@
 #include <cstdarg>
 #include <string>
 
-#include "cores.h"
-#include "followed.h"
-#include "parameters.h"
-#include "real.h"
-#include "turn.h"
+#include "roscpp_shim/followed.h"
+#include "roscpp_shim/machine/cores.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/parameters.h"
+#include "roscpp_shim/turn.h"
 
 namespace move_base_abstract::shim {
 namespace {

@@ -9,11 +9,11 @@
 #include <algorithm>
 #include <mutex>
 
-#include "hearing.h"
-#include "node.h"
-#include "real.h"
-#include "topics.h"
-#include "turn.h"
+#include "roscpp_shim/hearing.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/node.h"
+#include "roscpp_shim/topics.h"
+#include "roscpp_shim/turn.h"
 
 namespace shim = move_base_abstract::shim;
 namespace participant = move_base_abstract::lockstep::internal;

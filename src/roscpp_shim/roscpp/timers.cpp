@@ -7,9 +7,9 @@
 
 #include <algorithm>
 
-#include "node.h"
-#include "real.h"
-#include "turn.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/node.h"
+#include "roscpp_shim/turn.h"
 
 namespace shim = move_base_abstract::shim;
 

@@ -1,6 +1,6 @@
 // Whether this library fits the program that it is preloaded into. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FIT_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FIT_H
+#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_FIT_H
+#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_FIT_H
 
 #include <string>
 #include <vector>
@@ -42,4 +42,4 @@ std::string versionOf(const std::string& path, const std::string& package);
 
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FIT_H
+#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_FIT_H
