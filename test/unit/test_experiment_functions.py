@@ -50,15 +50,17 @@ def run(trial):
 """
 
 DRAW = """
+import random
+
 import numpy
 
 def prepare(args, factors):
     numpy.random.seed(5)
 
 def run(trial):
-    return {'drawn': numpy.random.random()}
+    return {'of_numpy': numpy.random.random(), 'of_python': random.random()}
 """
-DRAW_TWICE = """
+DRAW_THRICE = """
 import json, os, sys
 import numpy
 from move_base_abstract_experiments.trials import functions, run_folders
@@ -69,7 +71,7 @@ job = {'configuration': {}, 'replication': 0, 'seed': 7, 'function_arguments': {
        'trial_function': 'draw:run', 'time_limit': 60.0, 'prepare': prepared}
 if prepared:
     functions.prepare(prepared, folder)
-print(json.dumps([functions.run_trial(job, folders)['metrics']['drawn'] for _ in range(2)]))
+print(json.dumps([functions.run_trial({**job, 'seed': seed}, folders)['metrics'] for seed in (7, 8, 7)]))
 """
 
 
@@ -173,12 +175,13 @@ def test_a_module_goes_nowhere_else(tmp_path):
         functions.place({'folder': str(tmp_path), 'sources': {'../x.py': ''}}, str(tmp_path / 'own'))
 
 
-@pytest.mark.parametrize('prepared, is_same', [(None, False), (['draw:prepare', {}, {}], True)])
-def test_numpys_own_generator_begins_elsewhere_in_each_trial_unless_prepare_chose_where(tmp_path, prepared, is_same):
+@pytest.mark.parametrize('prepared', [None, ['draw:prepare', {}, {}]])
+def test_global_generators_start_from_the_trials_seed(tmp_path, prepared):
     (tmp_path / 'draw.py').write_text(DRAW)
     environment = {**os.environ, 'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1',
                    'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
-    said = subprocess.run([sys.executable, '-c', DRAW_TWICE, str(tmp_path), json.dumps(prepared)], timeout=60,
+    said = subprocess.run([sys.executable, '-c', DRAW_THRICE, str(tmp_path), json.dumps(prepared)], timeout=60,
                           check=True, env=environment, stdout=subprocess.PIPE, text=True).stdout
-    first, second = json.loads(said)
-    assert (first == second) == is_same
+    first, other, again = json.loads(said)
+    assert first == again
+    assert all(first[name] != other[name] for name in ('of_numpy', 'of_python'))

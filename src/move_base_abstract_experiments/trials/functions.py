@@ -9,6 +9,7 @@ import importlib
 import json
 import math
 import os
+import random  # noqa: TID251 - the program's own is given its seed
 import re
 import select
 import signal
@@ -212,8 +213,7 @@ def run_trial(job, folders):
     def work():
         trial = FunctionTrial(job, folders)
         uncaught = ends.note_threads()
-        if not job['prepare']:  # which may have chosen where it begins
-            _draw_anew()
+        _seed(job['seed'])
         metrics = checked(load(job['trial_function'], job['modules'])(trial), job['factors'], ())
         return {'metrics': metrics, 'labels': [str(one)[:_LONGEST_LABEL] for one in trial.labels[:_MOST_LABELS]],
                 'simulated_seconds': _seconds(trial.simulated_seconds),
@@ -222,10 +222,11 @@ def run_trial(job, folders):
     return call(work, job['time_limit'], os.path.join(folders.logs, OUTPUT), folders.files)
 
 
-def _draw_anew():
-    """Have numpy's own generator begin elsewhere, as Python's does in each fork: not where every other trial begins."""
-    if 'numpy.random' in sys.modules:
-        sys.modules['numpy.random'].seed()
+def _seed(seed):
+    """Have the global generators of Python and numpy start from the trial's seed, as those of nodes do."""
+    import numpy  # here: it may start threads, which the process that forks must not have
+    random.seed(seed)
+    numpy.random.seed(seed % 2 ** 32)  # noqa: NPY002 - likewise
 
 
 def _seconds(given):
