@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
-from move_base_abstract_experiments.trials import functions, trial
+from move_base_abstract_experiments.trials import functions, run_folders, trial
 
 MODEL = """
 import os, sys, threading, time
@@ -185,3 +185,13 @@ def test_global_generators_start_from_the_trials_seed(tmp_path, prepared):
     first, other, again = json.loads(said)
     assert first == again
     assert all(first[name] != other[name] for name in ('of_numpy', 'of_python'))
+
+
+@pytest.mark.parametrize('text, printed, told', [
+    ('/worker crashed at 7 s', 'Exception in thread Thread-1:\nTraceback:\nValueError: no way\n',
+     '/worker crashed at 7 s; worker: ValueError: no way'),
+    ('ValueError: no way', 'Traceback (most recent call last):\nValueError: no way\n', 'ValueError: no way'),
+    ('it ended', 'Exception in thread [INFO] /worker: the run is over\n', 'it ended')])
+def test_the_line_of_an_error_has_what_a_node_printed_of_it_once(tmp_path, text, printed, told):
+    (tmp_path / 'worker.txt').write_text(printed)
+    assert trial._first_line(text, run_folders.Folders(str(tmp_path), str(tmp_path), str(tmp_path))) == told

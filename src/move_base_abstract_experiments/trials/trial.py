@@ -17,7 +17,8 @@ from . import bundle, ended_by, functions, metrics, run, run_folders, user_metri
 FORMAT = 1
 COMPLETE, FAILED = 'complete', 'failed'
 IDENTICAL, DIFFERENT = 'identical', 'different'
-_ERROR_LINE = re.compile(r'^(?!Traceback)\S*(Error|Exception)\b.*|.*\[ *(ERROR|FATAL)\].*|.*\bterminate called\b.*')
+_ERROR_LINE = re.compile(
+    r'^(?!Traceback|Exception in )\S*(Error|Exception)\b.*|.*\[ *(ERROR|FATAL)\].*|.*\bterminate called\b.*')
 _STAMP = re.compile(r'\x1b\[[0-9;]*m|\[[0-9]+\.[0-9]+(, *[0-9.]+)?\]:? ?')
 _LONGEST_ERROR = 300
 
@@ -240,6 +241,6 @@ def _first_line(text, folders):
         if name.endswith('.txt') and name != 'rosmaster.txt' and bundle.is_plain(path) and os.access(path, os.R_OK):
             with open(path, encoding='utf-8', errors='replace') as stream:
                 found = next((_STAMP.sub('', one).strip() for one in stream if _ERROR_LINE.match(one)), None)
-            if found:
+            if found and found not in line:  # of a function the error is what it has printed itself
                 return f'{line}; {name[:-len(".txt")]}: {found}'[:_LONGEST_ERROR]
     return line[:_LONGEST_ERROR]
