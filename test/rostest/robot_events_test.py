@@ -1,19 +1,21 @@
 #!/usr/bin/env python3
 """The topic ~events has what the event log has, in its order, and programs that act upon it run the same each time."""
 import json
+import os
 import sys
 import unittest
 
 import rostest
 from lockstep_launcher_run import assert_same, run_thrice
 
+READER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'robot_event_reader.py')
 KINDS = ('departed', 'stands', 'ended', 'battery')
 
 
 class RobotEventsTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.runs = run_thrice({'event_reader': ['event_reader.py']}, until=40.0, fleet=[
+        cls.runs = run_thrice({'event_reader': [READER]}, until=40.0, fleet=[
             {'name': 'robot_0', 'battery_capacity': 0.5, 'battery_thresholds': [0.9999, 0.9998]},
             {'name': 'robot_1', 'start_y': 4.0}])
 

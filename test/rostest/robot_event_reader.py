@@ -2,6 +2,7 @@
 """Send robots about, and let the next goal of each depend on what ~events says of the other."""
 import rospy
 from geometry_msgs.msg import PoseStamped
+
 from move_base_abstract.msg import RobotEvent
 
 PLACES = [(3.0, 0.0), (3.0, 4.0), (0.0, 4.0), (0.0, 0.0)]
