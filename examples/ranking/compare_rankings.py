@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Says what the ranking of coordinators in simulation is worth, held against the same missions on a real stack.
+
+    .ws/bin/python3 examples/ranking/compare_rankings.py REAL.csv SIMULATED.csv
+
+Both are tables of missions with the columns map, robots, policy, tasks and mission_s [s]; the real one has ended, the
+simulated one level.
+A configuration is a map, a number of robots and a policy; its value is the mean makespan over its task sets.
+SRCC: Pearson's correlation of these values (Kadian and others, RA-L 2020). tau: Kendall's. The ceiling: the same
+between halves of the real missions. Intervals: 95 %, by drawing task sets anew.
+"""
+import sys
+
+import numpy as np
+import pandas as pd
+from scipy.stats import kendalltau, ks_2samp, pearsonr
+
+KEYS = ['map', 'robots', 'policy']
+DRAWS = 400
+
+
+def means(rows):
+    """Return the mean makespan [s] of each configuration (a row) on each of its task sets (a column)."""
+    return rows.pivot_table('mission_s', KEYS, 'tasks')
+
+
+def agreement(one, other):
+    """Return (SRCC, tau) of two tables of the same configurations; each task set counts the same."""
+    one, other = np.nanmean(one, axis=1), np.nanmean(other, axis=1)
+    return pearsonr(one, other)[0], kendalltau(one, other)[0]
+
+
+def interval(values):
+    """Return the text of an interval of 95 %."""
+    return '{:.2f} to {:.2f}'.format(*np.nanquantile(np.array(values), [0.025, 0.975]))
+
+
+def with_intervals(real, simulated, chance):
+    """Return [(SRCC, its interval), (tau, its interval)]."""
+    one, other = (table.to_numpy() for table in means(real).align(means(simulated), join='inner'))
+    sets = one.shape[1]
+    chosen = [chance.integers(0, sets, sets) for _ in range(DRAWS if sets > 1 else 0)]
+    draws = [agreement(one[:, own], other[:, own]) for own in chosen]
+    return [(value, interval([draw[at] for draw in draws]) if draws else 'one task set')
+            for at, value in enumerate(agreement(one, other))]
+
+
+def ceiling(real, chance):
+    """Return (SRCC, tau), medians over random halves of the real missions of each configuration and task set."""
+    halves = []
+    cells, size = [real[key] for key in KEYS + ['tasks']], real.groupby(KEYS + ['tasks'])['mission_s'].transform('size')
+    for _ in range(100):
+        rank = pd.Series(chance.permutation(len(real)), index=real.index).groupby(cells).rank()
+        first, second = means(real[rank <= size / 2]).align(means(real[rank > size / 2]), join='inner')
+        halves.append(agreement(first.to_numpy(), second.to_numpy()))
+    return np.nanmedian(np.array(halves), axis=0)
+
+
+def pairs(real, simulated, chance):
+    """Return (pairs of policies whose real difference is certain, those with the same sign in simulation)."""
+    certain = same = 0
+    for _, own in real.groupby(KEYS[:2]):
+        policies = sorted(own.policy.unique())
+        for number, first in enumerate(policies):
+            for second in policies[number + 1:]:
+                gap, low, high = difference(own, first, second, chance)
+                if low <= 0.0 <= high:
+                    continue
+                certain += 1
+                here = simulated[(simulated.map == own.map.iloc[0]) & (simulated.robots == own.robots.iloc[0])]
+                same += np.sign(difference(here, first, second, chance)[0]) == np.sign(gap)
+    return certain, same
+
+
+def difference(rows, first, second, chance):
+    """Return (mean paired difference over task sets [s], its 95 % interval); missions of a set are drawn anew, too."""
+    one, other = ([group.mission_s.to_numpy() for _, group in rows[rows.policy == policy].groupby('tasks')]
+                  for policy in (first, second))
+    gap = np.mean([a.mean() - b.mean() for a, b in zip(one, other)])
+    draws = [np.mean([chance.choice(one[at], len(one[at])).mean() - chance.choice(other[at], len(other[at])).mean()
+                      for at in chance.integers(0, len(one), len(one))]) for _ in range(200)]
+    return (gap, *np.quantile(draws, [0.025, 0.975]))
+
+
+def distributions(real, simulated):
+    """Return (share of real makespans in 90 % of the seeds, share of cells that a KS test tells apart at 5 %)."""
+    inside, told_apart = [], []
+    for key, own in real.groupby(KEYS + ['tasks']):
+        same = [simulated[name] == value for name, value in zip(KEYS + ['tasks'], key)]
+        seeds = simulated[np.logical_and.reduce(same)]
+        low, high = np.quantile(seeds.mission_s, [0.05, 0.95])
+        inside.extend((own.mission_s >= low) & (own.mission_s <= high))
+        told_apart.append(ks_2samp(own.mission_s, seeds.mission_s).pvalue < 0.05)
+    return np.mean(inside), np.mean(told_apart)
+
+
+def main(real_path, simulated_path):
+    """Print a table in Markdown."""
+    chance = np.random.default_rng(1)
+    real, simulated = pd.read_csv(real_path), pd.read_csv(simulated_path)
+    top = ceiling(real, chance)
+    print('| level | simulated / real | in 90 % of the seeds | told apart (KS, 5 %) | SRCC | tau | same sign |')
+    print('|---|---|---|---|---|---|---|')
+    for level, own in simulated.groupby('level', sort=False):
+        srcc, tau = with_intervals(real, own, chance)
+        inside, apart = distributions(real, own)
+        certain, same = pairs(real, own, chance)
+        one, other = means(own).align(means(real), join='inner')  # same configurations and task sets
+        print('| {} | {:.3f} | {:.0f} % | {:.0f} % | {:.2f} ({}) | {:.2f} ({}) | {} of {} |'.format(
+            level, np.nanmean(one) / np.nanmean(other), 100 * inside, 100 * apart, *srcc, *tau, same, certain))
+    print('| halves of the real missions | | | | {:.2f} | {:.2f} | |'.format(*top))
+    print('\n{} real missions, {} of them ended by the limit.'.format(len(real), int((real.ended == 0).sum())))
+
+
+if __name__ == '__main__':
+    main(*sys.argv[1:])

@@ -1,0 +1,64 @@
+"""Missions on abstract robots in plain Python: a trial that is a function, see ranking.yaml."""
+import os
+
+from dispatching import Dispatcher
+from missions import free_places, make_mission, scenario_robots
+
+from move_base_abstract import Environment, make_scenario
+from move_base_abstract.maps.map_files import load_map, read_description
+
+LIMIT = 900.0  # s; a mission that has not ended counts as this
+_WAYS = {'use_map': True, 'routes': 'grid', 'robot_radius': 0.4}
+#: what a robot is, from the plainest to the fullest
+LEVELS = {'straight': {'max_speed': 1.0},
+          'routes': {'max_speed': 1.0, **_WAYS},
+          'calibrated': {'calibration': 'move_base_dwa_stage', **_WAYS}}
+_maps = {}
+
+
+def map_of(name):
+    """Return (map, its free places) by name: an absolute path, or one in the package's maps/; read once."""
+    if name not in _maps:
+        path = name if os.path.isabs(name) else os.path.join(os.path.dirname(__file__), '..', '..', 'maps', name)
+        occupancy = load_map(read_description(path + ('' if path.endswith('.yaml') else '.yaml')))
+        _maps[name] = occupancy, free_places(occupancy)
+    return _maps[name]
+
+
+def run_mission(level, policy, robots, mission, occupancy, seed):
+    """Return what one mission gives: makespan [s], whether it ended, tasks that failed."""
+    starts = mission['starts'][:robots]
+    env = Environment(make_scenario({'seed': seed, 'defaults': LEVELS[level], 'robots': scenario_robots(starts)}),
+                      start_ns=0, trace=None, occupancy=occupancy)
+    dispatcher = Dispatcher(policy, [start[:2] for start in starts], [tuple(task[:2]) for task in mission['tasks']])
+    over = env.event()
+
+    def drive(robot, number, task):
+        outcome = yield robot.go(*mission['tasks'][task])
+        dispatcher.ended(number, outcome.succeeded)
+        begin()
+
+    def begin():
+        for number, task in dispatcher.begin(env.now):
+            env.process(drive(env.robots[number], number, task))
+        if dispatcher.over:
+            over.succeed()
+    begin()
+    env.run(over | env.timeout(LIMIT))
+    return {'mission_s': env.now, 'ended': dispatcher.over, 'failed': len(dispatcher.failed)}
+
+
+def prepare(_args, factors):
+    """Load the maps before the first trial."""
+    for name in factors['map']:
+        map_of(name)
+
+
+def run(trial):
+    """Run one trial of an experiment."""
+    args = trial.args
+    occupancy, places = map_of(args['map'])
+    result = run_mission(args['level'], args['policy'], args['robots'], make_mission(places, args['tasks']), occupancy,
+                         trial.seed)
+    trial.simulated_seconds = result['mission_s']
+    return result

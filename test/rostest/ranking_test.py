@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""Missions of the five coordinators take as long by the ROS node in lockstep as in plain Python."""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import rospkg
+import rostest
+
+from move_base_abstract_ros.loopback import find_executable
+
+SHARE = rospkg.RosPack().get_path('move_base_abstract')
+FOLDER = os.path.join(SHARE, 'examples', 'ranking')
+sys.path.insert(0, FOLDER)
+import missions  # noqa: E402
+import plain  # noqa: E402
+
+GUARD = 300.0  # s, wall; only ends what would never end
+
+
+class RankingTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp()
+        cls.mission = os.path.join(cls.folder, 'mission')
+        missions.main(os.path.join(SHARE, 'maps', 'farm_yard.yaml'), 7, 3, cls.mission)
+
+    def in_lockstep(self, policy, seed):
+        """Return the row that the coordinator has written."""
+        path = os.path.join(self.folder, policy + '.jsonl')
+        words = [find_executable('lockstep_launch'), 'move_base_abstract', 'ranking.launch', 'mission:=' + self.mission,
+                 'policy:=' + policy, 'output:=' + path, 'seed:={}'.format(seed)]
+        done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=GUARD, check=False,
+                              universal_newlines=True,
+                              env=dict(os.environ, ROS_HOME=self.folder, ROS_LOG_DIR=self.folder))
+        self.assertEqual(done.returncode, 0, done.stdout)
+        with open(path) as stream:
+            return json.loads(stream.readline())
+
+    def test_the_node_and_plain_python_say_the_same(self):
+        occupancy, places = plain.map_of('farm_yard')
+        spans = {}
+        for seed, policy in enumerate(plain.POLICIES):
+            row = self.in_lockstep(policy, seed)
+            here = plain.run_mission('calibrated', policy, 3, missions.make_mission(places, 7), occupancy, seed)
+            self.assertAlmostEqual(row['mission_s'], here['mission_s'], delta=0.0011, msg=policy)
+            self.assertEqual((row['done'], row['failed'], row['ended']), (12, 0, True), policy)
+            spans[policy] = here['mission_s']
+        self.assertGreater(spans['farthest_first'], 1.2 * spans['batch'])
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'ranking', RankingTest, sysargs=sys.argv)
