@@ -15,7 +15,7 @@
 
 #include "allocations.h"
 #include "exchange.h"
-#include "hearing.h"
+#include "interest.h"
 #include "move_base_abstract/lockstep_participant.h"
 #include "parameters.h"
 #include "recorder.h"
@@ -147,7 +147,7 @@ void Node::exchange() {
 /** @brief A thread that looks again as soon as there is a grant is to have the grants that it would
  * have if nothing were kept. */
 void Node::keepUnread() {
-  const Nanoseconds first = hearsUnread() ? turn().firstLook() : kNever;
+  const Nanoseconds first = keepsUnread() ? turn().firstLook() : kNever;
   if (first != kNever && membership_.hasTurn()) {
     append(wire::KeepUntil{first});
   }
@@ -198,7 +198,7 @@ void Node::handle(const wire::CallIn& item) { shim::handle(item); }
 void Node::onMember(const std::string& name) { dropConnectionsTo(name); }
 
 void Node::onGranted() {
-  putTransformsBy();
+  store();
   enterOutside(false);
   if (has_timers_) {
     timers_.fire();

@@ -7,9 +7,9 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "followed.h"
-#include "hearing.h"
 #include "node.h"
 #include "roscpp_shim/machine/real.h"
 #include "semaphores.h"
@@ -79,6 +79,10 @@ Task* Turn::self() { return t_local.task; }
 bool Turn::isInside() { return t_local.inside > 0; }
 bool Turn::isInternal() { return t_local.is_internal; }
 void Turn::becomeInternal() { t_local.is_internal = true; }
+
+void Turn::atEnd(std::function<void()> function) {
+  t_local.task->at_end.push_back(std::move(function));
+}
 
 bool Turn::freesInOrder() {
   switch (phase.load(std::memory_order_relaxed)) {
@@ -181,7 +185,9 @@ void Turn::finish(Task* task) {
   const Inside inside;
   task->is_done = true;
   task->wait = Wait();
-  forgetListener(task->listened);
+  for (const auto& function : task->at_end) {
+    function();
+  }
   const bool hands_over = isActive() && !task->is_loose;
   Task* const next = hands_over ? firstReady() : nullptr;
   if (next != nullptr) {

@@ -63,10 +63,6 @@ struct Task {
   unsigned in_callbacks = 0;      // the callback of a callback, say
   bool has_acted = false;         // since its last wait for callbacks
   unsigned idle_polls = 0;        // waits for callbacks in a row that were in vain
-  const void* poller = nullptr;   // whence it looked last,
-  bool only_joined = false;       // which is a loop whose end is awaited by whoever ends it
-  const void* awaited = nullptr;  // the queue that it has waited on last
-  void* listened = nullptr;       // its queue, if it is a loop of tf2's listener
   unsigned empty_polls = 0;       // looks without waiting in a row that were in vain
   unsigned clock_reads = 0;       // at one instant
   Nanoseconds slept_at = -1;      // instant at which it has slept by the wall clock,
@@ -75,6 +71,7 @@ struct Task {
   unsigned yields = 0;            // in a row
   bool sleeps_simulated = false;  // from when on that has been too long
   std::function<void*()> main;    // of a thread that has not begun
+  std::vector<std::function<void()>> at_end;
 };
 
 /** @brief What the program's threads wait for without end. */
@@ -134,6 +131,8 @@ class Turn {
   /** @return the calling thread, if it is one of the program's. */
   static Task* self();
   static bool isInside();
+  /** @brief Call @p function when the calling thread, one of the program's, ends: its last thing. */
+  static void atEnd(std::function<void()> function);
   /** @brief The calling thread is roscpp's own. */
   static void becomeInternal();
   static bool isInternal();

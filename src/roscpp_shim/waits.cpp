@@ -1,7 +1,6 @@
 // Where roscpp programs wait: time, callback queues, spinners.
 #include "waits.h"
 
-#include <dlfcn.h>
 #include <ros/callback_queue.h>
 #include <ros/init.h>
 #include <ros/node_handle.h>
@@ -10,9 +9,7 @@
 #include <ros/this_node.h>
 #include <ros/topic_manager.h>
 
-#include <cstring>
-
-#include "hearing.h"
+#include "interest.h"
 #include "node.h"
 #include "roscpp_shim/machine/real.h"
 #include "turn.h"
@@ -30,6 +27,7 @@ constexpr unsigned kClockReads = 1000000;  // at one instant, after which it goe
 constexpr Nanoseconds kPollPeriod = 1'000'000;
 
 unsigned spinner_stops = 0;  // how often an AsyncSpinner's threads were told to end
+StoringLoops is_storing_loop = nullptr;
 
 /** @brief Opens what a queue keeps to itself. */
 struct OpenQueue : public ros::CallbackQueue {
@@ -50,28 +48,18 @@ bool isInternalQueue(const ros::CallbackQueue* queue) {
   return queue == internal;
 }
 
-/** @return whether tf2's listener calls: its loop is ended only by one who then joins it. */
-bool isListenersLoop(Task* me, const void* caller) {
-  if (me->poller != caller) {
-    Dl_info info{};
-    me->poller = caller;
-    me->only_joined = dladdr(caller, &info) != 0 && info.dli_fname != nullptr &&
-                      std::strstr(info.dli_fname, "libtf2_ros.so") != nullptr;
-  }
-  return me->only_joined;
-}
-
 /**
  * @brief Wait without a round for each time-out: a thread that does nothing but look at its queue.
  *
  * What else it may look at changes only when another thread has run: then it looks too, when its
  * time-out is over, with whatever this program does from then on; on its own if that is nothing.
+ * A storing loop looks only while somebody waits for another thread.
  */
-void awaitActivity(const Task& me, Nanoseconds timeout, Wait* wait) {
+void awaitActivity(bool is_storing, Nanoseconds timeout, Wait* wait) {
   wait->until = kNever;
   wait->activity = true;
-  wait->activity_from = me.only_joined ? kNever : node().now() + timeout;
-  wait->activity_by = me.only_joined ? kNever : wait->activity_from + timeout;
+  wait->activity_from = is_storing ? kNever : node().now() + timeout;
+  wait->activity_by = is_storing ? kNever : wait->activity_from + timeout;
 }
 
 /** @return whether there is a callback in the queue; waits for one, for at most @p timeout. */
@@ -90,15 +78,15 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
   me.idle_polls = me.has_acted ? 0 : me.idle_polls;
   Wait wait;
   wait.until = me.in_spinner ? kNever : node().now() + timeout.toNSec();
-  const bool is_listeners = !me.in_spinner && isListenersLoop(&me, caller);
-  if (is_listeners) {
-    me.listened = &queue;
-    becomeListener(&queue);
+  const bool is_storing =
+      !me.in_spinner && is_storing_loop != nullptr && is_storing_loop(caller);
+  if (is_storing) {
+    storeFrom(&queue);
   } else {
-    noteWait(&me.awaited, &queue);
+    noteWait(&queue);
   }
-  if (is_listeners || (!me.in_spinner && me.idle_polls >= kIdlePolls)) {
-    awaitActivity(me, timeout.toNSec(), &wait);
+  if (is_storing || (!me.in_spinner && me.idle_polls >= kIdlePolls)) {
+    awaitActivity(is_storing, timeout.toNSec(), &wait);
   }
   wait.is_over = [&queue, stops = spinner_stops] {
     return OpenQueue::first(queue) != nullptr || spinner_stops != stops;
@@ -156,7 +144,7 @@ class InSpinner {
 
 /** @brief Callbacks were put back, since other threads are in them: wait until that may change. */
 void awaitOthers(ros::CallbackQueue& queue) {
-  noteWait(&Turn::self()->awaited, &queue);
+  noteWait(&queue);
   Wait wait;
   wait.activity = true;
   wait.is_over = [&queue, size = OpenQueue::size(queue)] { return OpenQueue::size(queue) != size; };
@@ -177,6 +165,8 @@ bool sleepUntil(Nanoseconds until) {
 }
 
 }  // namespace
+
+void setStoringLoops(StoringLoops is_storing) { is_storing_loop = is_storing; }
 
 void countLook(unsigned* count, unsigned limit) {
   if (++*count >= limit) {

@@ -9,6 +9,15 @@
 
 namespace move_base_abstract::shim {
 
+/**
+ * @return whether a loop that waits for callbacks at @p caller only stores what comes into its
+ * queue, which nobody else can get at, and is ended only by one who then joins its thread.
+ */
+using StoringLoops = bool (*)(const void* caller);
+
+/** @brief How such loops are known, outside of spinners. For whoever knows a library with one. */
+void setStoringLoops(StoringLoops is_storing);
+
 /** @brief A thread that only looks, again and again, lets simulated time go on after @p limit
  * looks. */
 void countLook(unsigned* count, unsigned limit);

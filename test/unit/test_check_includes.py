@@ -36,6 +36,7 @@ def test_pure_folders_include_neither_ros_nor_threads_clocks_and_files(crossings
     ('src/lockstep', 'participant/link.h'), ('src/lockstep', '../time_master/node.h'),
     ('src/participant', 'lockstep/session.h'), ('src/participant', 'time_master/time_mode.h'),
     ('src/roscpp_shim', 'participant/core.h'), ('src/roscpp_shim', 'roscpp_shim/libc/chance.h'),
+    ('src/roscpp_shim', 'roscpp_shim/tf2/buffer.h'), ('src/roscpp_shim/tf2', 'roscpp_shim/turn.h'),
     ('src/roscpp_shim/machine', 'roscpp_shim/turn.h'), ('src/roscpp_shim/roscpp', 'roscpp_shim/libc/chance.h'),
     ('src/time_master', 'participant/core.h'),
     ('include/move_base_abstract', 'clock/scaled_clock.h'), ('src/clock', 'none.h')])

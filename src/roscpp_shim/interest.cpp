@@ -1,0 +1,180 @@
+// Which messages a program wants at once.
+//
+// A queue on which no thread has ever waited is looked at by threads that go on at their own
+// wake-ups (spinOnce() in a loop): what comes into it is kept until the program has a turn anyway,
+// and handed over before any of its threads goes on. None can tell: queues, orders, sizes are as
+// they would be, and so is the time of receipt. The first wait ends it.
+//
+// What comes into a queue that a library only stores from is handed over then too, all at once,
+// and no round is spent on each message.
+#include "interest.h"
+
+#include <ros/param.h>
+#include <ros/time.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <set>
+#include <typeinfo>
+#include <utility>
+#include <vector>
+
+#include "node.h"
+#include "roscpp_shim/machine/real.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+using Lock = std::lock_guard<PlainMutex>;
+
+const char* const kStatistics = "/enable_statistics";  // roscpp's; they tell when messages came
+
+std::atomic<bool> calls_back{false};  // what is stored does
+std::atomic<bool> keeps_unread{false};
+__thread const ros::CallbackQueue* t_awaited = nullptr;  // the queue of the thread's latest wait
+
+struct Queues {
+  PlainMutex mutex;
+  std::vector<ros::CallbackQueue*> stored;
+  // Queues on which a thread has waited, or which are not roscpp's own, for good.
+  std::set<const ros::CallbackQueueInterface*> awaited;
+};
+
+Queues& queues() {
+  static auto* const instance = new Queues;
+  return *instance;
+}
+
+std::vector<ros::CallbackQueue*> storedQueues() {
+  const Lock lock(queues().mutex);
+  return queues().stored;
+}
+
+bool isStored(const ros::CallbackQueueInterface* queue) {
+  const auto stored = storedQueues();
+  return std::find(stored.begin(), stored.end(), queue) != stored.end();
+}
+
+/** @return whether nobody waits for what comes into it. The queue may be gone. */
+bool isUnread(const ros::CallbackQueueInterface* queue) {
+  const Lock lock(queues().mutex);
+  return queues().awaited.count(queue) == 0;
+}
+
+/** @return whether it is new that somebody may wait for what comes into @p queue. */
+bool addAwaited(const ros::CallbackQueueInterface* queue) {
+  const Lock lock(queues().mutex);
+  return queues().awaited.insert(queue).second;
+}
+
+/** @return whether roscpp tells how late messages are, at the moment at which they come. */
+bool hasStatistics() {
+  static const bool has_statistics = [] {
+    bool value = false;
+    return ros::param::get(kStatistics, value) && value;
+  }();
+  return has_statistics;
+}
+
+wire::Hearing hearingOf(const Topic& topic) {
+  const auto all = [&topic](bool (*is_so)(const ros::CallbackQueueInterface*)) {
+    return !topic.queues.empty() && std::all_of(topic.queues.begin(), topic.queues.end(), is_so);
+  };
+  if (hasStatistics()) {
+    return wire::Hearing::kAll;
+  }
+  if (!calls_back && all(&isStored)) {
+    return wire::Hearing::kLater;
+  }
+  return all(&isUnread) ? wire::Hearing::kUnread : wire::Hearing::kAll;
+}
+
+void tell(Topic& topic) {
+  const wire::Hearing hearing = hearingOf(topic);
+  if (hearing != topic.hearing) {
+    topic.hearing = hearing;
+    keeps_unread = keeps_unread || hearing == wire::Hearing::kUnread;
+    node().append(wire::Hears{topic.number, hearing});
+  }
+}
+
+void tellAll() {
+  for (auto& [number, topic] : topics().all()) {
+    if (!topic.queues.empty()) {
+      tell(topic);
+    }
+  }
+}
+
+}  // namespace
+
+void noteSubscription(Topic& topic, const ros::SubscribeOptions& options) {
+  const ros::CallbackQueueInterface* const queue = options.callback_queue;
+  if (queue == nullptr || typeid(*queue) != typeid(ros::CallbackQueue)) {
+    addAwaited(queue);  // of a class of the program's: it may act at once
+  }
+  topic.queues.push_back(queue);
+  tell(topic);
+}
+
+void forgetSubscription(Topic& topic) {
+  topic.queues.clear();
+  topic.hearing = wire::Hearing::kAll;
+}
+
+void noteWait(const ros::CallbackQueue* queue) {
+  if (std::exchange(t_awaited, queue) == queue) {
+    return;
+  }
+  const Inside inside;
+  if (addAwaited(queue)) {
+    tellAll();
+  }
+}
+
+bool keepsUnread() { return keeps_unread; }
+
+// ---- what is only stored ---------------------------------------------------------------------
+
+void storeFrom(ros::CallbackQueue* queue) {
+  if (isStored(queue)) {
+    return;
+  }
+  const Inside inside;
+  {
+    const Lock lock(queues().mutex);
+    queues().stored.push_back(queue);
+    queues().awaited.insert(queue);
+  }
+  Turn::atEnd([queue] {
+    const Lock lock(queues().mutex);
+    auto& stored = queues().stored;
+    stored.erase(std::remove(stored.begin(), stored.end(), queue), stored.end());
+  });
+  tellAll();
+}
+
+void storeNoMore() {
+  const bool is_app = turn().enter();
+  const Inside inside;
+  if (!calls_back.exchange(true) && is_app) {
+    tellAll();
+  }
+}
+
+void store() {
+  using CallAvailable = void(ros::CallbackQueue*, ros::WallDuration);
+  static CallAvailable* const function =
+      real<CallAvailable>("_ZN3ros13CallbackQueue13callAvailableENS_12WallDurationE");
+  if (calls_back) {
+    return;
+  }
+  for (ros::CallbackQueue* const queue : storedQueues()) {
+    if (!queue->isEmpty()) {
+      function(queue, ros::WallDuration());
+    }
+  }
+}
+
+}  // namespace move_base_abstract::shim

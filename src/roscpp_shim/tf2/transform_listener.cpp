@@ -1,0 +1,77 @@
+// In front of tf2: its listener only puts transforms into a buffer.
+//
+// tf2_ros::TransformListener does so in a thread of its own. Who looks for transforms does so when
+// it has something else to do: they are handed over then, all at once, and no round is spent on
+// each. Where the program asks the buffer to call it back, all come at once again.
+#include <dlfcn.h>
+#include <ros/time.h>
+
+#include <boost/function.hpp>
+#include <boost/signals2/connection.hpp>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include "roscpp_shim/interest.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/waits.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+/** @return whether the listener's loop calls: it is ended only by one who then joins it. */
+bool isListenersLoop(const void* caller) {
+  static __thread const void* t_caller = nullptr;  // the latest
+  static __thread bool t_is_listeners = false;
+  if (t_caller != caller) {
+    Dl_info info{};
+    t_caller = caller;
+    t_is_listeners = dladdr(caller, &info) != 0 && info.dli_fname != nullptr &&
+                     std::strstr(info.dli_fname, "libtf2_ros.so") != nullptr;
+  }
+  return t_is_listeners;
+}
+
+__attribute__((constructor)) void followListeners() { setStoringLoops(&isListenersLoop); }
+
+}  // namespace
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+
+#pragma GCC visibility push(default)
+
+namespace tf2 {
+
+enum TransformableResult { TransformAvailable, TransformFailure };
+using TransformableCallback = boost::function<void(
+    std::uint64_t, const std::string&, const std::string&, ros::Time, TransformableResult)>;
+
+/** @brief What is needed of tf2's, which programs without it are not to be built with. */
+class BufferCore {
+ public:
+  std::uint32_t addTransformableCallback(const TransformableCallback& callback);
+  boost::signals2::connection _addTransformsChangedListener(boost::function<void(void)> callback);
+};
+
+std::uint32_t BufferCore::addTransformableCallback(const TransformableCallback& callback) {
+  using Add = std::uint32_t(BufferCore*, const TransformableCallback&);
+  static Add* const function = shim::real<Add>(
+      "_ZN3tf210BufferCore24addTransformableCallbackERKN5boost8functionIFvmRKNSt7__cxx1112basic_"
+      "stringIcSt11char_traitsIcESaIcEEESA_N3ros4TimeENS_19TransformableResultEEEE");
+  shim::storeNoMore();
+  return function(this, callback);
+}
+
+boost::signals2::connection BufferCore::_addTransformsChangedListener(
+    boost::function<void(void)> callback) {
+  using Add = boost::signals2::connection(BufferCore*, boost::function<void(void)>);
+  static Add* const function =
+      shim::real<Add>("_ZN3tf210BufferCore29_addTransformsChangedListenerEN5boost8functionIFvvEEE");
+  shim::storeNoMore();
+  return function(this, callback);
+}
+
+}  // namespace tf2
+
+#pragma GCC visibility pop
