@@ -77,6 +77,7 @@ TABLE = (
     Parameter('max_feedback_rate', 50.0, number(0.1, 1000.0), 'a number in 0.1..1000 [Hz, wall]'),
     Parameter('pose_update_freq', 10.0, number(0.0, 1000.0),
               'a number in 0..1000 [Hz, simulated], 0 = at departure and arrival only'),
+    Parameter('odom_rate_at_rest', None, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
     Parameter('max_pose_rate', 50.0, number(0.1, 1000.0), 'a number in 0.1..1000 [Hz, wall]'),
     Parameter('tf_heartbeat_freq', 10.0, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
     Parameter('backend', 'builtin', text, 'the name of a backend'),

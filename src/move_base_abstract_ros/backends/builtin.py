@@ -27,16 +27,21 @@ class BuiltinBackend:
         self._odom_in_map = InFrame(global_frame, odom_frame) if odom_frame != global_frame else None
         self._tf_stamp_ns = -1
         self._tf_pose = None
-        self._outlets = LatchedOutlets()
-        self._outlets.add(names.topic('robot_pose'), PoseStamped, self._pack_robot_pose)
-        self._outlets.add(names.topic('amcl_pose'), PoseWithCovarianceStamped, self._pack_amcl_pose)
-        self._outlets.add(names.topic('odom'), Odometry, self._pack_odom)
-        self._outlets.add(names.topic('base_pose_ground_truth'), Odometry, self._pack_ground_truth)
+        self._poses, self._odometry = LatchedOutlets(), LatchedOutlets()
+        self._poses.add(names.topic('robot_pose'), PoseStamped, self._pack_robot_pose)
+        self._poses.add(names.topic('amcl_pose'), PoseWithCovarianceStamped, self._pack_amcl_pose)
+        self._odometry.add(names.topic('odom'), Odometry, self._pack_odom)
+        self._odometry.add(names.topic('base_pose_ground_truth'), Odometry, self._pack_ground_truth)
 
     def place(self, pose, velocity, stamp_ns):
         """Publish that the robot is at ``pose`` with ``velocity``."""
         self.heartbeat(pose, stamp_ns)
-        self._outlets.show(pose, velocity, stamp_ns)
+        self._poses.show(pose, velocity, stamp_ns)
+        self._odometry.show(pose, velocity, stamp_ns)
+
+    def rests(self, pose, stamp_ns):
+        """Publish odometry and ground truth of a robot that stands at ``pose``; amcl tells nothing then."""
+        self._odometry.show(pose, (0.0, 0.0), stamp_ns)
 
     def heartbeat(self, pose, stamp_ns):
         """Publish tf only. tf takes one pose per instant, so a jump is dated 1 ns after what was said before."""
@@ -51,11 +56,19 @@ class BuiltinBackend:
 
     def is_heard(self):
         """Return who listens to the robot's pose, other than by tf: 0 is nobody."""
-        return self._outlets.is_heard()
+        return max(self._poses.is_heard(), self._odometry.is_heard())
+
+    def is_odometry_heard(self):
+        """Return who listens to odometry or ground truth: 0 is nobody."""
+        return self._odometry.is_heard()
 
     def hearers(self):
         """Return (topic, name) of each node that listens to the robot's pose, other than by tf."""
-        return self._outlets.hearers()
+        return self._poses.hearers() + self._odometry.hearers()
+
+    def odometry_hearers(self):
+        """Return (topic, name) of each node that listens to odometry or ground truth."""
+        return self._odometry.hearers()
 
     def restart(self):
         """Time has started anew."""
@@ -64,7 +77,8 @@ class BuiltinBackend:
     def close(self):
         """Leave the graph."""
         tf_hub.forget(self._base_frame)
-        self._outlets.unregister()
+        self._poses.unregister()
+        self._odometry.unregister()
 
     def _transforms(self, pose, stamp_ns):
         base = self._base_in_odom.transform(pose, stamp_ns)

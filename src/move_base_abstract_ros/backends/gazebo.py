@@ -38,6 +38,10 @@ class GazeboBackend:
         state = self._types.ModelState(model_name=self._model, pose=message, reference_frame=self._reference_frame)
         _worker(self._types.SetModelState).put(self._model, state)
 
+    def rests(self, pose, stamp_ns):
+        """Publish that the robot stands."""
+        self._display.rests(pose, stamp_ns)
+
     def heartbeat(self, pose, stamp_ns):
         """Publish tf."""
         self._display.heartbeat(pose, stamp_ns)

@@ -64,6 +64,9 @@ class StageBackend:
         self._held = pose
         self.heartbeat(pose, stamp_ns)
 
+    def rests(self, _pose, _stamp_ns):
+        """Leave it to Stage, whose odometry never falls silent."""
+
     def heartbeat(self, _pose, stamp_ns):
         """Repeat tf; tell Stage the last pose if that could not be done yet.
 

@@ -64,6 +64,11 @@ class ScaledTiming:
         """Return None: what is told at a rate, unless a throttle or its topic says otherwise, is told."""
 
     @staticmethod
+    def frequency_at_rest(frequency):
+        """Return how often a robot that stands tells its odometry, if no parameter says so: as on the way, [Hz]."""
+        return frequency
+
+    @staticmethod
     def make_clock():
         """Return the clock of this process, not started."""
         return RosClock()
@@ -134,6 +139,11 @@ class LockstepTiming:
     def when_heard(is_heard):
         """Return ``is_heard``: time stops for what is told at a rate only while somebody hears it."""
         return is_heard
+
+    @staticmethod
+    def frequency_at_rest(_frequency):
+        """Return 0: time would stop for each, and go on for ever where anybody who takes part listens."""
+        return 0.0
 
     @staticmethod
     def make_clock():

@@ -35,7 +35,18 @@ class RobotPublisher:
         self._heartbeat.add(self._beat, self._is_heard)
         self._rates = host.rates
         self._told = self._tell_rates(settings.values['pose_update_freq'], settings.values['tf_heartbeat_freq'])
-        self.place(simulation.now_ns)
+        self._rest = self._series_at_rest(settings, host)
+        self.stands(simulation.now_ns)
+
+    def _series_at_rest(self, settings, host):
+        """Return what tells the odometry of a robot that stands, or None."""
+        frequency = settings.values['odom_rate_at_rest']
+        if frequency is None:
+            frequency = host.timing.frequency_at_rest(settings.values['pose_update_freq'])
+        if frequency:
+            self._told.append(host.rates.add('odometry at rest', lambda: frequency, self._odometry_hearers))
+        return host.clock.simulation.series(self._robot.index, frequency, self._still_stands, only_tells=True,
+                                            is_heard=host.timing.when_heard(self._is_odometry_heard))
 
     def _tell_rates(self, pose_frequency, tf_frequency):
         # Under way, poses go to tf as well.
@@ -44,6 +55,8 @@ class RobotPublisher:
 
     def departed(self, now_ns):
         """The robot starts to move."""
+        if self._rest is not None:
+            self._rest.stop()
         self.place(now_ns)
         if self._updates is not None:
             self._updates.start(now_ns)
@@ -57,6 +70,8 @@ class RobotPublisher:
         if self._updates is not None:
             self._updates.stop()
         self.place(now_ns)
+        if self._rest is not None:
+            self._rest.start(now_ns + self._rest.period_ns)
 
     def place(self, now_ns, is_event=True):
         """Show where the robot is at ``now_ns`` [ns]; ``is_event``: it starts or stands."""
@@ -89,8 +104,9 @@ class RobotPublisher:
         self._heartbeat.remove(self._beat)
         for told in self._told:
             self._rates.remove(told)
-        if self._updates is not None:
-            self._updates.stop()
+        for series in (self._updates, self._rest):
+            if series is not None:
+                series.stop()
         self._backend.close()
         self._costmaps.close()
         for publisher in (self._current_goal, self._cmd_vel, self._recovery):
@@ -100,6 +116,12 @@ class RobotPublisher:
         # Not every backend has it: it is asked in lockstep only, where the backend is builtin's.
         return self._backend.hearers() + self._costmaps.hearers()
 
+    def _odometry_hearers(self):
+        return self._backend.odometry_hearers()  # as above
+
+    def _is_odometry_heard(self):
+        return self._backend.is_odometry_heard()
+
     def _is_heard(self):
         heard = tf_hub.is_heard()
         return heard if heard == PARTICIPANTS else max(heard, self._backend.is_heard(), self._costmaps.is_heard())
@@ -107,6 +129,12 @@ class RobotPublisher:
     def _update(self, due_ns, _now_ns):
         if self._pose_throttle.ready():
             self.place(due_ns, is_event=False)
+        return self._clock.wall_to_ns(self._pose_throttle.remaining())
+
+    def _still_stands(self, due_ns, _now_ns):
+        if self._pose_throttle.ready():
+            with lockstep.sender(self._robot.index):
+                self._backend.rests(self._robot.pose_at(due_ns), due_ns)
         return self._clock.wall_to_ns(self._pose_throttle.remaining())
 
     def _beat(self, now_ns):
