@@ -94,7 +94,7 @@ class LaunchFiles(unittest.TestCase):
             config = load('stage.launch', *arguments)
             self.assertEqual(nodes(config), ['/stageros', '/map_server', '/fleet'])  # no time master beside Stage
             stage, server, _ = config.nodes
-            self.assertEqual((stage.package, stage.type, stage.required), ('stage_ros', 'stageros', True))
+            self.assertEqual((stage.package, stage.type, stage.respawn), ('stage_ros', 'stageros', True))
             *options, world_file = shlex.split(stage.args)
             self.assertEqual(options, ['-u'])
             for path, folder, name in ((world_file, 'worlds', world + '.world'), (server.args, 'maps', world + '.yaml'),
@@ -102,10 +102,10 @@ class LaunchFiles(unittest.TestCase):
                 self.assertTrue(os.path.samefile(path, os.path.join(LAUNCH, '..', folder, name)), path)
             self.assertEqual(parameter(config, '/fleet/backend'), 'stage_ros')
             self.assertIs(parameter(config, '/use_sim_time'), True)
-        headless = load('stage.launch', 'gui:=false', 'use_map:=false', 'respawn:=true')
+        headless = load('stage.launch', 'gui:=false', 'use_map:=false', 'respawn:=false')
         self.assertEqual(nodes(headless), ['/stageros', '/fleet'])
         self.assertEqual(shlex.split(headless.nodes[0].args)[:-1], ['-g', '-u'])
-        self.assertEqual((headless.nodes[0].required, headless.nodes[0].respawn), (False, True))
+        self.assertEqual((headless.nodes[0].required, headless.nodes[0].respawn), (True, False))
         self.assertNotIn('/fleet/backend', load('fleet.launch').params)
 
     def test_simulator_starts_as_many_robots_as_its_text_names_each_at_its_pose(self):

@@ -7,7 +7,7 @@ from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
 from move_base_abstract.common.errors import FrameError
-from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D, normalize_angle
 from move_base_abstract.supervision.follow_check import FollowCheck
 from move_base_abstract.supervision.stamp_check import StampCheck
 
@@ -18,11 +18,16 @@ from ..transforms.tf_lookup import TfLookup
 from . import clock_check, stage_watch
 
 _REMINDER_SECONDS = 10.0
+_EXACT = 1e-6  # m and rad; what goes to Stage and comes back is rounded
 
 
 class StageBackend:
     """``cmd_pose`` to Stage, ``base_pose_ground_truth`` and ``odom`` from it; ``amcl_pose``, ``robot_pose`` and tf
     ``map -> odom`` for everybody, so that Stage's own ``odom -> base_link`` ends where Stage shows the robot.
+
+    Stage is told a pose only as an answer to its truth, and where that is another one: so that there is one command per
+    step at most, in the pause before the next step. stage_ros takes commands in a thread of its own, and Stage's world
+    has no lock against it: one that comes while the world is updated can be the end of Stage. It is not latched either.
 
     Threading: ``place`` and ``heartbeat`` come from one thread, Stage's topics from others; the lock guards what both
     touch and is never held while tf is sent.
@@ -42,11 +47,11 @@ class StageBackend:
         self._world = _StageWorld(names.robot, values)
         self._check = FollowCheck()
         self._stamps = StampCheck()
-        self._held = None
+        self._wanted = None
         self._truth = self._odom = (None, None)
         self._tf = None
         self._sent = (-1, None)
-        self._cmd_pose = _latched(names.topic('cmd_pose'), Pose)
+        self._cmd_pose = rospy.Publisher(names.topic('cmd_pose'), Pose, queue_size=1)
         self._amcl_pose = _latched(names.topic('amcl_pose'), PoseWithCovarianceStamped)
         self._robot_pose = _latched(names.topic('robot_pose'), PoseStamped)
         self._truth_topic = names.topic('base_pose_ground_truth')
@@ -56,25 +61,20 @@ class StageBackend:
         clock_check.warn_of_machine_clock('Stage')
 
     def place(self, pose, _velocity, stamp_ns):
-        """Tell Stage and everybody that the robot is at ``pose``."""
+        """Tell everybody that the robot is at ``pose``, and Stage at its next step."""
         self._robot_pose.publish(conversions.to_pose_stamped(pose, self._global_frame, stamp_ns))
         amcl_pose = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))
         amcl_pose.pose.pose = conversions.to_pose(pose)
         self._amcl_pose.publish(amcl_pose)
-        self._held = pose
+        with self._lock:
+            self._wanted = pose
         self.heartbeat(pose, stamp_ns)
 
     def rests(self, _pose, _stamp_ns):
         """Leave it to Stage, whose odometry never falls silent."""
 
     def heartbeat(self, _pose, stamp_ns):
-        """Repeat tf; tell Stage the last pose if that could not be done yet.
-
-        Where Stage goes by another clock, tf is dated as Stage's own part of the tree, and not repeated here.
-        """
-        if self._held is not None and self._world.pose() is not None:
-            self._command(self._held)
-            self._held = None
+        """Repeat tf, but not where Stage goes by another clock: then tf is dated as Stage's own part of the tree."""
         if self._stamps.is_alike:
             self._send_tf(stamp_ns)
 
@@ -90,11 +90,16 @@ class StageBackend:
         for topic in (*self._subscribers, self._cmd_pose, self._amcl_pose, self._robot_pose):
             topic.unregister()
 
-    def _command(self, pose):
-        commanded = self._world.pose().compose(pose)
-        self._cmd_pose.publish(conversions.to_pose(commanded))
+    def _command(self, reported):
+        """Tell Stage where the robot has to be, if that is not where Stage has it."""
+        world = self._world.pose()
         with self._lock:
-            self._check.placed(commanded, time.monotonic())
+            if world is None or self._wanted is None:
+                return
+            wanted = world.compose(self._wanted)
+            self._check.placed(wanted, time.monotonic())
+        if wanted.distance_to(reported) > _EXACT or abs(normalize_angle(wanted.yaw - reported.yaw)) > _EXACT:
+            self._cmd_pose.publish(conversions.to_pose(wanted))
 
     def _on_odom(self, message):
         stamp = message.header.stamp
@@ -110,6 +115,7 @@ class StageBackend:
     def _on_truth(self, message):
         reported = conversions.from_pose(message.pose.pose)
         stage_watch.heard(self._truth_topic)
+        self._command(reported)
         with self._lock:
             self._truth = (message.header.stamp, reported)
             gap = self._check.reported(reported, time.monotonic())
