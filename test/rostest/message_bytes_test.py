@@ -1,12 +1,14 @@
 #!/usr/bin/python3
 """Messages that we make and read without genpy are the same bytes as with it. Needs no node; the values are seeded."""
 
+import math
 import random
 import struct
 import unittest
 from io import BytesIO
 
 import genpy
+import numpy as np
 import rosunit
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from geometry_msgs.msg import Point32, PolygonStamped, PoseStamped, PoseWithCovarianceStamped, TransformStamped, Twist
@@ -19,11 +21,13 @@ from move_base_msgs.msg import (
     MoveBaseResult,
 )
 from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import TimedTaskFeedback, TimedTaskResult
+from move_base_abstract.sensing.laser import LaserSettings, Scan
 from move_base_abstract_ros.messages import conversions, packing
 from move_base_abstract_ros.messages.unpacking import GoalIn, ResultIn
 from move_base_abstract_ros.robot import task_server
@@ -99,6 +103,17 @@ class MessageBytesTest(unittest.TestCase):
             for count in range(3):
                 self.assertEqual(packing.transforms([made.transform(pose, stamp_ns)] * count),
                                  genpys(TFMessage([transform] * count)))
+
+    def test_1_scans(self):
+        for number in range(20):
+            settings = LaserSettings(5.0, 1 + number, -1.0, 2.0, 0.1, 30.0)
+            ranges = np.array([math.inf, -math.inf, 0.1, 7.5, 1e-3] * 4, np.float32)[:1 + number]
+            made = packing.InFrame(TEXTS[number % 6]).laser_scan(number, Scan(
+                number * 123456789, Pose2D(), settings, ranges), 0.2)
+            message = LaserScan(header=conversions.to_header(TEXTS[number % 6], number * 123456789),
+                                angle_min=-1.0, angle_max=2.0, angle_increment=settings.angle_increment, scan_time=0.2,
+                                range_min=0.1, range_max=30.0, ranges=list(ranges))
+            self.assertEqual(made, genpys(message, number))
 
     def test_2_polygons_and_twists(self):
         self.assertEqual(packing.ZERO_TWIST, genpys(Twist()))

@@ -44,6 +44,8 @@ from ..motion.durations import TABLE as DURATIONS
 from ..motion.durations import Durations, read_durations
 from ..motion.geometry import Pose2D
 from ..motion.leg import MotionLimits, Tolerances
+from ..sensing.laser import TABLE as LASER
+from ..sensing.laser import LaserSettings, read_laser
 from . import upstream
 from .local_planner import ACCELERATION as ACCELERATION_LIMIT
 from .local_planner import XY_TOLERANCE as XY_LIMIT
@@ -117,6 +119,7 @@ TABLE = (
     *DURATIONS,
     *FAILURES,
     *BATTERY,
+    *LASER,
     Parameter('calibration', None, text, 'the path of a calibration, or the name of one that ships'),
 )
 _ODOM = 'odom'
@@ -156,6 +159,8 @@ class RobotSettings:
     failures: Optional[Failures] = None
     #: its battery; None: it has none, and needs none
     battery: Optional[BatterySettings] = None
+    #: its laser scanner
+    laser: LaserSettings = LaserSettings()
     #: how legs begin and end; None: as of a Leg
     phases: Optional[MotionPhases] = None
     #: the LaneMap or TravelMatrix by which it goes; None: neither
@@ -216,7 +221,7 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
         recovery=_recovery(values, behaviors), behaviors=behaviors,
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
         costmaps=costmaps, network=network, durations=read_durations(values, where),
-        failures=read_failures(values, where), battery=read_battery(values),
+        failures=read_failures(values, where), battery=read_battery(values), laser=read_laser(values, where),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
         **_other_names(raw, values, used, where, planner.warnings))
     return settings if values['calibration'] is None else _calibrated(settings, raw, where)

@@ -8,6 +8,10 @@ from __future__ import annotations
 
 import hashlib
 from enum import IntEnum
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 _SCALE = 2.0 ** -53
 _HIGHEST = 1.0 - _SCALE
@@ -31,6 +35,7 @@ class Purpose(IntEnum):
     TASK_X = 42
     TASK_Y = 43
     TASK_DURATION = 44
+    SCAN = 61
 
 
 class Chance:
@@ -55,3 +60,14 @@ class Chance:
         self._generator.state = state
         # The highest of all would be rounded to 1.
         return min(_HIGHEST, ((int(self._generator.random_raw()) >> 11) + 0.5) * _SCALE)
+
+    def uniforms(self, number: int, purpose: Purpose, count: int) -> NDArray[Any]:
+        """Return ``count`` numbers of a ``number`` for a purpose, as of :meth:`uniform` but in [0, 1), in an array.
+
+        They are all of the blocks from place 0 on.
+        """
+        state = self._state
+        state['state']['counter'][:] = (0, number, purpose, 0)
+        state['buffer_pos'] = self._beyond
+        self._generator.state = state
+        return (self._generator.random_raw(count) >> 11) * _SCALE

@@ -22,6 +22,7 @@ from ..motion.geometry import Pose2D, quaternion_of_yaw
 from ..runs.event_log_file import write_event_log
 from ..runs.trace import TraceEntry, as_entries
 from ..scenario import Scenario, make_robot
+from ..sensing.surroundings import Surroundings
 from ..tasks.arrivals import check_task
 from ..tasks.place_tasks import Rooms
 from ..traffic.control import DeadlockPolicy, Traffic
@@ -63,6 +64,7 @@ class Fleet:
         self._planner = planner
         self._occupancy = occupancy
         self.traffic = Traffic(self.simulation, scenario.zones, DeadlockPolicy(scenario.deadlock))
+        self.surroundings = Surroundings()
         self._members = {}
         self._indices = itertools.count()
         for spec in scenario.robots:
@@ -220,6 +222,10 @@ class Fleet:
     def pose(self, name):
         """Return a robot's present pose (Pose2D, global frame)."""
         return self._member(name).robot.pose_at(self.now_ns)
+
+    def scan(self, name):
+        """Return what a robot's laser measures now (:class:`.laser.Scan`), by its ``scan_`` parameters."""
+        return self._member(name).scan(self.now_ns)
 
     def distance(self, name):
         """Return the distance that a robot has driven so far [m]."""

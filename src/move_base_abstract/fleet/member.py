@@ -7,6 +7,7 @@ from ..goals.navigator import NavigatorListener
 from ..goals.outcome import BATTERY_EMPTY, ROBOT_REMOVED, ROBOT_RESET
 from ..maps.map_check import MapCheck
 from ..runs.trace import RobotTrace
+from ..sensing.laser import Laser
 from ..tasks.worker import Worker
 from .robot_parts import make_planner, make_robot_parts
 
@@ -29,7 +30,8 @@ class Member(NavigatorListener):
                                  remembered_legs=1)  # nobody here can ask for the past
         self.robot, self._ledger, self.navigator, self.condition = (
             parts.robot, parts.ledger, parts.navigator, parts.condition)
-        self.worker = None
+        fleet.surroundings.add(self.robot, values['global_frame'], settings.costmaps.global_footprint)
+        self._laser = self.worker = None
         self._trace.motion(self.robot, fleet.now_ns)
         self._traveller = fleet.traffic.join(self.navigator, settings.network, self._trace.note, self.warn)
         if fleet._rooms is not None:
@@ -59,11 +61,19 @@ class Member(NavigatorListener):
         if self._traveller is not None:
             self._traveller.leave(now_ns)
         self._fleet.simulation.queue.guard(self.robot.index, None)
+        self._fleet.surroundings.remove(self.robot)
 
     def use_map(self, occupancy):
         """Have goals judged by another map (OccupancyMap)."""
         if self._map_check is not None:
             self._map_check.use(occupancy)
+
+    def scan(self, now_ns):
+        """Return the Scan of its laser."""
+        if self._laser is None:
+            self._laser = Laser(self._settings.laser, self._settings.values['seed'], self.robot.name)
+        occupancy = None if self._map_check is None else self._map_check.occupancy
+        return self._fleet.surroundings.scan(self.robot, self._laser, occupancy, now_ns)
 
     def departed(self, robot, goal, now_ns):
         """It starts for ``goal``; as of NavigatorListener, and so the following."""

@@ -37,6 +37,10 @@ class RobotView:
         pose = self.pose
         return ((x - pose.x) ** 2 + (y - pose.y) ** 2) ** 0.5
 
+    def scan(self):
+        """Return what its laser measures now (:class:`.laser.Scan`)."""
+        return self._fleet.scan(self.name)
+
     def send(self, x, y, yaw=0.0):
         """Send it a goal, as :meth:`Fleet.send`; return the goal's id."""
         return self._fleet.send(self.name, x, y, yaw)

@@ -75,6 +75,11 @@ class OccupancyMap:
         return self._origin
 
     @property
+    def axes(self) -> Tuple[float, float]:
+        """Cosine and sine of the angle by which the map's own axes are turned in its frame."""
+        return self._cos, self._sin
+
+    @property
     def width(self) -> int:
         """Number of columns."""
         return int(self._cells.shape[1])

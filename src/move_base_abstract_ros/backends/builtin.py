@@ -54,6 +54,11 @@ class BuiltinBackend:
         self._tf_stamp_ns, self._tf_pose = stamp_ns, pose
         tf_hub.send(self._base_frame, lambda: self._transforms(pose, stamp_ns))
 
+    def looks(self, pose, stamp_ns):
+        """Publish tf of the instant of a scan, unless what was said is later already."""
+        if stamp_ns > self._tf_stamp_ns:
+            self.heartbeat(pose, stamp_ns)
+
     def is_heard(self):
         """Return who listens to the robot's pose, other than by tf: 0 is nobody."""
         return max(self._poses.is_heard(), self._odometry.is_heard())

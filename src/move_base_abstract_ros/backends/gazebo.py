@@ -42,6 +42,10 @@ class GazeboBackend:
         """Publish that the robot stands."""
         self._display.rests(pose, stamp_ns)
 
+    def looks(self, pose, stamp_ns):
+        """Publish tf of the instant of a scan."""
+        self._display.looks(pose, stamp_ns)
+
     def heartbeat(self, pose, stamp_ns):
         """Publish tf."""
         self._display.heartbeat(pose, stamp_ns)

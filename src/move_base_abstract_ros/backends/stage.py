@@ -73,6 +73,9 @@ class StageBackend:
     def rests(self, _pose, _stamp_ns):
         """Leave it to Stage, whose odometry never falls silent."""
 
+    def looks(self, _pose, _stamp_ns):
+        """Leave tf to Stage, which tells it at each of its steps."""
+
     def heartbeat(self, _pose, stamp_ns):
         """Repeat tf, but not where Stage goes by another clock: then tf is dated as Stage's own part of the tree."""
         if self._stamps.is_alike:

@@ -18,6 +18,7 @@ _STAMP = struct.Struct('<II')
 _LENGTH = struct.Struct('<I')
 _HEAD_WITHOUT_FRAME = struct.Struct('<IIII')
 _TWIST = struct.Struct('<6d')
+_SCAN = struct.Struct('<7fI')
 
 
 def of_message(message):
@@ -85,6 +86,15 @@ class InFrame:
             self._pose_of_child.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frames,
                                      pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half)),
             _COVARIANCE, _TWIST.pack(forward, 0.0, 0.0, 0.0, 0.0, turning), _COVARIANCE))
+
+    def laser_scan(self, seq, scan, period):
+        """Return a sensor_msgs/LaserScan of a Scan; one comes every ``period`` [s]."""
+        settings = scan.settings
+        return b''.join((
+            self.head(seq, scan.stamp_ns), _SCAN.pack(
+                settings.angle_min, settings.angle_max, settings.angle_increment, 0.0, period, settings.range_min,
+                settings.range_max, len(scan.ranges)),
+            scan.ranges.astype('<f4').tobytes(), _LENGTH.pack(0)))
 
     def polygon(self, seq, points, stamp_ns):
         """Return a geometry_msgs/PolygonStamped of ``points`` [(x, y)], which a float32 can hold."""

@@ -6,6 +6,7 @@ import rospy
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import Parameter, integer, number, read_table
 from move_base_abstract.config.rates import Rates
+from move_base_abstract.sensing.surroundings import Surroundings
 
 from ..replacing.single_connections import connect_one_at_a_time
 from .diagnostics import Diagnostics
@@ -72,6 +73,7 @@ class Host:
         self.is_crowded = is_crowded
         self.zones = zones
         self._robot_count = 0
+        self.surroundings = Surroundings()
         self.rates = Rates(clock.rates_changed)
         clock.show_rates(self.rates.text)
         self.status_heartbeat = Heartbeat(self, self.options.status_frequency, _STATUS_RATE_CAP)

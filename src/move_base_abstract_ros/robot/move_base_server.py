@@ -100,6 +100,8 @@ class MoveBaseServer(NavigatorListener):
         costmaps = CostmapTopics(self._names, settings, self._host, self._map)
         self._publisher = RobotPublisher(self._names, settings, self._host, robot, backend, costmaps)
         self._frames_told = backend.frames
+        self._host.surroundings.add(robot, values['global_frame'], settings.costmaps.global_footprint)
+        self._scans = self._make_scans(robot, backend)
         self._host.timing.claim_frames(self._names.robot, self._frames_told)
         condition_server = ConditionServer(self._names, settings, self._host, robot_index, self.condition)
         self.is_battery_heard = condition_server.is_battery_heard
@@ -109,6 +111,12 @@ class MoveBaseServer(NavigatorListener):
         if self._traffic is not None:
             self._traveller = self._traffic.join(self.navigator, settings.network, self._trace.note, self.warn)
         self.condition.begin(self._clock.simulation.now_ns)
+
+    def _make_scans(self, robot, backend):
+        if not self._settings.laser.rate:
+            return None
+        from .scan_publisher import ScanPublisher  # only who scans pays for numpy
+        return ScanPublisher(self._names, self._settings, self._host, robot, backend, self._map)
 
     def shut_down(self):
         """End the active goal as a killed move_base does, and let the answer leave."""
@@ -135,6 +143,9 @@ class MoveBaseServer(NavigatorListener):
             self._goal_server.flush()
             self._goal_server.close()
             self._publisher.close()
+            self._host.surroundings.remove(self.navigator.robot)
+            if self._scans is not None:
+                self._scans.close()
             tf_watch.release(self._frames_told)
             self._markers.close()
             self._clock.leave_restarts(self._restart)
@@ -159,6 +170,8 @@ class MoveBaseServer(NavigatorListener):
 
     def _restart(self, before_ns, now_ns):
         self._publisher.restart()
+        if self._scans is not None:
+            self._scans.restart(now_ns)
         self.condition.restart(now_ns - before_ns)
         self.navigator.restart(before_ns, now_ns)
 

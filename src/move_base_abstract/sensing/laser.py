@@ -1,0 +1,128 @@
+"""One robot's laser scanner: its parameters, its beams, and a scan at an instant."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Sequence
+
+from ..common.errors import ConfigurationError
+from ..common.parameter_table import Parameter, integer, name, number, topic
+from ..motion.geometry import Pose2D
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ..maps.occupancy import OccupancyMap
+    from .rays import Body
+
+_FINITE = 'a finite number'
+_MOST_BEAMS = 10_000
+_FARTHEST = 1e6  # m
+_ANGLE = 'a number in -6.3..6.3 [rad, laser frame]'
+_ANGLES = number(-6.3, 6.3)
+
+TABLE = (
+    Parameter('scan_rate', 0.0, number(0.0, 1000.0), 'a number in 0..1000 [Hz, simulated], 0 = none'),
+    Parameter('scan_beams', 361, integer(1, _MOST_BEAMS), 'a whole number in 1..10000'),
+    Parameter('scan_angle_min', -math.pi, _ANGLES, _ANGLE),
+    Parameter('scan_angle_max', math.pi, _ANGLES, _ANGLE),
+    Parameter('scan_range_min', 0.05, number(0.0, _FARTHEST), 'a number in 0..1e6 [m]'),
+    Parameter('scan_range_max', 10.0, number(0.0, _FARTHEST), 'a number in 0..1e6 [m]'),
+    Parameter('scan_noise', 0.0, number(0.0, 10.0), 'a number in 0..10, the standard deviation [m]'),
+    Parameter('scan_frame', 'base_laser_link', name, 'a frame name'),
+    Parameter('scan_topic', 'scan', topic, 'a topic name'),
+    Parameter('scan_x', 0.0, number(), _FINITE + ' [m, base frame]'),
+    Parameter('scan_y', 0.0, number(), _FINITE + ' [m, base frame]'),
+    Parameter('scan_yaw', 0.0, number(), _FINITE + ' [rad, base frame]'),
+)
+
+
+@dataclass(frozen=True)
+class LaserSettings:
+    """A laser scanner: ``rate`` [Hz, simulated], 0 = it tells nothing by itself.
+
+    Angles [rad] are those of the first and the last beam, ranges are in m. ``noise``: the standard deviation of a
+    range [m]; ``mount``: where it is in the robot's base frame.
+    """
+
+    rate: float = 0.0
+    beams: int = 361
+    angle_min: float = -math.pi
+    angle_max: float = math.pi
+    range_min: float = 0.05
+    range_max: float = 10.0
+    noise: float = 0.0
+    mount: Pose2D = Pose2D()
+
+    @property
+    def angle_increment(self) -> float:
+        """The angle between two beams [rad]; 0 of a single one."""
+        return (self.angle_max - self.angle_min) / (self.beams - 1) if self.beams > 1 else 0.0
+
+
+def read_laser(values: Dict[str, Any], where: str) -> LaserSettings:
+    """Return the :class:`LaserSettings` in ``values``, which are those of :data:`TABLE`.
+
+    :raises ConfigurationError: if a range ends before it begins.
+    """
+    for what, unit in (('angle', 'rad'), ('range', 'm')):
+        low, high = values['scan_{}_min'.format(what)], values['scan_{}_max'.format(what)]
+        if not low < high:
+            raise ConfigurationError('parameter {0}/scan_{1}_min: got {2:g} with scan_{1}_max: {3:g}; allowed: less '
+                                     'than that [{4}]'.format(where.rstrip('/'), what, low, high, unit))
+    return LaserSettings(values['scan_rate'], values['scan_beams'], values['scan_angle_min'], values['scan_angle_max'],
+                         values['scan_range_min'], values['scan_range_max'], values['scan_noise'],
+                         Pose2D(values['scan_x'], values['scan_y'], values['scan_yaw']))
+
+
+class Scan(NamedTuple):
+    """Ranges [m] at ``stamp_ns`` [ns]: a float32 array, from the first beam to the last.
+
+    As REP 117 has it, inf is a beam that ends nowhere within ``range_max``, -inf one that ends nearer than
+    ``range_min``. ``pose`` (Pose2D): where the laser was, in the global frame; ``settings``: its LaserSettings.
+    """
+
+    stamp_ns: int
+    pose: Pose2D
+    settings: LaserSettings
+    ranges: NDArray[Any]
+
+
+class Laser:
+    """The laser of the robot ``robot_name`` in a run with ``seed``; it needs numpy."""
+
+    def __init__(self, settings: LaserSettings, seed: int = 0, robot_name: str = '') -> None:
+        import numpy as np  # only who scans pays for it
+        self.settings = settings
+        angles = [settings.angle_min + number * settings.angle_increment for number in range(settings.beams)]
+        # The C library's, whose bits do not depend on what the processor can do at once, as those of numpy's may.
+        self._cos, self._sin = (np.array([function(angle) for angle in angles]) for function in (math.cos, math.sin))
+        self._noise = None
+        if settings.noise > 0.0:
+            from ..engine.chance import Chance
+            self._noise = Chance(seed, robot_name)
+
+    def scan(self, base: Pose2D, occupancy: OccupancyMap | None,
+             bodies: Sequence[Body], stamp_ns: int) -> Scan:
+        """Return the :class:`Scan` of a robot at ``base`` (Pose2D, global frame) at ``stamp_ns`` [ns].
+
+        ``occupancy`` is the map in the global frame, None: there is none; ``bodies``: what else stands there.
+        """
+        import numpy as np
+
+        from . import rays
+        settings = self.settings
+        pose = base.compose(settings.mount)
+        cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
+        dx, dy = cos * self._cos - sin * self._sin, sin * self._cos + cos * self._sin
+        found = np.full(settings.beams, math.inf)
+        if occupancy is not None:
+            found = rays.of_map(occupancy, pose.x, pose.y, dx, dy, settings.range_max)
+        for body in bodies:
+            rays.shorten(found, pose.x, pose.y, dx, dy, body)
+        found[found > settings.range_max] = math.inf
+        if self._noise is not None:
+            found += settings.noise * rays.normals(self._noise, settings.beams, stamp_ns)
+            found[found > settings.range_max] = math.inf
+        found[found < settings.range_min] = -math.inf
+        return Scan(stamp_ns, pose, settings, found.astype(np.float32))

@@ -1,0 +1,67 @@
+"""A robot's laser scans, cast when somebody hears them, with the place of the laser in tf."""
+from sensor_msgs.msg import LaserScan
+
+from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.engine.event_queue import PARTICIPANTS
+from move_base_abstract.sensing.laser import Laser
+
+from .. import lockstep
+from ..messages.outlets import Outlet
+from ..messages.packing import InFrame
+from ..transforms import tf_hub
+
+
+class ScanPublisher:
+    """Tells scans at multiples of their period, and tf at the same instants.
+
+    Whether anybody hears the scans changes nothing in tf, as nothing else that robots tell.
+    """
+
+    def __init__(self, names, settings, host, robot, backend, robot_map):
+        values = settings.values
+        self._robot = robot
+        self._backend = backend
+        self._map = robot_map
+        self._surroundings = host.surroundings
+        self._clock = host.clock
+        self._laser = Laser(settings.laser, values['seed'], robot.name)
+        self._base_frame = settings.frame(values['robot_base_frame'])
+        self._frame = settings.frame(values['scan_frame'])
+        self._laser_in_base, self._in_laser = InFrame(self._base_frame, self._frame), InFrame(self._frame)
+        self._outlet = Outlet(names.topic(values['scan_topic']), LaserScan, queue_size=10)
+        self._throttle = host.throttle(values['max_pose_rate'])
+        self._series = host.clock.simulation.series(robot.index, settings.laser.rate, self._tell, only_tells=True,
+                                                    is_heard=host.timing.when_heard(self._is_heard))
+        self._rates = host.rates
+        self._told = host.rates.add('scans', lambda: settings.laser.rate, self._outlet.hearers)
+        self.restart(host.clock.simulation.now_ns)
+
+    def restart(self, now_ns):
+        """Scan from ``now_ns`` [ns] on, at whole multiples of the period."""
+        period_ns = self._series.period_ns
+        self._series.start(-(-now_ns // period_ns) * period_ns)
+
+    def close(self):
+        """Scan no more."""
+        self._series.stop()
+        self._rates.remove(self._told)
+        tf_hub.forget(self._frame)
+        self._outlet.unregister()
+
+    def _is_heard(self):
+        heard = tf_hub.is_heard()
+        return heard if heard == PARTICIPANTS else max(heard, self._outlet.is_heard())
+
+    def _tell(self, due_ns, _now_ns):
+        if self._throttle.ready():
+            with lockstep.sender(self._robot.index):
+                self._backend.looks(self._robot.pose_at(due_ns), due_ns)
+                mount = self._laser.settings.mount
+                tf_hub.send(self._frame, lambda: [self._laser_in_base.transform(mount, due_ns)])
+                self._outlet.send(lambda seq: self._pack(seq, due_ns))
+        return self._clock.wall_to_ns(self._throttle.remaining())
+
+    def _pack(self, seq, stamp_ns):
+        occupancy = None if self._map.check is None else self._map.check.occupancy
+        scan = self._surroundings.scan(self._robot, self._laser, occupancy, stamp_ns)
+        return self._in_laser.laser_scan(seq, scan, self._series.period_ns / NS_PER_S)
