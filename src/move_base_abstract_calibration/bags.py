@@ -1,26 +1,20 @@
 """Legs from a bag: goals and results of move_base actions, where the robots were meanwhile, and their plans."""
-import bisect
-import math
-import struct
+import statistics
 
-import genpy
 import rosbag
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.input_files import check_input
 from move_base_abstract.common.shown import shown_text
-from move_base_abstract.motion.geometry import Pose2D, normalize_angle, quaternion_fault, yaw_of_quaternion
+from move_base_abstract.motion.geometry import quaternion_fault
 
-from .legs import RecordedLeg, Way, way_along
+from .bag_track import BROKEN, Track, pose_of, quaternion_of, stamp
+from .checks import shown_twice
+from .legs import RecordedLeg
 
-_GOAL, _RESULT, _PATH = 'move_base_msgs/MoveBaseActionGoal', 'move_base_msgs/MoveBaseActionResult', 'nav_msgs/Path'
-_POSES = ('nav_msgs/Odometry', 'geometry_msgs/PoseWithCovarianceStamped')
-#: below a robot's namespace, the best one first
-_POSE_TOPICS = ('base_pose_ground_truth', 'amcl_pose', 'odom')
+_GOAL = 'move_base_msgs/MoveBaseActionGoal'
 _SUCCEEDED, _ABORTED = 3, 4
-#: what rosbag lets out where a bag cannot be read, or is damaged
-_BROKEN = (OSError, rosbag.ROSBagException, genpy.MessageException, struct.error, KeyError, ValueError)
-_NEAR = 1.0  # m: how far along a plan its first and last directions are measured
+_LEAP = (1.0, 0.1)  # s, and of the duration: by which stamps and the recording's times may differ
 
 
 def read_legs(path, pose_topic=None):
@@ -34,7 +28,7 @@ def read_legs(path, pose_topic=None):
             return _read(bag, str(path), pose_topic)
     except ConfigurationError:
         raise
-    except _BROKEN as error:
+    except BROKEN as error:
         raise ConfigurationError('{}: cannot be read as a bag: {}'.format(
             shown_text(str(path)), getattr(error, 'strerror', None) or error)) from None
 
@@ -47,108 +41,100 @@ def _read(bag, path, pose_topic):
     legs, notes = [], []
     for action in actions:
         namespace = action.rstrip('/').rpartition('/')[0]
-        tracks = _Track(bag, types, namespace, pose_topic, path)
-        found, frames, strange_goals = _legs_of(bag, action, namespace, tracks, path)
-        legs += found
-        if strange_goals:
-            notes.append('{}: {} goals of {} are no poses in the plane, and are left out'.format(
-                path, strange_goals, namespace or '/'))
-        strange = sorted(frames - {tracks.frame})
+        track = Track(bag, types, namespace, pose_topic, path)
+        found = _Action(bag, action, namespace, track, path)
+        legs += _of_one_robot(found.legs, track, namespace, path, notes)
+        notes += found.notes()
+        strange = sorted(found.frames - {track.frame})
         if strange:
             notes.append('{}: goals of {} are in {}, its poses ({}) in {}: taken for the same frame'.format(
-                path, namespace or '/', ', '.join(map(shown_text, strange)), tracks.topic, shown_text(tracks.frame)))
+                path, namespace or '/', ', '.join(map(shown_text, strange)), track.topic, shown_text(track.frame)))
     return legs, notes
 
 
-class _Track:
-    """Where one robot was, and what it planned, by time [s]."""
-
-    def __init__(self, bag, types, namespace, pose_topic, path):
-        topics = ['{}/{}'.format(namespace, name) for name in ([pose_topic] if pose_topic else _POSE_TOPICS)]
-        found = [topic for topic in topics if types.get(topic) in _POSES]
-        if not found:
-            raise ConfigurationError('{}: no poses of {}; allowed: one of {}, of {}'.format(
-                path, namespace or '/', ', '.join(topics), ' or '.join(_POSES)))
-        self.topic, self.frame = found[0], ''
-        track = []
-        for _, message, time in bag.read_messages(topics=[self.topic]):
-            track.append((_stamp(message.header, time), _pose(message.pose.pose)))
-            self.frame = message.header.frame_id.lstrip('/')
-        track = sorted((one for one in track if one[1] is not None), key=lambda one: one[0])
-        self._times, self._poses = [time for time, _ in track], [pose for _, pose in track]
-        plans = [topic for topic, kind in types.items()
-                 if kind == _PATH and topic.startswith(namespace + '/') and topic.endswith('/plan')]
-        self._plans = [(_stamp(message.header, time), _path(message))
-                       for _, message, time in bag.read_messages(topics=plans)] if plans else []
-
-    def at(self, time):
-        """Return the latest pose up to ``time`` [s], or None."""
-        index = bisect.bisect_right(self._times, time)
-        return self._poses[index - 1] if index else None
-
-    def way(self, begin, end, start, goal):
-        """Return the Way of the first plan from ``begin`` to ``end`` [s], else of what was driven."""
-        for time, plan in self._plans:
-            if begin <= time <= end and len(plan) > 1:
-                return _way(start, plan, goal)
-        driven = self._poses[bisect.bisect_left(self._times, begin):bisect.bisect_right(self._times, end)]
-        return _way(start, [start, *driven], goal) if driven else None
+def _of_one_robot(legs, track, namespace, path, notes):
+    """Return ``legs``, none of them where several robots speak in one namespace, which is noted."""
+    returns = track.returns()
+    if len(track.publishers) < 2 and returns is None:
+        return legs
+    by = 'nodes tell poses at once: {}'.format(', '.join(map(shown_text, track.publishers))) \
+        if len(track.publishers) > 1 else 'the poses go elsewhere and back {} times'.format(returns)
+    notes.append('{}: two robots in the namespace {} ({}): its {} legs are left out'.format(
+        path, namespace or '/', by, len(legs)))
+    return []
 
 
-def _way(start, poses, goal):
-    """Return the Way along ``poses``, its directions those of the first and the last metre."""
-    points = [(pose.x, pose.y) for pose in poses]
-    length = math.fsum(math.dist(one, other) for one, other in zip(points, points[1:]))
-    straight = way_along(start, (), goal)
-    if length < 2.0 * _NEAR or straight.length < _NEAR:
-        return Way(max(length, straight.length), straight.start_turn, straight.end_turn)
-    first = next((point for point in points if math.dist(point, points[0]) >= _NEAR), points[-1])
-    last = next((point for point in reversed(points) if math.dist(point, points[-1]) >= _NEAR), points[0])
-    return Way(length, normalize_angle(math.atan2(first[1] - points[0][1], first[0] - points[0][0]) - start.yaw),
-               normalize_angle(goal.yaw - math.atan2(points[-1][1] - last[1], points[-1][0] - last[0])))
+class _Action:
+    """The goals and results of one action: ``legs``, ``frames`` of the goals, and what is no leg."""
+
+    def __init__(self, bag, action, namespace, track, path):
+        self._name = '{}: {{}} {{}} of {}'.format(path, namespace or '/')
+        self.legs, self.frames = [], set()
+        self._strange = self._without_goal = self._placeless = 0
+        goals, recorded = {}, []
+        for topic, message, time in bag.read_messages(topics=[action + 'goal', action + 'result']):
+            if topic.endswith('goal'):
+                self._take_goal(goals, message, time)
+                continue
+            sent, goal, recorded_at = goals.pop(message.status.goal_id.id, (None, None, None))
+            if sent is None:
+                self._without_goal += 1
+            elif goal is not None:
+                leg = self._leg(sent, stamp(message.header, time), goal, message.status.status, track, path, namespace)
+                if leg is not None:
+                    self.legs.append(leg)
+                    recorded.append(time.to_sec() - recorded_at)
+        self._without_result = len([goal for _, goal, _ in goals.values() if goal is not None])
+        self._doubt_clocks(recorded, _twice(bag, (action + 'goal', action + 'result')))
+
+    def notes(self):
+        """Return what is said of goals and results that are no legs."""
+        return [self._name.format(count, what) + why for count, what, why in (
+            (self._strange, 'goals', ' are no poses in the plane, and are left out'),
+            (self._without_result, 'goals', ' have no result, and are left out: of a robot that hung there, success '
+             'is said too high'),
+            (self._without_goal, 'results', ' have no goal, and are left out'),
+            (self._placeless, 'goals', ' were sent before the first pose, and are left out')) if count]
+
+    def _take_goal(self, goals, message, time):
+        target = message.goal.target_pose
+        self.frames.add(target.header.frame_id.lstrip('/'))
+        goal = None if quaternion_fault(quaternion_of(target.pose)) else pose_of(target.pose)
+        self._strange += goal is None  # move_base refuses it
+        goals[message.goal_id.id] = stamp(message.header, time), goal, time.to_sec()
+
+    def _leg(self, sent, ended, goal, state, track, path, namespace):
+        start = track.at(sent)
+        if start is None:
+            self._placeless += 1
+            return None
+        doubt = track.doubt(sent, ended) if ended > sent else 'clock_back'
+        way = track.way(sent, ended, start, goal) if ended > sent else None
+        return RecordedLeg(path, namespace, len(self.legs) + 1, start, goal, ended - sent, state == _SUCCEEDED,
+                           state == _ABORTED, way, track.at(ended), sent=sent, doubt=doubt)
+
+    def _doubt_clocks(self, recorded, twice):
+        """Doubt legs by the clocks: in times that were shown twice, or other by the stamps than by the recording."""
+        ratios = [leg.duration / seconds for leg, seconds in zip(self.legs, recorded) if seconds > 0.0]
+        usual = statistics.median(ratios) if ratios else 1.0
+        for number, (leg, seconds) in enumerate(zip(self.legs, recorded)):
+            doubt = leg.doubt
+            if any(leg.sent < high and leg.sent + leg.duration > low for low, high in twice):
+                doubt = 'clock_back'
+            elif abs(leg.duration - usual * seconds) > _LEAP[0] + _LEAP[1] * abs(leg.duration):
+                doubt = doubt or 'clock_leap'
+            self.legs[number] = leg._replace(doubt=doubt)
 
 
-def _legs_of(bag, action, namespace, track, path):
-    """Return the legs of one action, the frames of its goals, and how many of these are no poses in the plane."""
-    goals, legs, frames, strange = {}, [], set(), 0
-    for topic, message, time in bag.read_messages(topics=[action + 'goal', action + 'result']):
-        if topic.endswith('goal'):
-            target = message.goal.target_pose
-            frames.add(target.header.frame_id.lstrip('/'))
-            goal = None if quaternion_fault(_quaternion(target.pose)) else _pose(target.pose)
-            if goal is None:  # move_base refuses it
-                strange += 1
-            else:
-                goals[message.goal_id.id] = (_stamp(message.header, time), goal)
-            continue
-        sent, goal = goals.pop(message.status.goal_id.id, (None, None))
-        ended = _stamp(message.header, time)
-        start = None if sent is None else track.at(sent)
-        if start is None or not ended > sent:
-            continue
-        state = message.status.status
-        legs.append(RecordedLeg(path, namespace, len(legs) + 1, start, goal, ended - sent, state == _SUCCEEDED,
-                                state == _ABORTED, track.way(sent, ended, start, goal), track.at(ended)))
-    return legs, frames, strange
+def _twice(bag, topics):
+    """Return [(low, high)]: times [s] that the clock has shown twice, by each topic's own messages.
 
-
-def _stamp(header, time):
-    return (header.stamp if header.stamp.to_nsec() else time).to_sec()
-
-
-def _pose(pose):
-    """Return a geometry_msgs/Pose as a Pose2D, None where its numbers are none."""
-    try:
-        return Pose2D(pose.position.x, pose.position.y, yaw_of_quaternion(_quaternion(pose)))
-    except ValueError:
-        return None
-
-
-def _path(message):
-    found = [_pose(one.pose) for one in message.poses]
-    return [pose for pose in found if pose is not None]
-
-
-def _quaternion(pose):
-    orientation = pose.orientation
-    return orientation.x, orientation.y, orientation.z, orientation.w
+    They show in stamps that go back, or, where the recorder went by the same clock, in the order of the file.
+    """
+    found = []
+    for topic in topics:
+        found += shown_twice([stamp(message.header, time) for _, message, time in bag.read_messages(topics=[topic])])
+        # rosbag itself sorts by time, and has no public way to ask for the order in the file.
+        entries = [entry for index in bag._get_indexes(bag._get_connections([topic])) for entry in index]
+        found += shown_twice([entry.time.to_sec() for entry in sorted(entries, key=lambda entry: entry.position)])
+    return found

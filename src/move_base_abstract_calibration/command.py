@@ -80,8 +80,11 @@ def _predict(options):
 
 def _pairs(options):
     """Return the legs with their ways, and notes, which are said."""
+    from . import checks
     from .legs import met_no_robot, ways_of
     legs, notes = _read(options)
+    legs, found = checks.examine(legs)
+    notes += found
     pairs = ways_of(legs, _map_ways(options, notes))
     if len(pairs) < len(legs):
         notes.append('{} of {} legs have no way on the map and are left out'.format(len(legs) - len(pairs), len(legs)))

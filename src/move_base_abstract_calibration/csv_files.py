@@ -59,18 +59,20 @@ def _leg(row, where, number):
     start, goal = (Pose2D(*(values[name + axis] for axis in ('_x', '_y', '_yaw'))) for name in ('start', 'goal'))
     optional = {name: _optional(row, name, where) for name in (
         'plan_m', 'driven_m', 'start_turn_rad', 'end_turn_rad', 'end_x', 'end_y', 'end_yaw', 'goal', 'rescued',
-        'stuck_start', 'cancelled', 'min_robot_dist_m')}
-    for name in ('plan_m', 'driven_m', 'min_robot_dist_m'):
+        'stuck_start', 'cancelled', 'min_robot_dist_m', 'plan_clearance_m', 'send_s', 'result_s')}
+    for name in ('plan_m', 'driven_m', 'min_robot_dist_m', 'plan_clearance_m'):
         _check(name, optional[name], where, (optional[name] or 0.0) >= 0.0, 'a number >= 0 [m]')
     for name in ('start_turn_rad', 'end_turn_rad'):
         _check(name, optional[name], where, 0.0 <= (optional[name] or 0.0) <= _HALF_TURN, 'a number in 0..pi [rad]')
     end = [optional[name] for name in ('end_x', 'end_y', 'end_yaw')]
+    stamps = optional['send_s'], optional['result_s']
     return RecordedLeg(
         row.get('run') or '', row.get('robot') or '', int(optional['goal'] or number), start, goal,
         values['duration_s'], values['state'] == _SUCCEEDED, values['state'] == _ABORTED,
         _way(optional, start, goal), None if None in end else Pose2D(*end),
         not (optional['rescued'] or optional['stuck_start'] or optional['cancelled'] == 2.0),
-        optional['min_robot_dist_m'])
+        optional['min_robot_dist_m'], optional['plan_clearance_m'], optional['send_s'],
+        None if None in stamps else stamps[1] - stamps[0])
 
 
 def _way(values, start, goal):

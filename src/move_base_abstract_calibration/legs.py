@@ -5,6 +5,9 @@ from typing import NamedTuple, Optional
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
 
 
+FAR_STEP = 1.0  # m: between two poses one after the other a robot is not to be lost sight of so far
+
+
 class Way(NamedTuple):
     """How far a leg leads [m], and by how much the robot turns before and behind [rad, to the left > 0]."""
 
@@ -19,7 +22,9 @@ class RecordedLeg(NamedTuple):
     ``recording`` and ``robot`` name where it comes from; ``duration`` [s] from the goal to its result; ``way`` as
     planned or driven, None where nothing says it; ``end`` where the robot was at the result; ``counts``: whether its
     duration says something of the robot (not of somebody who moved it, or of one that was stuck already);
-    ``nearest_robot`` [m]: how near another robot came, None if nobody says.
+    ``nearest_robot`` [m]: how near another robot came, ``clearance`` [m]: how near the way comes to what is occupied,
+    ``sent`` [s]: when the goal was sent, ``by_stamps`` [s]: the duration between two stamps beside; None if nobody
+    says. ``doubt``: what its reader has found wrong with it, one of checks.DOUBTS.
     """
 
     recording: str
@@ -34,6 +39,10 @@ class RecordedLeg(NamedTuple):
     end: Optional[Pose2D] = None
     counts: bool = True
     nearest_robot: Optional[float] = None
+    clearance: Optional[float] = None
+    sent: Optional[float] = None
+    by_stamps: Optional[float] = None
+    doubt: str = ''
 
 
 def met_no_robot(leg, distance):

@@ -189,3 +189,147 @@ def test_what_a_bag_lacks_is_said(tmp_path):
         bag.write('/odom', Odometry(), rospy.Time(1))
     with pytest.raises(ConfigurationError, match='no goals'):
         read_legs(tmp_path / 'empty.bag')
+
+
+# ---- bad recordings, written on purpose
+
+def edited(path, change):
+    """Write ``path`` anew: ``change(topic, message, time)`` returns the [(topic, message, time [s])] in its place."""
+    with rosbag.Bag(str(path)) as bag:
+        rows = [(topic, message, time.to_sec()) for topic, message, time in bag.read_messages()]
+    with rosbag.Bag(str(path), 'w') as bag:
+        for row in rows:
+            for topic, message, time in change(*row):
+                bag.write(topic, message, rospy.Time.from_sec(time))
+
+
+def shifted(message, seconds):
+    """Return ``message`` with another stamp."""
+    message.header.stamp += rospy.Duration.from_sec(seconds)
+    return message
+
+
+def doubts(path):
+    """Return the doubts of the legs of a bag."""
+    return [leg.doubt for leg in read_legs(path)[0]]
+
+
+def test_a_clock_that_leaps_within_a_leg_is_seen(tmp_path):
+    first, second, _ = write(tmp_path / 'run.bag')
+    leap = 1.0 + first + 0.5 * second
+
+    def by_stamps(topic, message, time):
+        return [(topic, shifted(message, 900.0) if time > leap else message, time)]
+
+    def by_both(topic, message, time):
+        later = 900.0 if time > leap else 0.0
+        return [(topic, shifted(message, later), time + later)]
+    for change in (by_stamps, by_both):
+        write(tmp_path / 'run.bag')
+        edited(tmp_path / 'run.bag', change)
+        assert doubts(tmp_path / 'run.bag') == ['', 'clock_leap', '']
+
+
+@pytest.mark.parametrize('recorder_too', [False, True])
+def test_a_clock_that_starts_anew_spoils_what_lies_in_its_times(tmp_path, recorder_too):
+    write(tmp_path / 'run.bag')
+    with rosbag.Bag(str(tmp_path / 'run.bag')) as bag:
+        rows = list(bag.read_messages())
+        end = bag.get_end_time()
+    with rosbag.Bag(str(tmp_path / 'run.bag'), 'w') as bag:
+        for topic, message, time in rows:
+            bag.write(topic, message, time)
+        for topic, message, time in rows:  # the same once more, of a clock that begins again
+            if topic.endswith('goal'):
+                message.goal_id.id += '-again'
+            elif topic.endswith('result'):
+                message.status.goal_id.id += '-again'
+            bag.write(topic, message, time if recorder_too else time + rospy.Duration.from_sec(end))
+    assert set(doubts(tmp_path / 'run.bag')) == {'clock_back'}
+
+
+def test_poses_of_another_robot_in_the_namespace_leave_none_of_its_legs(tmp_path):
+    def add(topic, message, time):
+        if topic != '/bot/odom':
+            return [(topic, message, time)]
+        other = Odometry(header=message.header)
+        put(other.pose.pose, message.pose.pose.position.x + 20.0, 7.0, 0.0)
+        return [(topic, message, time), (topic, other, time)]
+    write(tmp_path / 'run.bag')
+    edited(tmp_path / 'run.bag', add)
+    legs, notes = read_legs(tmp_path / 'run.bag')
+    assert legs == []
+    assert len(notes) == 1 and 'two robots in the namespace /bot (the poses go elsewhere and back' in notes[0]
+    assert notes[0].endswith('its 3 legs are left out')
+
+
+def test_two_nodes_that_tell_poses_at_once_are_two_robots(tmp_path):
+    write(tmp_path / 'run.bag')
+    with rosbag.Bag(str(tmp_path / 'run.bag')) as bag:
+        rows = list(bag.read_messages())
+    for names, found in (((b'/amcl', b'/twin'), 0), ((b'/amcl', b'/amcl'), 3)):
+        with rosbag.Bag(str(tmp_path / 'run.bag'), 'w') as bag:
+            for number, (topic, message, time) in enumerate(rows):
+                header = {'topic': topic, 'type': message._type, 'md5sum': message._md5sum,
+                          'message_definition': message._full_text, 'callerid': names[number % 2]}
+                bag._topic_connections.pop(topic, None)  # Python's rosbag would take the first one's header again
+                bag.write(topic, message, time, connection_header=header)
+        legs, notes = read_legs(tmp_path / 'run.bag')
+        assert len(legs) == found
+        assert [note for note in notes if 'nodes tell poses at once: /amcl, /twin' in note] == notes[:not found]
+
+
+def test_poses_that_jump_and_poses_that_are_too_rare_are_seen(tmp_path):
+    first, second, _ = write(tmp_path / 'run.bag')
+    amid = 1.0 + first + 0.5 * second
+
+    def jump(topic, message, time):
+        if topic == '/bot/odom' and amid < time < amid + 0.15:
+            message.pose.pose.position.x += 5.0
+        return [(topic, message, time)]
+
+    def rare(topic, message, time):
+        return [] if topic == '/bot/odom' and amid < time < amid + 3.0 else [(topic, message, time)]
+    for change, doubt in ((jump, 'teleport'), (rare, 'rare')):
+        write(tmp_path / 'run.bag')
+        edited(tmp_path / 'run.bag', change)
+        assert doubts(tmp_path / 'run.bag') == ['', doubt, '']
+
+
+def test_a_robot_that_stands_long_has_no_leap(tmp_path):
+    write(tmp_path / 'run.bag')
+    with rosbag.Bag(str(tmp_path / 'run.bag')) as bag:
+        rows = list(bag.read_messages(topics=['/bot/odom']))
+    still = next(time.to_sec() for (_, one, time), (_, other, _) in zip(rows, rows[1:])
+                 if one.pose.pose.position == other.pose.pose.position and time.to_sec() > 3.0)
+
+    def stands(topic, message, time):
+        wait = 60.0 if time > still else 0.0  # in which its odometry is silent
+        return [(topic, shifted(message, wait), time + wait)]
+    edited(tmp_path / 'run.bag', stands)
+    assert doubts(tmp_path / 'run.bag') == ['', '', '']
+
+
+def test_goals_without_results_and_results_without_goals_are_counted(tmp_path):
+    def drop(topic, message, time):
+        is_gone = (topic.endswith('goal') and message.goal_id.id == 'bot-1') or (
+            topic.endswith('result') and message.status.goal_id.id == 'bot-3')
+        return [] if is_gone else [(topic, message, time)]
+    write(tmp_path / 'run.bag')
+    edited(tmp_path / 'run.bag', drop)
+    legs, notes = read_legs(tmp_path / 'run.bag')
+    assert len(legs) == 1
+    name = str(tmp_path / 'run.bag')
+    assert notes == [
+        name + ': 1 goals of /bot have no result, and are left out: of a robot that hung there, success is said too high',
+        name + ': 1 results of /bot have no goal, and are left out']
+
+
+def test_goals_before_the_first_pose_are_counted(tmp_path):
+    first, *_ = write(tmp_path / 'run.bag')
+    edited(tmp_path / 'run.bag', lambda topic, message, time: [] if topic == '/bot/odom' and time < 1.0 + 0.5 * first
+           else [(topic, message, time)])
+    legs, notes = read_legs(tmp_path / 'run.bag')
+    assert len(legs) == 2
+    assert notes == ['{}: 1 goals of /bot were sent before the first pose, and are left out'.format(
+        tmp_path / 'run.bag')]

@@ -1,0 +1,143 @@
+"""Where one robot of a bag was, by time, and what it planned; and in which legs that cannot be right."""
+import bisect
+import math
+import struct
+
+import genpy
+import numpy as np
+import rosbag
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.motion.geometry import Pose2D, normalize_angle, yaw_of_quaternion
+
+from .legs import FAR_STEP, Way, way_along
+
+#: what rosbag lets out where a bag cannot be read, or is damaged
+BROKEN = (OSError, rosbag.ROSBagException, genpy.MessageException, struct.error, KeyError, ValueError)
+_PATH = 'nav_msgs/Path'
+_POSES = ('nav_msgs/Odometry', 'geometry_msgs/PoseWithCovarianceStamped')
+#: below a robot's namespace, the best one first
+_POSE_TOPICS = ('base_pose_ground_truth', 'amcl_pose', 'odom')
+_NEAR = 1.0  # m: how far along a plan its first and last directions are measured
+_LEAP = 2.0  # s without a pose in which the clock may have leapt
+_TOO_FAST = 3.0  # times the speed of the fast ones of all steps: nothing drives so
+_RETURNS = (5, 0.01)  # so many, and of all poses this share: two robots speak in turns
+
+
+class Track:
+    """Where one robot was, and what it planned, by time [s]; ``publishers``: who told it, where several did at once."""
+
+    def __init__(self, bag, types, namespace, pose_topic, path):
+        topics = ['{}/{}'.format(namespace, name) for name in ([pose_topic] if pose_topic else _POSE_TOPICS)]
+        found = [topic for topic in topics if types.get(topic) in _POSES]
+        if not found:
+            raise ConfigurationError('{}: no poses of {}; allowed: one of {}, of {}'.format(
+                path, namespace or '/', ', '.join(topics), ' or '.join(_POSES)))
+        self.topic, self.frame = found[0], ''
+        track, told = [], {}
+        for _, message, time, header in bag.read_messages(topics=[self.topic], return_connection_header=True):
+            at = stamp(message.header, time)
+            track.append((at, pose_of(message.pose.pose)))
+            self.frame = message.header.frame_id.lstrip('/')
+            who = header.get('callerid')
+            told[who] = min(at, told.get(who, (at, at))[0]), max(at, told.get(who, (at, at))[1])
+        self.publishers = _at_once(told)
+        track = sorted((one for one in track if one[1] is not None), key=lambda one: one[0])
+        self._times, self._poses = [time for time, _ in track], [pose for _, pose in track]
+        self._top_speed = _top_speed(self._times, self._poses)
+        plans = [topic for topic, kind in types.items()
+                 if kind == _PATH and topic.startswith(namespace + '/') and topic.endswith('/plan')]
+        self._plans = [(stamp(message.header, time), _path(message))
+                       for _, message, time in bag.read_messages(topics=plans)] if plans else []
+
+    def at(self, time):
+        """Return the latest pose up to ``time`` [s], or None."""
+        index = bisect.bisect_right(self._times, time)
+        return self._poses[index - 1] if index else None
+
+    def way(self, begin, end, start, goal):
+        """Return the Way of the first plan from ``begin`` to ``end`` [s], else of what was driven."""
+        for time, plan in self._plans:
+            if begin <= time <= end and len(plan) > 1:
+                return _way(start, plan, goal)
+        driven = self._poses[bisect.bisect_left(self._times, begin):bisect.bisect_right(self._times, end)]
+        return _way(start, [start, *driven], goal) if driven else None
+
+    def doubt(self, begin, end):
+        """Return what is wrong with the poses from ``begin`` to ``end`` [s], one of checks.DOUBTS, or ''."""
+        first = max(0, bisect.bisect_right(self._times, begin) - 1)
+        last = bisect.bisect_right(self._times, end)
+        times, poses = self._times[first:last], self._poses[first:last]
+        steps = [(later - sooner, one.distance_to(other))
+                 for sooner, later, one, other in zip(times, times[1:], poses, poses[1:])]
+        if any(length > FAR_STEP and length > _TOO_FAST * self._top_speed * seconds for seconds, length in steps):
+            return 'teleport'
+        for (before, way_before), (seconds, length), (after, way_after) in zip(steps, steps[1:], steps[2:]):
+            speed = min(way_before / max(before, 1e-9), way_after / max(after, 1e-9))
+            if seconds > _LEAP and speed > 0.5 * self._top_speed and length < speed * seconds / 3.0:
+                return 'clock_leap'
+        return 'rare' if any(length > FAR_STEP for _, length in steps) else ''
+
+    def returns(self):
+        """Return how often the robot is elsewhere for one pose and then back: two robots tell theirs in turns.
+
+        None where that may be chance.
+        """
+        poses = self._poses
+        found = sum(one.distance_to(other) > FAR_STEP and one.distance_to(third) < 0.25 * one.distance_to(other)
+                    for one, other, third in zip(poses, poses[1:], poses[2:]))
+        return found if found >= max(_RETURNS[0], _RETURNS[1] * len(poses)) else None
+
+
+def stamp(header, time):
+    """Return when a message was made [s], else recorded."""
+    return (header.stamp if header.stamp.to_nsec() else time).to_sec()
+
+
+def pose_of(pose):
+    """Return a geometry_msgs/Pose as a Pose2D, None where its numbers are none."""
+    try:
+        return Pose2D(pose.position.x, pose.position.y, yaw_of_quaternion(quaternion_of(pose)))
+    except ValueError:
+        return None
+
+
+def quaternion_of(pose):
+    """Return (x, y, z, w) of a geometry_msgs/Pose."""
+    orientation = pose.orientation
+    return orientation.x, orientation.y, orientation.z, orientation.w
+
+
+def _at_once(told):
+    """Return the names of nodes, sorted, of which ``told`` {name: (first, last) [s]} overlap."""
+    spans = sorted((span, name) for name, span in told.items() if name is not None)
+    found = set()
+    for (one, name), (other, other_name) in zip(spans, spans[1:]):
+        if other[0] < one[1]:
+            found |= {name, other_name}
+    return sorted(name.decode() if isinstance(name, bytes) else str(name) for name in found)
+
+
+def _top_speed(times, poses):
+    """Return the speed [m/s] of the fast ones of all steps: of each hundred the 95th."""
+    speeds = [one.distance_to(other) / (later - sooner) for sooner, later, one, other in zip(
+        times, times[1:], poses, poses[1:]) if later > sooner and one.distance_to(other) > 0.01]
+    return float(np.quantile(speeds, 0.95)) if speeds else 0.0
+
+
+def _way(start, poses, goal):
+    """Return the Way along ``poses``, its directions those of the first and the last metre."""
+    points = [(pose.x, pose.y) for pose in poses]
+    length = math.fsum(math.dist(one, other) for one, other in zip(points, points[1:]))
+    straight = way_along(start, (), goal)
+    if length < 2.0 * _NEAR or straight.length < _NEAR:
+        return Way(max(length, straight.length), straight.start_turn, straight.end_turn)
+    first = next((point for point in points if math.dist(point, points[0]) >= _NEAR), points[-1])
+    last = next((point for point in reversed(points) if math.dist(point, points[-1]) >= _NEAR), points[0])
+    return Way(length, normalize_angle(math.atan2(first[1] - points[0][1], first[0] - points[0][0]) - start.yaw),
+               normalize_angle(goal.yaw - math.atan2(points[-1][1] - last[1], points[-1][0] - last[0])))
+
+
+def _path(message):
+    found = [pose_of(one.pose) for one in message.poses]
+    return [pose for pose in found if pose is not None]

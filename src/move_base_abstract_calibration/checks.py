@@ -1,0 +1,165 @@
+"""What is wrong with recordings: legs that would spoil the fit are left out and counted, or all of it is refused."""
+import math
+from collections import Counter
+
+import numpy as np
+
+from move_base_abstract.common.errors import ConfigurationError
+
+from .legs import FAR_STEP
+
+#: why a leg is left out, in words behind its number; docs/calibrate.md has the rules and their reasons
+DOUBTS = {
+    'clock_back': 'lie in times that the clock showed twice',
+    'clock_leap': 'took another time by their stamps than by the recording: the clock leapt',
+    'overlap': 'began before the one before had ended: two robots under one name',
+    'twice': 'are there twice',
+    'teleport': 'have poses that jump: somebody moved the robot, or they are those of another one',
+    'rare': 'have poses further than {:g} m apart: too rare'.format(FAR_STEP),
+    'elsewhere': 'ended far from their goal although they succeeded: poses from elsewhere',
+    'short_way': 'have a way that is shorter than the straight line: poses of another frame than the plan',
+}
+_BACK = 1.0  # s: so much later messages may be made before earlier ones
+_STAMPS = 0.25  # s, by which a duration may differ from that between its stamps: two steps of a simulator, and more
+_OVERLAP = 1.0  # s: a new goal ends the one before
+_TOO_FAST = 2.0  # times the mean speed of the fast ones of all legs
+_FAR_END = (0.5, 4.0)  # m, and times the median of all legs
+_SHORTER = (0.5, 0.05)  # m, and of the straight line
+_MOST_DOUBTS = 0.5  # of all legs that one kind of doubt may be
+_FAR_ENDS = (1.0, 0.1)  # m, and of the straight lines: beyond this median nothing has ended at its goal
+_OFFSET = (10, 0.25, 0.8)  # legs, m, share of the errors at the end that all go the same way
+
+
+def examine(legs):
+    """Return (the legs that may be fitted, notes: what was left out, with counts).
+
+    :raises ConfigurationError: where what is wrong is no matter of single legs.
+    """
+    _check_frame(legs)
+    doubts = list(_doubts(legs))
+    counts = Counter(filter(None, doubts))
+    for doubt, count in counts.items():
+        if count > _MOST_DOUBTS * len(legs):
+            raise ConfigurationError('{} of {} legs {}; allowed: at most half of them, which would be left out'.format(
+                count, len(legs), DOUBTS[doubt]))
+    notes = ['{} legs {}, and are left out'.format(counts[doubt], words)
+             for doubt, words in DOUBTS.items() if counts[doubt]]
+    kept = [leg for leg, doubt in zip(legs, doubts) if not doubt]
+    _check_names(kept, notes)
+    for count, words in ((sum(not leg.counts for leg in kept), 'were moved, stuck from the start or cut off'),
+                         (sum(leg.counts and not (leg.succeeded or leg.failed) for leg in kept),
+                          'neither succeeded nor aborted (no result, preempted, cancelled)')):
+        if count:
+            notes.append('{} legs {}, and do not count'.format(count, words))
+    return kept, notes
+
+
+def shown_twice(times):
+    """Return [(low, high)]: which ``times`` [s], in the order in which they came, were shown twice."""
+    found, highest = [], -math.inf
+    for time in times:
+        if time < highest - _BACK:
+            found.append((time, highest))
+        highest = max(highest, time)
+    return found
+
+
+def _doubts(legs):
+    """Return for each leg what is wrong with it, a key of DOUBTS, or ''."""
+    back = _sent_twice(legs)
+    overlapping = _overlapping(legs)
+    seen = set()
+    speeds = [leg.start.distance_to(leg.goal) / leg.duration for leg in legs if leg.succeeded and leg.duration > 0.0]
+    fastest = _TOO_FAST * float(np.quantile(speeds, 0.95)) if speeds else math.inf
+    ends = [leg.end.distance_to(leg.goal) for leg in legs if leg.succeeded and leg.end is not None]
+    furthest = max(_FAR_END[0], _FAR_END[1] * float(np.median(ends))) if ends else math.inf
+    for leg in legs:
+        same = leg.start, leg.goal, leg.duration
+        yield leg.doubt or _doubt_of(leg, back, overlapping, same in seen, fastest, furthest)
+        seen.add(same)
+
+
+def _doubt_of(leg, back, overlapping, is_known, fastest, furthest):
+    straight = leg.start.distance_to(leg.goal)
+    found = {
+        'clock_back': any(leg.sent < high and leg.sent + leg.duration > low
+                          for low, high in back.get(_name(leg), ()) if leg.sent is not None),
+        'clock_leap': leg.by_stamps is not None and abs(leg.by_stamps - leg.duration) > _STAMPS,
+        'overlap': id(leg) in overlapping,
+        'twice': is_known,
+        'teleport': leg.succeeded and straight > fastest * leg.duration,
+        'elsewhere': leg.succeeded and leg.end is not None and leg.end.distance_to(leg.goal) > furthest,
+        'short_way': leg.way is not None and leg.way.length < straight - max(_SHORTER[0], _SHORTER[1] * straight),
+    }
+    return next((doubt for doubt, is_so in found.items() if is_so), '')
+
+
+def _name(leg):
+    return leg.recording, leg.robot
+
+
+def _by_robot(legs):
+    """Return {(recording, robot): its legs}."""
+    found = {}
+    for leg in legs:
+        found.setdefault(_name(leg), []).append(leg)
+    return found
+
+
+def _sent_twice(legs):
+    """Return {(recording, robot): [(low, high)]}: times that were shown twice, by goals in the order of numbers."""
+    found = {}
+    for name, own in _by_robot(legs).items():
+        sent = latest = -math.inf
+        for leg in sorted((leg for leg in own if leg.sent is not None), key=lambda leg: leg.number):
+            if leg.sent < sent - _BACK:
+                found.setdefault(name, []).append((leg.sent, latest))
+            sent, latest = max(sent, leg.sent), max(latest, leg.sent + leg.duration)
+    return found
+
+
+def _overlapping(legs):
+    """Return the ids of legs that one robot would have driven at once."""
+    found = set()
+    for own in _by_robot(legs).values():
+        ordered = sorted((leg for leg in own if leg.sent is not None), key=lambda leg: leg.sent)
+        for one, other in zip(ordered, ordered[1:]):
+            if other.sent < one.sent + one.duration - _OVERLAP:
+                found |= {id(one), id(other)}
+    return found
+
+
+def _check_frame(legs):
+    """Complain where legs that succeeded all end elsewhere than at their goals: of another frame, or another map."""
+    gaps = np.array([(leg.end.x - leg.goal.x, leg.end.y - leg.goal.y) for leg in legs
+                     if leg.succeeded and leg.end is not None])
+    if not len(gaps):
+        return
+    lengths = np.hypot(*gaps.T)
+    median, mean = float(np.median(lengths)), np.median(gaps, axis=0)
+    least, far, share = _OFFSET
+    one_way = len(gaps) >= least and median > far and float(np.hypot(*mean)) > share * median
+    most = max(_FAR_ENDS[0], _FAR_ENDS[1] * float(np.median([leg.start.distance_to(leg.goal) for leg in legs])))
+    if median > most or one_way:
+        raise ConfigurationError(
+            'legs that succeeded end {:.2f} m from their goals in the median, by ({:.2f}, {:.2f}) m; allowed: at most '
+            '{:.1f} m, and above {:g} m not all to one side: the poses are those of another frame or map than the '
+            'goals'.format(median, *map(float, mean), most, far))
+
+
+def _check_names(legs, notes):
+    """Note legs that begin elsewhere than the one before ended; refuse them where that is so of most."""
+    begun = elsewhere = 0
+    for own in _by_robot(legs).values():
+        ordered = sorted(own, key=lambda leg: leg.number)
+        pairs = [(one, other) for one, other in zip(ordered, ordered[1:])
+                 if other.number - one.number <= 1 and one.end is not None]
+        begun += len(pairs)
+        elsewhere += sum(one.end.distance_to(other.start) > FAR_STEP for one, other in pairs)
+    words = '{} of {} legs begin further than {:g} m from where the one before ended'.format(
+        elsewhere, begun, FAR_STEP)
+    if elsewhere > max(5.0, _MOST_DOUBTS * begun):
+        raise ConfigurationError('{}; allowed: at most half of them: there are two robots under one name, or the '
+                                 'numbers of goals are those of others'.format(words))
+    if elsewhere:
+        notes.append('{}: the robot was moved there; they count'.format(words))
