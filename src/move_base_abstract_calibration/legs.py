@@ -4,7 +4,6 @@ from typing import NamedTuple, Optional
 
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
 
-
 FAR_STEP = 1.0  # m: between two poses one after the other a robot is not to be lost sight of so far
 
 

@@ -321,7 +321,8 @@ def test_goals_without_results_and_results_without_goals_are_counted(tmp_path):
     assert len(legs) == 1
     name = str(tmp_path / 'run.bag')
     assert notes == [
-        name + ': 1 goals of /bot have no result, and are left out: of a robot that hung there, success is said too high',
+        name + ': 1 goals of /bot have no result, and are left out: of a robot that hung there, success is said too '
+        'high',
         name + ': 1 results of /bot have no goal, and are left out']
 
 

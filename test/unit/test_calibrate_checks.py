@@ -1,4 +1,4 @@
-"""What calibrate finds wrong with recordings: each kind is written badly on purpose, named with its count, and left out."""
+"""What calibrate finds wrong with recordings: each kind is made on purpose, is named with a count, and left out."""
 from pathlib import Path
 
 import pytest

@@ -104,3 +104,26 @@ def test_a_row_of_others_that_holds_no_place_is_none(tmp_path, values):
     plain, mixed = (metrics.summarise(written(tmp_path / 'log', rows), {'r': (0.0, 0.0)})
                     for rows in (good, [good[0], *strange, good[1]]))
     assert plain.metrics == mixed.metrics
+
+
+def test_goals_outside_of_what_was_recorded_are_a_share_of_all_that_were_begun(tmp_path):
+    path = written(tmp_path / 'log', [
+        (1, 'r', 'recorded', ['length', 1.0, 30.0, 'start_turn', 0.0, 2.0]),
+        (2, 'r', 'beyond', ['longer', 40.0, 'turn', 3.0]), (2, 'r', 'departed', [3, 4, 0]),
+        (3, 'r', 'stands', [1, 1, 0]), (4, 'r', 'departed', [3, 4, 0]),  # it goes on: the same goal
+        (7, 'r', 'stands', [3, 4, 0]), (9, 'r', 'ended', ['g', 'SUCCEEDED', '']),
+        (10, 'r', 'departed', [3, 5, 0]), (11, 'r', 'ended', ['h', 'PREEMPTED', '']), (11, 'r', 'stands', [3, 5, 0]),
+        (11, 'r', 'beyond', ['narrow', 0.2]), (11, 'r', 'departed', [3, 5, 0]),
+        (12, 'r', 'stands', [3, 5, 0]), (12, 'r', 'ended', ['i', 'ABORTED', '']),
+        (13, 'plain', 'departed', [3, 5, 0]), (13, 'plain', 'beyond', ['longer', 1.0])])
+    found = metrics.summarise(path)
+    assert found.metrics['goals_beyond'] == pytest.approx(200.0 / 3.0)
+    assert {name: value for name, value in found.robots['r'].items() if name.startswith('goals_')} == {
+        'goals_begun': 3, 'goals_beyond': 2, 'goals_beyond_longer': 1, 'goals_beyond_shorter': 0,
+        'goals_beyond_turn': 1, 'goals_beyond_narrow': 1}
+    assert not any(name.startswith('goals_') for name in found.robots['plain'])
+
+
+def test_a_robot_that_has_said_what_was_recorded_and_done_nothing_has_no_share(tmp_path):
+    found = metrics.summarise(written(tmp_path / 'log', [(1, 'r', 'recorded', ['length', 1.0, 30.0])]))
+    assert found.metrics['goals_beyond'] is None

@@ -338,3 +338,24 @@ def test_what_the_program_did_not_make_stays(tmp_path, capsys, name):
     assert path.read_text() == 'mine' and name.split('/')[0] in capsys.readouterr().err
 
 
+
+
+def beyond(longer, begun=50):
+    """Return what a trial of a robot with a calibration measures, ``longer`` of whose goals lay outside."""
+    robot = {'goals': begun, 'goals_begun': begun, 'goals_beyond': longer, 'goals_beyond_longer': longer,
+             'goals_beyond_shorter': 0, 'goals_beyond_turn': 0, 'goals_beyond_narrow': 1 if longer else 0}
+    return {'status': 'complete', 'metrics': {'makespan_s': 100.0, 'goals': begun}, 'robots': {'r': robot}}
+
+
+def test_what_lay_outside_of_recordings_is_said(tmp_path):
+    for folder in ('some', 'none', 'plain'):
+        (tmp_path / folder).mkdir()
+    said = report(tmp_path / 'some', {'robots': [2, 4]}, 5, lambda c, k: beyond(12 if c['robots'] == 2 else 0)).said
+    assert 'Calibrations were used beyond what they were fitted to: 12 % of goals were longer than any recorded leg ' \
+        'and 1 % of goals passed nearer to what is occupied than any recorded leg.' in said
+    assert '60 of 500' in said
+    said = report(tmp_path / 'none', {'robots': [2, 4]}, 5, lambda c, k: beyond(0)).said
+    assert 'beyond what they were fitted to' not in said
+    assert 'Goals outside of what was recorded' in said and '0 of 500' in said
+    said = report(tmp_path / 'plain', {'robots': [2, 4]}, 5, lambda c, k: {'makespan_s': 100.0, 'goals': 2}).said
+    assert 'outside of what was recorded' not in said

@@ -8,6 +8,7 @@
 The robots are those of the nodes, with the same settings, and time is kept in the same integer nanoseconds.
 """
 import itertools
+import warnings
 from functools import partial
 
 from ..common.arguments import as_float, as_instant, check_kind
@@ -19,6 +20,7 @@ from ..engine.simulation import Simulation
 from ..faults.failures import KINDS, REQUEST, check_request
 from ..goals.navigator import GoalPose
 from ..motion.geometry import Pose2D, quaternion_of_yaw
+from ..motion.recorded_range import WARNING
 from ..runs.event_log_file import write_event_log
 from ..runs.trace import TraceEntry, as_entries
 from ..scenario import Scenario, make_robot
@@ -66,6 +68,7 @@ class Fleet:
         self.traffic = Traffic(self.simulation, scenario.zones, DeadlockPolicy(scenario.deadlock))
         self.surroundings = Surroundings()
         self._members = {}
+        self._has_warned = False  # of goals outside of what was recorded
         self._indices = itertools.count()
         for spec in scenario.robots:
             self._add(spec)
@@ -274,6 +277,11 @@ class Fleet:
             self._rows.append(row)
         self.simulation.queue.schedule(max(row[0], self.now_ns), _USER_INDEX, lambda _due_ns, _now_ns: self._on_event(
             *as_entries([row])))
+
+    def _warn_of_beyond(self, name, words):
+        if not self._has_warned:
+            self._has_warned = True
+            warnings.warn(WARNING.format(name, words), stacklevel=2)
 
     def _add(self, spec):
         self._members[spec.name] = Member(self, spec, next(self._indices), self._planner, self._occupancy)

@@ -33,6 +33,7 @@ class Member(NavigatorListener):
         fleet.surroundings.add(self.robot, values['global_frame'], settings.costmaps.global_footprint)
         self._laser = self.worker = None
         self._trace.motion(self.robot, fleet.now_ns)
+        self._trace.recorded(settings.durations, fleet.now_ns)
         self._traveller = fleet.traffic.join(self.navigator, settings.network, self._trace.note, self.warn)
         if fleet._rooms is not None:
             self.worker = Worker(fleet._rooms, self.robot, values['seed'], fleet._record,
@@ -92,6 +93,11 @@ class Member(NavigatorListener):
         finally:  # its places are its own, whatever goes wrong with the rest
             if self._traveller is not None:
                 self._traveller.stands(now_ns)
+
+    def beyond(self, recorded, found, now_ns):
+        """Its goal lies outside of what was recorded."""
+        self._trace.note('beyond', now_ns, *found)
+        self._fleet._warn_of_beyond(self.robot.name, recorded.words(found))
 
     def abandons(self, now_ns):
         """Its goal is given up or replaced."""

@@ -43,10 +43,11 @@ def make_robot_parts(settings, name, index, simulation, answers, listener, looku
                          settings.frame(values['robot_base_frame']), lookup)
     ledger = GoalLedger(answers.publish_status, answers.publish_result, answers.new_id,
                         seconds_to_ns(values['status_list_timeout']))
+    planner = planner or make_planner(settings)
     durations = None
     if settings.durations is not None:
-        durations = GoalDurations(settings.durations, values['seed'], name)
-    navigator = Navigator(robot, simulation, ledger, frames, listener, planner or make_planner(settings),
+        durations = GoalDurations(settings.durations, values['seed'], name, planner, listener)
+    navigator = Navigator(robot, simulation, ledger, frames, listener, planner,
                           settings.bad_frame_policy, settings.recovery, durations)
     simulation.queue.guard(index, navigator.break_off)
     failing = None

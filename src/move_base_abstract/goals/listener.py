@@ -51,6 +51,9 @@ class NavigatorListener:
     def held(self, reasons, now_ns):
         """The robot is held for ``reasons``, a tuple of texts in the order in which they came; none: it is released."""
 
+    def beyond(self, recorded, found, now_ns):
+        """The robot's goal lies outside of what was ``recorded`` (Recorded), in what Recorded.beyond has ``found``."""
+
     def abandons(self, now_ns):
         """Where the robot was going it goes no more: its goal has ended, or gives way to another one."""
 

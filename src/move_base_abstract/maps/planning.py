@@ -7,7 +7,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, List, Optional, Sequence, Tuple
 
 from ..motion.geometry import Pose2D
 from .map_check import square_rings
@@ -63,6 +63,18 @@ class StraightLinePlanner:
         if self._map_check is None or self._map_check.occupancy is not None:
             return None
         return self._map_check.lacking
+
+    @property
+    def occupancy(self) -> Any:
+        """The map (OccupancyMap) by which it judges, None: there is none, or none yet."""
+        return None if self._map_check is None else self._map_check.occupancy
+
+    def clearance_of(self, points: Sequence[Tuple[float, float]]) -> Optional[float]:
+        """Return how near a way between ``points`` [(x, y), m] comes to what the map shows [m], None without a map."""
+        if self.occupancy is None:
+            return None
+        from .way_clearance import way_clearance  # only who asks pays for numpy
+        return way_clearance(self.occupancy, points)
 
     def refusal(self, goal: Pose2D) -> Optional[str]:
         """Return what the map has against ``goal``, as a text, or None."""

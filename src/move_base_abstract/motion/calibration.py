@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from statistics import NormalDist
-from typing import Any, Tuple
+from typing import Any, Optional, Tuple
 
 from ..common.bounded_yaml import file_version, load_yaml_file
 from ..common.errors import ConfigurationError
@@ -17,6 +17,7 @@ from ..engine.chance import Purpose
 from ..engine.factors import Gamma, along
 from .approach import MotionPhases
 from .leg import MotionLimits, Tolerances
+from .recorded_range import Recorded, read_intervals, read_recorded
 
 FORMAT = 1
 _NAME = re.compile(r'[A-Za-z0-9_]+')
@@ -60,6 +61,12 @@ TABLE = (
     _row('failure_by_length', lambda value: () if value == [] else _FAILURES(value),
          'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending'),
 )
+#: sections that a calibration may have
+SECTIONS = (
+    Parameter('recorded', None, read_recorded, 'a mapping of length [m] and start_turn [rad], and perhaps clearance '
+              '[m], to [low, high]'),
+    Parameter('intervals', None, read_intervals, "a mapping of names to [low, high], or to 'held by the prior'"),
+)
 
 
 @dataclass(frozen=True)
@@ -70,7 +77,7 @@ class CalibratedDurations:
     exponential of mean ``delay_share`` times the motion's time; or the goal is one of the tail: it comes as many
     seconds later as ``tail`` (Gamma) says, at rest at the start too. The chance of that is ``tail_rate`` [1/s] over
     the motion's time, and rises with the start turn as ``tail_chances`` ((rad, chance), ...) say. ``failures`` as of
-    :class:`.durations.Durations`.
+    :class:`.durations.Durations`. ``recorded``: what the legs were like that say so, None: nobody knows.
     """
 
     delay: float
@@ -80,6 +87,7 @@ class CalibratedDurations:
     tail_chances: Tuple[Tuple[float, float], ...]
     tail: Any
     failures: Tuple[Tuple[float, float], ...] = ()
+    recorded: Optional[Recorded] = None
 
     def draw(self, leg, uniform):
         """Return (overhead [s], factor) of a goal with its first leg (PhasedRoute), by ``uniform(purpose, place)``."""
@@ -145,12 +153,14 @@ def make_calibration(raw, where):
     names = tuple(parameter.name for parameter in TABLE)
     if not isinstance(raw, dict) or raw.get('format') != FORMAT:
         raise ConfigurationError('{}: got {}; allowed: a calibration with format: {}'.format(where, shown(raw), FORMAT))
-    for wrong, names_of_it in (('unknown', [key for key in raw if key not in (*names, 'format')]),
+    sections = tuple(parameter.name for parameter in SECTIONS)
+    for wrong, names_of_it in (('unknown', [key for key in raw if key not in (*names, *sections, 'format')]),
                                ('missing', [name for name in names if name not in raw])):
         if names_of_it:
             raise ConfigurationError('{}: {}: {}; allowed: format, {}'.format(
-                where, wrong, ', '.join(map(shown, names_of_it[:5])), ', '.join(names)))
-    values = read_table(raw, TABLE, where)
+                where, wrong, ', '.join(map(shown, names_of_it[:5])), ', '.join((*names, *sections))))
+    values = read_table(raw, TABLE + SECTIONS, where)
+    recorded = values['recorded'] and values['recorded']._replace(tolerance=values['xy_goal_tolerance'])
     return Calibration(
         values['source'], MotionLimits(values['max_speed'], values['acceleration']),
         Tolerances(values['xy_goal_tolerance'], values['yaw_goal_tolerance']),
@@ -159,7 +169,7 @@ def make_calibration(raw, where):
                      values['turning_offset'], values['bow_length']),
         CalibratedDurations(values['start_delay'], values['spread'], values['delay_share'], values['tail_rate'],
                             values['tail_chance_by_turn'], Gamma(values['tail_mean'], values['tail_cv']),
-                            values['failure_by_length']))
+                            values['failure_by_length'], recorded))
 
 
 @lru_cache(maxsize=1)

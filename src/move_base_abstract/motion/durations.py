@@ -45,6 +45,9 @@ class Durations:
     factor: Any = Constant()
     failures: Tuple[Tuple[float, float], ...] = ()
 
+    #: what was recorded: nothing, these are numbers that somebody has thought of
+    recorded = None
+
     def draw(self, _leg, uniform):
         """Return (overhead [s], factor) of a goal with its first leg; ``uniform(purpose, place)`` in (0, 1)."""
         return self.overhead, self.factor.draw(lambda place: uniform(Purpose.FACTOR, place))
@@ -99,11 +102,14 @@ class GoalDurations:
 
     ``durations`` (:class:`Durations`, or what draws as they do). A robot that goes by the law alone has none.
     What is drawn holds for a goal, also where it goes on from another place or by another way: its overhead is waited
-    for once, whether it fails is judged by the length of its first leg.
+    for once, whether it fails is judged by the length of its first leg. So is whether it lies outside of what was
+    recorded, which ``listener`` (NavigatorListener) is told; ``planner`` knows the map, if there is one.
     """
 
-    def __init__(self, durations, seed=0, robot_name=''):
+    def __init__(self, durations, seed=0, robot_name='', planner=None, listener=None):
         self._durations = durations
+        self._planner = planner
+        self._listener = listener
         self._chance = Chance(seed, robot_name)
         self._number = 0
         self._factor: Optional[float] = None
@@ -122,7 +128,15 @@ class GoalDurations:
         if self._factor is None:
             overhead, self._factor = self._durations.draw(leg, self._uniform)
             self._ready_ns = leg.depart_ns + seconds_to_ns(overhead)
+            self._judge(leg)
         return PacedLeg(leg, Pace(max(0, self._ready_ns - leg.depart_ns), self._factor))
+
+    def _judge(self, leg):
+        recorded = self._durations.recorded
+        if recorded is not None and self._listener is not None:
+            found = recorded.beyond(leg, getattr(self._planner, 'clearance_of', _unknown))
+            if found:
+                self._listener.beyond(recorded, found, leg.depart_ns)
 
     def failure_ns(self, leg):
         """Return at which instant [ns] of ``leg`` the robot fails, or None: it arrives."""
@@ -146,3 +160,7 @@ class GoalDurations:
 
     def _uniform(self, purpose, place=0):
         return self._chance.uniform(self._number, purpose, place)
+
+
+def _unknown(_points):
+    """Return the clearance of a way for a planner that somebody else has written: nobody says it."""

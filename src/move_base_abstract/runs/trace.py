@@ -7,7 +7,7 @@ from typing import Any, Callable, Iterable, Iterator, NamedTuple, Optional, Sequ
 #: of what happens to robots, see :class:`TraceEntry` and :class:`TaskTrace`
 KINDS = ('departed', 'route', 'stands', 'ended', 'entered', 'left', 'deadlock', 'held', 'released', 'failed',
          'repaired', 'battery', 'charging_began', 'charging_ended', 'motion', 'waiting_began', 'waiting_ended',
-         'task_began', 'task_ended')
+         'task_began', 'task_ended', 'recorded', 'beyond')
 #: takes an entry as one tuple: (time_ns, robot, kind, *values)
 Record = Callable[[Tuple[Any, ...]], object]
 
@@ -21,6 +21,9 @@ class TraceEntry(NamedTuple):
     area, ...): it closed a circle of waiting;
     ``held`` (reason, ...): for which reasons the robot is held, whenever these change, and ``released`` ();
     ``failed`` (kind, cause, see :mod:`.failures`) and ``repaired`` ();
+    ``recorded`` ('length', low, high, 'start_turn', low, high, perhaps 'clearance', low, high), of a robot with a
+    calibration that says so, when it is there: what its legs were fitted to [m, rad, m], and ``beyond`` (what, value,
+    ...), before ``departed``: a goal lies outside of that, see :mod:`.recorded_range`;
     ``battery`` (state of charge, what, see :mod:`.battery`), ``charging_began`` and ``charging_ended`` (zone);
     and, where it is asked for, ``motion`` (x, y, yaw of the robot, then by what it travels from the next leg on:
     max_speed, acceleration, turn_rate, xy_goal_tolerance, yaw_goal_tolerance, as the parameters of these names, in
@@ -85,7 +88,12 @@ class RobotTrace:
         """It is as before."""
         self._add(now_ns, 'repaired')
 
-    def note(self, kind: str, now_ns: int, *values: str) -> None:
+    def recorded(self, durations: Any, now_ns: int) -> None:
+        """What the robot's ``durations`` (Durations, CalibratedDurations or None) were fitted to, if they say so."""
+        if durations is not None and durations.recorded is not None:
+            self._add(now_ns, 'recorded', *durations.recorded.row())
+
+    def note(self, kind: str, now_ns: int, *values: Union[float, str]) -> None:
         """Something of ``kind`` happened to the robot."""
         self._add(now_ns, kind, *values)
 

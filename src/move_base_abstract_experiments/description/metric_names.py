@@ -25,3 +25,7 @@ BUILT_IN = {
     'waiting': Metric('Time waiting, mean of the robots', 's', 'lower', 'lower_bound'),
     'throughput': Metric('Goals reached per hour', 'goals/h', 'higher', 'value'),
 }
+#: of trials in which something of the kind can be
+OCCASIONAL = {
+    'goals_beyond': Metric('Goals outside of what was recorded', '%', 'lower', 'value'),
+}

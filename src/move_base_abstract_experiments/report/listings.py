@@ -208,8 +208,9 @@ def robots(frame):
     """Return the table of what robots did (frames.robots), or None."""
     if frame.empty:
         return None
-    names = {'distance_m': 'distance [m]', 'moving_s': 'moving [s]', 'idle_s': 'idle [s]', 'waiting_s': 'waiting [s]'}
-    columns = list(dict.fromkeys(frame['quantity']))
+    names = {'distance_m': 'distance [m]', 'moving_s': 'moving [s]', 'idle_s': 'idle [s]', 'waiting_s': 'waiting [s]',
+             'goals_begun': 'goals begun', 'goals_beyond': 'goals outside of what was recorded'}
+    columns = [name for name in dict.fromkeys(frame['quantity']) if not name.startswith('goals_beyond_')]
     factors_of = [name for name in frame.columns if name.startswith('factor.')]
     rows = {}
     for record in frame.to_dict('records'):

@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 import jinja2
 
-from . import design, effects, endings, findings, frames, how_ended, intervals, listings, picked, pictures
+from . import design, effects, endings, findings, frames, how_ended, intervals, listings, picked, pictures, validity
 from .colours import Looks
 from .outcome import FAILED, MISSING
 from .parts import Section
@@ -138,6 +138,7 @@ def _warnings(experiment):
                      f'{"was" if limited == 1 else "were"} ended by the limit of time. What they measured is cut '
                      'off: it has no mean, and is compared by order at most, but where the experiment says that it '
                      'is a value.')
+    texts += filter(None, (validity.warning(experiment),))
     if missing:
         texts.append(f'{counted(missing, "trials")} of the plan {"is" if missing == 1 else "are"} not run yet.')
     different = sum(trial.verified == 'different' for trial in experiment.complete)
@@ -192,6 +193,7 @@ def _facts(experiment):
         ends = [digits(each, 2) for each in (min(speeds), max(speeds))]
         facts.append(('Speed', f'{digits(median, 2)} times real time',
                       f'median; {ends[0]} to {ends[1]}' if ends[0] != ends[1] else ''))
+    facts += filter(None, (validity.fact(experiment),))
     if len(wall):
         facts.append(('Wall time of the trials', duration(math.fsum(wall)), 'one after the other'))
     return facts

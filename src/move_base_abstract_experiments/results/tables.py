@@ -9,6 +9,7 @@ import io
 import json
 import sys
 
+from ..description.metric_names import OCCASIONAL, Metric
 from ..trials.trial import COMPLETE, DIFFERENT, IDENTICAL
 from . import outputs
 
@@ -112,7 +113,8 @@ def write(folder, plan):
             break
         metrics = named + sorted(rows.metrics - set(named))
     for name in metrics:
-        plan['metrics'].setdefault(name, {'unit': '', 'title': name, 'better': None})
+        known = OCCASIONAL.get(name, Metric(name))
+        plan['metrics'].setdefault(name, {'unit': known.unit, 'title': known.title, 'better': known.better})
     folder.write_pieces('plan.json', plan_text(plan))
     if table is not None:
         _write_parquet(folder, columns(plan, metrics), table)

@@ -18,6 +18,8 @@ from move_base_abstract.runs.event_log import EventLog, EventLogError
 from move_base_abstract.runs.run_difference import MESSAGES
 from move_base_abstract_ros.launching import ends
 
+from .validity import Validity
+
 _NS_PER_S = 1e9  # dividing by it rounds once
 _NEAR = 1e-9  # m, by which one point must be nearer than another
 #: of a robot; what each says stands at robot_trace
@@ -29,7 +31,10 @@ ROBOT_VALUES = ('goals', 'distance_m', 'moving_s', 'idle_s', 'waiting_s')
 
 
 class Summary(NamedTuple):
-    """What a log says: the end record's labels, and numbers. ``robots``: {name: {one of ROBOT_VALUES: number}}."""
+    """What a log says: the end record's labels, and numbers.
+
+    ``robots``: {name: {one of ROBOT_VALUES, or of validity.ROBOT_VALUES: number}}.
+    """
 
     metrics: dict
     robots: dict
@@ -99,13 +104,13 @@ def summarise(path, starts=None):
         log = EventLog(stream, path)
         start_ns = log.start_ns
         robots, endings, last_ns = {}, {'reached': 0, 'failed': 0, 'last_ns': start_ns}, start_ns
-        told = ends.Log()
+        told, validity = ends.Log(), Validity()
         for event in log:
             last_ns = event.time_ns
             if event.kind in ends.KINDS:
                 told.take(event)
             elif event.kind not in MESSAGES:
-                _take(robots, endings, event, starts or {}, start_ns)
+                _take(robots, endings, event, starts or {}, start_ns, validity)
     if log.end is None:
         raise EventLogError(f'{path}: has no end record: the run did not end properly')
     end_ns = max(last_ns, _end_ns(log.end.get('reason', '')))
@@ -113,11 +118,12 @@ def summarise(path, starts=None):
     for robot in robots.values():
         robot.be('idle', end_ns)
     told.end(log.end)
-    return _summary(robots, endings, log, start_ns, end_ns)._replace(open_goals=open_goals, ends=told)
+    return _summary(robots, endings, log, start_ns, end_ns, validity)._replace(open_goals=open_goals, ends=told)
 
 
-def _take(robots, endings, event, starts, start_ns):
+def _take(robots, endings, event, starts, start_ns, validity):
     values = json.loads(event.values)
+    validity.take(event.robot, event.kind, values)
     if event.kind in PLACES and len(values) >= 2 and all(map(_is_number, values)):  # anybody may write such a row
         robot = robots.setdefault(event.robot, None) or _Robot(starts.get(event.robot), start_ns)
         robots[event.robot] = robot
@@ -154,9 +160,9 @@ def _end_ns(reason):
     return int(whole) * 10**9 + int((part + '0' * 9)[:9])
 
 
-def _summary(robots, endings, log, start_ns, end_ns):
+def _summary(robots, endings, log, start_ns, end_ns, validity):
     seconds = (end_ns - start_ns) / _NS_PER_S
-    by_robot = {name: robots[name].values() for name in sorted(robots)}
+    by_robot = {name: {**robots[name].values(), **validity.of_robot(name)} for name in sorted(robots)}
 
     def mean(key):
         return round(sum(one[key] for one in by_robot.values()) / len(by_robot), 9) if by_robot else None
@@ -166,7 +172,7 @@ def _summary(robots, endings, log, start_ns, end_ns):
         'makespan': (endings['last_ns'] - start_ns) / _NS_PER_S if ended else None,
         'distance': round(sum(one['distance_m'] for one in by_robot.values()), 9),
         'moving': mean('moving_s'), 'idle': mean('idle_s'), 'waiting': mean('waiting_s'),
-        'throughput': endings['reached'] * 3600.0 / seconds if seconds > 0.0 else None}
+        'throughput': endings['reached'] * 3600.0 / seconds if seconds > 0.0 else None, **validity.metrics()}
     labels = event_log.labels_of(log.end)
     return Summary(metrics, by_robot, seconds, log.events, bool(log.end.get('repeatable')) and not labels, labels,
                    log.end.get('reason', ''), bool(log.end.get('by_fault')))

@@ -6,6 +6,7 @@ import rospy
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import Parameter, integer, number, read_table
 from move_base_abstract.config.rates import Rates
+from move_base_abstract.motion.recorded_range import WARNING
 from move_base_abstract.sensing.surroundings import Surroundings
 
 from ..replacing.single_connections import connect_one_at_a_time
@@ -74,6 +75,7 @@ class Host:
         self.zones = zones
         self._robot_count = 0
         self.surroundings = Surroundings()
+        self._has_warned = False  # of goals outside of what was recorded
         self.rates = Rates(clock.rates_changed)
         clock.show_rates(self.rates.text)
         self.status_heartbeat = Heartbeat(self, self.options.status_frequency, _STATUS_RATE_CAP)
@@ -81,6 +83,12 @@ class Host:
         self._diagnostics = None
         timing.begin_to_publish()
         self.events = EventsTopic(clock)
+
+    def warn_of_beyond(self, name, words):
+        """Warn once that a goal of the robot ``name`` lies outside of what was recorded, in which ``words`` say."""
+        if not self._has_warned:
+            self._has_warned = True
+            rospy.logwarn(WARNING.format(name, words))
 
     def add_robot(self):
         """One more robot shares what may be published."""

@@ -95,6 +95,7 @@ class MoveBaseServer(NavigatorListener):
                                  self._host.zones)
         robot, self._frames, self._ledger, self.navigator, self.condition = parts
         self._trace.motion(robot, self._clock.look_ns())
+        self._trace.recorded(settings.durations, self._clock.look_ns())
         self.navigator.set_feedback_frequency(values['feedback_freq'])
         self._feedback_throttle = self._host.throttle(values['max_feedback_rate'])
         costmaps = CostmapTopics(self._names, settings, self._host, self._map)
@@ -216,6 +217,11 @@ class MoveBaseServer(NavigatorListener):
         finally:  # its places are its own, whatever goes wrong with showing it
             if self._traveller is not None:
                 self._traveller.stands(now_ns)
+
+    def beyond(self, recorded, found, now_ns):
+        """Note that the robot's goal lies outside of what was recorded; the first one of the process is warned of."""
+        self._trace.note('beyond', now_ns, *found)
+        self._host.warn_of_beyond(self._names.robot, recorded.words(found))
 
     def abandons(self, now_ns):
         """Leave the queues in which the robot waits."""

@@ -1,0 +1,59 @@
+"""How near a way comes to what is occupied on a map: by a field of distances, made once per map."""
+from __future__ import annotations
+
+import math
+import weakref
+from typing import TYPE_CHECKING, Any, MutableMapping, Sequence, Tuple
+
+import numpy as np
+
+from .occupancy import OCCUPIED, OccupancyMap
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: m: what lies further off is as far as this
+LIMIT = 3.0
+_MOST_CELLS = 200  # of the limit, on maps of very small cells
+
+_fields: MutableMapping[OccupancyMap, NDArray[Any]] = weakref.WeakKeyDictionary()
+
+
+def way_clearance(occupancy: OccupancyMap, points: Sequence[Tuple[float, float]]) -> float:
+    """Return how near the straight pieces between ``points`` [(x, y), m] come to what is occupied [m].
+
+    At most LIMIT; to the edge of the cell, to within a cell. What is unknown or off the map is not occupied.
+    """
+    if occupancy not in _fields:
+        _fields[occupancy] = distance_field(occupancy.cells >= OCCUPIED, _reach(occupancy))
+    field, reach = _fields[occupancy], _reach(occupancy)
+    nearest = float(reach)
+    for one, other in zip(points, points[1:] or points[:1]):
+        begin, end = np.array(occupancy.to_cells(*one)), np.array(occupancy.to_cells(*other))
+        count = int(2.0 * float(np.hypot(*(end - begin)))) + 2  # twice a cell
+        columns, rows = np.floor(np.linspace(begin, end, count)).astype(int).T
+        inside = (columns >= 0) & (columns < occupancy.width) & (rows >= 0) & (rows < occupancy.height)
+        if inside.any():
+            nearest = min(nearest, math.sqrt(float(field[rows[inside], columns[inside]].min())))
+    return min(LIMIT, max(0.0, nearest - 0.5) * occupancy.resolution if nearest < reach else LIMIT)
+
+
+def _reach(occupancy: OccupancyMap) -> int:
+    return min(_MOST_CELLS, int(LIMIT / occupancy.resolution) + 1)
+
+
+def distance_field(occupied: NDArray[Any], reach: int) -> NDArray[Any]:
+    """Return the squares of the distances [cells] from each cell's centre to that of the nearest occupied one.
+
+    Exact below ``reach`` [cells], whose square is the highest value. First along columns, then over rows.
+    """
+    rows, columns = occupied.shape
+    row = np.arange(rows)[:, None]
+    south = np.maximum.accumulate(np.where(occupied, row, -2 * reach), axis=0)
+    north = np.minimum.accumulate(np.where(occupied, row, rows + 2 * reach)[::-1], axis=0)[::-1]
+    squares = np.minimum(np.minimum(row - south, north - row), reach).astype(np.int32) ** 2
+    best = squares.copy()
+    for offset in range(1, min(reach, columns)):
+        np.minimum(best[:, offset:], squares[:, :-offset] + offset * offset, out=best[:, offset:])
+        np.minimum(best[:, :-offset], squares[:, offset:] + offset * offset, out=best[:, :-offset])
+    return best
