@@ -11,6 +11,7 @@ from .law import Durations
 from .legs import met_no_robot
 
 PARTS = 10
+_MOST_RECORDINGS = 8  # that are predicted by the others, one by one
 MET = 1.5  # m: nearer to another robot than this a leg may have been held up
 _SEED = 20130213
 _INTERVAL = (0.05, 0.95)
@@ -89,18 +90,36 @@ def by_regions(pairs):
 
 
 def by_recordings(pairs):
-    """Return {name of a recording: (legs of the others, its own legs)}, where there are several."""
-    names = sorted({leg.recording for leg, _ in pairs})
-    return {name: ([pair for pair in pairs if pair[0].recording != name],
-                   [pair for pair in pairs if pair[0].recording == name]) for name in names} if len(names) > 1 else {}
+    """Return {name of a recording: (legs of the others, its own legs)}, where there are several, but not many."""
+    folds = _by(pairs, lambda leg: leg.recording)
+    return folds if len(folds) <= _MOST_RECORDINGS else {}
+
+
+def by_maps(pairs):
+    """Return {name of a map: (legs on the others, those on it)}, where there are several."""
+    return _by(pairs, lambda leg: leg.map)
+
+
+def _by(pairs, key):
+    names = sorted({key(leg) for leg, _ in pairs})
+    return {name: ([pair for pair in pairs if key(pair[0]) != name],
+                   [pair for pair in pairs if key(pair[0]) == name]) for name in names} if len(names) > 1 else {}
+
+
+class Folds(NamedTuple):
+    """What folds have told: one Predicted of all legs to predict, these legs, and (predicted, measured) success."""
+
+    predicted: Predicted
+    pairs: list
+    success: tuple
 
 
 def predict_folds(folds, nominal_speed):
-    """Return one Predicted of all legs to predict, and the (predicted, measured) rates of success.
+    """Return the Folds, None without any.
 
-    Folds that leave too few legs to fit or none to predict are left out; without any others both are None.
+    Folds that leave too few legs to fit or none to predict are left out.
     """
-    found, rates = [], []
+    found, rates, used = [], [], []
     for known, asked in folds:
         try:
             values = fit(known)
@@ -109,29 +128,29 @@ def predict_folds(folds, nominal_speed):
         if succeeded(asked):
             found.append(predict(values, asked, nominal_speed))
             rates.append((len(asked), *success_rates(values, asked)))
+            used += succeeded(asked)
     if not found:
-        return None, None
+        return None
     weights, predicted, measured = np.transpose(rates)
-    return (Predicted(*(np.concatenate(parts) for parts in zip(*found))),
-            (float(np.average(predicted, weights=weights)), float(np.average(measured, weights=weights))))
+    return Folds(Predicted(*(np.concatenate(parts) for parts in zip(*found))), used,
+                 (float(np.average(predicted, weights=weights)), float(np.average(measured, weights=weights))))
 
 
 def scores(values, pairs, nominal_speed):
-    """Return ([Score], the Predicted by parts at random): of the legs themselves first, then by cross-validation."""
+    """Return ([Score], the Folds by which pictures and classes judge), of the legs themselves first.
+
+    The Folds are those by maps where there are several, else parts at random; None where there are too few legs.
+    """
     rows = [score('the legs that were fitted', predict(values, pairs, nominal_speed), success_rates(values, pairs))]
-    parts, rates = predict_folds(by_parts(pairs), nominal_speed)
-    if parts is not None:
-        rows.append(score('{} parts at random'.format(PARTS), parts, rates))
-    regions, rates = predict_folds(by_regions(pairs), nominal_speed)
-    if regions is not None:
-        rows.append(score('four quarters of the map', regions, rates))
+    kinds = [('{} parts at random'.format(PARTS), by_parts(pairs))]
+    maps = by_maps(pairs)
+    kinds += [('map {} by the others'.format(name), [fold]) for name, fold in maps.items()]
+    kinds += [] if maps else [('four quarters of the map', by_regions(pairs))]
     for name, (known, asked) in by_recordings(pairs).items():
         alone = [pair for pair in asked if met_no_robot(pair[0], MET)]
-        kinds = [('recording {} by the others'.format(name), asked)]
+        kinds.append(('recording {} by the others'.format(name), [(known, asked)]))
         if len(alone) < len(asked):
-            kinds.append(('of these, legs that met no other robot within {:g} m'.format(MET), alone))
-        for words, chosen in kinds:
-            predicted, rates = predict_folds([(known, chosen)], nominal_speed)
-            if predicted is not None:
-                rows.append(score(words, predicted, rates))
-    return rows, parts
+            kinds.append(('of these, legs that met no other robot within {:g} m'.format(MET), [(known, alone)]))
+    told = [(words, predict_folds(folds, nominal_speed)) for words, folds in kinds]
+    rows += [score(words, folds.predicted, folds.success) for words, folds in told if folds is not None]
+    return rows, predict_folds(list(maps.values()), nominal_speed) if maps else told[0][1]

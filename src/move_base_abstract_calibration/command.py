@@ -50,6 +50,8 @@ def _parse(words):
                         'namespace (default: base_pose_ground_truth, else amcl_pose, else odom)')
     parser.add_argument('--nominal-speed', type=_positive, metavar='M/S', help='of the straight line that is shown '
                         'beside (default: the fitted top speed)')
+    parser.add_argument('--bootstrap', type=_count, metavar='N', default=100, help='from how many samples of the '
+                        'recordings the intervals of the parameters are found (default: %(default)d)')
     parser.add_argument('--source', metavar='TEXT', help='a line on where the recordings are from')
     options = parser.parse_args(words)
     if not options.output.endswith('.yaml'):
@@ -85,7 +87,8 @@ def _pairs(options):
     legs, notes = _read(options)
     legs, found = checks.examine(legs)
     notes += found
-    pairs = ways_of(legs, _map_ways(options, notes))
+    occupancy = _map(options, notes)
+    pairs = ways_of(legs, occupancy, options.radius)
     if len(pairs) < len(legs):
         notes.append('{} of {} legs have no way on the map and are left out'.format(len(legs) - len(pairs), len(legs)))
     if options.clear_of_robots:
@@ -100,20 +103,26 @@ def _pairs(options):
 
 def _calibrate(options):
     from . import check, outputs  # these take a while to import
+    from .classes import by_class
     from .fit import fit, succeeded
+    from .intervals import intervals, recorded_range
     page = options.output[:-len('.yaml')] + '.html'
     outputs.check(options.output, page)
     pairs, notes = _pairs(options)
     values = fit(pairs)
     source = options.source or '{} legs of {}'.format(
         len(succeeded(pairs)), ', '.join(os.path.basename(path) for path in options.recordings))
-    text = outputs.yaml_text(values, source)
+    found, how = intervals(pairs, options.bootstrap)
+    text = outputs.yaml_text(values, source, recorded_range(pairs), found, how)
     nominal_speed = options.nominal_speed or values['max_speed']
-    rows, predicted = check.scores(values, pairs, nominal_speed)
+    rows, folds = check.scores(values, pairs, nominal_speed)
     from .pictures import draw
-    picture = draw(values, pairs, predicted or check.predict(values, pairs, nominal_speed))
+    used, predicted = (succeeded(pairs), check.predict(values, pairs, nominal_speed)) if folds is None else (
+        folds.pairs, folds.predicted)
+    picture = draw(values, pairs, predicted)
     outputs.write(options.output, text)
-    outputs.write(page, outputs.page_text(text, source, rows, picture, nominal_speed, notes))
+    outputs.write(page, outputs.page_text(text, source, rows, picture, nominal_speed, notes,
+                                          by_class(used, predicted), found, how))
     _say(rows)
     print(options.output)
     print(page)
@@ -142,18 +151,25 @@ def _read(options):
     return legs, notes
 
 
-def _map_ways(options, notes):
+def _map(options, notes):
+    """Return the OccupancyMap that was named, or None."""
     if options.map is None:
         return None
-    from move_base_abstract.maps.grid_planner import MapWays
     from move_base_abstract.maps.map_files import load_map, read_description
     description = read_description(options.map)
     notes += list(description.warnings)
-    return MapWays.on(load_map(description), options.radius)
+    return load_map(description)
 
 
 def _positive(text):
     value = float(text)
     if not 0.0 < value < math.inf:
         raise argparse.ArgumentTypeError('must be a finite number > 0, got {}'.format(shown(text)))
+    return value
+
+
+def _count(text):
+    value = int(text)
+    if not 0 <= value <= 100_000:
+        raise argparse.ArgumentTypeError('must be a whole number in 0..100000, got {}'.format(shown(text)))
     return value

@@ -72,7 +72,7 @@ def _leg(row, where, number):
         _way(optional, start, goal), None if None in end else Pose2D(*end),
         not (optional['rescued'] or optional['stuck_start'] or optional['cancelled'] == 2.0),
         optional['min_robot_dist_m'], optional['plan_clearance_m'], optional['send_s'],
-        None if None in stamps else stamps[1] - stamps[0])
+        None if None in stamps else stamps[1] - stamps[0], map=row.get('map') or '')
 
 
 def _way(values, start, goal):

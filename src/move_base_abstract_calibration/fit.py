@@ -14,6 +14,7 @@ from .law import Durations
 
 LEAST_LEGS = 25
 _ROUNDS = 150
+_NEAR_ENOUGH = 1e-6  # of the cost, by which a round of a search from nearby must make it less
 _STRANGE = 1e-3  # share of legs that nothing explains, spread as Cauchy's distribution
 _STRANGE_SECONDS = 5.0
 _PHASES = 11  # of the fitted values, the first ones
@@ -27,6 +28,8 @@ _FITTED = (('max_speed', None, 0.7), ('acceleration', 0.5, 0.7), ('braking_gain'
 #: the chance of a tail by the start turn: the logistic function of a + b (turn - 3 pi / 4); (usual value, its spread)
 _LOGISTIC = ((-1.0, 2.0), (2.0, 4.0))
 _NAMES = [name for name, *_ in _FITTED]
+#: of what is fitted, in the order of the packed values
+PACKED_NAMES = (*_NAMES, 'tail_chance_level', 'tail_chance_slope')
 
 
 def fit(pairs):
@@ -34,41 +37,69 @@ def fit(pairs):
 
     :raises ConfigurationError: if there are too few legs that count and have succeeded.
     """
-    used = succeeded(pairs)
-    if len(used) < LEAST_LEGS:
-        raise ConfigurationError('got {} legs that succeeded and count; allowed: at least {}'.format(
-            len(used), LEAST_LEGS))
-    ways = np.array([way for _, way in used], float)
-    durations = np.array([leg.duration for leg, _ in used])
-    fixed = _tolerances(used)
-    usual = np.array([float(np.quantile(ways[:, 0] / durations, 0.95)) if value is None else value
-                      for _, value, _ in _FITTED])
-    first = np.append(np.log(np.maximum(usual, 1e-3)), [value for value, _ in _LOGISTIC])
-    widths = np.array([width for *_, width in (*_FITTED, *_LOGISTIC)])
-    highest = first + 4.0 * widths
-    highest[_NAMES.index('tail_cv')] = 0.0  # above 1 the density has no bound, and draws all legs to it
-
-    packed = _begin(first, widths, lambda packed: Durations(_values(packed, fixed), ways), durations)
-
-    def cost(packed):
-        law = Durations(_values(packed, fixed), ways)
-        strange = 1.0 / (math.pi * _STRANGE_SECONDS * (1.0 + ((durations - law.least) / _STRANGE_SECONDS) ** 2))
-        density = (1.0 - _STRANGE) * law.density(durations) + _STRANGE * strange
-        return 0.5 * np.sum(((packed - first) / widths) ** 2) - np.sum(np.log(density))
-    found = optimize.minimize(cost, packed, method='L-BFGS-B', options={'maxiter': _ROUNDS, 'maxfun': 100 * _ROUNDS},
-                              bounds=list(zip(first - 4.0 * widths, highest)))
-    return {**_values(found.x, fixed), 'failure_by_length': _failures(pairs)}
+    problem = Problem(pairs)
+    return problem.values(problem.solve())
 
 
-def _begin(first, widths, law_of, durations):
-    """Return where the search begins: with the phases that fit best where the largest misses count little."""
-    def misses(phases):
-        packed = np.append(phases, first[_PHASES:])
-        return np.append(law_of(packed).least - durations, (phases - first[:_PHASES]) / widths[:_PHASES])
-    found = optimize.least_squares(misses, first[:_PHASES], loss='soft_l1', f_scale=0.5, max_nfev=60,
-                                   bounds=(first[:_PHASES] - 4.0 * widths[:_PHASES],
-                                           first[:_PHASES] + 4.0 * widths[:_PHASES]))
-    return np.append(found.x, first[_PHASES:])
+class Problem:
+    """What is minimised for ``pairs`` [(RecordedLeg, Way)], over packed values: see PACKED_NAMES, mostly logarithms.
+
+    :raises ConfigurationError: if there are too few legs that count and have succeeded.
+    """
+
+    def __init__(self, pairs):
+        used = succeeded(pairs)
+        if len(used) < LEAST_LEGS:
+            raise ConfigurationError('got {} legs that succeeded and count; allowed: at least {}'.format(
+                len(used), LEAST_LEGS))
+        self._ways = np.array([way for _, way in used], float)
+        self._durations = np.array([leg.duration for leg, _ in used])
+        self._fixed = {**_tolerances(used), 'failure_by_length': _failures(pairs)}
+        usual = np.array([float(np.quantile(self._ways[:, 0] / self._durations, 0.95)) if value is None else value
+                          for _, value, _ in _FITTED])
+        self.first = np.append(np.log(np.maximum(usual, 1e-3)), [value for value, _ in _LOGISTIC])
+        #: the spread of each value's prior
+        self.widths = np.array([width for *_, width in (*_FITTED, *_LOGISTIC)])
+        self.highest = self.first + 4.0 * self.widths
+        self.highest[_NAMES.index('tail_cv')] = 0.0  # above 1 the density has no bound, and draws all legs to it
+
+    def solve(self, begin=None):
+        """Return the packed values that cost least, from the best phases; from ``begin``, near it: less exactly."""
+        def cost(packed):
+            return 0.5 * np.sum(((packed - self.first) / self.widths) ** 2) + np.sum(self.surprises(packed))
+        lowest = self.first - 4.0 * self.widths
+        options = {'maxiter': _ROUNDS, 'maxfun': 100 * _ROUNDS}
+        if begin is None:
+            begin = self._begin()
+        else:
+            begin, options['ftol'] = np.clip(begin, lowest, self.highest), _NEAR_ENOUGH
+        return optimize.minimize(cost, begin, method='L-BFGS-B', bounds=list(zip(lowest, self.highest)),
+                                 options=options).x
+
+    def surprises(self, packed):
+        """Return how unlikely each duration is: minus the logarithm of its likelihood, without the prior."""
+        law = Durations(self.values(packed), self._ways)
+        excess = (self._durations - law.least) / _STRANGE_SECONDS
+        strange = 1.0 / (math.pi * _STRANGE_SECONDS * (1.0 + excess ** 2))
+        return -np.log((1.0 - _STRANGE) * law.density(self._durations) + _STRANGE * strange)
+
+    def values(self, packed):
+        """Return {parameter of a calibration: value} of packed values."""
+        level, slope = packed[len(_NAMES):]
+        chances = special.expit(level + slope * (_TURNS - 0.75 * math.pi))
+        return {**self._fixed, **{name: float(value) for name, value in zip(_NAMES, np.exp(packed))},
+                'tail_chance_by_turn': [[float(turn), float(chance)] for turn, chance in zip(_TURNS, chances)]}
+
+    def _begin(self):
+        """Return where the search begins: with the phases that fit best where the largest misses count little."""
+        first, widths = self.first[:_PHASES], self.widths[:_PHASES]
+
+        def misses(phases):
+            law = Durations(self.values(np.append(phases, self.first[_PHASES:])), self._ways)
+            return np.append(law.least - self._durations, (phases - first) / widths)
+        found = optimize.least_squares(misses, first, loss='soft_l1', f_scale=0.5, max_nfev=60,
+                                       bounds=(first - 4.0 * widths, first + 4.0 * widths))
+        return np.append(found.x, self.first[_PHASES:])
 
 
 def succeeded(pairs):
@@ -76,11 +107,9 @@ def succeeded(pairs):
     return [(leg, way) for leg, way in pairs if leg.counts and leg.succeeded]
 
 
-def _values(packed, fixed):
-    level, slope = packed[len(_NAMES):]
-    chances = special.expit(level + slope * (_TURNS - 0.75 * math.pi))
-    return {**fixed, **{name: float(value) for name, value in zip(_NAMES, np.exp(packed))},
-            'tail_chance_by_turn': [[float(turn), float(chance)] for turn, chance in zip(_TURNS, chances)]}
+def ended(pairs):
+    """Return those of ``pairs`` that count for success: succeeded or failed."""
+    return [(leg, way) for leg, way in pairs if leg.counts and (leg.succeeded or leg.failed)]
 
 
 def _tolerances(used):
@@ -95,6 +124,6 @@ def _tolerances(used):
 
 def _failures(pairs):
     """Return the chance of failure by length, [[m, chance]], as if failures came at random along the ways."""
-    ended = [(leg, way) for leg, way in pairs if leg.counts and (leg.succeeded or leg.failed)]
-    rate = sum(leg.failed for leg, _ in ended) / max(1e-9, math.fsum(way.length for _, way in ended))
+    all_ended = ended(pairs)
+    rate = sum(leg.failed for leg, _ in all_ended) / max(1e-9, math.fsum(way.length for _, way in all_ended))
     return [[length, -math.expm1(-rate * length)] for length in (0.0, 25.0, 50.0, 100.0, 200.0)] if rate else []

@@ -23,7 +23,8 @@ class RecordedLeg(NamedTuple):
     duration says something of the robot (not of somebody who moved it, or of one that was stuck already);
     ``nearest_robot`` [m]: how near another robot came, ``clearance`` [m]: how near the way comes to what is occupied,
     ``sent`` [s]: when the goal was sent, ``by_stamps`` [s]: the duration between two stamps beside; None if nobody
-    says. ``doubt``: what its reader has found wrong with it, one of checks.DOUBTS.
+    says. ``doubt``: what its reader has found wrong with it, one of checks.DOUBTS; ``map``: the name of its map,
+    '' if nobody says.
     """
 
     recording: str
@@ -42,6 +43,7 @@ class RecordedLeg(NamedTuple):
     sent: Optional[float] = None
     by_stamps: Optional[float] = None
     doubt: str = ''
+    map: str = ''
 
 
 def met_no_robot(leg, distance):
@@ -60,18 +62,21 @@ def way_along(start, points, goal):
                normalize_angle(goal.yaw - pieces[-1][1]))
 
 
-def ways_of(legs, map_ways=None):
-    """Return [(leg, Way)] of ``legs``: on the map (``map_ways``, a MapWays), else as recorded, else straight.
+def ways_of(legs, occupancy=None, radius=0.0):
+    """Return [(leg, Way)] of ``legs``: as recorded, else straight; with a map (OccupancyMap) those planned on it.
 
-    A leg to which no way leads on the map is left out.
+    These keep ``radius`` [m] off what is occupied; the legs' clearances are theirs then. A leg to which no way leads is
+    left out.
     """
-    found = []
+    if occupancy is None:
+        return [(leg, leg.way or way_along(leg.start, (), leg.goal)) for leg in legs]
+    from move_base_abstract.maps.grid_planner import MapWays
+    from move_base_abstract.maps.way_clearance import way_clearance
+    map_ways, found = MapWays.on(occupancy, radius), []
     for leg in legs:
-        if map_ways is not None:
-            corners = map_ways.corners(leg.start, leg.goal)
-            way = None if corners is None else way_along(leg.start, corners, leg.goal)
-        else:
-            way = leg.way or way_along(leg.start, (), leg.goal)
-        if way is not None:
-            found.append((leg, way))
+        corners = map_ways.corners(leg.start, leg.goal)
+        if corners is not None:
+            points = [(leg.start.x, leg.start.y), *corners, (leg.goal.x, leg.goal.y)]
+            found.append((leg._replace(clearance=way_clearance(occupancy, points)),
+                          way_along(leg.start, corners, leg.goal)))
     return found

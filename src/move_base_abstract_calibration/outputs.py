@@ -27,16 +27,26 @@ def check(*paths):
         own_files.check_file(str(path), lambda line: line.startswith((_FIRST_YAML.encode(), _FIRST_PAGE.encode())))
 
 
-def yaml_text(values, source):
-    """Return the YAML of a calibration, its numbers rounded to 5 digits; what it says is checked first."""
+def yaml_text(values, source, recorded=None, intervals=None, how=''):
+    """Return the YAML of a calibration, its numbers rounded to 5 digits; what it says is checked first.
+
+    ``recorded`` {name: (low, high)} and ``intervals`` {name: (low, high) or HELD}, found as the words ``how`` say, are
+    sections of it.
+    """
     rounded = {name: _rounded(values[name]) for name in values}
-    make_calibration({'format': FORMAT, 'source': source, **rounded}, 'calibrate')
+    sections = {name: {key: one if isinstance(one, str) else _rounded(one) for key, one in section.items()}
+                for name, section in (('recorded', recorded), ('intervals', intervals)) if section}
+    make_calibration({'format': FORMAT, 'source': source, **rounded, **sections}, 'calibrate')
     lines = ['{}: what each value means stands in docs/calibrate.md'.format(_FIRST_YAML), 'format: {}'.format(FORMAT),
              'source: {}'.format(_quoted(source))]
     for parameter in TABLE:
         if parameter.name != 'source':
             unit = _UNITS.get(parameter.name)
             lines.append('{}: {}{}'.format(parameter.name, rounded[parameter.name], '  # ' + unit if unit else ''))
+    for name, comment in (('recorded', 'of the legs that were fitted'), ('intervals', how)):
+        if name in sections:
+            lines.append('{}:  # {}'.format(name, comment))
+            lines += ['  {}: {}'.format(key, one) for key, one in sections[name].items()]
     return '\n'.join(lines) + '\n'
 
 
@@ -47,12 +57,16 @@ def write(path, text):
         stream.write(text)
 
 
-def page_text(calibration, source, rows, picture, nominal_speed, notes):
-    """Return the page: ``calibration`` is its YAML, ``rows`` [check.Score], ``picture`` a PNG's bytes."""
+def page_text(calibration, source, rows, picture, nominal_speed, notes, classes=(), intervals=None, how=''):
+    """Return the page: ``calibration`` is its YAML, ``rows`` [check.Score], ``picture`` a PNG's bytes.
+
+    ``classes``: [classes.ClassErrors]; ``intervals``, ``how``: as of :func:`yaml_text`.
+    """
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(str(Path(__file__).with_name('templates'))),
                                      autoescape=True, undefined=jinja2.StrictUndefined)
     return '{}\n{}\n'.format(_FIRST_PAGE, environment.get_template('page.html.j2').render(
         calibration=calibration, source=source, rows=rows, nominal_speed=nominal_speed, notes=notes,
+        classes=classes, intervals=intervals or {}, how=how, units=_UNITS,
         picture=base64.b64encode(picture).decode('ascii')))
 
 
@@ -62,6 +76,7 @@ def _quoted(text):
 
 
 def _rounded(value):
+    """Return a number with 5 digits, or a list of such."""
     if isinstance(value, (list, tuple)):
         return [_rounded(each) for each in value]
     return float('{:.{}g}'.format(value, _DIGITS))

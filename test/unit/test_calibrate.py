@@ -17,8 +17,10 @@ from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.phased_route import PhasedRoute
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_calibration import check, command, outputs
+from move_base_abstract_calibration.classes import by_class
 from move_base_abstract_calibration.csv_files import read_legs
 from move_base_abstract_calibration.fit import fit, succeeded
+from move_base_abstract_calibration.intervals import clusters, intervals
 from move_base_abstract_calibration.law import Durations, approach_seconds, motion_seconds
 from move_base_abstract_calibration.legs import met_no_robot, way_along, ways_of
 
@@ -145,10 +147,64 @@ def test_one_robot_alone_predicts_three_together():
 
 
 def test_folds_leave_out_what_they_ask_for(pairs):
-    for folds in (check.by_parts(pairs), check.by_regions(pairs), list(check.by_recordings(pairs).values())):
+    mapped = [(leg._replace(map='yard' if leg.number % 3 else 'hall'), way) for leg, way in pairs]
+    assert list(check.by_maps(mapped)) == ['hall', 'yard']
+    assert check.by_maps(pairs) == {}
+    for pairs, folds in ((pairs, check.by_parts(pairs)), (pairs, check.by_regions(pairs)),
+                         (pairs, list(check.by_recordings(pairs).values())),
+                         (mapped, list(check.by_maps(mapped).values()))):
         for known, asked in folds:
             assert not {id(leg) for leg, _ in known} & {id(leg) for leg, _ in asked}
         assert sum(len(asked) for _, asked in folds) == len(pairs)
+
+
+def test_errors_of_classes_are_those_of_their_legs(pairs):
+    used = [(leg._replace(nearest_robot=(None, 0.5, 1.0, 2.0, 9.0)[leg.number % 5]), way)
+            for leg, way in succeeded(pairs)]
+    predicted = check.predict(shipped_values(), used, NOMINAL)
+    turns, robots = by_class(used, predicted)[:2]
+    assert [turns.kind, robots.kind] == ['start turn', 'nearest other robot']
+    assert sum(row.legs for _, row in turns.rows) == sum(row.legs for _, row in robots.rows) == len(used)
+    assert [name for name, _ in robots.rows] == ['below 1 m', '1 to 1.5 m', '1.5 to 3 m', '5 m or more', 'not known']
+    large = [pair for pair in used if abs(pair[1].start_turn) >= np.radians(150.0)]
+    expected = check.score('', check.predict(shipped_values(), large, NOMINAL))
+    assert turns.rows[-1][0] == '150 degrees or more'
+    assert turns.rows[-1][1].median_error == pytest.approx(expected.median_error)
+    assert turns.rows[-1][1].median_error > 2.0 * turns.rows[0][1].median_error
+    assert [errors.kind for errors in by_class([(leg._replace(nearest_robot=None, clearance=None), way)
+                                               for leg, way in used], predicted)] == ['start turn']
+
+
+def test_intervals_hold_what_was_put_in_and_what_legs_say_nothing_of_is_held_by_the_prior():
+    values = shipped_values()
+    generator = np.random.default_rng(7)
+    legs = []
+    for number, (leg, way) in enumerate(ways_of(read_legs(SMALL))):
+        way = way._replace(start_turn=0.0, end_turn=0.0)  # nobody turns
+        duration = Durations(values, [way]).quantile(generator.uniform())[0]
+        legs.append((leg._replace(number=number, duration=float(duration), succeeded=True, counts=True, failed=False),
+                     way))
+    found, how = intervals(legs, 8)
+    assert how.startswith('90 %, the wider of 8 samples of {} legs'.format(len(legs)))
+    assert {found[name] for name in ('turning_speed', 'turning_gain', 'start_turn_square', 'bow_length',
+                                     'tail_chance_at_180_degrees')} == {'held by the prior'}
+    for name in ('max_speed', 'spread', 'delay_share'):
+        low, high = found[name]
+        assert low < values[name] < high, name
+    assert found['max_speed'][1] - found['max_speed'][0] < 0.1
+    assert found['failures_per_km'][0] == 0.0 and found['failures_per_km'][1] > 0.5
+    again, _ = intervals(legs, 8)
+    assert again == found
+
+
+def test_legs_of_many_recordings_are_drawn_by_recordings(pairs):
+    assert clusters(pairs)[1] == 'legs'
+    groups, words = clusters([(leg._replace(recording=str(leg.number % 12)), way) for leg, way in pairs])
+    assert (len(groups), words) == (12, 'recordings')
+    assert sum(map(len, groups)) == len(pairs)
+    groups, words = clusters([(leg._replace(recording=str(leg.number % 5), robot=str(leg.number % 2)), way)
+                              for leg, way in pairs])
+    assert (len(groups), words) == (10, 'robots of recordings')
 
 
 def test_a_robot_that_touched_another_one_has_met_it(pairs):
@@ -163,9 +219,14 @@ def test_the_program_writes_a_file_that_a_scenario_can_name_and_a_page(tmp_path,
     monkeypatch.setattr(check, 'scores', lambda values, pairs, speed: ([check.score(
         'those', check.predict(values, pairs, speed), check.success_rates(values, pairs))], None))  # no folds: slow
     output = tmp_path / 'robot.yaml'
-    command.main([str(SMALL), '-o', str(output), '--source', "a robot's first day"])
+    command.main([str(SMALL), '-o', str(output), '--source', "a robot's first day", '--bootstrap', '2'])
     assert read_calibration(str(output), 'x').source == "a robot's first day"
+    recorded = read_calibration(str(output), 'x').durations.recorded
+    assert recorded.length == pytest.approx((1.207, 56.187), abs=0.001)
+    assert load_yaml_file(output)['intervals']['max_speed'][0] < 1.0
     page = (tmp_path / 'robot.html').read_text()
+    for text in ('start turn', '150 degrees or more', 'held by the prior', 'failures_per_km', '6 legs were moved'):
+        assert text in page
     assert page.startswith('<!doctype html><!-- move_base_abstract calibration -->') and 'data:image/png' in page
     assert str(output) in capsys.readouterr().out
     assert sorted(os.listdir(tmp_path)) == ['robot.html', 'robot.yaml']
@@ -232,4 +293,6 @@ def test_the_calibration_that_ships_is_the_programs_own_writing():
     values = shipped_values()
     source = values.pop('source')
     assert values.pop('format') == 1
-    assert outputs.yaml_text(values, source) == text
+    how = next((line.partition('# ')[2] for line in text.splitlines() if line.startswith('intervals:')), '')
+    recorded, intervals_of_it = values.pop('recorded', None), values.pop('intervals', None)
+    assert outputs.yaml_text(values, source, recorded, intervals_of_it, how) == text

@@ -1,0 +1,123 @@
+"""How sure a fit is of each parameter: bootstrap over recordings or legs, and which parameters the prior holds."""
+import math
+
+import numpy as np
+from scipy import stats
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.motion.recorded_range import HELD
+
+from .fit import PACKED_NAMES, Problem, ended, succeeded
+
+SAMPLES = 100
+_SEED = 20130213
+_LEVELS = (0.05, 0.95)
+_NORMAL = float(stats.norm.ppf(_LEVELS[1]))
+_LEAST_CLUSTERS = 10  # fewer say nothing of how they differ
+_MOST_OF_PRIOR = 0.5 ** 0.5  # of the prior's spread: above it most of what is known of a value is the prior
+_STEP = 0.01  # of the logarithms, for derivatives
+_ANGLES = (90, 135, 180)  # degrees, at which the chance of the tail is told
+_TOLERANCES = ('xy_goal_tolerance', 'yaw_goal_tolerance')
+
+
+def clusters(pairs):
+    """Return ([pairs that were recorded together], what these are in words)."""
+    for words, key in (('recordings', lambda leg: leg.recording),
+                       ('robots of recordings', lambda leg: (leg.recording, leg.robot))):
+        groups = {}
+        for pair in pairs:
+            groups.setdefault(key(pair[0]), []).append(pair)
+        if len(groups) >= _LEAST_CLUSTERS:
+            return list(groups.values()), words
+    return [[pair] for pair in pairs], 'legs'
+
+
+def spreads(problem, packed):
+    """Return the spread of each packed value by the information of the legs (Fisher's) and of the prior.
+
+    The legs' is that of their scores' products: the likelihood has kinks, so that its second derivatives say little.
+    What one value gains and another loses counts, too: in a direction that changes nothing the prior decides alone.
+    """
+    steps = _STEP * np.eye(len(packed))
+    scores = np.array([problem.surprises(packed + step) - problem.surprises(packed - step) for step in steps])
+    scores /= 2.0 * _STEP
+    return np.sqrt(np.diag(np.linalg.inv(scores @ scores.T + np.diag(problem.widths ** -2.0))))
+
+
+def held_by_prior(problem, packed, spread):
+    """Return the names of those PACKED_NAMES of which the prior says more than the legs do.
+
+    That is where they have narrowed it down to no less than 0.7 of the prior's spread, and moved it by less than that.
+    """
+    moved = np.abs(packed - problem.first) / problem.widths
+    return [name for name, share, way in zip(PACKED_NAMES, spread / problem.widths, moved)
+            if share > _MOST_OF_PRIOR and way < 1.0]
+
+
+def intervals(pairs, samples=SAMPLES):
+    """Return ({name: (low, high) of 90 %, or HELD}, how they were found, in words) for ``pairs``.
+
+    Of each the wider one of two: by bootstrap, and by information, since a sample keeps to the prior where legs say
+    little. Names are those of parameters, but for ``tail_chance_at_135_degrees`` (and others) and ``failures_per_km``.
+    """
+    problem = Problem(pairs)
+    packed = problem.solve()
+    spread = spreads(problem, packed)
+    held = held_by_prior(problem, packed, spread)
+    groups, words = clusters(pairs)
+    found = _samples(groups, samples, packed)
+    ends = [_told(problem.values(np.minimum(packed + way * _NORMAL * spread, problem.highest))) for way in (-1.0, 1.0)]
+    result = {}
+    for name in ends[0]:
+        values = [one[name] for one in found]
+        both = [*(np.quantile(values, _LEVELS) if values else ()),
+                *(() if name.startswith('tail_chance_at') else (one[name] for one in ends))]
+        result.update({name: (float(min(both)), float(max(both)))} if both else {})
+    result.update({name: HELD for name in held if name in result})
+    if {'tail_chance_level', 'tail_chance_slope'} & set(held):
+        result.update({name: HELD for name in result if name.startswith('tail_chance_at')})
+    result['failures_per_km'] = _failures_per_km(pairs)
+    return result, '90 %, the wider of {} samples of {} {}, drawn with replacement, and of Fisher\'s ' \
+                   'information'.format(len(found), len(groups), words)
+
+
+def _samples(groups, count, packed):
+    """Return [what is told of the fit] to ``count`` samples of ``groups``, searched from ``packed``."""
+    generator = np.random.default_rng(_SEED)
+    found = []
+    for _ in range(count):
+        chosen = generator.integers(len(groups), size=len(groups))
+        try:
+            sample = Problem([pair for number in chosen for pair in groups[number]])
+        except ConfigurationError:  # too few legs that succeeded
+            continue
+        found.append(_told(sample.values(sample.solve(packed))))
+    return found
+
+
+def recorded_range(pairs):
+    """Return {'length', 'start_turn', 'clearance' if it is known: (lowest, highest)} of the legs that are fitted."""
+    used = succeeded(pairs)
+    parts = {'length': [way.length for _, way in used], 'start_turn': [abs(way.start_turn) for _, way in used],
+             'clearance': [leg.clearance for leg, _ in used if leg.clearance is not None]}
+    if 2 * len(parts['clearance']) < len(used):  # of the others nothing would be known
+        del parts['clearance']
+    return {name: (min(values), max(values)) for name, values in parts.items()}
+
+
+def _told(values):
+    """Return {name: number} of the values of which intervals are told."""
+    turns, chances = np.transpose(values['tail_chance_by_turn'])
+    return {**{name: values[name] for name in (*PACKED_NAMES[:-2], *_TOLERANCES)},
+            **{'tail_chance_at_{}_degrees'.format(angle): float(np.interp(math.radians(angle), turns, chances))
+               for angle in _ANGLES}}
+
+
+def _failures_per_km(pairs):
+    """Return the exact interval of 90 % of a Poisson process' rate [1/km] (Garwood)."""
+    all_ended = ended(pairs)
+    count = sum(leg.failed for leg, _ in all_ended)
+    kilometres = max(1e-9, math.fsum(way.length for _, way in all_ended) / 1000.0)
+    low = stats.chi2.ppf(_LEVELS[0], 2 * count) / 2.0 if count else 0.0
+    return float(low / kilometres), float(stats.chi2.ppf(_LEVELS[1], 2 * count + 2) / 2.0 / kilometres)
+
