@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a mission: where robots start, and tasks on free places of a map, by a seed.
 
-    rosrun move_base_abstract missions.py MAP.yaml SEED ROBOTS FOLDER
+    .ws/bin/python3 examples/ranking/missions.py MAP.yaml SEED ROBOTS FOLDER
 
 FOLDER/robots.yaml is a scenario, and FOLDER/tasks.yaml what the coordinator needs beside it.
 """
