@@ -38,11 +38,13 @@ class RvizLaunch(unittest.TestCase):
 
     def test_the_mouse_drives_the_chosen_robot(self):
         self.assertEqual(self.remaps('rviz.launch', 'robot:=tractor'), [
-            ('/initialpose', '/tractor/initialpose'), ('/move_base_simple/goal', '/tractor/move_base_simple/goal')])
+            ('/initialpose', '/tractor/initialpose'), ('/move_base_simple/goal', '/tractor/move_base_simple/goal'),
+            ('/scan', '/tractor/scan')])
+        self.assertEqual(self.displays['rviz/LaserScan']['Topic'], '/scan')
 
     def test_a_robot_without_a_namespace_can_be_chosen(self):
         self.assertEqual(self.remaps('rviz.launch', 'robot:=/'), [
-            ('/initialpose', '/initialpose'), ('/move_base_simple/goal', '/move_base_simple/goal')])
+            ('/initialpose', '/initialpose'), ('/move_base_simple/goal', '/move_base_simple/goal'), ('/scan', '/scan')])
 
     def test_the_simulator_shows_rviz_when_asked_to_with_its_first_robot(self):
         self.assertEqual(find(load('simulator.launch'), 'rviz'), [])

@@ -42,6 +42,10 @@ class GazeboBackend:
         """Publish that the robot stands."""
         self._display.rests(pose, stamp_ns)
 
+    def is_odometry_heard(self):
+        """Return who listens to odometry or ground truth: 0 is nobody."""
+        return self._display.is_odometry_heard()
+
     def looks(self, pose, stamp_ns):
         """Publish tf of the instant of a scan."""
         self._display.looks(pose, stamp_ns)

@@ -7,6 +7,7 @@ from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
 from move_base_abstract.common.errors import FrameError
+from move_base_abstract.engine.event_queue import NOBODY
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
 from move_base_abstract.supervision.follow_check import FollowCheck
 from move_base_abstract.supervision.stamp_check import StampCheck
@@ -72,6 +73,11 @@ class StageBackend:
 
     def rests(self, _pose, _stamp_ns):
         """Leave it to Stage, whose odometry never falls silent."""
+
+    @staticmethod
+    def is_odometry_heard():
+        """Return 0, nobody: what Stage tells is heard from Stage."""
+        return NOBODY
 
     def looks(self, _pose, _stamp_ns):
         """Leave tf to Stage, which tells it at each of its steps."""

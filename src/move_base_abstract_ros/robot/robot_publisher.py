@@ -11,6 +11,8 @@ from ..messages.outlets import Outlet
 from ..messages.packing import ZERO_TWIST, InFrame
 from ..transforms import tf_hub
 
+_DEAF_SECONDS = 0.1  # wall; how long a robot that stands is silent where nobody hears its odometry
+
 
 class RobotPublisher:
     """Publishes poses by a backend and the costmaps' topics, ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
@@ -135,7 +137,8 @@ class RobotPublisher:
         if self._pose_throttle.ready():
             with lockstep.sender(self._robot.index):
                 self._backend.rests(self._robot.pose_at(due_ns), due_ns)
-        return self._clock.wall_to_ns(self._pose_throttle.remaining())
+        pause = self._pose_throttle.remaining()
+        return self._clock.wall_to_ns(pause if self._backend.is_odometry_heard() else max(pause, _DEAF_SECONDS))
 
     def _beat(self, now_ns):
         """Tell tf the pose at the latest instant, so that a look-up of the present need not wait for another one."""
