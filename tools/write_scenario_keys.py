@@ -74,8 +74,8 @@ def sections():
     """Return [(heading, Parameters, pages to look into first)]."""
     of_robot = settings.TABLE + settings._LIMITS
     return [
-        ('Top level', as_parameters(scenario._TOP_KEYS, [scenario._SEED, scenario._DEADLOCK]),
-         ('tasks.md', 'zones.md', 'lanes.md', 'fleet.md')),
+        ('Top level', as_parameters(scenario._TOP_KEYS, [scenario._SEED, scenario._DEADLOCK, scenario._ENCOUNTERS]),
+         ('encounters.md', 'tasks.md', 'zones.md', 'lanes.md', 'fleet.md')),
         ('A robot', as_parameters(scenario._GROUP_KEYS, [places.NAME, scenario._COUNT]), ('fleet.md',)),
         ('Settings: of `defaults` or of a robot', as_parameters(settings.OWN_NAMES, of_robot),
          ('durations.md', 'failures.md', 'battery.md', 'routes.md', 'lanes.md', 'laser_scan.md', 'move_base.md')),

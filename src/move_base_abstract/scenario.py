@@ -6,6 +6,7 @@
       - {name: robot_0, start_x: 1.0, start_y: 2.0}
       - {name: tractor, max_speed: 4.0, acceleration: 0.5}
       - {name: drone, count: 10, start_y: 5.0, step_x: 2.0}    # drone_0 .. drone_9, 2 m apart
+    encounters: none                               # or calibrated, see encounters
     zones: []                                      # see zones; likewise lanes and travel_matrix, paths of files
     places: [{name: dock, x: 12.0, y: 3.0}]        # see places
     arrivals: [{place: dock, rate_per_hour: 20.0, duration: 30.0}]    # of tasks, see arrivals
@@ -14,7 +15,7 @@ The settings are the private parameters of the ``move_base`` node; a robot's own
 """
 import os
 from dataclasses import dataclass, field, replace
-from typing import Any, Tuple
+from typing import Any, Optional, Tuple
 
 from .common.bounded_yaml import load_yaml_file
 from .common.errors import ConfigurationError
@@ -23,12 +24,13 @@ from .common.ros_names import ROBOT_NAME_RULE, is_robot_name
 from .common.shown import shown, shown_text
 from .common.unknown_keys import check_keys
 from .config.settings import OWN_NAMES, RobotSettings, read_settings
+from .motion.encounter_law import EncounterLaw
 from .tasks.arrivals import merged, read_arrivals
 from .tasks.places import read_places
 from .traffic.zones import Zone, read_zones
 
 _NETWORKS = ('lanes', 'travel_matrix')  # of the world, so that they stand at the top
-_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', 'deadlock', *_NETWORKS, 'places', 'arrivals')
+_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', 'deadlock', 'encounters', *_NETWORKS, 'places', 'arrivals')
 #: settings that are paths, or names without .yaml that ship
 _FILES = ('duration_quantiles', 'calibration', *_NETWORKS)
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
@@ -36,6 +38,7 @@ MAX_ROBOTS = 100_000  # of a scenario; ten thousand are the most that have been 
 _COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
 _SEED = Parameter('seed', 0, integer(0), 'a whole number >= 0')
 _DEADLOCK = Parameter('deadlock', 'wait', one_of('wait', 'abort'), "'wait' or 'abort'")
+_ENCOUNTERS = Parameter('encounters', 'none', one_of('calibrated', 'none'), "'calibrated' or 'none'")
 _STEP = Parameter('step', 0.0, number(), 'a finite number [m]')
 
 
@@ -52,7 +55,8 @@ class RobotSpec:
 class Scenario:
     """A fleet: the robots in the order of their indices, the settings of all, the seed of what is random, the zones.
 
-    ``places``: {name: Place}, or None where the scenario says nothing of places; ``arrivals``: of tasks.
+    ``places``: {name: Place}, or None where the scenario says nothing of places; ``arrivals``: of tasks;
+    ``encounters``: what happens when two robots come near each other (EncounterLaw), None: nothing.
     """
 
     robots: Tuple[RobotSpec, ...]
@@ -62,6 +66,7 @@ class Scenario:
     deadlock: str = 'wait'
     places: Any = None
     arrivals: Tuple[Any, ...] = ()
+    encounters: Optional[EncounterLaw] = None
 
     def tasks(self, seed=None):
         """Yield the tasks (Task) that arrive, in order, of the scenario's seed or another one; they may be endless."""
@@ -114,13 +119,26 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     if sum(_size(group) for group in groups) > MAX_ROBOTS:
         raise ConfigurationError('{}: robots: got more than {} robots; allowed: at most that'.format(where, MAX_ROBOTS))
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, where)]
-    if not specs:  # else with each robot's own
-        read_settings(defaults, where + ': defaults')
+    settings = [spec.settings for spec in specs] or [read_settings(defaults, where + ': defaults')]
     _check_different(specs, where)
     places = None if raw.get('places') is None else read_places(raw['places'], where)
     arrivals = () if raw.get('arrivals') is None else read_arrivals(raw['arrivals'], places or {}, where)
     return Scenario(tuple(specs), defaults, (overrides or {}).get('seed', seed), read_zones(raw.get('zones'), where),
-                    checked(raw.get('deadlock', 'wait'), 'deadlock', _DEADLOCK, where), places, arrivals)
+                    checked(raw.get('deadlock', 'wait'), 'deadlock', _DEADLOCK, where), places, arrivals,
+                    _read_encounters(raw, settings, where))
+
+
+def _read_encounters(raw, settings, where):
+    """Return the EncounterLaw that the calibrations of all robots, of which these are the settings, agree on."""
+    if checked(raw.get('encounters', 'none'), 'encounters', _ENCOUNTERS, where) == 'none':
+        return None
+    laws = [one.encounters for one in settings]
+    if None in laws or any(law != laws[0] for law in laws):
+        raise ConfigurationError(
+            "parameter {}/encounters: got 'calibrated' with robots {}; allowed: with a calibration that has a section "
+            'encounters, the same for all robots'.format(where, (
+                'of which the calibration does not say it' if None in laws else 'of different laws')))
+    return laws[0]
 
 
 def check_one_process(scenario, parts, where):
@@ -132,11 +150,13 @@ def check_one_process(scenario, parts, where):
     if parts > 1 and what:
         raise ConfigurationError(
             'parameter {}/parts: got {} with {}; allowed: 1, since who is in them is counted in one process'.format(
-                where.rstrip('/'), parts, what if what == 'zones' else what + ' that have a capacity'))
+                where.rstrip('/'), parts, what if what in ('zones', 'encounters') else what + ' that have a capacity'))
 
 
 def counted_places(scenario):
     """Return in what kind of places robots are counted, so that one has to wait for another: a word, or None."""
+    if scenario.encounters is not None:
+        return 'encounters'
     if scenario.zones:
         return 'zones'
     if any(getattr(spec.settings.network, 'has_capacities', False) for spec in scenario.robots):

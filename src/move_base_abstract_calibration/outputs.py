@@ -7,12 +7,11 @@ import jinja2
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.motion.calibration import FORMAT, TABLE, make_calibration
+from move_base_abstract.motion.calibration import ENCOUNTERS, FORMAT, TABLE, make_calibration
+from move_base_abstract.motion.encounter_law import TABLE as OF_ENCOUNTERS
 
 _FIRST_YAML = '# move_base_abstract calibration'
 _FIRST_PAGE = '<!doctype html><!-- move_base_abstract calibration -->'
-_UNITS = {parameter.name: parameter.allowed.rpartition('[')[2][:-1] for parameter in TABLE
-          if parameter.allowed.endswith(']')}
 _DIGITS = 5
 
 
@@ -30,24 +29,30 @@ def check(*paths):
 def yaml_text(values, source, recorded=None, intervals=None, how=''):
     """Return the YAML of a calibration, its numbers rounded to 5 digits; what it says is checked first.
 
-    ``recorded`` {name: (low, high)} and ``intervals`` {name: (low, high) or HELD}, found as the words ``how`` say, are
-    sections of it.
+    ``values`` may have the mapping ``encounters`` of an EncounterLaw. ``recorded`` {name: (low, high)} and ``intervals``
+    {name: (low, high) or HELD}, found as the words ``how`` say, are sections of it.
     """
-    rounded = {name: _rounded(values[name]) for name in values}
-    sections = {name: {key: one if isinstance(one, str) else _rounded(one) for key, one in section.items()}
-                for name, section in (('recorded', recorded), ('intervals', intervals)) if section}
-    make_calibration({'format': FORMAT, 'source': source, **rounded, **sections}, 'calibrate')
+    rounded = _rounded({'source': source, **values})
+    sections = {name: _rounded(section) for name, section in (('recorded', recorded), ('intervals', intervals))
+                if section}
+    make_calibration({'format': FORMAT, **rounded, **sections}, 'calibrate')
     lines = ['{}: what each value means stands in docs/calibrate.md'.format(_FIRST_YAML), 'format: {}'.format(FORMAT),
-             'source: {}'.format(_quoted(source))]
-    for parameter in TABLE:
-        if parameter.name != 'source':
-            unit = _UNITS.get(parameter.name)
-            lines.append('{}: {}{}'.format(parameter.name, rounded[parameter.name], '  # ' + unit if unit else ''))
+             *_rows(TABLE, rounded, '')]
     for name, comment in (('recorded', 'of the legs that were fitted'), ('intervals', how)):
         if name in sections:
             lines.append('{}:  # {}'.format(name, comment))
             lines += ['  {}: {}'.format(key, one) for key, one in sections[name].items()]
+    if ENCOUNTERS in rounded:
+        lines += [ENCOUNTERS + ':', *_rows(OF_ENCOUNTERS, rounded[ENCOUNTERS], '  ')]
     return '\n'.join(lines) + '\n'
+
+
+def _rows(table, values, indent):
+    for parameter in table:
+        value = values[parameter.name]
+        unit = parameter.allowed.rpartition('[')[2][:-1] if parameter.allowed.endswith(']') else ''
+        yield '{}{}: {}{}'.format(indent, parameter.name, _quoted(value) if isinstance(value, str) else value,
+                                  '  # ' + unit if unit else '')
 
 
 def write(path, text):
@@ -79,4 +84,6 @@ def _rounded(value):
     """Return a number with 5 digits, or a list of such."""
     if isinstance(value, (list, tuple)):
         return [_rounded(each) for each in value]
-    return float('{:.{}g}'.format(value, _DIGITS))
+    if isinstance(value, dict):
+        return {name: _rounded(each) for name, each in value.items()}
+    return value if isinstance(value, str) else float('{:.{}g}'.format(value, _DIGITS))

@@ -15,10 +15,11 @@ MAY_IMPORT = {
     'move_base_abstract': {
         'common': '', 'engine': '', 'runs': '', 'supervision': '', 'lockstep': '', 'motion': 'engine', 'maps': 'motion',
         'goals': 'engine motion maps', 'faults': 'engine goals', 'energy': 'engine goals',
-        'traffic': 'engine motion maps goals', 'sensing': 'engine motion maps', 'tasks': 'engine motion goals runs',
+        'traffic': 'engine motion maps goals', 'encounters': 'engine motion maps goals',
+        'sensing': 'engine motion maps', 'tasks': 'engine motion goals runs',
         'config': 'motion maps goals faults energy sensing', 'scenario': 'config motion traffic tasks',
         'mission': 'motion',
-        'fleet': 'scenario config sensing tasks traffic energy faults goals maps motion engine runs',
+        'fleet': 'scenario config sensing tasks traffic encounters energy faults goals maps motion engine runs',
         'processes': 'fleet scenario goals runs'},
     'move_base_abstract_ros': {
         'replacing': '', 'loopback': '', 'time_master_client': '', 'process': 'replacing',

@@ -42,6 +42,7 @@ from ..motion.approach import MotionPhases
 from ..motion.calibration import CalibratedDurations, read_calibration
 from ..motion.durations import TABLE as DURATIONS
 from ..motion.durations import Durations, read_durations
+from ..motion.encounter_law import EncounterLaw
 from ..motion.geometry import Pose2D
 from ..motion.leg import MotionLimits, Tolerances
 from ..sensing.laser import TABLE as LASER
@@ -165,6 +166,8 @@ class RobotSettings:
     phases: Optional[MotionPhases] = None
     #: the LaneMap or TravelMatrix by which it goes; None: neither
     network: Union[LaneMap, TravelMatrix, None] = None
+    #: what its calibration says of meeting other robots; None: nothing
+    encounters: Optional[EncounterLaw] = None
     #: {name: m/s} of the planner's parameters that the speed comes from
     speeds: Dict[str, float] = field(default_factory=dict)
     ignored: List[str] = field(default_factory=list)
@@ -199,6 +202,10 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
     """
     if not isinstance(raw, dict):
         raise ConfigurationError('{}: got {}; allowed: a namespace of parameters'.format(where, shown(raw)))
+    if 'encounters' in raw:
+        raise ConfigurationError("parameter {}/encounters: got {}; allowed: at the top of a fleet's scenario, or as a "
+                                 'parameter of the node fleet: robots of different processes, as of this node, cannot '
+                                 'meet'.format(where.rstrip('/'), shown(raw['encounters'])))
     values = read_table(raw, TABLE, where)
     network = _check_routes(values, where)
     planner = PlannerGroup(raw, where)
@@ -241,7 +248,8 @@ def _calibrated(settings: RobotSettings, raw: Mapping[str, Any], where: str) -> 
                                      settings.values['routes']))
     source = 'calibration {}'.format(settings.values['calibration'])
     return replace(settings, limits=calibration.limits, tolerances=calibration.tolerances, phases=calibration.phases,
-                   durations=calibration.durations, speed_source=source, acceleration_source=source)
+                   durations=calibration.durations, encounters=calibration.encounters, speed_source=source,
+                   acceleration_source=source)
 
 
 def _limit(raw: Mapping[str, Any], parameter: Parameter, where: str,

@@ -31,6 +31,9 @@ class Purpose(IntEnum):
     FAILURE_KM = 9
     FAILURE_GOALS = 10
     REPAIR = 11
+    ENCOUNTER = 12
+    ENCOUNTER_SECONDS = 13
+    ENCOUNTER_SECONDS_OF_OTHER = 14
     ARRIVAL = 41
     TASK_X = 42
     TASK_Y = 43

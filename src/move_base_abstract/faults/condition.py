@@ -1,7 +1,7 @@
 """The condition of a robot besides where it is: whether something holds it, it has failed, its battery."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Optional
+from typing import TYPE_CHECKING, Any, Optional, Sequence
 
 if TYPE_CHECKING:
     from ..goals.navigator import Navigator
@@ -12,19 +12,20 @@ class Condition:
     """Read-only for who shows it.
 
     ``failing`` (:class:`.failing.Failing`) is None for a robot that never fails, ``battery``
-    (:class:`.battery.Battery`) for one without a battery.
+    (:class:`.battery.Battery`) for one without a battery. ``quiet``: parts of which there is nothing to tell here.
     """
 
-    def __init__(self, navigator: Navigator, failing: Optional[Failing] = None, battery: Any = None) -> None:
+    def __init__(self, navigator: Navigator, failing: Optional[Failing] = None, battery: Any = None,
+                 quiet: Sequence[Any] = ()) -> None:
         self._navigator = navigator
         self.failing = failing
         self.battery = battery
-        self._parts = [part for part in (failing, battery) if part is not None]
+        self._parts = [part for part in (failing, battery, *quiet) if part is not None]
 
     @property
     def is_ordinary(self) -> bool:
         """Whether the robot is one of which there is nothing to tell: it never fails, and has no battery."""
-        return not self._parts
+        return self.failing is None and self.battery is None
 
     @property
     def is_out_of_order(self) -> bool:

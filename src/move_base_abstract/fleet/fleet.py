@@ -15,6 +15,7 @@ from ..common.arguments import as_float, as_instant, check_kind
 from ..common.errors import ConfigurationError, TimeError
 from ..common.parameter_table import checked
 from ..common.units import NS_PER_S, seconds_to_ns
+from ..encounters.control import make_encounters
 from ..energy.battery import STATE_OF_CHARGE
 from ..engine.simulation import Simulation
 from ..faults.failures import KINDS, REQUEST, check_request
@@ -67,6 +68,7 @@ class Fleet:
         self._occupancy = occupancy
         self.traffic = Traffic(self.simulation, scenario.zones, DeadlockPolicy(scenario.deadlock))
         self.surroundings = Surroundings()
+        self.encounters = make_encounters(self.simulation, scenario)
         self._members = {}
         self._has_warned = False  # of goals outside of what was recorded
         self._indices = itertools.count()

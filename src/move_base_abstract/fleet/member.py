@@ -27,7 +27,8 @@ class Member(NavigatorListener):
             self._map_check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
         parts = make_robot_parts(settings, spec.name, index, fleet.simulation, self, self, _no_lookup,
                                  planner or make_planner(settings, self._map_check), fleet.scenario.zones,
-                                 remembered_legs=1)  # nobody here can ask for the past
+                                 remembered_legs=1,  # nobody here can ask for the past
+                                 encounters=fleet.encounters)
         self.robot, self._ledger, self.navigator, self.condition = (
             parts.robot, parts.ledger, parts.navigator, parts.condition)
         fleet.surroundings.add(self.robot, values['global_frame'], settings.costmaps.global_footprint)
@@ -128,6 +129,10 @@ class Member(NavigatorListener):
     def charging(self, charger, is_charging, now_ns):
         """It is charged, or no more."""
         self._trace.charging(charger, is_charging, now_ns)
+
+    def noted(self, kind, now_ns, *values):
+        """A row of its own."""
+        self._trace.note(kind, now_ns, *values)
 
     def repaired(self, now_ns):
         """It is as before."""

@@ -28,12 +28,13 @@ class RobotParts(NamedTuple):
 
 
 def make_robot_parts(settings, name, index, simulation, answers, listener, lookup, planner=None, zones=(),
-                     remembered_legs=64):
+                     remembered_legs=64, encounters=None):
     """Return the RobotParts of the robot ``name``, which stands at the start of its ``settings`` (RobotSettings).
 
     ``answers`` has ``publish_status()``, ``publish_result(record, stamp_ns)`` and ``new_id(now_ns)``, as of GoalLedger;
     ``listener`` is a NavigatorListener; ``lookup(frame_id, stamp_ns)`` finds foreign frames, as of RobotFrames;
-    ``planner`` is in the place of that of :func:`make_planner` without a map; ``remembered_legs``: as of Robot.
+    ``planner`` is in the place of that of :func:`make_planner` without a map; ``remembered_legs``: as of Robot;
+    ``encounters``: the Encounters in which it takes part, None: it meets nobody.
     Feedback is not switched on: see Navigator.set_feedback_frequency.
     """
     values = settings.values
@@ -56,7 +57,8 @@ def make_robot_parts(settings, name, index, simulation, answers, listener, looku
     battery = None
     if settings.battery is not None:
         battery = Battery(settings.battery, robot, navigator, simulation, zones, listener)
-    return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery))
+    meeting = None if encounters is None else encounters.join(navigator, settings.encounters, listener)
+    return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery, (meeting,)))
 
 
 def make_planner(settings, map_check=None):

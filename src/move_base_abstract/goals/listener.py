@@ -54,6 +54,9 @@ class NavigatorListener:
     def beyond(self, recorded, found, now_ns):
         """The robot's goal lies outside of what was ``recorded`` (Recorded), in what Recorded.beyond has ``found``."""
 
+    def noted(self, kind, now_ns, *values):
+        """Something of ``kind`` (a text) has happened, of which there is nothing more to do than to write it down."""
+
     def abandons(self, now_ns):
         """Where the robot was going it goes no more: its goal has ended, or gives way to another one."""
 

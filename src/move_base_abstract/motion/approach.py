@@ -65,6 +65,11 @@ class ApproachProfile:
         left = self.speed(elapsed) / self.gain - self.offset
         return min(self.distance, max(0.0, self.distance - left))
 
+    def smooth(self):
+        """As of :meth:`.leg.SpeedProfile.smooth`; while it brakes it is the most that the acceleration comes to."""
+        ramp = [(self.ramp_seconds, self.acceleration)] if self.ramp_seconds else []
+        return [*ramp, (self.brake_begin, 0.0), (self.seconds, self.gain * self.peak_speed)]
+
     def speed(self, elapsed):
         """Return the speed [m/s] at ``elapsed`` [s] after the start; 0 outside the trip."""
         if elapsed < 0.0 or elapsed >= self.seconds:

@@ -16,10 +16,12 @@ from ..common.units import NS_PER_S
 from ..engine.chance import Purpose
 from ..engine.factors import Gamma, along
 from .approach import MotionPhases
+from .encounter_law import EncounterLaw, make_encounter_law
 from .leg import MotionLimits, Tolerances
 from .recorded_range import Recorded, read_intervals, read_recorded
 
 FORMAT = 1
+ENCOUNTERS = 'encounters'  # the section that a calibration may have
 _NAME = re.compile(r'[A-Za-z0-9_]+')
 _NORMAL = NormalDist()
 _LEAST_FACTOR = 0.5  # a leg takes no less than this share of what its phases say
@@ -107,13 +109,17 @@ class CalibratedDurations:
 
 @dataclass(frozen=True)
 class Calibration:
-    """A robot's limits, tolerances and phases, how its goals differ from them, and a line on where that comes from."""
+    """A robot's limits, tolerances and phases, how its goals differ from them, and a line on where that comes from.
+
+    ``encounters``: what it costs it to meet another robot, None: the calibration does not say.
+    """
 
     source: str
     limits: MotionLimits
     tolerances: Tolerances
     phases: MotionPhases
     durations: CalibratedDurations
+    encounters: Optional[EncounterLaw] = None
 
 
 def calibration_file(name, where):
@@ -153,7 +159,7 @@ def make_calibration(raw, where):
     names = tuple(parameter.name for parameter in TABLE)
     if not isinstance(raw, dict) or raw.get('format') != FORMAT:
         raise ConfigurationError('{}: got {}; allowed: a calibration with format: {}'.format(where, shown(raw), FORMAT))
-    sections = tuple(parameter.name for parameter in SECTIONS)
+    sections = (*(parameter.name for parameter in SECTIONS), ENCOUNTERS)
     for wrong, names_of_it in (('unknown', [key for key in raw if key not in (*names, *sections, 'format')]),
                                ('missing', [name for name in names if name not in raw])):
         if names_of_it:
@@ -169,7 +175,8 @@ def make_calibration(raw, where):
                      values['turning_offset'], values['bow_length']),
         CalibratedDurations(values['start_delay'], values['spread'], values['delay_share'], values['tail_rate'],
                             values['tail_chance_by_turn'], Gamma(values['tail_mean'], values['tail_cv']),
-                            values['failure_by_length'], recorded))
+                            values['failure_by_length'], recorded),
+        make_encounter_law(raw[ENCOUNTERS], where) if ENCOUNTERS in raw else None)
 
 
 @lru_cache(maxsize=1)

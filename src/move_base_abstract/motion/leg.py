@@ -120,6 +120,13 @@ class SpeedProfile:
         ramp = [self.ramp_seconds * number / pieces for number in range(1, pieces + 1)]
         return [*ramp, *(self.seconds - seconds for seconds in ramp)]
 
+    def smooth(self):
+        """Return [(end [s after the start], acceleration [m/s^2]), ...] of the times of even acceleration, in order."""
+        if self.ramp_seconds == 0.0:
+            return [(self.seconds, 0.0)]
+        return [(self.ramp_seconds, self.acceleration), (self.seconds - self.ramp_seconds, 0.0),
+                (self.seconds, self.acceleration)]
+
     def speed(self, elapsed):
         """Return the speed [m/s] at ``elapsed`` [s] after the start; 0 outside the trip."""
         total = self.seconds
@@ -208,6 +215,11 @@ class Leg:
         """As of :meth:`.route.Route.even_instants_ns`."""
         changes = (self._drive_ns + seconds_to_ns(elapsed) for elapsed in self._profile.changes(ramp_pieces))
         return sorted({self.depart_ns, self._drive_ns, *changes, self._last_turn_ns, self.arrive_ns})
+
+    def smooth_ns(self):
+        """As of :meth:`.route.Route.smooth_ns`."""
+        drive = [(self._drive_ns + seconds_to_ns(end), most) for end, most in self._profile.smooth()]
+        return [(self._drive_ns, 0.0), *drive, (self._last_turn_ns, 0.0), (self.arrive_ns, 0.0)]
 
     def distance_at(self, now_ns):
         """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""

@@ -96,6 +96,10 @@ class LimitedProfile:
             (phase.begin + (end - phase.begin) * number / pieces for number in range(pieces + 1))
             if phase.acceleration else (phase.begin, end))]
 
+    def smooth(self):
+        """As of :meth:`.leg.SpeedProfile.smooth`."""
+        return [(end, abs(phase.acceleration)) for phase, end in zip(self._phases, [*self._begins[1:], self.seconds])]
+
     def speed(self, elapsed):
         """Return the speed [m/s] at ``elapsed`` [s] after the start; 0 outside the trip."""
         if elapsed < 0.0 or elapsed >= self.seconds:

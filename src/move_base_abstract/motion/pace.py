@@ -39,6 +39,15 @@ class PacedLeg:
         paced = (self._begin_ns + -(-elapsed * self._ns // of_law) for elapsed in inner)  # rounded up, as _leg_ns down
         return sorted({self.depart_ns, self._begin_ns, *paced, self.arrive_ns})
 
+    def smooth_ns(self):
+        """As of :meth:`.route.Route.smooth_ns`; it stands at first."""
+        of_law = self._leg.duration_ns
+        if not of_law or not self._ns:
+            return [(self.arrive_ns, 0.0)]
+        begin_ns, square = self._begin_ns, (of_law / self._ns) ** 2
+        return [(begin_ns, 0.0), *((begin_ns - (self.depart_ns - end_ns) * self._ns // of_law, most * square)
+                                   for end_ns, most in self._leg.smooth_ns())]
+
     def distance_at(self, now_ns):
         """Return the distance [m] driven since the departure, at ``now_ns`` [ns]."""
         return self._leg.distance_at(self._leg_ns(now_ns))

@@ -50,6 +50,9 @@ class _EasedTurn:
     def even_instants(self, ramp_pieces):
         return self._profile.changes(ramp_pieces)
 
+    def smooth(self):
+        return [(self._profile.seconds, 0.0)]
+
     def _of_profile(self, value):
         """Return the part of the turn [rad, rad/s] that a part of the profile's own angle stands for."""
         return self._turn * value / self._profile.distance if self._profile.distance else 0.0

@@ -154,6 +154,14 @@ class Route:
             instants.update(begin_ns + seconds_to_ns(elapsed) for elapsed in part.even_instants(ramp_pieces))
         return sorted(instants)
 
+    def smooth_ns(self):
+        """Return [(end [ns], most [m/s^2]), ...]: times, one behind the other from the departure to the arrival.
+
+        In each of them it stands, or drives straight on, and its acceleration is no more than ``most``.
+        """
+        return [(begin_ns + seconds_to_ns(end), most) for begin_ns, part in zip(self._begins_ns, self._parts)
+                for end, most in part.smooth()]
+
     def _part(self, now_ns):
         """Return the turn or drive of ``now_ns`` [ns] and how long it has been going on [ns]."""
         index = bisect_right(self._begins_ns, now_ns) - 1
@@ -172,6 +180,10 @@ class Turn:
     def even_instants(_ramp_pieces):
         """Return the instants [s after its begin] between which it is even enough: none."""
         return ()
+
+    def smooth(self):
+        """As of :meth:`.leg.SpeedProfile.smooth`: it drives nowhere."""
+        return [(abs(self._turn) / self._rate, 0.0)]
 
     @staticmethod
     def guess(_distance):
@@ -206,6 +218,16 @@ class _Drive:
     def even_instants(self, ramp_pieces):
         """Return when [s] corners are passed, and the ends of the pieces in which the speed changes."""
         return [*(self.profile.elapsed(begin) for begin in self._begins), *self.profile.changes(ramp_pieces)]
+
+    def smooth(self):
+        """As of :meth:`.leg.SpeedProfile.smooth`; at a corner a time ends."""
+        corners = [self.profile.elapsed(begin) for begin in self._begins[1:]]
+        found, begin = [], 0.0
+        for end, most in self.profile.smooth():
+            found += [(corner, most) for corner in corners if begin < corner < end]
+            found.append((end, most))
+            begin = end
+        return found
 
     def guess(self, distance):
         """Return when [s after its begin] ``distance`` [m] are driven since the departure, None: later than it ends."""

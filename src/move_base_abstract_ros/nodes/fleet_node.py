@@ -7,6 +7,7 @@ import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import Parameter, boolean, integer, read_table, text, unknown_names
+from move_base_abstract.encounters.control import make_encounters
 from move_base_abstract.scenario import check_one_process, make_scenario, read_scenario
 
 from ..clocks.timing import make_timing
@@ -27,7 +28,7 @@ _TABLE = (
 )
 #: parameters of the node that come before the scenario's defaults of the same name
 _OVERRIDES = ('use_map', 'backend', 'seed')
-_INLINE = ('defaults', 'robots', 'zones', 'deadlock', 'lanes', 'travel_matrix', 'places')
+_INLINE = ('defaults', 'robots', 'zones', 'deadlock', 'encounters', 'lanes', 'travel_matrix', 'places')
 
 
 def main():
@@ -62,8 +63,9 @@ def _build():
     if not start(clock, timing, [(robot_names(namespace, spec.name), spec.settings) for _, spec in specs]):
         return None
     # Robots that are added later get indices that no other process gives.
-    fleet = FleetServer(namespace, Host(clock, timing, is_crowded=True, zones=scenario.zones), specs, scenario,
-                        itertools.count(len(scenario.robots) + part, parts))
+    host = Host(clock, timing, is_crowded=True, zones=scenario.zones,
+                encounters=make_encounters(clock.simulation, scenario))
+    fleet = FleetServer(namespace, host, specs, scenario, itertools.count(len(scenario.robots) + part, parts))
     clock.serve()
     return fleet
 

@@ -57,12 +57,12 @@ def read_action_options(status_frequency):
 class Host:
     """Made once per process; ``clock`` has started, ``timing`` made it. ``is_crowded``: there may be very many robots.
 
-    ``zones``: the Zones of their world.
+    ``zones``: the Zones of their world; ``encounters``: their Encounters, None: they do not meet.
 
     :raises ConfigurationError: if one of actionlib's parameters is not allowed.
     """
 
-    def __init__(self, clock, timing, is_crowded=False, zones=()):
+    def __init__(self, clock, timing, is_crowded=False, zones=(), encounters=None):
         if clock.simulation is None:
             raise ConfigurationError('the clock of a host must have started')
         connect_one_at_a_time()
@@ -73,6 +73,7 @@ class Host:
         self.options = read_action_options(timing.status_frequency)
         self.is_crowded = is_crowded
         self.zones = zones
+        self.encounters = encounters
         self._robot_count = 0
         self.surroundings = Surroundings()
         self._has_warned = False  # of goals outside of what was recorded

@@ -92,7 +92,7 @@ class MoveBaseServer(NavigatorListener):
         self.is_feedback_heard = self._host.timing.when_heard(self._goal_server.has_feedback_listeners)
         parts = make_robot_parts(settings, self._names.robot, robot_index, self._clock.simulation, self._goal_server,
                                  self, self._lookup.lookup, make_planner(settings, self._map.check),
-                                 self._host.zones)
+                                 self._host.zones, encounters=self._host.encounters)
         robot, self._frames, self._ledger, self.navigator, self.condition = parts
         self._trace.motion(robot, self._clock.look_ns())
         self._trace.recorded(settings.durations, self._clock.look_ns())
@@ -244,6 +244,10 @@ class MoveBaseServer(NavigatorListener):
         if self._work is not None:
             self._work.tasks.failed(now_ns)
         self._tell_condition(now_ns)
+
+    def noted(self, kind, now_ns, *values):
+        """Write a row of its own down."""
+        self._trace.note(kind, now_ns, *values)
 
     def repaired(self, now_ns):
         """Note that it is as before."""

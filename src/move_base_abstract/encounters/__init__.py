@@ -1,0 +1,5 @@
+"""Robots that come near one another on their ways: when, how, and what it costs them."""
+from ..common.handed_on import handed_on
+
+__getattr__ = handed_on(__name__, {
+    'control': 'Encounters', 'nearness': 'closest first_beyond first_within', 'track': 'Track'})

@@ -1,0 +1,271 @@
+"""Encounters: robots of one process that come near one another on their ways, and what becomes of it.
+
+The first instant at which two robots come within the law's radius is an event. There the law says who has to stand,
+and for how long: drawn by (seed, the names of both in order, the numbers of their goals), so that neither the order in
+which they came nor when anybody looked has a part in it. Who has to stand is held, as anybody who waits on his way;
+then it goes on. Two robots meet once for each pair of their goals, so that nobody stands for the same robot again and
+again.
+"""
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
+
+from ..common.errors import ConfigurationError
+from ..common.units import NS_PER_S, seconds_to_ns
+from ..engine.chance import Chance
+from ..goals.outcome import NO_CONTROL
+from ..motion.encounter_law import CROSSING, HEAD_ON, OVERTAKING, STANDING, EncounterLaw
+from .nearness import closest, distance, first_beyond, first_within, gap, windows
+from .neighbours import Neighbours
+from .track import Track
+
+if TYPE_CHECKING:
+    from ..engine.simulation import Simulation
+    from ..goals.listener import NavigatorListener
+    from ..goals.navigator import Navigator
+    from .nearness import Window
+
+_NEARER = 0.01  # m, by which robots that are near already must come nearer for meeting
+_LEAST_WAY = 1e-3  # m; who drives less until they are closest stands
+_ALONG = math.cos(math.radians(45.0))  # of the angle between their ways, up to which they go the same way
+_GOALS = 1 << 20  # numbers by chance that one pair of goals may take
+
+
+class Stay(NamedTuple):
+    """How near two robots come [m] and when [ns], and from when on they are apart again [ns], None: never."""
+
+    nearest: float
+    nearest_ns: int
+    beyond_ns: Optional[int]
+
+
+class Encounters:
+    """The robots of one process that may meet; ``seed``: of what is drawn. Not thread-safe: as the simulation."""
+
+    def __init__(self, simulation: Simulation, law: EncounterLaw, seed: int) -> None:
+        self.simulation = simulation
+        self.law = law
+        self.neighbours = Neighbours(law.radius)
+        self._seed = seed
+        self._robots: Dict[int, Participant] = {}
+        self._ahead: Dict[Tuple[int, int], Any] = {}  # {pair: the event of their next meeting}
+        self._met: Dict[Tuple[int, int], Tuple[int, int]] = {}  # {pair: the numbers of the goals with which they met}
+
+    def join(self, navigator: Navigator, law: Optional[EncounterLaw], listener: NavigatorListener) -> Participant:
+        """Return the :class:`Participant` of a robot that is there from now on; ``law``: of its own calibration.
+
+        :raises ConfigurationError: if that is another one than that of the others.
+        """
+        if law != self.law:
+            raise ConfigurationError("robot '{}': encounters: its calibration has another law for them, or none; "
+                                     'allowed: the same for all robots'.format(navigator.robot.name))
+        participant = Participant(self, navigator, listener)
+        self._robots[navigator.robot.index] = participant
+        participant.moved(self.simulation.now_ns)
+        return participant
+
+    def leave(self, index: int) -> None:
+        """The robot is taken out of the world."""
+        self.neighbours.drop(index)
+        self._forget(index)
+        del self._robots[index]
+        self._met = {pair: goals for pair, goals in self._met.items() if index not in pair}
+
+    def moved(self, index: int, now_ns: int) -> None:
+        """The track of a robot is another one from ``now_ns`` [ns] on: look for those whom it will meet."""
+        participant = self._robots[index]
+        self._forget(index)
+        self.neighbours.put(index, participant.track)
+        for other, times in self.neighbours.near(index, now_ns):
+            pair = (index, other) if index < other else (other, index)
+            one, two = (self._robots[number] for number in pair)
+            if self._met.get(pair) == (one.goal_number, two.goal_number):
+                continue
+            due_ns = next_meeting(one.track, two.track, self.law.radius, times, now_ns)
+            if due_ns is not None:
+                event = self.simulation.queue.schedule(
+                    due_ns, pair[0], lambda at_ns, _now_ns, pair=pair: self._meet(pair, at_ns))
+                self._ahead[pair] = one.ahead[two.index] = two.ahead[one.index] = event
+
+    def _forget(self, index: int) -> None:
+        own = self._robots[index]
+        for other, event in own.ahead.items():
+            event.cancel()
+            del self._robots[other].ahead[index]
+            del self._ahead[min(index, other), max(index, other)]
+        own.ahead.clear()
+
+    def _meet(self, pair: Tuple[int, int], now_ns: int) -> None:
+        one, other = self._robots[pair[0]], self._robots[pair[1]]
+        del self._ahead[pair], one.ahead[other.index], other.ahead[one.index]
+        self._met[pair] = one.goal_number, other.goal_number
+        first, second = (one, other) if one.name < other.name else (other, one)
+        stay = find_stay(first.track, second.track, self.law.radius, now_ns)
+        kind, yields = kind_of(first.track, second.track, now_ns, stay.nearest_ns)
+        chance = self.law.chance(kind, stay.nearest, first.width(second, stay.nearest_ns))
+        draws = Chance(self._seed, '{} {}'.format(first.name, second.name))
+        place = second.goal_number * _GOALS
+        cost = self.law.draw(chance, yields, lambda purpose, number: draws.uniform(
+            first.goal_number, purpose, place + number))
+        for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):
+            own.note(their, kind, stay.nearest, seconds, now_ns)
+        for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):
+            if seconds > 0.0:
+                own.stand(their, seconds, cost.aborts, now_ns)
+
+
+def make_encounters(simulation: Simulation, scenario: Any) -> Optional[Encounters]:
+    """Return the :class:`Encounters` of a Scenario, None where robots do not meet."""
+    return None if scenario.encounters is None else Encounters(simulation, scenario.encounters, scenario.seed)
+
+
+class Participant:
+    """One robot that may meet others. ``track``: where it is and will be; ``ahead``: {other robot: event}."""
+
+    def __init__(self, encounters: Encounters, navigator: Navigator, listener: NavigatorListener) -> None:
+        self.index: int = navigator.robot.index
+        self.name: str = navigator.robot.name
+        self.ahead: Dict[int, Any] = {}
+        self.track: Any = None
+        self._encounters = encounters
+        self._navigator = navigator
+        self._listener = listener
+        self._stands: Dict[str, Any] = {}  # {reason for which it is held: the event that ends it}
+        self._held_goal = 0  # the number of the goal on whose way that is
+        navigator.robot.follow(self.moved)
+        navigator.follow(self._goal_changed)
+
+    @property
+    def goal_number(self) -> int:
+        """How many goals it has begun to work on."""
+        return self._navigator.goal_number
+
+    def moved(self, now_ns: int) -> None:
+        """The robot has set out, or stands."""
+        robot, known = self._navigator.robot, self.track
+        if self.index not in self._encounters._robots:
+            return
+        pose = robot.pose_at(now_ns)
+        if robot.leg is None and known is not None and now_ns >= known.end_ns and (
+                (known.pose.x, known.pose.y) == (pose.x, pose.y)):
+            return  # it stands where it was to stand
+        self.track = Track(robot.leg, pose, now_ns, self._encounters.neighbours.side)
+        self._encounters.moved(self.index, now_ns)
+
+    def width(self, other: Participant, now_ns: int) -> Optional[float]:
+        """Return how wide [m] what is free is around the middle between both at ``now_ns`` [ns]; None without a map."""
+        occupancy = getattr(self._navigator.planner, 'occupancy', None)
+        limit = self._encounters.law.narrow_below
+        if occupancy is None or not limit > 0.0:
+            return None
+        (x, y), (to_x, to_y) = self.track.place_at(now_ns), other.track.place_at(now_ns)
+        from ..maps.clearance import clearance_at  # only who has a map pays for numpy
+        return 2.0 * clearance_at(occupancy, 0.5 * (x + to_x), 0.5 * (y + to_y), 0.5 * limit)
+
+    def note(self, other: Participant, kind: str, nearest: float, seconds: float, now_ns: int) -> None:
+        """Put a row into the log: whom it meets, how, how near they come [m], how long it stands for it [s]."""
+        self._listener.noted('encounter', now_ns, other.name, kind, nearest, seconds)
+
+    def stand(self, other: Participant, seconds: float, aborts: bool, now_ns: int) -> None:
+        """Have it stand for ``other`` from now on; then it goes on, or gives up."""
+        reason = 'encounter with {}'.format(other.name)
+        self._held_goal = self.goal_number
+        step = self._give_up if aborts else self._go_on
+        self._stands[reason] = self._encounters.simulation.queue.schedule(
+            now_ns + max(1, seconds_to_ns(seconds)), self.index, lambda due_ns, _now_ns: step(reason, due_ns))
+        self._navigator.hold(reason, now_ns)
+
+    def _go_on(self, reason: str, now_ns: int) -> None:
+        del self._stands[reason]
+        self._navigator.release(reason, now_ns)
+
+    def _give_up(self, _reason: str, now_ns: int) -> None:
+        self._navigator.shut_down(NO_CONTROL, now_ns)  # by which it stands for nobody any more
+
+    def _goal_changed(self, now_ns: int) -> None:
+        """The goal on whose way it stood has ended, or gives way to another one."""
+        if self._stands and (not self._navigator.is_active or self._held_goal != self.goal_number):
+            for reason in self._forget_stands():
+                self._navigator.release(reason, now_ns)
+
+    def _forget_stands(self) -> List[str]:
+        reasons = list(self._stands)
+        for event in self._stands.values():
+            event.cancel()
+        self._stands.clear()
+        return reasons
+
+    def reset(self, _now_ns: int) -> None:
+        """The robot is about to be put to its start; its navigator holds it for nothing any more."""
+        self._forget_stands()
+
+    def restart(self, by_ns: int) -> None:
+        """The clock has started anew; what was due has been shifted, and the robot's new stand comes next."""
+
+    def close(self) -> None:
+        """The robot is gone."""
+        self._forget_stands()
+        self._encounters.leave(self.index)
+
+
+def next_meeting(one: Track, other: Track, radius: float, times: List[Window], now_ns: int) -> Optional[int]:
+    """Return when [ns] two robots meet next, in one of the ``times`` [Window, ...] from ``now_ns`` [ns] on, or None.
+
+    That is the first instant at which they are within ``radius`` [m]. Who is near already meets at once if they come
+    nearer than they are, else when they are near again.
+    """
+    if not times:
+        return None
+    if times[0].begin_ns <= now_ns:
+        now = distance(one, other, now_ns)
+        if now <= radius:
+            stay = find_stay(one, other, radius, now_ns)
+            if stay.nearest < now - _NEARER:
+                return now_ns
+            if stay.beyond_ns is None:
+                return None
+            now_ns = stay.beyond_ns
+    for window in times:
+        if window.end_ns > now_ns:
+            found = first_within(one, other, radius, window._replace(begin_ns=max(now_ns, window.begin_ns)))
+            if found is not None:
+                return found
+    return None
+
+
+def find_stay(one: Track, other: Track, radius: float, now_ns: int) -> Stay:
+    """Return the :class:`Stay` of two robots that are within ``radius`` [m] at ``now_ns`` [ns]."""
+    best = distance(one, other, now_ns), now_ns
+    for window in windows(one, other, now_ns, max(now_ns, one.end_ns, other.end_ns)):
+        beyond_ns = first_beyond(one, other, radius, window)
+        inside = window if beyond_ns is None else window._replace(end_ns=beyond_ns)
+        best = min(best, closest(one, other, inside))
+        if beyond_ns is not None:
+            return Stay(*best, beyond_ns)
+    return Stay(*best, None)
+
+
+def kind_of(first: Track, second: Track, now_ns: int, nearest_ns: int) -> Tuple[str, Tuple[int, ...]]:
+    """Return how two robots meet at ``now_ns`` [ns] that are closest at ``nearest_ns`` [ns], and which of them yield.
+
+    That is told of 0 and 1: of two that go the same way who is behind, of one that stands the other one.
+    """
+    until_ns = max(nearest_ns, now_ns + NS_PER_S // 1000)
+    ways = [_way(track, now_ns, until_ns) for track in (first, second)]
+    lengths = [math.hypot(*way) for way in ways]
+    moves = tuple(number for number, length in enumerate(lengths) if length > _LEAST_WAY)
+    if len(moves) < 2:
+        return STANDING, tuple(number for number in moves or (0, 1) if (first, second)[number].leg is not None)
+    cosine = (ways[0][0] * ways[1][0] + ways[0][1] * ways[1][1]) / (lengths[0] * lengths[1])
+    if cosine < -_ALONG:
+        return HEAD_ON, moves
+    if cosine <= _ALONG:
+        return CROSSING, moves
+    x, y = gap(first, second, now_ns)
+    return OVERTAKING, (0,) if x * (ways[0][0] + ways[1][0]) + y * (ways[0][1] + ways[1][1]) > 0.0 else (1,)
+
+
+def _way(track: Track, begin_ns: int, end_ns: int) -> Tuple[float, float]:
+    (x, y), (to_x, to_y) = track.place_at(begin_ns), track.place_at(end_ns)
+    return to_x - x, to_y - y

@@ -1,0 +1,68 @@
+"""What a robot will do as far as it is known: drive its leg, and stand. As times of smooth motion."""
+from __future__ import annotations
+
+from typing import Any, List, NamedTuple, Tuple
+
+from ..common.units import LAST_NS
+
+#: of one track, above which it is not looked for by places, but by everybody
+MOST_SPANS = 4096
+
+
+class Span(NamedTuple):
+    """A time [ns] in which a robot stands or drives straight on from (x, y) to (to_x, to_y) [m].
+
+    Its acceleration is no more than ``most`` [m/s^2].
+    """
+
+    begin_ns: int
+    end_ns: int
+    most: float
+    x: float
+    y: float
+    to_x: float
+    to_y: float
+
+
+class Track:
+    """Where a robot is from ``now_ns`` [ns] on, if nobody interferes.
+
+    ``leg``: the one under way, or None of one that stands at ``pose`` (Pose2D). ``spans`` (Span, ...) follow one
+    another up to the end of simulated time; none leads further than ``reach`` [m], but where there would be too many.
+    """
+
+    __slots__ = ('leg', 'pose', 'end_ns', 'spans')
+
+    def __init__(self, leg: Any, pose: Any, now_ns: int, reach: float) -> None:
+        self.leg = leg
+        self.pose = pose if leg is None else leg.end
+        #: from when on it stands [ns]
+        self.end_ns: int = now_ns if leg is None else max(now_ns, leg.arrive_ns)
+        self.spans: List[Span] = []
+        if leg is not None:
+            self._cut(leg, now_ns, reach if leg.distance < reach * (MOST_SPANS - 64) else leg.distance)
+        end = self.pose
+        self.spans.append(Span(self.end_ns, LAST_NS, 0.0, end.x, end.y, end.x, end.y))
+
+    def _cut(self, leg: Any, now_ns: int, reach: float) -> None:
+        before_ns, before = now_ns, leg.pose_at(now_ns)
+        for smooth_end_ns, most in leg.smooth_ns():
+            if smooth_end_ns <= before_ns:
+                continue
+            for end_ns in self._instants(leg, before_ns, smooth_end_ns, reach):
+                end = leg.pose_at(end_ns)
+                self.spans.append(Span(before_ns, end_ns, most, before.x, before.y, end.x, end.y))
+                before_ns, before = end_ns, end
+
+    @staticmethod
+    def _instants(leg: Any, begin_ns: int, end_ns: int, reach: float) -> List[int]:
+        """Return the ends [ns] of the parts of a smooth time, each no longer than ``reach`` [m]."""
+        begin = leg.distance_at(begin_ns)
+        parts = int((leg.distance_at(end_ns) - begin) / reach)
+        found = [leg.guess_ns(begin + number * reach) for number in range(1, parts + 1)] if parts else []
+        return [*(instant for instant in found if begin_ns < instant < end_ns), end_ns]
+
+    def place_at(self, now_ns: int) -> Tuple[float, float]:
+        """Return (x, y) [m] at ``now_ns`` [ns]: what the robot's own pose says."""
+        pose = self.pose if now_ns >= self.end_ns else self.leg.pose_at(now_ns)
+        return pose.x, pose.y
