@@ -302,6 +302,23 @@ class LockstepFleet(unittest.TestCase):
         self.assertIn(['left', 'entered', 'released'], [kinds[at:at + 3] for at in range(len(kinds))])
         self.assert_repeatable(run)
 
+    def test_robots_meet_as_in_plain_python(self):
+        scenario = {'seed': 3, 'encounters': 'calibrated', 'defaults': {'calibration': 'move_base_dwa_stage'},
+                    'robots': [{'name': name, 'start_y': 2.0 * number} for number, name in enumerate(TWELVE)]}
+        expected = oracle(TWELVE, scenario=scenario)
+        for kind in ('encounter', 'held', 'released'):
+            self.assertGreater(sum(event[2] == kind for event in expected), 5)
+        run = Run('goals', TWELVE, {'/fleet': ('fleet', '/', scenario)})
+        self.assertEqual(run.events, expected)
+        self.assert_repeatable(run)
+
+    def test_a_node_with_one_robot_refuses_to_have_it_meet_others(self):
+        with Loopback() as ros:
+            ros.run('time_master', 'time_master')
+            robot = ros.run('move_base', 'move_base', parameters={'encounters': 'calibrated'})
+            self.assertEqual(robot.process.wait(GUARD), 1)
+            self.assertIn('robots of different processes, as of this node, cannot meet', robot.last_lines())
+
     def test_robots_are_added_and_removed_by_a_participant(self):
         run = Run('services', TWO, fleet(TWO))
         self.assertEqual(run.of('client'), [('added', [True, '']), ('removed', [True])])
