@@ -13,6 +13,8 @@ from move_base_abstract.motion.encounter_law import TABLE as OF_ENCOUNTERS
 _FIRST_YAML = '# move_base_abstract calibration'
 _FIRST_PAGE = '<!doctype html><!-- move_base_abstract calibration -->'
 _DIGITS = 5
+_UNITS = {parameter.name: parameter.allowed.rpartition('[')[2][:-1] for parameter in (*TABLE, *OF_ENCOUNTERS)
+          if parameter.allowed.endswith(']')}
 
 
 def check(*paths):
@@ -50,7 +52,7 @@ def yaml_text(values, source, recorded=None, intervals=None, how=''):
 def _rows(table, values, indent):
     for parameter in table:
         value = values[parameter.name]
-        unit = parameter.allowed.rpartition('[')[2][:-1] if parameter.allowed.endswith(']') else ''
+        unit = _UNITS.get(parameter.name)
         yield '{}{}: {}{}'.format(indent, parameter.name, _quoted(value) if isinstance(value, str) else value,
                                   '  # ' + unit if unit else '')
 

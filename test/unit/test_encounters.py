@@ -114,7 +114,9 @@ def test_nothing_is_delayed_where_nothing_costs_anything(tmp_path):
     alone.send('a', 30.0, 0.0)
     alone.send('b', 0.0, 0.0, math.pi)
     alone.run()
-    assert [entry for entry in fleet.trace if entry.kind != 'encounter'] == alone.trace
+    assert [entry for entry in fleet.trace if entry.kind not in ('meets', 'encounter')] == alone.trace
+    assert [(entry.time_ns, entry.robot, entry.values) for entry in fleet.trace if entry.kind == 'meets'] == [
+        (fleet._start_ns, name, (3.0,)) for name in 'ab']
     assert len(rows(fleet, 'encounter')) == 2
 
 

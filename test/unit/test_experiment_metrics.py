@@ -31,6 +31,17 @@ def test_a_robot_moves_waits_and_is_idle(tmp_path):
     assert found.open_goals == 0
 
 
+def test_encounters_are_counted_where_robots_meet_and_only_there(tmp_path):
+    meets = [(1, 'r', 'meets', [3.0]), (1, 's', 'meets', [3.0])]
+    found = metrics.summarise(written(tmp_path / 'log', meets)).metrics
+    assert (found['encounters'], found['encounter_time']) == (0, 0.0)
+    met = [(5, 'r', 'encounter', ['s', 'crossing', 0.5, 4.25]), (5, 's', 'encounter', ['r', 'crossing', 0.5, 0.0]),
+           (9, 'r', 'encounter', ['s', 'crossing', 0.5, 1.0]), (9, 's', 'encounter', ['r', 'crossing', 0.5, 2.0])]
+    found = metrics.summarise(written(tmp_path / 'log', meets + met)).metrics
+    assert (found['encounters'], found['encounter_time']) == (2, 7.25)
+    assert 'encounters' not in metrics.summarise(written(tmp_path / 'log', [])).metrics
+
+
 def test_the_first_leg_needs_a_start_and_a_leg_that_is_cut_off_adds_nothing(tmp_path):
     path = written(tmp_path / 'log', [(2, 'r', 'departed', [3, 4, 0]), (7, 'r', 'stands', [3, 4, 0]),
                                       (7, 'r', 'departed', [9, 9, 0])])

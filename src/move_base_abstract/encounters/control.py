@@ -62,6 +62,7 @@ class Encounters:
                                      'allowed: the same for all robots'.format(navigator.robot.name))
         participant = Participant(self, navigator, listener)
         self._robots[navigator.robot.index] = participant
+        listener.noted('meets', self.simulation.now_ns, self.law.radius)
         participant.moved(self.simulation.now_ns)
         return participant
 

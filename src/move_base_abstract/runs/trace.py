@@ -7,7 +7,7 @@ from typing import Any, Callable, Iterable, Iterator, NamedTuple, Optional, Sequ
 #: of what happens to robots, see :class:`TraceEntry` and :class:`TaskTrace`
 KINDS = ('departed', 'route', 'stands', 'ended', 'entered', 'left', 'deadlock', 'held', 'released', 'failed',
          'repaired', 'battery', 'charging_began', 'charging_ended', 'motion', 'waiting_began', 'waiting_ended',
-         'task_began', 'task_ended', 'encounter', 'recorded', 'beyond')
+         'task_began', 'task_ended', 'meets', 'encounter', 'recorded', 'beyond')
 #: takes an entry as one tuple: (time_ns, robot, kind, *values)
 Record = Callable[[Tuple[Any, ...]], object]
 
@@ -24,6 +24,7 @@ class TraceEntry(NamedTuple):
     ``recorded`` ('length', low, high, 'start_turn', low, high, perhaps 'clearance', low, high), of a robot with a
     calibration that says so, when it is there: what its legs were fitted to [m, rad, m], and ``beyond`` (what, value,
     ...), before ``departed``: a goal lies outside of that, see :mod:`.recorded_range`;
+    ``meets`` (radius [m]): it takes part in encounters, and
     ``encounter`` (robot, kind, nearest distance [m], how long it stands for it [s]), see :mod:`.encounter_law`;
     ``battery`` (state of charge, what, see :mod:`.battery`), ``charging_began`` and ``charging_ended`` (zone);
     and, where it is asked for, ``motion`` (x, y, yaw of the robot, then by what it travels from the next leg on:

@@ -14,6 +14,11 @@ class Metric(NamedTuple):
     better: Optional[str] = None
     at_limit: Optional[str] = None
 
+    def described(self):
+        """Return it as plan.json has it."""
+        return {'unit': self.unit, 'title': self.title, 'better': self.better,
+                **({'at_limit': self.at_limit} if self.at_limit else {})}
+
 
 BUILT_IN = {
     'goals': Metric('Goals reached', 'goals', 'higher', 'lower_bound'),
@@ -28,4 +33,6 @@ BUILT_IN = {
 #: of trials in which something of the kind can be
 OCCASIONAL = {
     'goals_beyond': Metric('Goals outside of what was recorded', '%', 'lower', 'value'),
+    'encounters': Metric('Encounters', 'encounters', 'lower', 'lower_bound'),
+    'encounter_time': Metric('Time stood for other robots, sum of the robots', 's', 'lower', 'lower_bound'),
 }

@@ -87,9 +87,7 @@ def describe(experiment, chosen, text):
     until = experiment.until
     return {
         'format': FORMAT, 'experiment': experiment.name, 'factors': experiment.factors,
-        'metrics': {name: {'unit': one.unit, 'title': one.title, 'better': one.better,
-                           **({'at_limit': one.at_limit} if one.at_limit else {})}
-                    for name, one in experiment.metrics.items()},
+        'metrics': {name: one.described() for name, one in experiment.metrics.items()},
         'primary': experiment.primary or None, 'baseline': experiment.baseline, 'at_limit': experiment.at_limit,
         'smallest_difference': experiment.smallest_difference,
         'until': {'seconds': until.seconds or None, 'topic': until.topic or None, 'idle': until.idle},

@@ -113,8 +113,7 @@ def write(folder, plan):
             break
         metrics = named + sorted(rows.metrics - set(named))
     for name in metrics:
-        known = OCCASIONAL.get(name, Metric(name))
-        plan['metrics'].setdefault(name, {'unit': known.unit, 'title': known.title, 'better': known.better})
+        plan['metrics'].setdefault(name, OCCASIONAL.get(name, Metric(name)).described())
     folder.write_pieces('plan.json', plan_text(plan))
     if table is not None:
         _write_parquet(folder, columns(plan, metrics), table)

@@ -3,7 +3,8 @@
 A robot *moves* from `departed` to `stands`; it *waits* while it stands with a goal that it has set out for and that has
 not ended; else it is *idle*. Distances go along the corners of a leg, from where the robot stood before to where it
 stands then; where it stood first a `motion` says, or who knows the launch file. A leg that the end of the run cuts off
-adds nothing to the distance, as nobody has told where it was cut.
+adds nothing to the distance, as nobody has told where it was cut. Robots *meet* in a run that has a row `meets`; each
+of two that do has a row `encounter`.
 """
 import hashlib
 import json
@@ -136,6 +137,11 @@ def _take(robots, endings, event, starts, start_ns, validity):
             robot.way = (*zip(values[::2], values[1::2]), *robot.way[-1:])
         elif robot.state != 'moving':  # its motion's limits are told, and where it is
             robot.place = tuple(values[:2])
+    elif event.kind == 'meets':
+        endings.setdefault('stood', 0.0)
+    elif event.kind == 'encounter' and len(values) == 4 and _is_number(values[3]):
+        endings['rows'] = endings.get('rows', 0) + 1
+        endings['stood'] = endings.get('stood', 0.0) + values[3]
     elif event.kind == 'ended' and len(values) >= 2:
         endings['reached'] += values[1] == REACHED
         endings['failed'] += values[1] in FAILED
@@ -173,6 +179,8 @@ def _summary(robots, endings, log, start_ns, end_ns, validity):
         'distance': round(sum(one['distance_m'] for one in by_robot.values()), 9),
         'moving': mean('moving_s'), 'idle': mean('idle_s'), 'waiting': mean('waiting_s'),
         'throughput': endings['reached'] * 3600.0 / seconds if seconds > 0.0 else None, **validity.metrics()}
+    if 'stood' in endings:
+        metrics.update(encounters=endings.get('rows', 0) // 2, encounter_time=round(endings['stood'], 9))
     labels = event_log.labels_of(log.end)
     return Summary(metrics, by_robot, seconds, log.events, bool(log.end.get('repeatable')) and not labels, labels,
                    log.end.get('reason', ''), bool(log.end.get('by_fault')))
