@@ -117,7 +117,8 @@ def test_a_failure_asked_for_has_the_kind_and_time_asked_for():
     assert fleet.fail('bot', 'abort', 2.5) and not fleet.fail('bot')
     fleet.run()
     assert rows(fleet) == [(0.0, 'failed', ('abort', 'request')), (2.5, 'repaired', ())]
-    with pytest.raises(ConfigurationError, match="robot 'bot'/kind: got 'nap'; allowed: 'abort', 'stall' or 'silent'"):
+    kinds = "'abort', 'stall', 'silent' or 'stuck'"
+    with pytest.raises(ConfigurationError, match="robot 'bot'/kind: got 'nap'; allowed: " + kinds):
         fleet.fail('bot', 'nap')
     with pytest.raises(ConfigurationError, match='failure_kind: got none'):
         fleet_of().fail('bot')
@@ -274,7 +275,7 @@ def test_repairs_are_drawn_by_the_number_of_the_failure():
     ({'failure_times': [1.0]}, 'failure_kind: got none with failure_times'),
     ({'failure_kind': 'stall', 'repair_cv': 0.5}, 'repair_cv: got 0.5 with repair_distribution: fixed; allowed: > 0 '),
     ({'failure_kind': 'stall', 'repair_distribution': 'lognormal'}, 'repair_cv: got 0 with'),
-    ({'failure_kind': 'sleep'}, "failure_kind: got 'sleep'; allowed: 'none', 'abort', 'stall' or 'silent'"),
+    ({'failure_kind': 'sleep'}, "failure_kind: got 'sleep'; allowed: 'none', 'abort', 'stall', 'silent' or 'stuck'"),
     ({'failure_kind': 'stall', 'failure_times': [{'when': 1.0}]}, 'failure_times: got '),
     ({'failure_kind': 'stall', 'failure_times': [-1.0]}, 'allowed: a list of seconds'),
     ({'failure_kind': 'stall', 'failures_per_km': -1.0}, r'allowed: a number in 0..1e6 \[1/km\]')])

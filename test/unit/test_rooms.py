@@ -14,7 +14,7 @@ LOWEST = {'move_base_abstract': 'common'}
 MAY_IMPORT = {
     'move_base_abstract': {
         'common': '', 'engine': '', 'runs': '', 'supervision': '', 'lockstep': '', 'motion': 'engine', 'maps': 'motion',
-        'goals': 'engine motion maps', 'faults': 'engine goals', 'energy': 'engine goals',
+        'goals': 'engine motion maps', 'faults': 'engine maps goals', 'energy': 'engine goals',
         'traffic': 'engine motion maps goals', 'encounters': 'engine motion maps goals',
         'sensing': 'engine motion maps', 'tasks': 'engine motion goals runs',
         'config': 'motion maps goals faults energy sensing', 'scenario': 'config motion traffic tasks',

@@ -34,6 +34,7 @@ class Purpose(IntEnum):
     ENCOUNTER = 12
     ENCOUNTER_SECONDS = 13
     ENCOUNTER_SECONDS_OF_OTHER = 14
+    STUCK = 15
     ARRIVAL = 41
     TASK_X = 42
     TASK_Y = 43

@@ -15,7 +15,8 @@ from ..engine.alarm import Alarm
 from ..engine.chance import Purpose
 from ..engine.instants import first_ns
 from ..goals.outcome import FAILED
-from .failures import ABORT, GOAL, HOUR, KM, SCRIPT, SILENT, Failures
+from .failures import ABORT, CLEARANCE, GOAL, HOUR, KM, SCRIPT, SILENT, STUCK, Failures
+from .stuck import GivingUp, Sticking
 
 if TYPE_CHECKING:
     from ..engine.chance import Chance
@@ -64,6 +65,8 @@ class Failing:
         self._on_leg = Alarm(self._queue, robot.index)
         self._repair = Alarm(self._queue, robot.index)
         self._driven = _DrivenGoals(navigator)
+        self._sticking = Sticking(failures.by_clearance, navigator, chance)
+        self._giving_up = GivingUp(failures.patience, navigator, simulation.queue, robot.index)
         self._script = [self._queue.schedule(
             one.at_ns, robot.index, lambda due_ns, _, one=one: self.fail(SCRIPT, due_ns, one.kind, one.repair),
             keeps_going=_no) for one in failures.script if one.at_ns >= simulation.now_ns]
@@ -87,6 +90,8 @@ class Failing:
             if kind == ABORT:
                 rest.callback(self._navigator.disable, self.REASON, FAILED, now_ns)
             else:
+                if kind == STUCK:
+                    rest.callback(self._giving_up.begin, now_ns)
                 rest.callback(self._navigator.hold, self.REASON, now_ns)
                 if kind == SILENT:
                     rest.callback(self._navigator.go_silent)
@@ -120,6 +125,7 @@ class Failing:
     def _forget(self, now_ns: int) -> Optional[Failure]:
         failure, self.failure = self.failure, None
         self._repair.cancel()
+        self._giving_up.end()
         if failure is not None:
             self._listener.repaired(now_ns)
         return failure
@@ -132,7 +138,7 @@ class Failing:
 
     def restart(self, by_ns: int) -> None:
         """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]."""
-        for alarm in (self._hours, self._on_leg, self._repair):
+        for alarm in (self._hours, self._on_leg, self._repair, self._giving_up):
             alarm.shift(by_ns)
         if self.failure is not None:
             until_ns = self.failure.until_ns
@@ -141,6 +147,7 @@ class Failing:
 
     def close(self) -> None:
         """The robot is gone: nothing fails any more."""
+        self._giving_up.end()
         for event in (self._hours, self._on_leg, self._repair, *self._script):
             event.cancel()
 
@@ -155,6 +162,8 @@ class Failing:
 
     def _goal_changed(self, now_ns: int) -> None:
         """Time is counted while there is a goal and no failure."""
+        if self.failure is not None and self.failure.kind == STUCK:
+            self._giving_up.goal_changed(now_ns)
         if self._hours_left is None:
             return
         counts = self._navigator.is_active and self.failure is None
@@ -177,11 +186,13 @@ class Failing:
         self._on_leg.cancel()
         leg = self._robot.leg
         if leg is None:
+            if self.failure is not None and self.failure.kind == STUCK and self._giving_up.was_moved(now_ns):
+                self.repair(now_ns)
             return
         self._driven.leg_begins(leg)
         found = [(due_ns, cause) for cause, due_ns in (
-            (KM, self._km_due_ns(leg)), (GOAL, self._driven.reached_ns(self._next.get(GOAL, math.inf))))
-            if due_ns is not None]
+            (KM, self._km_due_ns(leg)), (GOAL, self._driven.reached_ns(self._next.get(GOAL, math.inf))),
+            (CLEARANCE, self._sticking.due_ns(leg))) if due_ns is not None]
         if found:
             due_ns, cause = min(found, key=lambda one: one[0])  # of equal instants that of the distance
             self._on_leg.set(due_ns, lambda at_ns: self._fail_on_leg(cause, at_ns))
@@ -193,7 +204,10 @@ class Failing:
         return first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: self._robot.distance_at(at_ns) >= at)
 
     def _fail_on_leg(self, cause: str, due_ns: int) -> None:
-        self._next[cause] += self._draw(cause)
+        if cause == CLEARANCE:
+            self._sticking.got_stuck(due_ns)
+        else:
+            self._next[cause] += self._draw(cause)
         self.fail(cause, due_ns)
 
 

@@ -5,18 +5,20 @@ from dataclasses import dataclass
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, checked, number, one_of
+from ..common.parameter_table import Pairs, Parameter, ascending_pairs, checked, number, one_of
+from ..common.shown import shown
 from ..common.units import seconds_to_ns
 from ..engine.factors import Constant, Lognormal
 
-ABORT, STALL, SILENT = KINDS = ('abort', 'stall', 'silent')
+ABORT, STALL, SILENT, STUCK = KINDS = ('abort', 'stall', 'silent', 'stuck')
 #: what a failure comes of
-HOUR, KM, GOAL, SCRIPT, REQUEST = 'hour', 'km', 'goal', 'script', 'request'
+HOUR, KM, GOAL, CLEARANCE, SCRIPT, REQUEST = 'hour', 'km', 'goal', 'clearance', 'script', 'request'
 _NEVER = 'never'
 _MOST_SECONDS = 1e9
 _SECONDS = number(0.0, _MOST_SECONDS)
 _KIND = one_of(*KINDS)
-_KINDS_TEXT = "'abort', 'stall' or 'silent'"
+_KINDS_TEXT = "'abort', 'stall', 'silent' or 'stuck'"
+_BY_CLEARANCE = ascending_pairs(number(0.0, 100.0), number(0.0, 1.0))
 
 
 class Scripted(NamedTuple):
@@ -51,8 +53,11 @@ TABLE = (
     Parameter('failure_times', (), _script, 'a list of seconds in 0..1e9 [s, simulated], or of mappings {at: seconds, '
               'kind: ' + _KINDS_TEXT + ', repair: seconds}'),
     Parameter('repair_time', 60.0, _SECONDS, 'a number in 0..1e9 [s, simulated]'),
-    Parameter('repair_distribution', 'fixed', one_of('fixed', 'lognormal', _NEVER), "'fixed', 'lognormal' or 'never'"),
+    Parameter('repair_distribution', None, one_of('fixed', 'lognormal', _NEVER), "'fixed', 'lognormal' or 'never'"),
     Parameter('repair_cv', 0.0, number(0.0, 10.0), 'a number in 0..10'),
+    Parameter('stuck_by_clearance', (), _BY_CLEARANCE,
+              'a list of [clearance in 0..100 [m], chance in 0..1], the clearances ascending'),
+    Parameter('stuck_patience', 6.4, _SECONDS, 'a number in 0..1e9 [s, simulated]'),
 )
 _REQUESTED_KIND = Parameter('kind', None, _KIND, _KINDS_TEXT)
 _REQUESTED_REPAIR = Parameter('repair', None, _SECONDS, 'a number in 0..1e9 [s, simulated]')
@@ -64,13 +69,17 @@ class Failures:
     """What may go wrong with a robot.
 
     ``kind`` (of KINDS), ``rates`` (((cause, rate), ...), each > 0: 1/h with a goal, 1/km, 1 per goal), ``script``
-    (of :class:`Scripted`, in the order of time), ``repair`` (a distribution of :mod:`.factors` [s], None: never).
+    (of :class:`Scripted`, in the order of time), ``repair`` (a distribution of :mod:`.factors` [s], None: never);
+    ``by_clearance`` (((clearance of the way [m], chance to get stuck), ...)); ``patience``: after which a robot that is
+    stuck gives a goal up [s].
     """
 
     kind: str
     rates: Tuple[Tuple[str, float], ...] = ()
     script: Tuple[Scripted, ...] = ()
     repair: Any = Constant(60.0)
+    by_clearance: Pairs = ()
+    patience: float = 6.4
 
 
 def check_request(kind: Optional[str], repair: Optional[float], where: str) -> None:
@@ -91,17 +100,23 @@ def read_failures(values: Mapping[str, Any], where: str) -> Optional[Failures]:
     :raises ConfigurationError: for values that do not fit together.
     """
     where = where.rstrip('/')
-    kind, cv, distribution = values['failure_kind'], values['repair_cv'], values['repair_distribution']
+    kind, cv = values['failure_kind'], values['repair_cv']
     if kind == 'none':
-        for key in (*_RATES.values(), 'failure_times'):
+        for key in (*_RATES.values(), 'failure_times', 'stuck_by_clearance'):
             if values[key]:
                 raise ConfigurationError('parameter {}/failure_kind: got none with {}; allowed then: {}'.format(
                     where, key, _KINDS_TEXT))
         return None
+    by_clearance = values['stuck_by_clearance']
+    if by_clearance and not (kind == STUCK and values['use_map']):
+        raise ConfigurationError('parameter {}/stuck_by_clearance: got {} with failure_kind: {} and use_map: {}; '
+                                 'allowed: with stuck and true only'.format(
+                                     where, shown(by_clearance), kind, str(values['use_map']).lower()))
+    distribution = values['repair_distribution'] or (_NEVER if kind == STUCK else 'fixed')
     if (distribution == 'lognormal') != (cv > 0.0):
         raise ConfigurationError('parameter {}/repair_cv: got {:g} with repair_distribution: {}; allowed: > 0 with '
                                  'lognormal, else 0'.format(where, cv, distribution))
     mean = values['repair_time']
     repair = None if distribution == _NEVER else Lognormal(mean, cv) if cv else Constant(mean)
     rates = tuple((cause, values[key]) for cause, key in _RATES.items() if values[key])
-    return Failures(kind, rates, values['failure_times'], repair)
+    return Failures(kind, rates, values['failure_times'], repair, by_clearance, values['stuck_patience'])

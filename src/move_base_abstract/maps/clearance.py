@@ -2,14 +2,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+import weakref
+from typing import TYPE_CHECKING, Any, Dict, MutableMapping, Sequence, Tuple
 
 import numpy as np
 
-from .occupancy import OCCUPIED
+from .occupancy import OCCUPIED, OccupancyMap
 
 if TYPE_CHECKING:
-    from .occupancy import OccupancyMap
+    from numpy.typing import NDArray
+
+#: by the limit
+_shared: MutableMapping[OccupancyMap, Dict[float, ClearanceField]] = weakref.WeakKeyDictionary()
 
 
 def clearance_at(occupancy: OccupancyMap, x: float, y: float, limit: float) -> float:
@@ -28,3 +32,71 @@ def clearance_at(occupancy: OccupancyMap, x: float, y: float, limit: float) -> f
     dx, dy = (np.maximum(0.0, np.abs(found + begin + 0.5 - place) - 0.5) for found, begin, place in (
         (columns, left, column), (rows, low, row)))
     return min(limit, math.sqrt(float((dx * dx + dy * dy).min())) * resolution)
+
+
+class ClearanceField:
+    """For each cell of a map how far its middle is from the nearest point of an occupied cell [m], up to ``limit`` [m].
+
+    What is unknown, or off the map, is not occupied.
+    """
+
+    def __init__(self, occupancy: OccupancyMap, limit: float) -> None:
+        # A map of its own, as of the ways on it: what is kept of a map must not keep the map.
+        self._map = OccupancyMap(occupancy.cells, occupancy.resolution, occupancy.origin)
+        self._limit = limit
+        reach = math.ceil(limit / occupancy.resolution) + 1  # cells
+        # First along rows, then across: the square of a distance is a sum.
+        along = _least(np.where(occupancy.cells >= OCCUPIED, np.float32(0.0), np.float32(np.inf)).T, reach).T
+        self._field = np.minimum(np.sqrt(_least(along, reach)) * np.float32(occupancy.resolution), np.float32(limit))
+
+    @classmethod
+    def on(cls, occupancy: OccupancyMap, limit: float) -> ClearanceField:
+        """Return the field of a map up to ``limit`` [m], which all robots share."""
+        fields = _shared.setdefault(occupancy, {})
+        if limit not in fields:
+            fields[limit] = cls(occupancy, limit)
+        return fields[limit]
+
+    def least_along(self, way: Sequence[Tuple[float, float]], skipped: float = 0.0) -> Tuple[float, float]:
+        """Return the least clearance [m] of the cells below ``way`` ((x, y), ...) [m], and how far along it is [m].
+
+        The first of equal ones; looked at every half cell, behind the first ``skipped`` [m].
+        """
+        best, before = (self._limit, 0.0), 0.0
+        for begin, end in zip(way, way[1:]):
+            length = math.dist(begin, end)
+            (column, row), (to_column, to_row) = self._map.to_cells(*begin), self._map.to_cells(*end)
+            shares = self._shares((column, row), (to_column, to_row))
+            shares = shares[before + shares * length >= skipped]
+            if len(shares):
+                rows = np.clip((row + shares * (to_row - row)).astype(int), 0, self._map.height - 1)
+                columns = np.clip((column + shares * (to_column - column)).astype(int), 0, self._map.width - 1)
+                values = self._field[rows, columns]
+                least = int(values.argmin())
+                if float(values[least]) < best[0]:
+                    best = float(values[least]), before + float(shares[least]) * length
+            before += length
+        return best
+
+    def _shares(self, begin: Tuple[float, float], end: Tuple[float, float]) -> NDArray[Any]:
+        """Return where from ``begin`` to ``end`` [cells] to look, in 0..1: on the map, every half cell."""
+        low, high = 0.0, 1.0
+        for one, other, size in zip(begin, end, (self._map.width, self._map.height)):
+            if one != other:
+                first, last = sorted(((0.0 - one) / (other - one), (size - one) / (other - one)))
+                low, high = max(low, first), min(high, last)
+            elif not 0.0 <= one < size:
+                return np.empty(0)
+        if low > high:
+            return np.empty(0)
+        return np.linspace(low, high, max(2, math.ceil(2.0 * (high - low) * math.dist(begin, end)) + 1))
+
+
+def _least(squares: NDArray[Any], reach: int) -> NDArray[Any]:
+    """Return the least of ``squares`` plus the square of the distance to it, over rows up to ``reach`` away [cells]."""
+    found = squares.copy()
+    for step in range(1, min(reach, len(squares) - 1) + 1):
+        square = np.float32((step - 0.5) ** 2)
+        np.minimum(found[step:], squares[:-step] + square, out=found[step:])
+        np.minimum(found[:-step], squares[step:] + square, out=found[:-step])
+    return found

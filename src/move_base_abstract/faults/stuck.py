@@ -1,0 +1,93 @@
+"""Robots that get stuck where their way leads too closely past something: whether, where, and how their goals end.
+
+A real robot that cuts the end of a wall too closely stays there: each goal that it is sent afterwards is given up after
+some seconds in which nothing is driven, until somebody moves it.
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional
+
+from ..common.units import seconds_to_ns
+from ..engine.alarm import Alarm
+from ..engine.chance import Purpose
+from ..engine.factors import along
+from ..engine.instants import first_ns
+from ..goals.outcome import NO_CONTROL
+
+if TYPE_CHECKING:
+    from ..common.parameter_table import Pairs
+    from ..engine.chance import Chance
+    from ..engine.event_queue import EventQueue
+    from ..goals.navigator import Navigator
+
+_WAY_OUT = 1.0  # m, on which who comes from where it was stuck is not stuck again
+
+
+class Sticking:
+    """Where on its legs a robot gets stuck: ``chances`` ((clearance [m], chance), ...), for each goal drawn once."""
+
+    def __init__(self, chances: Pairs, navigator: Navigator, chance: Chance) -> None:
+        self._chances = chances
+        self._navigator = navigator
+        self._chance = chance
+        self._stuck_goal = 0  # the number of the goal on whose way it was stuck last: once is enough
+        self._place: Any = None  # where that was
+
+    def due_ns(self, leg: Any) -> Optional[int]:
+        """Return when on ``leg`` the robot gets stuck [ns], or None: it does not, or there is no map."""
+        occupancy = getattr(self._navigator.planner, 'occupancy', None)
+        number = self._navigator.goal_number
+        if not self._chances or occupancy is None or number == self._stuck_goal or not leg.distance > 0.0:
+            return None
+        from ..maps.clearance import ClearanceField  # only who has a map pays for numpy
+        clearance, distance = ClearanceField.on(occupancy, self._chances[-1][0]).least_along(
+            leg.way, _WAY_OUT if (leg.start.x, leg.start.y) == self._place else 0.0)
+        if self._chance.uniform(number, Purpose.STUCK) >= along(self._chances, clearance):
+            return None
+        return first_ns(leg.depart_ns, leg.arrive_ns, lambda at_ns: leg.distance_at(at_ns) >= distance,
+                        leg.guess_ns(distance))
+
+    def got_stuck(self, now_ns: int) -> None:
+        """It is stuck: on the way of this goal it will not be again."""
+        pose = self._navigator.robot.pose_at(now_ns)
+        self._stuck_goal, self._place = self._navigator.goal_number, (pose.x, pose.y)
+
+
+class GivingUp:
+    """How a robot that is stuck, and is held, gives each of its goals up after ``patience`` [s]."""
+
+    def __init__(self, patience: float, navigator: Navigator, queue: EventQueue, robot_index: int) -> None:
+        self._patience_ns = seconds_to_ns(patience)
+        self._navigator = navigator
+        self._alarm = Alarm(queue, robot_index)
+        self._goal_number = 0
+        self._place: Any = None
+
+    def begin(self, now_ns: int) -> None:
+        """The robot is stuck from now on, where it stands."""
+        pose = self._navigator.robot.pose_at(now_ns)
+        self._place, self._goal_number = (pose.x, pose.y), 0
+        self.goal_changed(now_ns)
+
+    def goal_changed(self, now_ns: int) -> None:
+        """The robot has got a goal, or has none any more."""
+        navigator = self._navigator
+        if not navigator.is_active:
+            self._alarm.cancel()
+        elif self._alarm.due_ns is None or navigator.goal_number != self._goal_number:
+            self._goal_number = navigator.goal_number
+            self._alarm.set(now_ns + self._patience_ns, lambda due_ns: navigator.shut_down(NO_CONTROL, due_ns))
+
+    def was_moved(self, now_ns: int) -> bool:
+        """Return whether the robot stands elsewhere than where it got stuck."""
+        pose = self._navigator.robot.pose_at(now_ns)
+        return self._place is not None and (pose.x, pose.y) != self._place
+
+    def end(self) -> None:
+        """The robot is stuck no more."""
+        self._place = None
+        self._alarm.cancel()
+
+    def shift(self, by_ns: int) -> None:
+        """What was due has been shifted by ``by_ns`` [ns]."""
+        self._alarm.shift(by_ns)
