@@ -4,6 +4,7 @@ import pytest
 
 from move_base_abstract.common.errors import FrameError, TimeError
 from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.goals.navigator import GoalPose
 from move_base_abstract.motion.frames import RobotFrames
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.leg import MotionLimits
@@ -79,3 +80,9 @@ def test_a_name_that_tf_refuses_is_not_looked_up(frame_id, words):
     assert str(error.value) == "Failed to transform the goal pose from '{}' into the 'map' frame: {}".format(
         frame_id, words)
     assert asked == []
+
+
+@pytest.mark.parametrize('quaternion', [(0.0, 0.0, 0.0, 1.0), (-0.0, 0.0, -0.0, 1.0), (0.0, 0.0, 0.0, 2.0), (0, 0, 0, 1)])
+def test_straight_ahead_in_a_fixed_frame_is_zero_without_a_sign(quaternion):
+    pose = make_frames().place(GoalPose('map', 0, (-0.0, 2.0), quaternion), S)
+    assert repr(pose) == repr(Pose2D(0.0, 2.0, 0.0))

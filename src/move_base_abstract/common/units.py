@@ -13,9 +13,10 @@ def seconds_to_ns(seconds: float) -> int:
 
     :raises ValueError: if ``seconds`` is NaN or infinite.
     """
-    if not math.isfinite(seconds):
-        raise ValueError('seconds must be finite, got {!r}'.format(seconds))
-    whole = math.floor(seconds)
+    try:
+        whole = math.floor(seconds)
+    except (OverflowError, ValueError):
+        raise ValueError('seconds must be finite, got {!r}'.format(seconds)) from None
     return whole * NS_PER_S + int(round((seconds - whole) * NS_PER_S))
 
 

@@ -1,6 +1,6 @@
 """The one queue from which every event of a simulation comes."""
-import heapq
 import math
+from heapq import heapify, heappop, heappush, heapreplace
 
 
 class Event:
@@ -89,26 +89,28 @@ class EventQueue:
         if keeps_going is not None:
             self.ever_waits = True
         event = Event(action, telling, keeps_going)
-        if len(self._heap) >= self._sweep_at:
+        heap = self._heap
+        if len(heap) >= self._sweep_at:
             self._sweep()
         if telling is None:
-            heapq.heappush(self._heap, (due_ns, robot_index, self._sequence, event))
-            self._sequence += 1
+            place = self._sequence
+            self._sequence = place + 1
         else:
-            heapq.heappush(self._heap, (due_ns, robot_index, telling.place, event))
+            place = telling.place
+        heappush(heap, (due_ns, robot_index, place, event))
         return event
 
     def _sweep(self):
         """Drop what has been cancelled: of far instants it would stay for long. The order stays, no two are equal."""
         self._heap[:] = [entry for entry in self._heap if entry[3].action is not None]
-        heapq.heapify(self._heap)
+        heapify(self._heap)
         self._sweep_at = max(_FEWEST_SWEPT, 2 * len(self._heap))
 
     def next_due_ns(self):
         """Return when the next event is due [ns], or None if there is none."""
         heap = self._heap
         while heap and heap[0][3].action is None:
-            heapq.heappop(heap)
+            heappop(heap)
         return heap[0][0] if heap else None
 
     def is_busy(self):
@@ -137,15 +139,18 @@ class EventQueue:
         as the queue :meth:`is_busy`.
         """
         heap, end_ns, entered_ns = self._heap, math.inf if until_ns is None else until_ns, None
-        while heap and heap[0][0] <= end_ns:
+        while heap:
             due_ns, robot_index, _, event = heap[0]
-            if event.action is None:  # cancelled
-                heapq.heappop(heap)
+            if due_ns > end_ns:
+                return
+            action = event.action
+            if action is None:  # cancelled
+                heappop(heap)
                 continue
             if until_ns is None and self.ever_waits and due_ns != entered_ns and not self.is_busy():
                 return
-            heapq.heappop(heap)
-            action, event.action = event.action, None
+            heappop(heap)
+            event.action = None
             entered_ns = due_ns
             if due_ns > present.now_ns:
                 present.now_ns = due_ns
@@ -177,7 +182,7 @@ class EventQueue:
                 else:
                     event.cancel()
                     event.telling.fall_asleep(due_ns)
-        heapq.heapify(heap)
+        heapify(heap)
         instants = []
         while heap and heap[0][0] < before_ns:
             due_ns, robot_index, place, series = heap[0]
@@ -186,7 +191,7 @@ class EventQueue:
                     return instants, due_ns
                 instants.append((due_ns, []))
             instants[-1][1].append(series)
-            heapq.heapreplace(heap, (due_ns + series.period_ns, robot_index, place, series))
+            heapreplace(heap, (due_ns + series.period_ns, robot_index, place, series))
         return instants, before_ns
 
     def skip(self, until_ns):
@@ -195,7 +200,7 @@ class EventQueue:
             due_ns = self.next_due_ns()
             if due_ns is None or due_ns > until_ns:
                 return
-            heapq.heappop(self._heap)[3].telling.skip(due_ns)
+            heappop(self._heap)[3].telling.skip(due_ns)
 
     def shift(self, by_ns):
         """Move all that is due by ``by_ns`` [ns]; the order stays."""

@@ -59,12 +59,13 @@ class GoalLedger:
 
         The goal that was active is ended by this. ``stamp_ns`` [ns] 0 and an empty ``goal_id`` mean: not given.
         """
-        records = self.records(now_ns)
-        if goal_id:
-            for record in records:
-                if record.goal_id == goal_id:
+        records, current, since_ns = [], self._current, now_ns - self._keep_ns
+        for record in self._records:
+            if record is current or record.ended_ns is None or record.ended_ns >= since_ns:  # as of records()
+                if goal_id and record.goal_id == goal_id:
                     self._take_again(record, now_ns)
                     return None
+                records.append(record)
         self._records = records
         record = GoalRecord(goal_id or self._new_id(now_ns), stamp_ns or now_ns)
         records.append(record)

@@ -56,6 +56,7 @@ class StraightLinePlanner:
     def __init__(self, bounds: WorldBounds = WorldBounds(), map_check: Optional[MapCheck] = None) -> None:
         self._bounds = bounds
         self._map_check = map_check
+        self._goes_anywhere = map_check is None and bounds == WorldBounds()
 
     @property
     def lacking(self) -> Optional[str]:
@@ -86,7 +87,8 @@ class StraightLinePlanner:
 
     def reachable(self, goal: Pose2D) -> bool:
         """Return whether ``goal`` can be reached at all."""
-        return self._bounds.contains(goal) and (self._map_check is None or self.refusal(goal) is None)
+        return self._goes_anywhere or (
+            self._bounds.contains(goal) and (self._map_check is None or self.refusal(goal) is None))
 
     def plan(self, start: Pose2D, goal: Pose2D) -> List[Pose2D]:
         """Return the way from ``start`` to ``goal`` as a list of poses some 0.25 m apart, or [] where there is none."""

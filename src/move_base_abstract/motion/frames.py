@@ -1,6 +1,6 @@
 """The frames in which a goal may be given (REP 105: map -> odom -> base_link)."""
 from ..common.errors import FrameError, TimeError
-from .geometry import Pose2D, yaw_of_quaternion
+from .geometry import STRAIGHT_AHEAD, Pose2D, yaw_of_quaternion
 
 
 class RobotFrames:
@@ -14,6 +14,7 @@ class RobotFrames:
         self.global_frame = global_frame
         self.odom_frame = odom_frame
         self.base_frame = base_frame
+        self._fixed = global_frame, odom_frame
         self._robot = robot
         self._lookup = lookup
 
@@ -23,7 +24,7 @@ class RobotFrames:
 
     def is_fixed(self, frame_id):
         """Return whether the frame never moves, so that a stamp does not matter."""
-        return frame_id == self.global_frame or frame_id == self.odom_frame
+        return frame_id in self._fixed
 
     def locate(self, frame_id, stamp_ns, now_ns):
         """Return the pose of ``frame_id`` in the global frame at ``stamp_ns`` [ns; 0 = now].
@@ -47,8 +48,9 @@ class RobotFrames:
         :raises FrameError: as of :meth:`locate`. :raises ValueError: if it is no place.
         """
         x, y = goal.position
-        if self.is_fixed(goal.frame_id):
-            return Pose2D(0.0 + x, 0.0 + y, 0.0 + yaw_of_quaternion(goal.quaternion))  # as composed: never -0.0
+        if goal.frame_id in self._fixed:
+            yaw = 0.0 if goal.quaternion == STRAIGHT_AHEAD else 0.0 + yaw_of_quaternion(goal.quaternion)
+            return Pose2D(0.0 + x, 0.0 + y, yaw)  # as composed: never -0.0
         place = self.locate(goal.frame_id, goal.stamp_ns, now_ns)
         return place.compose(Pose2D(x, y, yaw_of_quaternion(goal.quaternion)))
 

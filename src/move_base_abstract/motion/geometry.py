@@ -6,6 +6,8 @@ _PI = math.pi
 _TWO_PI = 2.0 * _PI
 _MIN_SQUARED_NORM = 1e-6
 _MAX_TILT = 1e-3
+#: the quaternion of yaw 0, as of most goals
+STRAIGHT_AHEAD = (0.0, 0.0, 0.0, 1.0)
 
 
 def normalize_angle(angle):
@@ -94,6 +96,8 @@ def quaternion_fault(quaternion):
     The three tests, their limits and texts are those of move_base: finite, long enough to be normalised, and a
     rotation about z only. Any other length is accepted.
     """
+    if quaternion == STRAIGHT_AHEAD:
+        return None
     x, y, z, w = quaternion
     squared = x * x + y * y + z * z + w * w
     if not math.isfinite(squared) and not all(map(math.isfinite, quaternion)):

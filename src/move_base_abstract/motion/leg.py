@@ -155,15 +155,15 @@ class Leg:
     def __init__(self, start, goal, limits, tolerances=Tolerances(), depart_ns=0):
         dx, dy = goal.x - start.x, goal.y - start.y
         gap = math.hypot(dx, dy)
-        self.distance = gap - tolerances.xy if gap > tolerances.xy else 0.0
-        self._course = math.atan2(dy, dx) if self.distance > 0.0 else start.yaw
+        self.distance = distance = gap - tolerances.xy if gap > tolerances.xy else 0.0
+        self._course = math.atan2(dy, dx) if distance > 0.0 else start.yaw
         self.start = start
         self._limits = limits
         self._kept_profile = None
         self.depart_ns = depart_ns
-        seconds = trip(self.distance, limits.max_speed, limits.acceleration)[2]
+        seconds = trip(distance, limits.max_speed, limits.acceleration)[2]
         if limits.turn_rate == math.inf and tolerances.yaw == 0.0:  # as of most: no turn is ever under way
-            self.end = self._end_pose(goal, gap, goal.yaw)
+            self.end = goal if 0.0 < distance == gap < math.inf else self._end_pose(goal, gap, goal.yaw)
             self._drive_ns = depart_ns
             self._last_turn_ns = self.arrive_ns = depart_ns + seconds_to_ns(seconds)
             return
