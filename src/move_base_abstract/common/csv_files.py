@@ -1,12 +1,16 @@
-"""Tables that anybody may have written: opened only if they are files, and of a bounded size."""
+"""Tables that anybody may have written: opened only if they are files, and of a bounded size; also packed by gzip."""
 from __future__ import annotations
 
 import contextlib
 import csv
+import gzip
+import io
+import os
+import zlib
 from typing import IO, TYPE_CHECKING, Dict, Iterable, Iterator, Tuple, Type
 
 from .errors import ConfigurationError
-from .input_files import open_text_input
+from .input_files import open_input
 from .shown import shown
 
 if TYPE_CHECKING:
@@ -19,15 +23,26 @@ MAX_BYTES = 64 * 1024 * 1024
 def open_csv(path: StrPath, error_type: Type[ConfigurationError] = ConfigurationError) -> Iterator[IO[str]]:
     """Open a CSV file as text; what its reader complains of in the with block becomes an error that names the file.
 
+    A file whose name ends with .gz is unpacked, to at most MAX_BYTES.
+
     :raises error_type: (a kind of ConfigurationError) if it is no regular file, too large, or cannot be read.
     """
     try:
-        with open_text_input(path, MAX_BYTES, error_type, 'CSV file', newline='', encoding='utf-8-sig') as stream:
-            yield stream
+        with open_input(path, MAX_BYTES, error_type, 'CSV file') as stream:
+            plain = _unpacked(stream, path, error_type) if os.fspath(path).endswith('.gz') else stream
+            with io.TextIOWrapper(plain, newline='', encoding='utf-8-sig') as text:
+                yield text
     except ConfigurationError:
         raise
-    except (ValueError, csv.Error) as error:  # ValueError: no text
+    except (ValueError, csv.Error, EOFError, zlib.error, gzip.BadGzipFile) as error:  # ValueError: no text
         raise error_type(f'{path}: cannot be read as CSV: {error}') from None
+
+
+def _unpacked(stream: IO[bytes], path: StrPath, error_type: Type[ConfigurationError]) -> IO[bytes]:
+    data = gzip.GzipFile(fileobj=stream).read(MAX_BYTES + 1)
+    if len(data) > MAX_BYTES:
+        raise error_type(f'{path}: unpacks to more than {MAX_BYTES} bytes; allowed: at most that')
+    return io.BytesIO(data)
 
 
 def rows_of(lines: Iterable[str], path: StrPath) -> Iterator[Tuple[str, Dict[str, str]]]:

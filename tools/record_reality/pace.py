@@ -1,0 +1,70 @@
+"""When the machine has done all that a step of Stage asks for: no thread of the watched processes runs or wants to.
+
+The next step comes only then, so that a busy machine makes a recording slow and not wrong: in simulated time every
+program is as quick as on a machine with cores to spare.
+"""
+import os
+import time
+
+_FIRST_LOOK = 0.002  # wall s: roscpp looks at the simulated clock every 1 ms
+_BETWEEN = 0.0011  # wall s
+_LOOKS = 3  # in a row that find all asleep
+_LIST_EVERY = 20  # waits
+
+
+class Pace:
+    """Watches processes ``pids``, all threads of each."""
+
+    def __init__(self, pids):
+        self._pids = tuple(pids)
+        self._files = {}
+        self._waits = 0
+
+    def wait(self, limit=60.0):
+        """Return when all threads are asleep in several looks in a row; False if they are not within ``limit`` [wall s]."""
+        if self._waits % _LIST_EVERY == 0:
+            self._list_threads()
+        self._waits += 1
+        end, quiet = time.monotonic() + limit, 0
+        time.sleep(_FIRST_LOOK)
+        while quiet < _LOOKS:
+            if time.monotonic() > end:
+                return False
+            quiet = quiet + 1 if self._all_asleep() else 0
+            time.sleep(_BETWEEN)
+        return True
+
+    def close(self):
+        """Close the files of /proc."""
+        for descriptor in self._files.values():
+            os.close(descriptor)
+        self._files = {}
+
+    def _list_threads(self):
+        found = ['/proc/{}/task/{}/stat'.format(pid, task) for pid in self._pids for task in _tasks(pid)]
+        for path in [path for path in self._files if path not in found]:
+            os.close(self._files.pop(path))
+        for path in found:
+            if path not in self._files:
+                try:
+                    self._files[path] = os.open(path, os.O_RDONLY)
+                except OSError:
+                    pass  # it has ended since
+
+    def _all_asleep(self):
+        for path, descriptor in list(self._files.items()):
+            try:
+                line = os.pread(descriptor, 256, 0)
+            except OSError:  # the thread has ended
+                os.close(self._files.pop(path))
+                continue
+            if line[line.rindex(b')') + 2:line.rindex(b')') + 3] not in b'SIZX':
+                return False
+        return True
+
+
+def _tasks(pid):
+    try:
+        return os.listdir('/proc/{}/task'.format(pid))
+    except OSError:
+        return []

@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""Pack recorded missions as examples/reality has them; the same bytes from the same missions.
+
+usage: tools/record_reality/pack.py FOLDER TARGET
+
+FOLDER: what record.py has written. A mission with more than 2 % of its control cycles missed is named and left out.
+"""
+import csv
+import gzip
+import io
+import os
+import sys
+from pathlib import Path
+
+from places import place
+
+_MOST_MISSED = 0.02
+
+
+def _rows(path):
+    with open(str(path), newline='') as stream:
+        return list(csv.reader(stream))
+
+
+def _write(path, rows):
+    text = io.StringIO()
+    csv.writer(text, lineterminator='\n').writerows(rows)
+    data = text.getvalue().encode()
+    part = path.with_name(path.name + '.part')
+    part.write_bytes(gzip.compress(data, 9, mtime=0) if path.suffix == '.gz' else data)
+    os.replace(str(part), str(path))
+
+
+def main():
+    """Pack what the command line names."""
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    source, target = map(Path, sys.argv[1:])
+    tables, maps = {'mission': [], 'legs': [], 'poses': []}, set()
+    for folder in sorted(path.parent for path in source.glob('*/mission.csv')):
+        head, values = _rows(folder / 'mission.csv')
+        named = dict(zip(head, values))
+        if int(named['missed_loops']) > _MOST_MISSED * int(named['cycles']):
+            print('{run}: left out, {missed_loops} of {cycles} cycles missed'.format(**named))
+            continue
+        maps.add(named['map'])
+        for name, rows in tables.items():
+            rows += _rows(folder / (name + '.csv'))[1 if rows else 0:]
+    for name, rows in tables.items():
+        _write(target / ('missions.csv' if name == 'mission' else name + '.csv.gz'), rows)
+    for name in sorted(maps - {'farm_yard'}):  # that one lies in maps
+        place(name).write(target)
+    print('{} missions, {} legs, {} poses'.format(*(len(rows) - 1 for rows in tables.values())))
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+"""Record missions of real move_bases (navfn, DWA) on real Stage, one after the other.
+
+usage: tools/record_reality/record.py PLAN.csv FOLDER [JOB/JOBS]
+
+PLAN.csv: a mission a line: run,map,kind,robots,seed,simulated_s. Its files are written when it is over: in FOLDER/RUN
+legs.csv, poses.csv and mission.csv. Missions that are there are not recorded again. JOB/JOBS: every JOBS-th, from the
+JOB-th on, for several processes at once. README.md says what must be built before.
+"""
+import csv
+import itertools
+import math
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from legs import COLUMNS, STEP
+from machinery import Programs, Stage, parameters, write_world
+from missions import mission, starts
+from pace import Pace
+from places import place
+
+MISSION = ('run', 'map', 'kind', 'robots', 'seed', 'simulated_s', 'wall_s', 'legs', 'cycles', 'missed_loops', 'moved',
+           'load')
+POSES = ('run', 'robot', 't', 'x', 'y', 'yaw', 'v', 'w', 'goal')
+_LIMIT = 180.0  # simulated s a goal
+_READY = 3.0  # simulated s after all have been heard of
+_PATIENCE = 90.0  # wall s to start
+
+
+class Recording:
+    """One mission, from its programs' start to its files."""
+
+    def __init__(self, row, folder):
+        self._row, self._folder = row, folder
+        self._place, self._count = place(row['map']), int(row['robots'])
+        self._programs = Programs(folder)
+        self._now, self._poses = 0.0, []
+        self._stage = self._pace = self._robots = None
+
+    def run(self):
+        """Record it; returns its (legs, poses, mission)."""
+        try:
+            self._start()
+            begin, wall, load = self._now, time.monotonic(), os.getloadavg()[0]
+            self._drive(begin + float(self._row['simulated_s']))
+            return self._result(self._now - begin, time.monotonic() - wall, (load + os.getloadavg()[0]) / 2.0)
+        finally:
+            self._programs.stop()
+
+    def _start(self):
+        programs = self._programs
+        map_file = self._place.write(self._folder)
+        world = write_world(self._folder, self._place, starts(self._place, self._count, self._row['seed']))
+        programs.start_master()
+        os.environ.update(programs.environment)
+        import rospy  # it reads the environment
+        from robots import Robot, watch_log
+        _wait_for(lambda: _master_answers(rospy))
+        for name, value in parameters(self._count).items():
+            rospy.set_param(name, value)
+        rospy.init_node('recorder', disable_signals=True)
+        self._stage = Stage(programs.start, world)
+        others = programs.start_robots(map_file, self._count)
+        self._robots = [Robot(number, self._place, self._row['run']) for number in range(self._count)]
+        self._log = watch_log(self._robots)
+        self._wait_until_ready(rospy)
+        self._pace = Pace([self._stage.process.pid] + [process.pid for process in others])
+        for _ in range(round(_READY / STEP)):
+            self._step()
+
+    def _wait_until_ready(self, rospy):
+        """Let Stage do its steps at 1x until each move_base has its costmaps and is subscribed to goals."""
+        def ready():
+            self._stage.step()
+            self._now = round(self._now + STEP, 1)
+            return all(robot.is_heard() for robot in self._robots) and all(
+                rospy.has_param('/{}/move_base/aggressive_reset/reset_distance'.format(robot.name))
+                for robot in self._robots)
+        _wait_for(ready)
+        self._now = round(rospy.get_time(), 1)
+
+    def _step(self):
+        self._stage.step()
+        self._now = round(self._now + STEP, 1)
+        if not self._pace.wait():
+            raise RuntimeError('the programs did not come to rest')
+        for robot in self._robots:
+            robot.take(self._now)
+        self._look_around()
+
+    def _look_around(self):
+        for one, other in itertools.permutations(self._robots, 2):
+            if one.leg is not None:
+                one.leg.near(math.dist(one.pose[:2], other.pose[:2]), other.number, self._now)
+        if round(self._now / STEP) % 5 == 0:
+            for robot in self._robots:
+                self._poses.append((
+                    self._row['run'], robot.number, '{:.1f}'.format(self._now), *('{:.2f}'.format(value) for value in (
+                        *robot.pose, robot.v, robot.w)), robot.leg.number if robot.leg else 0))
+
+    def _drive(self, end):
+        goals = mission(self._row['kind'], self._place, self._count, self._row['seed'])
+        while self._now < end:
+            self._step()
+            for robot in self._robots:
+                if robot.put_elsewhere_if_stuck():
+                    self._pace.wait()
+                    self._step()
+                    robot.clear_costmaps()
+                if robot.leg is not None and self._now - robot.leg.sent >= _LIMIT:
+                    robot.cancel(1)
+            idle = [robot.number for robot in self._robots if robot.leg is None]
+            for number, kind, goal in goals.goals(idle, [robot.pose for robot in self._robots], self._now):
+                self._robots[number].send(kind, goal, self._now)
+                self._pace.wait()  # a goal is there before the next step, as it is on a machine with time to spare
+        for robot in self._robots:
+            robot.cut(self._now)
+
+    def _result(self, simulated, wall, load):
+        rows = sorted((row for robot in self._robots for row in robot.rows),
+                      key=lambda row: (float(row['result_s']), row['robot']))
+        missed = sum(int(row['missed_loops']) for row in rows)
+        cycles = round(sum(float(row['duration_s']) for row in rows) / STEP)
+        values = dict(self._row, simulated_s='{:.1f}'.format(simulated), wall_s='{:.0f}'.format(wall), legs=len(rows),
+                      cycles=cycles, missed_loops=missed, moved=sum(robot.moved for robot in self._robots),
+                      load='{:.1f}'.format(load))
+        return rows, sorted(self._poses, key=lambda pose: pose[1]), values
+
+
+def _master_answers(rospy):
+    try:
+        rospy.get_master().getPid()
+    except OSError:
+        return False
+    return True
+
+
+def _wait_for(happens):
+    end = time.monotonic() + _PATIENCE
+    while not happens():
+        if time.monotonic() > end:
+            raise RuntimeError('not ready within {:g} s'.format(_PATIENCE))
+        time.sleep(STEP)
+
+
+def _write(folder, result):
+    """Write the files of a mission, the last one when all are whole."""
+    legs, poses, values = result
+    for name, columns, rows in (('legs', COLUMNS, [[row[column] for column in COLUMNS] for row in legs]),
+                                ('poses', POSES, poses), ('mission', MISSION, [[values[name] for name in MISSION]])):
+        path = folder / (name + '.csv')
+        with open(str(path) + '.part', 'w', newline='') as stream:
+            csv.writer(stream, lineterminator='\n').writerows([columns, *rows])
+        os.replace(str(path) + '.part', str(path))
+
+
+def _record(row, results):
+    """Record one mission in this process."""
+    folder = Path(tempfile.mkdtemp(prefix='recording_'))
+    try:
+        result = Recording(row, folder).run()
+        target = results / row['run']
+        target.mkdir(parents=True, exist_ok=True)
+        _write(target, result)
+        print('{run}: {legs} legs, {simulated_s} s in {wall_s} s, {missed_loops} of {cycles} cycles missed'.format(
+            **result[2]), flush=True)
+    except BaseException:
+        shutil.copytree(str(folder), str(results / 'failed' / '{}_{}'.format(row['run'], os.getpid())))
+        raise
+    finally:
+        shutil.rmtree(str(folder), ignore_errors=True)
+
+
+def main():
+    """Record what the command line names, each mission in a process of its own."""
+    if len(sys.argv) not in (3, 4):
+        sys.exit(__doc__)
+    job, jobs = map(int, sys.argv[3].split('/')) if len(sys.argv) == 4 else (1, 1)
+    results = Path(sys.argv[2]).resolve()
+    with open(sys.argv[1], newline='') as stream:
+        rows = list(csv.DictReader(stream))
+    if len(rows) == 1:
+        _record(rows[0], results)
+        return
+    for row in rows[job - 1::jobs]:
+        if not (results / row['run'] / 'mission.csv').exists():
+            with tempfile.NamedTemporaryFile('w', suffix='.csv') as plan:
+                plan.write(','.join(row) + '\n' + ','.join(row.values()) + '\n')
+                plan.flush()
+                subprocess.run([sys.executable, __file__, plan.name, str(results)], check=False)
+
+
+if __name__ == '__main__':
+    main()
