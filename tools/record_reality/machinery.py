@@ -136,7 +136,7 @@ class Programs:
         for name in ('robot_{}'.format(number) for number in range(robots)):
             for package in ('fake_localization', 'move_base'):
                 started.append(self.start(
-                    [program(package, package), '__ns:=/' + name], '{}_{}'.format(name, package)))
+                    [program(package, package), '__ns:=/' + name, '__name:=' + package], '{}_{}'.format(name, package)))
         return started
 
     def stop(self):

@@ -118,6 +118,7 @@ class Recording:
             for number, kind, goal in goals.goals(idle, [robot.pose for robot in self._robots], self._now):
                 self._robots[number].send(kind, goal, self._now)
                 self._pace.wait()  # a goal is there before the next step, as it is on a machine with time to spare
+                self._robots[number].take(self._now)
         for robot in self._robots:
             robot.cut(self._now)
 
