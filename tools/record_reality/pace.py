@@ -1,7 +1,8 @@
 """When the machine has done all that a step of Stage asks for: no thread of the watched processes runs or wants to.
 
 The next step comes only then, so that a busy machine makes a recording slow and not wrong: in simulated time every
-program is as quick as on a machine with cores to spare.
+program is as quick as on a machine with cores to spare. A thread that goes on and on (move_base tries to plan without a
+pause until its patience is over) is left behind when it has had as much of a core as there is in a step's time.
 """
 import os
 import time
@@ -10,6 +11,7 @@ _FIRST_LOOK = 0.002  # wall s: roscpp looks at the simulated clock every 1 ms
 _BETWEEN = 0.0011  # wall s
 _LOOKS = 3  # in a row that find all asleep
 _LIST_EVERY = 20  # waits
+_STEP_TICKS = os.sysconf('SC_CLK_TCK') // 10  # of a core in a step of 0.1 s
 
 
 class Pace:
@@ -19,18 +21,20 @@ class Pace:
         self._pids = tuple(pids)
         self._files = {}
         self._waits = 0
+        self._used, self._before = {}, {}  # ticks of a core by path: now, at the begin of the step
 
-    def wait(self, limit=60.0):
-        """Return when all threads are asleep in several looks in a row; False if they are not within ``limit`` [wall s]."""
+    def wait(self, limit=300.0):
+        """Return when all threads are done in several looks in a row; False if they are not within ``limit`` [wall s]."""
         if self._waits % _LIST_EVERY == 0:
             self._list_threads()
         self._waits += 1
+        self._before = dict(self._used)
         end, quiet = time.monotonic() + limit, 0
         time.sleep(_FIRST_LOOK)
         while quiet < _LOOKS:
             if time.monotonic() > end:
                 return False
-            quiet = quiet + 1 if self._all_asleep() else 0
+            quiet = quiet + 1 if self._all_done() else 0
             time.sleep(_BETWEEN)
         return True
 
@@ -51,14 +55,16 @@ class Pace:
                 except OSError:
                     pass  # it has ended since
 
-    def _all_asleep(self):
+    def _all_done(self):
         for path, descriptor in list(self._files.items()):
             try:
-                line = os.pread(descriptor, 256, 0)
+                line = os.pread(descriptor, 512, 0)
             except OSError:  # the thread has ended
                 os.close(self._files.pop(path))
                 continue
-            if line[line.rindex(b')') + 2:line.rindex(b')') + 3] not in b'SIZX':
+            fields = line[line.rindex(b')') + 2:].split(b' ', 13)
+            self._used[path] = used = int(fields[11]) + int(fields[12])
+            if fields[0] not in b'SIZX' and used - self._before.setdefault(path, used) < _STEP_TICKS:
                 return False
         return True
 

@@ -12,6 +12,7 @@ import itertools
 import math
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -161,7 +162,8 @@ def _write(folder, result):
 
 
 def _record(row, results):
-    """Record one mission in this process."""
+    """Record one mission in this process; it ends its programs when it is ended itself."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     folder = Path(tempfile.mkdtemp(prefix='recording_'))
     try:
         result = Recording(row, folder).run()
