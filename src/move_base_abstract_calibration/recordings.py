@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Dict, NamedTuple, Tuple
 
 import numpy
+
 from move_base_abstract.common.csv_files import open_csv, rows_of
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown
@@ -45,7 +46,8 @@ class Recordings(NamedTuple):
 def read_recordings(folder):
     """Return the Recordings in the files missions.csv, legs.csv.gz and poses.csv.gz of ``folder``.
 
-    :raises ConfigurationError: if one cannot be read, has a value that is no number, or tells of a mission that is not there.
+    :raises ConfigurationError: if one cannot be read, has a value that is no number, or tells of a mission that
+        missions.csv does not have.
     """
     folder = Path(folder)
     missions = tuple(_missions(folder / 'missions.csv'))

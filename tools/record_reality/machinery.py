@@ -34,7 +34,19 @@ define agent position
   acceleration_bounds [-1 1 -1 1 -1 1 -180 180]
   scan()
 )
-define floorplan model ( color "gray30" boundary 0 gui_nose 0 gui_grid 0 gui_move 0 gui_outline 0 gripper_return 0 fiducial_return 0 ranger_return 1 obstacle_return 1 )
+define floorplan model
+(
+  color "gray30"
+  boundary 0
+  gui_nose 0
+  gui_grid 0
+  gui_move 0
+  gui_outline 0
+  gripper_return 0
+  fiducial_return 0
+  ranger_return 1
+  obstacle_return 1
+)
 floorplan ( name "walls" size [{width:.3f} {height:.3f} 1.000] pose [{x:.3f} {y:.3f} 0 0] bitmap "{bitmap}" )
 """
 

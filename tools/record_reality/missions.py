@@ -1,7 +1,7 @@
 """What the robots of a mission do: goals by seed, for each robot by itself or in rounds that all begin together.
 
-A kind is asked ``goals(idle, poses, now)``: which robots, among those that are idle, get which goal now. It keeps what it
-needs to know itself; chance comes from the mission's seed alone.
+A kind is asked ``goals(idle, poses, now)``: which robots, among those that are idle, get which goal now. It keeps what
+it needs to know itself; chance comes from the mission's seed alone.
 """
 import math
 import random
@@ -139,7 +139,8 @@ class Rounds:
         lane = self._chance.choice([lane for lane in self._place.lanes if lane.width >= 1.5])
         stander = self._chance.randrange(self._robots)
         a, b = self._lane_ends(lane)
-        share, aside = self._chance.uniform(0.35, 0.65), self._chance.uniform(-1.0, 1.0) * min(0.8, lane.width / 2 - 0.35)
+        share = self._chance.uniform(0.35, 0.65)
+        aside = self._chance.uniform(-1.0, 1.0) * min(0.8, lane.width / 2.0 - 0.35)
         way = _heading(lane.start, lane.end)
         middle = [p + (q - p) * share for p, q in zip(lane.start, lane.end)]
         stands = (middle[0] - math.sin(way) * aside, middle[1] + math.cos(way) * aside,
@@ -147,8 +148,8 @@ class Rounds:
         movers = [robot for robot in range(self._robots) if robot != stander]
         ends = {}
         for number, robot in enumerate(movers):  # one behind the other
-            behind = [p + (q - p) * 0.1 * number for p, q in zip(a, b)], [q - (q - p) * 0.1 * number for p, q in zip(a, b)]
-            ends[robot] = (tuple(behind[0]), tuple(behind[1]))
+            shift = [(q - p) * 0.1 * number for p, q in zip(a, b)]
+            ends[robot] = (a[0] + shift[0], a[1] + shift[1]), (b[0] - shift[0], b[1] - shift[1])
         return self._swaps(ends, stay=((stander, stands),))
 
     def _gather(self):

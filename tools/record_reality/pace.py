@@ -1,8 +1,9 @@
 """When the machine has done all that a step of Stage asks for: no thread of the watched processes runs or wants to.
 
 The next step comes only then, so that a busy machine makes a recording slow and not wrong: in simulated time every
-program is as quick as on a machine with cores to spare. A thread that goes on and on (move_base tries to plan without a
-pause until its patience is over) is left behind when it has had as much of a core as there is in a step's time.
+program is as quick as on a machine with cores to spare. A thread that goes on and on (move_base tries to plan without
+a pause until its patience is over) is left behind when it has had as much of a core as there is in a step's time, and
+from then on with a fifth of that until it sleeps.
 """
 import os
 import time
@@ -12,6 +13,7 @@ _BETWEEN = 0.0011  # wall s
 _LOOKS = 3  # in a row that find all asleep
 _LIST_EVERY = 20  # waits
 _STEP_TICKS = os.sysconf('SC_CLK_TCK') // 10  # of a core in a step of 0.1 s
+_BUSY_TICKS = _STEP_TICKS // 5  # of a thread that did not sleep in the step before
 
 
 class Pace:
@@ -22,9 +24,10 @@ class Pace:
         self._files = {}
         self._waits = 0
         self._used, self._before = {}, {}  # ticks of a core by path: now, at the begin of the step
+        self._busy, self._left = set(), set()  # paths of threads left behind: in the step before, in the last look
 
     def wait(self, limit=300.0):
-        """Return when all threads are done in several looks in a row; False if they are not within ``limit`` [wall s]."""
+        """Return whether all threads are done within ``limit`` [wall s]: in several looks in a row."""
         if self._waits % _LIST_EVERY == 0:
             self._list_threads()
         self._waits += 1
@@ -36,6 +39,7 @@ class Pace:
                 return False
             quiet = quiet + 1 if self._all_done() else 0
             time.sleep(_BETWEEN)
+        self._busy = self._left
         return True
 
     def close(self):
@@ -56,6 +60,7 @@ class Pace:
                     pass  # it has ended since
 
     def _all_done(self):
+        self._left = set()
         for path, descriptor in list(self._files.items()):
             try:
                 line = os.pread(descriptor, 512, 0)
@@ -64,8 +69,10 @@ class Pace:
                 continue
             fields = line[line.rindex(b')') + 2:].split(b' ', 13)
             self._used[path] = used = int(fields[11]) + int(fields[12])
-            if fields[0] not in b'SIZX' and used - self._before.setdefault(path, used) < _STEP_TICKS:
-                return False
+            if fields[0] not in b'SIZX':
+                self._left.add(path)
+                if used - self._before.setdefault(path, used) < (_BUSY_TICKS if path in self._busy else _STEP_TICKS):
+                    return False
         return True
 
 

@@ -44,13 +44,13 @@ def main():
             print('{run}: left out, {missed_loops} of {cycles} cycles missed'.format(**named))
             continue
         maps.add(named['map'])
-        for name, rows in tables.items():
-            rows += _rows(folder / (name + '.csv'))[1 if rows else 0:]
-    for name, rows in tables.items():
-        _write(target / ('missions.csv' if name == 'mission' else name + '.csv.gz'), rows)
+        for name, table in tables.items():
+            table.extend(_rows(folder / (name + '.csv'))[1 if table else 0:])
+    for name, table in tables.items():
+        _write(target / ('missions.csv' if name == 'mission' else name + '.csv.gz'), table)
     for name in sorted(maps - {'farm_yard'}):  # that one lies in maps
         place(name).write(target)
-    print('{} missions, {} legs, {} poses'.format(*(len(rows) - 1 for rows in tables.values())))
+    print('{} missions, {} legs, {} poses'.format(*(len(table) - 1 for table in tables.values())))
 
 
 if __name__ == '__main__':

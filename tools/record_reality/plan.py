@@ -13,8 +13,8 @@ _KINDS = {'aisles': (('headon', 2), ('stander', 2), ('turns', 3), ('crossing', 3
           'rooms': (('headon', 2), ('random', 3), ('stander', 2), ('turns', 3), ('headon', 3), ('random', 4),
                     ('gather', 3), ('stander', 3), ('turns', 4), ('headon', 4)),
           'farm_yard': (('crossing', 3), ('turns', 3), ('headon', 2), ('random', 3), ('crossing', 4), ('stander', 3))}
-_MAPS = {'aisles': ('aisles_1', 'aisles_2', 'aisles_3', 'aisles_4', 'aisles_5'), 'rooms': ('rooms_1', 'rooms_2', 'rooms_3'),
-         'farm_yard': ('farm_yard',)}
+_MAPS = {'aisles': ('aisles_1', 'aisles_2', 'aisles_3', 'aisles_4', 'aisles_5'),
+         'rooms': ('rooms_1', 'rooms_2', 'rooms_3'), 'farm_yard': ('farm_yard',)}
 _ORDER = ('aisles', 'rooms', 'aisles', 'rooms', 'farm_yard')
 
 
