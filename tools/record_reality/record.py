@@ -30,7 +30,7 @@ MISSION = ('run', 'map', 'kind', 'robots', 'seed', 'simulated_s', 'wall_s', 'leg
 POSES = ('run', 'robot', 't', 'x', 'y', 'yaw', 'v', 'w', 'goal')
 _LIMIT = 180.0  # simulated s a goal
 _READY = 3.0  # simulated s after all have been heard of
-_PATIENCE = 90.0  # wall s to start
+_PATIENCE = 300.0  # wall s to start
 
 
 class Recording:
