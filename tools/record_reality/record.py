@@ -41,6 +41,7 @@ class Recording:
         self._place, self._count = place(row['map']), int(row['robots'])
         self._programs = Programs(folder)
         self._now, self._poses = 0.0, []
+        self._is_cut = False
         self._stage = self._pace = self._robots = None
 
     def run(self):
@@ -52,6 +53,10 @@ class Recording:
             return self._result(self._now - begin, time.monotonic() - wall, (load + os.getloadavg()[0]) / 2.0)
         finally:
             self._programs.stop()
+
+    def cut(self, *_):
+        """End it at the next step, as if its time were over."""
+        self._is_cut = True
 
     def _start(self):
         programs = self._programs
@@ -106,7 +111,7 @@ class Recording:
 
     def _drive(self, end):
         goals = mission(self._row['kind'], self._place, self._count, self._row['seed'])
-        while self._now < end:
+        while self._now < end and not self._is_cut:
             self._step()
             for robot in self._robots:
                 if robot.put_elsewhere_if_stuck():
@@ -162,11 +167,12 @@ def _write(folder, result):
 
 
 def _record(row, results):
-    """Record one mission in this process; it ends its programs when it is ended itself."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    """Record one mission in this process; SIGTERM cuts it, so that what there is counts."""
     folder = Path(tempfile.mkdtemp(prefix='recording_'))
     try:
-        result = Recording(row, folder).run()
+        recording = Recording(row, folder)
+        signal.signal(signal.SIGTERM, recording.cut)
+        result = recording.run()
         target = results / row['run']
         target.mkdir(parents=True, exist_ok=True)
         _write(target, result)
