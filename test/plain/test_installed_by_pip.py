@@ -30,6 +30,10 @@ def python(tmp_path_factory):
     folder = tmp_path_factory.mktemp('environment')
     venv.create(folder, system_site_packages=True, with_pip=True)
     python = str(folder / 'bin' / 'python')
+    # What this test's own Python has, in an environment of its own perhaps, comes after what is installed here.
+    own = subprocess.run([python, '-c', 'import sysconfig; print(sysconfig.get_path("purelib"))'], check=True,
+                         stdout=subprocess.PIPE, universal_newlines=True).stdout.strip()
+    (Path(own) / 'tests_own.pth').write_text(sysconfig.get_path('purelib') + '\n')
     sources = tmp_path_factory.mktemp('sources') / 'sources'
     subprocess.run(['git', 'clone', '-q', str(ROOT), str(sources)], check=True)
     # The working tree, with what is not committed yet: pip leaves build/ and *.egg-info where it builds.
@@ -40,20 +44,19 @@ def python(tmp_path_factory):
     return python, folder
 
 
-def plain_environment(**more):
+def plain_environment():
     """Return the environment without what the shell knows of ROS."""
-    return {**{name: value for name, value in os.environ.items() if 'ROS' not in name and 'PYTHON' not in name}, **more}
+    return {name: value for name, value in os.environ.items() if 'ROS' not in name and 'PYTHON' not in name}
 
 
-def output_of(python, *words, **more):
-    return subprocess.run([python, *map(str, words)], env=plain_environment(**more), stdout=subprocess.PIPE, check=True,
+def output_of(python, *words):
+    return subprocess.run([python, *map(str, words)], env=plain_environment(), stdout=subprocess.PIPE, check=True,
                           universal_newlines=True).stdout
 
 
 def test_an_example_runs_without_ros(python):
     executable, folder = python
-    simpy = sysconfig.get_path('purelib')  # where this test's own Python has it
-    out = output_of(executable, '-c', WITHOUT_ROS, ROOT / 'examples' / 'plain' / 'patrol.py', PYTHONPATH=simpy)
+    out = output_of(executable, '-c', WITHOUT_ROS, ROOT / 'examples' / 'plain' / 'patrol.py')
     path, *lines = out.splitlines()
     assert Path(path).is_relative_to(folder) if hasattr(Path, 'is_relative_to') else path.startswith(str(folder))
     assert lines[-1].startswith('60 s: a ')
