@@ -14,7 +14,7 @@ from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.leg import Leg, MotionLimits, Tolerances
 from move_base_abstract.motion.route import CornerLaw, Route
 
-from .even_ways import even_pieces
+from .constant_speed import even_pieces
 
 #: how a robot gets from one pose to the other: it is there; evenly; by the limits with this number less LIMITED
 PLACED, EVEN, LIMITED = 0, 1, 2

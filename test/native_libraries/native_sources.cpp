@@ -27,7 +27,7 @@
 #include <sstream>
 #include <thread>
 
-#include "native_deeds.h"
+#include "native_calls.h"
 
 namespace {
 

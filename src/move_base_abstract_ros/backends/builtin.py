@@ -4,7 +4,7 @@ from nav_msgs.msg import Odometry
 
 from move_base_abstract.motion.geometry import Pose2D
 
-from ..lockstep.exchange import beforehand
+from ..lockstep.exchange import rollback
 from ..messages.outlets import LatchedOutlets
 from ..messages.packing import InFrame
 from ..transforms import tf_hub
@@ -49,8 +49,8 @@ class BuiltinBackend:
             if pose == self._tf_pose:
                 return
             stamp_ns = self._tf_stamp_ns + 1
-        beforehand.changes(self, '_tf_stamp_ns')
-        beforehand.changes(self, '_tf_pose')
+        rollback.changes(self, '_tf_stamp_ns')
+        rollback.changes(self, '_tf_pose')
         self._tf_stamp_ns, self._tf_pose = stamp_ns, pose
         tf_hub.send(self._base_frame, lambda: self._transforms(pose, stamp_ns))
 

@@ -11,7 +11,7 @@ from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.scheduler import TurnLost
 
-from ..lockstep.exchange import beforehand
+from ..lockstep.exchange import rollback
 from ..messages import outlets
 from .fault_log import FaultLog
 
@@ -62,7 +62,7 @@ class LockstepClock:
         So what the robots do by themselves comes before what they are told at the same instant, as in the plain
         Python fleet.
         """
-        if not beforehand.is_now():
+        if not rollback.is_recording():
             self.simulation.advance(self.participant.now_ns)
         return self.simulation.now_ns
 

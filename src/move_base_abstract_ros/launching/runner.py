@@ -11,7 +11,7 @@ from roslaunch.core import is_machine_local
 from . import ends, roles
 from .plan import TIME_MASTER
 from .sleeps import Sleeps
-from .watched import Watched
+from .watched_process import Watched
 
 _STATE_TIMEOUT = 5.0  # s, wall
 _EACH_TIMEOUT = 10.0  # s, wall, for a node to take part before the next one starts; it may wait for that one

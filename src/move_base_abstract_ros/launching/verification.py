@@ -14,7 +14,7 @@ from move_base_abstract.runs import event_log, run_difference
 from move_base_abstract.runs.event_log import EventLog, EventLogError
 
 from ..loopback import find_executable
-from . import ends, findings
+from . import difference_report, ends
 from .conditions import CONDITIONS, every_core_busy, limit_for
 
 IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED, CRASHED = 0, 1, 2, 3, 4, 5
@@ -152,13 +152,13 @@ class Verification:
             return False
         self._say('different: {} ({}) and {} ({})'.format(first.condition.name, first.condition.what,
                                                           run.condition.name, run.condition.what))
-        tell = findings.bag_lines if found.difference is None else findings.event_lines
+        tell = difference_report.bag_lines if found.difference is None else difference_report.event_lines
         for line in tell(found.difference or found.bags, first, run):
             self._say(line)
-        for line in findings.label_lines([first, run]):
+        for line in difference_report.label_lines([first, run]):
             self._say('not called repeatable: {}'.format(line))
         self._say('likely causes:')
-        for line in findings.cause_lines(found.difference, first, run):
+        for line in difference_report.cause_lines(found.difference, first, run):
             self._say('  ' + line)
         for one in (first, run):
             _remove(one)
@@ -172,7 +172,7 @@ class Verification:
         self._say('not compared: other files that nodes write, and what they print')
         for crash in self.runs[0].crashes:
             self._say('but {} (--crashes allow)'.format(crash))
-        labels = list(findings.label_lines(self.runs))
+        labels = list(difference_report.label_lines(self.runs))
         for label in labels:
             self._say('but not called repeatable: {}'.format(label))
         _remove(self.runs[0])
@@ -189,7 +189,7 @@ class Verification:
 def _bags(output):
     """Return {(node, number): path} of the bags of a run, as lockstep_launch has said it."""
     counts, found = {}, {}
-    for line in findings.lines_of(output):
+    for line in difference_report.lines_of(output):
         said = _BAG.match(line)
         if said:
             counts[said.group(1)] = counts.get(said.group(1), 0) + 1
@@ -247,16 +247,16 @@ def _simulated(path):
 
 def _crashes(path):
     """Return what lockstep_launch has said of crashes, in words."""
-    return [line[len(ends.LINE):] for line in findings.lines_of(path) if line.startswith(ends.LINE)]
+    return [line[len(ends.LINE):] for line in difference_report.lines_of(path) if line.startswith(ends.LINE)]
 
 
 def _last_lines(path):
-    lines = list(findings.lines_of(path))[-_OUTPUT_LINES:]
+    lines = list(difference_report.lines_of(path))[-_OUTPUT_LINES:]
     return '\n'.join('    ' + line for line in lines) or '    (it printed nothing)'
 
 
 def _fleets(path):
     """Return the names of the fleets of a run that could be in several processes."""
-    said = (line for line in findings.lines_of(path) if line.startswith(_FLEETS))
+    said = (line for line in difference_report.lines_of(path) if line.startswith(_FLEETS))
     return [name for line in said for name in line[len(_FLEETS):].split(', ')]
 

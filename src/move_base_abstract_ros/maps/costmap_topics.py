@@ -6,7 +6,7 @@ from nav_msgs.msg import OccupancyGrid
 
 from move_base_abstract.maps.costmaps import Window
 
-from ..lockstep.exchange import beforehand
+from ..lockstep.exchange import rollback
 from ..messages import conversions
 from ..messages.outlets import LatchedOutlet, LatchedOutlets
 from ..messages.packing import InFrame, of_message
@@ -49,7 +49,7 @@ class CostmapTopics:
     def moved(self, pose, stamp_ns, is_event):
         """Show the robot at ``pose`` (global frame); ``is_event``: it starts or stands, which no cap leaves out."""
         self._footprints.show(pose, stamp_ns)
-        beforehand.changes(self, '_latest')
+        rollback.changes(self, '_latest')
         self._latest = pose, stamp_ns
         if is_event or self._throttle.ready():
             self._window.show()

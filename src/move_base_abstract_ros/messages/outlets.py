@@ -10,7 +10,7 @@ import rospy
 
 from move_base_abstract.engine.event_queue import NOBODY, ONLOOKERS, PARTICIPANTS
 
-from ..lockstep.exchange import beforehand
+from ..lockstep.exchange import rollback
 
 
 class _Header:
@@ -141,13 +141,13 @@ class Outlet(rospy.SubscribeListener):
         try:
             connections = impl.connections
             if len(connections) == 1 and hasattr(connections[0], 'write_message') and not impl.closed:
-                beforehand.changes(impl, 'seq')
+                rollback.changes(impl, 'seq')
                 impl.seq += 1
                 data = pack(impl.seq)
                 impl.message_data_sent += len(data)
                 connections[0].write_message(data)
-            elif beforehand.is_now():
-                raise beforehand.NotForeseeable(impl.resolved_name)
+            elif rollback.is_recording():
+                raise rollback.NotForeseeable(impl.resolved_name)
             else:
                 impl.publish(Packed(pack))
         finally:
@@ -189,15 +189,15 @@ class LatchedOutlet(Outlet):
 
     def show(self, *shown):
         """Send ``make(*shown)`` if anybody listens, and keep it for those who come later."""
-        beforehand.changes(self, '_shown')
-        beforehand.changes(self, '_sent')
+        rollback.changes(self, '_shown')
+        rollback.changes(self, '_sent')
         self._shown, self._sent = shown, None
         if self.is_heard():
             super().send(self._make(*shown))
 
     def send(self, pack):
         """Send what ``pack`` makes, and keep it for those who come later."""
-        beforehand.changes(self, '_sent')
+        rollback.changes(self, '_sent')
         self._sent = pack
         super().send(pack)
 
@@ -225,7 +225,7 @@ class LatchedOutlets:
 
     def show(self, *shown):
         """Send what was shown to those who listen, in the order in which the topics came, and keep it for others."""
-        beforehand.changes(self, '_shown')
+        rollback.changes(self, '_shown')
         self._shown = shown
         if self._is_heard:
             for outlet in self._outlets:

@@ -4,7 +4,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from move_base_abstract.common.units import NS_PER_S
 
 from .. import lockstep
-from ..lockstep.exchange import beforehand
+from ..lockstep.exchange import rollback
 from ..messages import conversions, packing
 from ..messages.outlets import Outlet
 from .heartbeat import Heartbeat
@@ -47,7 +47,7 @@ class RobotDiagnostics:
 
     def send(self, now_ns):
         """Tell the condition at ``now_ns`` [ns], if anybody hears it."""
-        beforehand.changes(self, '_latest')
+        rollback.changes(self, '_latest')
         self._latest = level, text, values = self._tell()
         if self._shared.outlet.is_heard():
             status = DiagnosticStatus(level=level, name=self._name + ': condition', message=text,

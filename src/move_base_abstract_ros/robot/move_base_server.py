@@ -11,7 +11,7 @@ from move_base_abstract.runs.trace import RobotTrace
 
 from .. import backends, lockstep
 from ..clocks.throttle import WallThrottle
-from ..lockstep.exchange import beforehand
+from ..lockstep.exchange import rollback
 from ..maps.costmap_topics import CostmapTopics
 from ..maps.planner_interface import PlannerInterface
 from ..maps.robot_map import RobotMap
@@ -298,7 +298,7 @@ class MoveBaseServer(NavigatorListener):
             return self._clock.wall_to_ns(_DEAF_SECONDS)
         told = (record.goal_id, stamp_ns)
         if self._feedback_throttle.ready() or (is_last and told != self._told):
-            beforehand.changes(self, '_told')
+            rollback.changes(self, '_told')
             self._told = told
             self._goal_server.publish_feedback(
                 record, self._in_global_frame.pose_stamped(0, pose, stamp_ns), stamp_ns)

@@ -10,7 +10,7 @@ from tf2_msgs.msg import TFMessage
 
 from move_base_abstract.engine.event_queue import NOBODY
 
-from ..lockstep.exchange import beforehand
+from ..lockstep.exchange import rollback
 from ..messages import packing
 from ..messages.outlets import Outlet, Packed
 
@@ -35,7 +35,7 @@ class _Hub:
     def send(self, key, make):
         with self._lock:
             if self._latest is not None:
-                beforehand.changes_entry(self._latest, key)
+                rollback.changes_entry(self._latest, key)
                 self._latest[key] = make
             if self._collected is None:
                 self._publish([make])

@@ -6,8 +6,8 @@ from dataclasses import replace
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown
 
+from .field_cache import truth_of
 from .spec import TrialSpec
-from .truth import truth_of
 
 MESA, EIGHT, LOCKSTEP = 'mesa', 'mesa-eight', 'ros-lockstep'
 SCALED = {f'ros-{factor:g}x': factor for factor in (100.0, 15.0, 10.0)}

@@ -8,7 +8,7 @@ from soil_mapping.mission.coordinator import Coordinator
 from soil_mapping.ros.coordinator_node import run_mission
 from soil_mapping.ros.mission_run import MissionFailed
 
-from .truth import truth_of
+from .field_cache import truth_of
 
 
 def carry_out(spec, node, names, topics, ros, stopwatch, before=lambda: None):

@@ -9,7 +9,7 @@ from soil_mapping.mission.sampling import start_places
 from soil_mapping.results.result import collect
 from soil_mapping.stopwatch import Stopwatch
 
-from .truth import truth_of
+from .field_cache import truth_of
 
 NODE = 'soil_coordinator'
 TASK = 'take_sample'

@@ -8,7 +8,7 @@ from move_base_abstract.lockstep.charge import check_charge
 from soil_mapping.config import TrialConfig
 from soil_mapping.mesa_models.motion import motion_named
 
-from .truth import digests
+from .field_cache import digests
 
 ENGINES = ('ros', 'mesa')
 CLOCKS = ('lockstep', 'scaled')

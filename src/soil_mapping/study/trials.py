@@ -19,8 +19,8 @@ from soil_mapping.config import TrialConfig
 from soil_mapping.results.provenance import machine, versions
 from soil_mapping.results.trial_folder import TrialFolder, write_files
 
+from .field_cache import draw_ahead, truth_of
 from .groups import specs_of
-from .truth import draw_ahead, truth_of
 
 HEAVY = {'ros': ('soil_mapping.study.ros_trial', 'soil_mapping.study.ros_nodes', 'soil_mapping.study.ros_mission',
                  'rosmaster.master'), 'mesa': ('soil_mapping.mesa_models.mesa_model',)}

@@ -301,8 +301,8 @@ import os, signal, sys
 sys.path.insert(0, {source!r})
 from move_base_abstract_experiments.trials import processes
 from soil_mapping.config import TrialConfig
-from soil_mapping.study import truth
-field = truth.truth_of(TrialConfig(field='synthetic:3'))
+from soil_mapping.study import field_cache
+field = field_cache.truth_of(TrialConfig(field='synthetic:3'))
 draw = field.draw
 field.draw_by(lambda: print('drawn by', 'me' if os.getpid() == me else 'another', flush=True) or draw())
 me, output = os.getpid(), os.fdopen(os.dup(1), 'w')
@@ -310,7 +310,7 @@ os.devnull = '/dev/stdout'  # so that what the other process prints is seen
 fork = processes.fork
 processes.fork = lambda *words: children.append(fork(*words))
 children = []
-truth.draw_ahead(TrialConfig(field='synthetic:3'))
+field_cache.draw_ahead(TrialConfig(field='synthetic:3'))
 if {killed}:
     os.kill(children[0], signal.SIGKILL)
 print(field.values[3, 4])

@@ -9,8 +9,8 @@ import weakref
 
 import rospy
 
-from move_base_abstract.lockstep.numbered import bases_of, is_hashed_by_address
 from move_base_abstract.lockstep.object_order import BASES, ORDER
+from move_base_abstract.lockstep.stable_hash import bases_of, is_hashed_by_address
 
 _SHOWN = 3  # kinds of objects
 

@@ -17,7 +17,7 @@ from importlib import machinery
 import rospy
 
 import move_base_abstract
-from move_base_abstract.lockstep.asked import ask
+from move_base_abstract.lockstep.call_rewriting import ask
 from move_base_abstract.lockstep.installed import is_installed
 from move_base_abstract.lockstep.instrument import dotted, instrument
 from move_base_abstract.lockstep.object_order import follow_order

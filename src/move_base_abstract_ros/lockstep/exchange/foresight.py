@@ -6,7 +6,7 @@ many of these turns have come to pass; the others are taken back.
 """
 from move_base_abstract.lockstep import wire
 
-from . import beforehand
+from . import rollback
 from .links import sender
 
 _MOST_TURNS = 64  # of a report; what is taken back was computed in vain
@@ -30,15 +30,15 @@ class Foresight:
         for due_ns, series in instants:
             mark = len(items)
             items.append(wire.at(due_ns))
-            beforehand.begin()
+            rollback.begin()
             try:
                 with sender(None):
                     self._source.tell(due_ns, series)
-            except beforehand.NotForeseeable:
-                _take_back(beforehand.end())
+            except rollback.NotForeseeable:
+                _take_back(rollback.end())
                 del items[mark:]
                 return due_ns
-            self._turns.append((due_ns, beforehand.end()))
+            self._turns.append((due_ns, rollback.end()))
         return after_ns
 
     def came_to_pass(self, count):

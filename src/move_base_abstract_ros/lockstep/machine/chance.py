@@ -11,7 +11,7 @@ import tempfile
 import uuid
 import zlib
 
-from move_base_abstract.lockstep.seen import Entropy
+from move_base_abstract.lockstep.machine_view import Entropy
 
 from ...replacing.replaced import replace
 from ..code.callers import asker, is_own, own_frame, sees_run

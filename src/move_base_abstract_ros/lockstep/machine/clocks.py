@@ -4,7 +4,7 @@ import sys
 import time
 
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
-from move_base_abstract.lockstep import seen
+from move_base_abstract.lockstep import machine_view as view
 from move_base_abstract.lockstep.loops import TIME_STEP_NS
 from move_base_abstract.lockstep.scheduler import TurnLost
 
@@ -13,8 +13,8 @@ from ..code.callers import asker, is_own, sees_run
 from ..code.labels import told
 
 _STRAY = 'reads a clock in a thread that lockstep does not order'
-_KINDS = {'time': seen.DATE, 'monotonic': seen.UPTIME, 'perf_counter': seen.UPTIME, 'process_time': seen.PROCESSOR,
-          'thread_time': seen.PROCESSOR}
+_KINDS = {'time': view.DATE, 'monotonic': view.UPTIME, 'perf_counter': view.UPTIME, 'process_time': view.PROCESSOR,
+          'thread_time': view.PROCESSOR}
 _SPLIT = ('localtime', 'gmtime', 'ctime')  # of the present, if nothing is said
 
 
@@ -23,7 +23,7 @@ def install(seed, is_simulated, slept_ns):
 
     ``slept_ns``: as of :class:`.SeenClocks`.
     """
-    clocks = _Clocks(seen.SeenClocks(seed, is_simulated, slept_ns))
+    clocks = _Clocks(view.SeenClocks(seed, is_simulated, slept_ns))
     for name, kind in _KINDS.items():
         replace('time.' + name, lambda machine, kind=kind: _Clock(clocks, kind, machine, lambda ns: ns / NS_PER_S))
         replace('time.{}_ns'.format(name), lambda machine, kind=kind: _Clock(clocks, kind, machine, lambda ns: ns))
@@ -81,12 +81,12 @@ class _Clocks:
 
     def date_ns(self, frame):
         """Return the date [ns] that the code of a frame sees; None: the machine's."""
-        return self.read(seen.DATE, frame)
+        return self.read(view.DATE, frame)
 
     def moment(self, kind, name, frame):
         """Return what stands in for the method ``name`` of ``kind``, a datetime or date: it asks for the present."""
         def present(zone=None):
-            now_ns = self.read(seen.DATE, frame)
+            now_ns = self.read(view.DATE, frame)
             if now_ns is None:
                 return getattr(kind, name)(*([] if zone is None else [zone]))
             seconds = now_ns / NS_PER_S
@@ -122,7 +122,7 @@ class _ClockOfKernel:
 
     def __call__(self, clock_id, /):
         machine = self._machine(clock_id)
-        now_ns = self._clocks.read(seen.kind_of(clock_id), sys._getframe(1))
+        now_ns = self._clocks.read(view.kind_of(clock_id), sys._getframe(1))
         return machine if now_ns is None else self._in_unit(now_ns)
 
 
@@ -134,7 +134,7 @@ class _Split:
 
     def __call__(self, *given):
         is_present = len(given) == self._place or self.machine is self._split and given == (None,)
-        now_ns = self._clocks.read(seen.DATE, sys._getframe(1)) if is_present else None
+        now_ns = self._clocks.read(view.DATE, sys._getframe(1)) if is_present else None
         if now_ns is None:
             return self.machine(*given)
         present = now_ns // NS_PER_S

@@ -10,7 +10,7 @@ import sys
 import threading
 
 from move_base_abstract.common.units import NS_PER_S
-from move_base_abstract.lockstep.seen import DATE, UPTIME
+from move_base_abstract.lockstep.machine_view import DATE, UPTIME
 
 from ...replacing.replaced import replace
 from ..code.callers import sees_run

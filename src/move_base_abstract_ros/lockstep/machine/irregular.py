@@ -21,9 +21,9 @@ import rosgraph
 import rospy
 import rospy.msproxy  # noqa: F401 - replaced by name
 
-from move_base_abstract.lockstep.asked import ASK, FILE_TIME, HASHED
-from move_base_abstract.lockstep.numbered import Numbered, is_hashed_by_address
+from move_base_abstract.lockstep.call_rewriting import ASK, FILE_TIME, HASHED
 from move_base_abstract.lockstep.own_cores import own_cores
+from move_base_abstract.lockstep.stable_hash import Numbered, is_hashed_by_address
 
 from ...replacing.replaced import replace
 from ..code.callers import is_own, own_frame

@@ -12,7 +12,7 @@ import sys
 import rospy
 
 from move_base_abstract.common.units import NS_PER_S
-from move_base_abstract.lockstep import seen
+from move_base_abstract.lockstep import machine_view as view
 from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
 
 from ..code.labels import told
@@ -73,7 +73,7 @@ class Native:
             return
         self._sleep = sleep
         Scheduler.thread_changes = self._thread_changes
-        for cell, kind in ((_DATE, seen.DATE), (_UPTIME, seen.UPTIME), (_PROCESSOR, seen.PROCESSOR)):
+        for cell, kind in ((_DATE, view.DATE), (_UPTIME, view.UPTIME), (_PROCESSOR, view.PROCESSOR)):
             self.cells[cell] = clocks.start(kind)
         self.cells[_PATIENCE] = int(_limit() * NS_PER_S)
         self._callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64)(self._wait)  # is to live as long as the process

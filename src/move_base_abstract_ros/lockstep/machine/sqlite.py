@@ -7,7 +7,7 @@ import datetime
 import sys
 
 from move_base_abstract.common.units import NS_PER_S
-from move_base_abstract.lockstep.seen import DATE
+from move_base_abstract.lockstep.machine_view import DATE
 
 from ...replacing.replaced import replace
 from ..code.callers import own_frame

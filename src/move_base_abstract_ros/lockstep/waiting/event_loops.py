@@ -14,10 +14,10 @@ import types
 
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.lockstep.loops import STEP_NS
-from move_base_abstract.lockstep.numbered import Numbered
+from move_base_abstract.lockstep.machine_view import UPTIME
 from move_base_abstract.lockstep.open_waits import WORK
 from move_base_abstract.lockstep.scheduler import TurnLost, _make_lock
-from move_base_abstract.lockstep.seen import UPTIME
+from move_base_abstract.lockstep.stable_hash import Numbered
 from move_base_abstract.lockstep.wire import NEVER
 
 from ...replacing.replaced import replace

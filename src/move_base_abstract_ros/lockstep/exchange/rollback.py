@@ -32,7 +32,7 @@ def end():
     return undos
 
 
-def is_now():
+def is_recording():
     """Return whether something is told beforehand at the moment."""
     return _journal.undos is not None
 

@@ -1,6 +1,6 @@
 // What cannot be followed, or only in some ways, as text.
-#ifndef NATIVE_DEEDS_H
-#define NATIVE_DEEDS_H
+#ifndef NATIVE_CALLS_H
+#define NATIVE_CALLS_H
 
 #include <string>
 
@@ -11,4 +11,4 @@ std::string strays();
 /** @return "asked", when it has asked and done all that differs from run to run. */
 std::string untold();
 
-#endif  // NATIVE_DEEDS_H
+#endif  // NATIVE_CALLS_H

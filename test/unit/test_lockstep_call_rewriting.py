@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from move_base_abstract.lockstep.asked import ASK, FILE_TIME, HASHED, ask
+from move_base_abstract.lockstep.call_rewriting import ASK, FILE_TIME, HASHED, ask
 
 
 def run(text, **names):

@@ -1,4 +1,4 @@
-#include "native_deeds.h"
+#include "native_calls.h"
 
 #include <fcntl.h>
 #include <signal.h>

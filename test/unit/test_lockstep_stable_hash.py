@@ -11,8 +11,8 @@ from typing import Generic, NamedTuple, TypeVar
 
 import pytest
 
-from move_base_abstract.lockstep import numbered
-from move_base_abstract.lockstep.numbered import Numbered, bases_of, is_hashed_by_address
+from move_base_abstract.lockstep import stable_hash
+from move_base_abstract.lockstep.stable_hash import Numbered, bases_of, is_hashed_by_address
 
 
 def made(*bases, **body):
@@ -52,18 +52,18 @@ def test_hashes_count_up_and_stay():
 
 
 def test_an_object_that_is_gone_leaves_nothing_and_its_place_gets_a_new_number():
-    before = len(numbered._numbers)
+    before = len(stable_hash._numbers)
     numbers = set()
     for _ in range(50):  # at one address, most likely
         numbers.add(hash(Robot()))
     assert len(numbers) == 50
-    assert len(numbered._numbers) == before
+    assert len(stable_hash._numbers) == before
     one = Robot()
     one.itself = one
     hash(one)
     del one
     gc.collect()
-    assert len(numbered._numbers) == before
+    assert len(stable_hash._numbers) == before
 
 
 def test_objects_look_and_compare_as_ever():
