@@ -37,6 +37,8 @@ struct Connection {
 /** @brief All connections, what each is to be sent, and until when strangers must say HELLO. */
 class Connections {
  public:
+  static constexpr Nanoseconds kHelloLimit = 10 * kNanosecondsPerSecond;  // wall
+
   /** @param hello_due wall ns; until then it must have said HELLO. */
   void add(ConnectionId id, Nanoseconds hello_due);
   /** @brief It is lost. @return whose it was; 0: nobody's. */

@@ -4,7 +4,8 @@
 
 namespace move_base_abstract {
 
-void Interruption::begin(MemberId id, ConnectionId connection, Nanoseconds wall) {
+void Interruption::begin(MemberId id, ConnectionId connection, Nanoseconds wall, bool at_rest) {
+  rested_ = active_ ? rested_ : at_rest;
   active_ = true;
   last_ = wall;
   concerned_.insert({id, {connection, wall, false}});

@@ -36,14 +36,17 @@ class Interruption {
   /** Wall; so long a process that is told to end is waited for. */
   static constexpr Nanoseconds kPatience = 20 * kNanosecondsPerSecond;
 
-  /** @brief A participant is told to end, or has left without a grant. */
-  void begin(MemberId id, ConnectionId connection, Nanoseconds wall);
+  /** @brief A participant is told to end, or has left without a grant, while the run was at rest,
+   * or was not. */
+  void begin(MemberId id, ConnectionId connection, Nanoseconds wall, bool at_rest);
   /** @brief It wants a grant for its last words: it does not go before. */
   void knocked(MemberId id);
   void lost(ConnectionId connection, Nanoseconds wall);
   void keep(Label label) { labels_.push_back(std::move(label)); }
 
   bool isActive() const { return active_; }
+  /** @return whether the run was at rest when the first of them was told to end. */
+  bool rested() const { return rested_; }
   /** @return who is told to end and has not yet, and since when [wall ns]. */
   std::map<MemberId, Nanoseconds> ending() const;
   bool concerns(MemberId id) const { return concerned_.count(id) != 0; }
@@ -61,6 +64,7 @@ class Interruption {
   };
 
   bool active_ = false;
+  bool rested_ = false;
   Nanoseconds last_ = 0;  // wall; somebody went
   std::map<MemberId, Concerned> concerned_;
   std::vector<Label> labels_;

@@ -17,6 +17,12 @@ class RunLabels {
   explicit RunLabels(MessageList& messages) : messages_(messages) {}
 
   void addNotRepeatable(const std::string& why);
+  /** @brief The same, unless @p why is ''. */
+  void addIfAny(const std::string& why) {
+    if (!why.empty()) {
+      addNotRepeatable(why);
+    }
+  }
   void addDegraded(const std::string& why);
 
   /** @return the first of all, as "not repeatable: why"; '' if there is none. */

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "connections.h"
@@ -50,6 +51,24 @@ struct SessionMember {
 };
 
 using SessionMembers = std::map<MemberId, SessionMember>;
+
+/** @brief Who has a report or departs, in the order of arrival. */
+class ChangedMembers {
+ public:
+  void add(MemberId id, SessionMember& member) {
+    if (!member.listed) {
+      member.listed = true;
+      ids_.push_back(id);
+    }
+  }
+  std::vector<MemberId> take() { return std::exchange(ids_, {}); }
+  /** @brief Forget those that have departed. */
+  void clear() { ids_.clear(); }
+  bool empty() const { return ids_.empty(); }
+
+ private:
+  std::vector<MemberId> ids_;
+};
 
 }  // namespace move_base_abstract
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "clock/number_text.h"
+
 namespace move_base_abstract {
 namespace {
 
@@ -30,6 +32,15 @@ std::string label(std::string_view name, std::string_view by) {
 }
 
 }  // namespace
+
+std::string faultOf(std::string_view by, const wire::Parameter& item) {
+  if (!item.name.empty() && item.name.front() == '/' && item.is_set != item.value.empty()) {
+    return "";
+  }
+  return quote(by) +
+         ": PARAMETER must have an absolute name, and a value where it is set, got name " +
+         quote(item.name) + " and a value of " + std::to_string(item.value.size()) + " bytes";
+}
 
 void ParameterBook::change(std::string_view by, const wire::Parameter& item) {
   changes_.push_back(

@@ -19,6 +19,9 @@ struct ParameterChange {
   std::string value;  // as XML-RPC says it; empty: it is deleted
 };
 
+/** @return why @p item, which @p by sets or deletes, is no parameter; '' if it is one. */
+std::string faultOf(std::string_view by, const wire::Parameter& item);
+
 /** @brief The parameters of a run. Names are absolute; one contains those below it. */
 class ParameterBook {
  public:

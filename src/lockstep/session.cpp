@@ -1,6 +1,7 @@
 #include "session.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "clock/number_text.h"
@@ -9,271 +10,185 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr std::size_t kKeptGrant = 4096;  // bytes, to say what a silent one was told last
 constexpr Nanoseconds kMissingGap = 5 * kNanosecondsPerSecond;  // wall
-constexpr std::size_t kMostDepartures = 1000;                   // that are kept
 
 }  // namespace
 
 LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds wall)
-    : settings_(settings),
-      rounds_(settings),
-      log_(rounds_, settings.keeps_bytes),
-      router_([this](MemberId id, Mail mail) { rounds_.post(id, mail); },
-              [this](MemberId id, std::uint32_t sub, std::uint64_t number) {
-                return rounds_.order(id, sub, number);
-              },
-              settings.log_messages ? MessageRouter::Trace([this](const auto& delivery) {
-                log_.add(delivery, [this](MemberId id) { return text_.nameOf(id); });
-              })
-                                    : MessageRouter::Trace()),
-      wall_(wall),
+    : run_(settings, wall),
+      end_(run_),
+      departures_(run_, end_),
+      joining_(run_, departures_),
+      turns_(run_, end_, departures_),
+      walked_(run_, end_, departures_, turns_),
+      grants_(run_),
+      silence_(run_, departures_),
       began_(wall),
-      missing_due_(settings.participants.empty() ? kNever : wall + kMissingGap),
-      last_id_(static_cast<MemberId>(settings.participants.size())),
-      text_(rounds_, members_),
-      labels_(messages_),
-      is_strict_(settings.strict) {
+      missing_due_(settings.participants.empty() ? kNever : wall + kMissingGap) {
   keepEnd();
-  router_.setStored(StoredTopics(settings_.stored_topics));
-  for (const std::string& why : settings_.not_covered) {
-    labels_.addNotRepeatable(why);
+}
+
+// ---- what comes in ------------------------------------------------------------------------
+
+void LockstepSession::connect(ConnectionId connection, Nanoseconds wall) {
+  run_.wall = std::max(run_.wall, wall);
+  run_.connections.add(connection, run_.wall + Connections::kHelloLimit);
+  if (run_.rounds.ended()) {
+    run_.connections.close(connection, end_.reason());
+  }
+}
+
+void LockstepSession::received(ConnectionId id, std::string_view bytes, Nanoseconds wall) {
+  run_.wall = std::max(run_.wall, wall);
+  Connection* const connection = run_.connections.open(id);
+  if (connection == nullptr) {
+    return;
+  }
+  poll_due_ = true;
+  try {
+    connection->buffer.append(bytes);
+    while (const auto frame = connection->buffer.next(
+               connection->member == 0 ? wire::kLargestHello : wire::kLargestFrame)) {
+      take(id, *connection, *frame);
+      if (connection->close) {
+        return;
+      }
+    }
+  } catch (const wire::MalformedFrame& error) {
+    drop(id, *connection, error.what());
+  }
+}
+
+void LockstepSession::take(ConnectionId id, const Connection& connection, std::string_view frame) {
+  const bool greeted = connection.member != 0;
+  const auto member = run_.members.find(connection.member);
+  if (greeted && (member == run_.members.end() || member->second.departing)) {
+    return;  // it has left; what it still says does not count
+  }
+  // A report is decoded where it stays, since what it contains points into its bytes.
+  if (greeted && wire::isReport(frame)) {
+    return takeReport(connection.member, frame);
+  }
+  const wire::ParticipantFrame decoded = wire::decodeFromParticipant(frame);
+  if (const auto* greeting = std::get_if<wire::Hello>(&decoded); greeting && !greeted) {
+    joining_.greet(id, *greeting);
+  } else if (std::holds_alternative<wire::Knock>(decoded) && greeted) {
+    takeKnock(connection.member);
+  } else if (const auto* leave = std::get_if<wire::Leave>(&decoded); leave && greeted) {
+    departures_.leave(connection.member, *leave);
+  } else if (const auto* stopping = std::get_if<wire::Stopping>(&decoded); stopping && greeted) {
+    departures_.toldToEnd(connection.member, *stopping);
+  } else if (const auto* busy = std::get_if<wire::Busy>(&decoded); busy && greeted) {
+    silence_.takeBusy(connection.member, *busy);
+  } else {
+    throw wire::MalformedFrame(greeted ? "HELLO must come once, got another"
+                                       : "the first frame must be HELLO, got another type");
+  }
+}
+
+void LockstepSession::disconnected(ConnectionId id, Nanoseconds wall) {
+  run_.wall = std::max(run_.wall, wall);
+  if (!run_.connections.contains(id)) {
+    return;
+  }
+  poll_due_ = true;
+  run_.interruption.lost(id, run_.wall);
+  if (const MemberId member = run_.connections.remove(id); member != 0) {
+    departures_.die(member, "its connection was lost");
+  }
+}
+
+/** @brief What came over the connection cannot be trusted any more. */
+void LockstepSession::drop(ConnectionId id, const Connection& connection,
+                           const std::string& reason) {
+  if (connection.member == 0) {
+    joining_.refuse(id, reason);
+    return;
+  }
+  run_.connections.close(id, reason);
+  departures_.die(connection.member, "it was dropped: " + reason);
+}
+
+void LockstepSession::takeReport(MemberId id, std::string_view frame) {
+  const auto bytes = std::make_shared<const std::string>(frame);
+  auto report = std::get<wire::Report>(wire::decodeFromParticipant(*bytes));
+  const LockstepRounds::MemberState& state = *run_.rounds.find(id);
+  if (!state.owes || state.round != report.round) {
+    throw wire::MalformedFrame("REPORT must be of the round that was granted, " +
+                               (state.owes ? std::to_string(state.round) : "none") + ", got " +
+                               std::to_string(report.round));
+  }
+  const bool is_last = report.leaving;
+  if (run_.rounds.hasWindows()) {
+    walked_.take(id, std::move(report), bytes);
+  } else {
+    turns_.take(id, std::move(report), bytes);
+  }
+  run_.changed.add(id, run_.members.at(id));
+  if (is_last) {
+    departures_.reportedLast(id);
+  }
+}
+
+void LockstepSession::takeKnock(MemberId id) {
+  SessionMember& member = run_.members.at(id);
+  run_.rounds.knock(id);
+  if (run_.rounds.started() && !member.input_told) {
+    member.input_told = true;
+    const std::string why = quote(member.name) + " had input from outside" + run_.text.at();
+    if (run_.interruption.isActive()) {
+      run_.interruption.knocked(id);
+      run_.interruption.keep({Interruption::Label::Kind::kInput, id, why});  // none enters as yet
+    } else {
+      run_.labels.addNotRepeatable(why);
+    }
   }
 }
 
 // ---- the end of a round ----------------------------------------------------------------------
 
 std::vector<LockstepSession::Output> LockstepSession::poll(Nanoseconds wall) {
-  wall_ = std::max(wall_, wall);
+  run_.wall = std::max(run_.wall, wall);
   poll_due_ = false;
-  if (!rounds_.ended()) {
-    rounds_.watch(wall_);
+  if (!run_.rounds.ended()) {
+    run_.rounds.watch(run_.wall);
     handleEvents();
-    endIfLabelled();
-    if (!heldByInterruption() && rounds_.settled()) {
+    end_.endIfLabelled();
+    if (!departures_.holdTime() && run_.rounds.settled()) {
       finishRound();
     }
     nameMissing();
-    dropSilentStrangers();
+    joining_.dropSilentStrangers();
   }
-  return connections_.flush();
+  return run_.connections.flush();
 }
 
 /** @brief ... and those after it of which all turns have been told beforehand. */
 void LockstepSession::finishRound() {
   do {
-    applyRound();
-    endIfLabelled();
-    if (!death_.empty()) {
-      end(death_);
-    } else if (!left_.empty()) {
-      endAsWished(left_);
-    }
-    noteChanged();
-    rounds_.setOwed(router_.goals().count() + router_.openCalls());
-    sendGrants(rounds_.decide(wall_));
-    sayGone();
-    handleEvents();
-    endIfLabelled();
-  } while (!changed_.empty() && rounds_.settled());
-}
-
-void LockstepSession::applyRound() {
-  if (rounds_.hasWindows()) {
-    applyWindow();
-    return;
-  }
-  if (changed_.empty()) {
-    return;
-  }
-  std::vector<MemberId> ids;
-  ids.swap(changed_);
-  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return rounds_.before(a, b); });
-  for (const MemberId id : ids) {
-    Member& member = members_.at(id);
-    member.listed = false;
-    if (member.turn.frame) {
-      applyTurn(id, member);
-    }
-    if (member.departing) {
-      applyDeparture(id);
-    }
-  }
-  changed_.clear();  // who is dropped for its report has departed in its turn
-  endOfTurns();
-}
-
-/** @brief All turns of a round, or of an instant of a window, are applied. */
-void LockstepSession::endOfTurns() {
-  router_.finishRound();
-  if (std::exchange(ends_together_, false)) {
-    log_.dropRound();
-  }
-  log_.closeRound();
-  for (const std::string& warning : router_.takeWarnings()) {
-    messages_.say(Level::kWarn, warning);
-  }
-}
-
-void LockstepSession::applyTurn(MemberId id, Member& member) {
-  PendingTurn pending = std::exchange(member.turn, PendingTurn());
-  try {
-    for (const wire::ReportItem& item : pending.items) {
-      applyItem(id, member, item);
-    }
-  } catch (const MessageRouter::BadAction& error) {
-    connections_.close(member.connection, error.what());
-    die(id, std::string("it was dropped: ") + error.what());
-    member.walked.clear();
-  }
-  applied_.push_back(std::move(pending));
-}
-
-void LockstepSession::applyItem(MemberId id, Member& member, const wire::ReportItem& item) {
-  const std::uint64_t number = member.actions++;
-  if (const auto* log = std::get_if<wire::Log>(&item)) {
-    log_.add(rounds_.order(id, log->sub, number), *log);
-  } else if (const auto* note = std::get_if<wire::Note>(&item)) {
-    applyNote(member, *note);
-  } else if (std::holds_alternative<wire::Rest>(item)) {
-    rounds_.rest(id);
-  } else if (std::holds_alternative<wire::Background>(item)) {
-    rounds_.background(id);
-  } else if (const auto* parameter = std::get_if<wire::Parameter>(&item)) {
-    applyParameter(member, *parameter);
-  } else if (const auto* asks = std::get_if<wire::Asks>(&item)) {
-    labelIf(parameters_.asks(member.name, asks->name));
-  } else if (const auto* idle = std::get_if<wire::Idle>(&item)) {
-    rounds_.idle(id, idle->count);
-  } else if (const auto* keep = std::get_if<wire::KeepUntil>(&item)) {
-    rounds_.keepUntil(id, keep->time_ns);
-  } else {
-    if (std::holds_alternative<wire::Hears>(item)) {
-      rounds_.hurry(id);
-    }
-    router_.apply(id, number, item);
-  }
-}
-
-void LockstepSession::applyNote(Member& member, const wire::Note& note) {
-  switch (note.what) {
-    case wire::NoteKind::kWaitsFor:
-      member.waits_for = shown(note.text);
-      break;
-    case wire::NoteKind::kTells:
-      member.tells = shown(note.text);
-      break;
-    case wire::NoteKind::kNotRepeatable:
-      labels_.addNotRepeatable(quote(member.name) + ": " + std::string(note.text));
-      break;
-    case wire::NoteKind::kDegraded:
-      labels_.addDegraded(quote(member.name) + ": " + std::string(note.text));
-      break;
-    case wire::NoteKind::kStrict:
-      is_strict_ = true;
-      break;
-    case wire::NoteKind::kReads:
-    case wire::NoteKind::kWrites:
-      if (const std::string why = files_.add(member.name, note); !why.empty()) {
-        labels_.addNotRepeatable(why);
-      }
-      break;
-  }
-}
-
-void LockstepSession::applyDeparture(MemberId id) {
-  Member& member = members_.at(id);
-  if (!member.dead) {
-    messages_.say(Level::kInfo,
-                  text_.quoted(id) + " " + member.how + (rounds_.started() ? text_.at() : ""));
-  }
-  if (rounds_.started() && !rounds_.ended() && !ends_together_ &&
-      departures_.size() < kMostDepartures) {
-    departures_.push_back({member.name, rounds_.now(), member.dead});
-  }
-  const auto& last = settings_.end_with;
-  if (rounds_.started() && std::find(last.begin(), last.end(), member.name) != last.end()) {
-    std::string& why = member.dead ? death_ : left_;
-    why = why.empty()
-              ? text_.quoted(id) + " " + member.how + text_.at() + ", and the run ends with it"
-              : why;
-  }
-  router_.remove(id, member.actions);
-  rounds_.remove(id);
-  members_.erase(id);
-  gone_.push_back(id);
-}
-
-void LockstepSession::sendGrants(const std::vector<LockstepRounds::Grant>& grants) {
-  if (!grants.empty()) {
-    granted_.clear();
-  }
-  for (const LockstepRounds::Grant& grant : grants) {
-    const auto member = members_.find(grant.member);
-    if (member == members_.end()) {
-      continue;
-    }
-    if (grant.foreseen) {
-      member->second.turn = std::move(member->second.foreseen.front());
-      member->second.foreseen.pop_front();
-      listChanged(grant.member);
+    if (run_.rounds.hasWindows()) {
+      walked_.apply();
     } else {
-      sendGrant(grant, member->second);
+      turns_.apply();
     }
-  }
-  if (!rounds_.mailWaiting()) {
-    applied_.clear();
-  }
-}
-
-void LockstepSession::sendGrant(const LockstepRounds::Grant& grant, Member& member) {
-  std::string items;
-  if (grant.happened) {
-    wire::append(items, wire::Happened{*grant.happened});
-  }
-  if (std::exchange(member.has_changed, false) && !rounds_.hasWindows()) {
-    wire::append(items, wire::Changed{});
-  }
-  items += grant.later;
-  for (const Mail& mail : grant.mail) {
-    wire::append(items, mail.item);
-  }
-  granted_.push_back(grant.member);
-  member.foreseen.clear();
-  member.where.clear();
-  member.silence_told = false;
-  member.granted.assign(items, 0, items.size() <= kKeptGrant ? items.size() : 0);
-  connections_.send(member.connection,
-                    wire::encodeGrant({grant.round, grant.time, grant.microstep, {}}, items));
-}
-
-ConnectionId LockstepSession::lastAwaited() {
-  while (!granted_.empty()) {
-    const auto member = members_.find(granted_.back());
-    const LockstepRounds::MemberState* const state = rounds_.find(granted_.back());
-    if (member != members_.end() && state != nullptr && state->owes) {
-      return member->second.connection;
+    end_.endIfLabelled();
+    end_.endIfSomebodyHasGone();
+    turns_.noteChangedParameters();
+    run_.rounds.setOwed(run_.router.goals().count() + run_.router.openCalls());
+    grants_.send(run_.rounds.decide(run_.wall));
+    if (!run_.rounds.mailWaiting()) {
+      turns_.forgetApplied();
     }
-    granted_.pop_back();
-  }
-  return 0;
-}
-
-/** @brief Only now, since the grants before it may still contain the last words of those. */
-void LockstepSession::sayGone() {
-  for (const MemberId id : gone_) {
-    const std::string news = wire::encode(wire::MasterFrame(wire::Gone{id}));
-    for (const auto& [other, member] : members_) {
-      connections_.send(member.connection, news);
-    }
-  }
-  gone_.clear();
+    departures_.sayGone();
+    handleEvents();
+    end_.endIfLabelled();
+  } while (!run_.changed.empty() && run_.rounds.settled());
 }
 
 // ---- events ----------------------------------------------------------------------------------
 
 void LockstepSession::handleEvents() {
-  for (const LockstepRounds::Event& event : rounds_.takeEvents()) {
+  for (const LockstepRounds::Event& event : run_.rounds.takeEvents()) {
     handle(event);
   }
 }
@@ -283,22 +198,24 @@ void LockstepSession::handle(const LockstepRounds::Event& event) {
   switch (event.kind) {
     case Kind::kStarted:
       missing_due_ = kNever;
-      if (settings_.participants.empty()) {
-        labels_.addNotRepeatable(
+      if (run_.settings.participants.empty()) {
+        run_.labels.addNotRepeatable(
             "no participants are named: who takes part from the start on depends on the wall "
             "clock");
       }
-      messages_.say(Level::kInfo, "the clock starts" + text_.at() + " with " +
-                                      countText(members_.size(), "participant"));
+      run_.messages.say(LockstepMessage::Level::kInfo,
+                        "the clock starts" + run_.text.at() + " with " +
+                            countText(run_.members.size(), "participant"));
       break;
     case Kind::kSilent:
     case Kind::kAnswered:
-      handleSilence(event);
+      silence_.handle(event);
       break;
     case Kind::kTargetReached:
-      messages_.say(Level::kDebug, "reached " + secondsText(rounds_.now()) + ", paused");
-      if (settings_.end_at != 0.0 && rounds_.now() >= toNanoseconds(settings_.end_at)) {
-        endAsWished("the run was to end" + text_.at());
+      run_.messages.say(LockstepMessage::Level::kDebug,
+                        "reached " + secondsText(run_.rounds.now()) + ", paused");
+      if (run_.settings.end_at != 0.0 && run_.rounds.now() >= toNanoseconds(run_.settings.end_at)) {
+        end_.endAsWished("the run was to end" + run_.text.at());
       }
       break;
     case Kind::kIdle:
@@ -312,62 +229,132 @@ void LockstepSession::handle(const LockstepRounds::Event& event) {
 void LockstepSession::handleStandstill(const LockstepRounds::Event& event) {
   using Kind = LockstepRounds::Event::Kind;
   if (event.kind == Kind::kIdle) {
-    messages_.say(Level::kDebug, text_.idle());
-    if (settings_.end_when_idle) {
-      endAsWished(text_.idle());
+    run_.messages.say(LockstepMessage::Level::kDebug, run_.text.idle());
+    if (run_.settings.end_when_idle) {
+      end_.endAsWished(run_.text.idle());
     }
     return;
   }
-  messages_.say(event.kind == Kind::kDeadlock ? Level::kWarn : Level::kError, reason());
-  if (settings_.end_when_idle && event.kind == Kind::kDeadlock) {
-    end(reason());
+  run_.messages.say(event.kind == Kind::kDeadlock ? LockstepMessage::Level::kWarn
+                                                  : LockstepMessage::Level::kError,
+                    end_.reason());
+  if (run_.settings.end_when_idle && event.kind == Kind::kDeadlock) {
+    end_.end(end_.reason());
   }
 }
 
 void LockstepSession::nameMissing() {
-  if (rounds_.started() || wall_ < missing_due_) {
+  if (run_.rounds.started() || run_.wall < missing_due_) {
     return;
   }
-  missing_due_ = wall_ + kMissingGap;
-  messages_.say(Level::kInfo, "the clock does not start without " + text_.missing());
+  missing_due_ = run_.wall + kMissingGap;
+  run_.messages.say(LockstepMessage::Level::kInfo,
+                    "the clock does not start without " + run_.text.missing());
 }
 
 Nanoseconds LockstepSession::nextWake() const {
-  if (poll_due_ || connections_.hasOutput()) {
-    return wall_;
+  if (poll_due_ || run_.connections.hasOutput()) {
+    return run_.wall;
   }
-  return rounds_.ended() ? kNever
-                         : std::min({rounds_.nextWake(), missing_due_, connections_.helloDue(),
-                                     interruption_.due()});
+  return run_.rounds.ended() ? kNever
+                             : std::min({run_.rounds.nextWake(), missing_due_,
+                                         run_.connections.helloDue(), run_.interruption.due()});
+}
+
+// ---- parameters ---------------------------------------------------------------------------
+
+/**
+ * @brief What was set before the first round is there in every run, for all that is known. Who is
+ * told to end sets at once: that says something of the run only if it goes on.
+ */
+void LockstepSession::parameterChangedOutside(const std::string& name) {
+  // Nodes that are told to end take their parameters back: when all have gone, that says nothing.
+  const bool anybody = std::any_of(run_.members.begin(), run_.members.end(),
+                                   [](const auto& entry) { return !entry.second.departing; });
+  if (!run_.rounds.started() || run_.rounds.ended() || !anybody) {
+    return;
+  }
+  const std::string why = run_.parameters.changedOutside(name);
+  if (!why.empty() && run_.interruption.isActive()) {
+    run_.interruption.keep({Interruption::Label::Kind::kInput, 0, why});
+  } else {
+    labelIf(why);
+  }
+}
+
+void LockstepSession::parameterNotTaken(const ParameterChange& change) {
+  labelIf("the ROS master has not taken parameter " + change.name + " of " + change.by);
+}
+
+void LockstepSession::labelIf(const std::string& why) {
+  if (!why.empty()) {
+    run_.labels.addNotRepeatable(why);
+    poll_due_ = true;  // the run may be one that ends with its first label
+  }
+}
+
+// ---- what holds leaps of time back --------------------------------------------------------
+
+void LockstepSession::pause() {
+  run_.rounds.pause();
+  poll_due_ = true;
+}
+
+void LockstepSession::resume() {
+  run_.rounds.resume();
+  keepEnd();
+  poll_due_ = true;
+}
+
+Nanoseconds LockstepSession::step(Nanoseconds duration) {
+  const Nanoseconds target = run_.rounds.step(duration);
+  keepEnd();
+  poll_due_ = true;
+  return target;
+}
+
+void LockstepSession::runUntil(Nanoseconds target) {
+  run_.rounds.runUntil(target);
+  keepEnd();
+  poll_due_ = true;
+}
+
+void LockstepSession::setLimit(double factor) {
+  run_.rounds.setLimit(factor);
+  poll_due_ = true;
+}
+
+/** @brief Time does not leap over end_at, whatever else the gate is told. */
+void LockstepSession::keepEnd() {
+  const Nanoseconds end = toNanoseconds(run_.settings.end_at);
+  if (end != 0 && !run_.rounds.paused() && run_.rounds.target().value_or(kNever) > end) {
+    run_.rounds.runUntil(end);
+  }
 }
 
 // ---- what is so ------------------------------------------------------------------------------
 
-std::vector<LockstepLogEntry> LockstepSession::takeLog() { return log_.take(); }
-
-std::vector<LockstepMessage> LockstepSession::takeMessages() { return messages_.take(); }
-
 LockstepStatus LockstepSession::status() const {
   LockstepStatus status;
   status.phase = phase();
-  status.time = rounds_.now();
-  status.microstep = rounds_.microstep();
-  status.paused = rounds_.paused();
-  if (!rounds_.ended()) {
-    status.waiting_for = text_.waitingFor(began_, interruption_, router_);
+  status.time = run_.rounds.now();
+  status.microstep = run_.rounds.microstep();
+  status.paused = run_.rounds.paused();
+  if (!run_.rounds.ended()) {
+    status.waiting_for = run_.text.waitingFor(began_, run_.interruption, run_.router);
   }
-  status.participants = text_.participants();
-  status.not_repeatable = labels_.notRepeatable();
-  status.degraded = labels_.degraded();
-  status.departures = departures_;
-  status.reason = reason();
-  status.ended_as_wished = ended_as_wished_;
-  status.cut = cut_;
-  status.limit = rounds_.limit();
-  status.run_until = rounds_.target();
-  status.rounds = rounds_.rounds() - rounds_.playedRounds();
-  status.leaps = rounds_.leaps();
-  status.messages = router_.messages();
+  status.participants = run_.text.participants();
+  status.not_repeatable = run_.labels.notRepeatable();
+  status.degraded = run_.labels.degraded();
+  status.departures = departures_.list();
+  status.reason = end_.reason();
+  status.ended_as_wished = end_.isAsWished();
+  status.cut = end_.isCut();
+  status.limit = run_.rounds.limit();
+  status.run_until = run_.rounds.target();
+  status.rounds = run_.rounds.rounds() - run_.rounds.playedRounds();
+  status.leaps = run_.rounds.leaps();
+  status.messages = run_.router.messages();
   return status;
 }
 

@@ -1,47 +1,59 @@
 // With a lookahead: what participants have done by themselves is applied instant by instant.
+
+#include "walked_turns.h"
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
-#include <vector>
-
-#include "session.h"
 
 namespace move_base_abstract {
+namespace {
 
-// ---- reports ---------------------------------------------------------------------------------
+/** @throws wire::MalformedFrame if what @p turn sets is no parameter. */
+void checkSets(const SessionMember& member, const PendingTurn& turn) {
+  for (const wire::ReportItem& item : turn.items) {
+    if (const auto* set = std::get_if<wire::Parameter>(&item)) {
+      if (const std::string fault = faultOf(member.name, *set); !fault.empty()) {
+        throw wire::MalformedFrame(fault);
+      }
+    }
+  }
+}
 
-void LockstepSession::takeTurns(MemberId id, wire::Report report,
-                                const std::shared_ptr<const std::string>& bytes) {
-  Member& member = members_.at(id);
-  const LockstepRounds::MemberState& state = *rounds_.find(id);
+}  // namespace
+
+void WalkedTurns::take(MemberId id, wire::Report report,
+                       const std::shared_ptr<const std::string>& bytes) {
+  SessionMember& member = run_.members.at(id);
+  const LockstepRounds::MemberState& state = *run_.rounds.find(id);
   std::deque<WalkedTurn> turns = takeWalked(report, bytes, state.latest, state.window_end);
   for (const WalkedTurn& walked : turns) {
     checkSets(member, walked.turn);
   }
-  rounds_.walked(id, turns.back().at);
-  rounds_.report(id, report.leaving ? kNever : report.next_ns, report.leaving ? 0 : report.open,
-                 wall_);
+  run_.rounds.walked(id, turns.back().at);
+  run_.rounds.report(id, report.leaving ? kNever : report.next_ns, report.leaving ? 0 : report.open,
+                     run_.wall);
   takeAtOnce(id, &turns);
   std::move(turns.begin(), turns.end(), std::back_inserter(member.walked));
 }
 
 /** @brief Take out of @p turns what does not wait until nobody can act before it any more: how the
  * participant stands after the last of them, and the parameters that it has set. */
-void LockstepSession::takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns) {
-  Member& member = members_.at(id);
+void WalkedTurns::takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns) {
+  SessionMember& member = run_.members.at(id);
   for (WalkedTurn& walked : *turns) {
     std::vector<wire::ReportItem> kept;
     for (wire::ReportItem& item : walked.turn.items) {
       if (std::holds_alternative<wire::Rest>(item)) {
-        rounds_.rest(id);
+        run_.rounds.rest(id);
       } else if (std::holds_alternative<wire::Background>(item)) {
-        rounds_.background(id);
+        run_.rounds.background(id);
       } else if (const auto* idle = std::get_if<wire::Idle>(&item)) {
-        rounds_.idle(id, idle->count);
+        run_.rounds.idle(id, idle->count);
       } else if (const auto* set = std::get_if<wire::Parameter>(&item)) {
-        sets_.push_back({walked.at, rounds_.order(id, 0, member.actions + sets_.size()),
+        sets_.push_back({walked.at, run_.rounds.order(id, 0, member.actions + sets_.size()),
                          member.name, walked.turn.frame, *set});
-        rounds_.holdUntil(id, walked.at);  // it is to see what it has set
+        run_.rounds.holdUntil(id, walked.at);  // it is to see what it has set
       } else {
         kept.push_back(item);
       }
@@ -50,31 +62,28 @@ void LockstepSession::takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns) {
   }
 }
 
-// ---- what is done ----------------------------------------------------------------------------
-
 /** @return the first instant whose turns are not applied, or kNever. */
-Nanoseconds LockstepSession::firstWalked() const {
+Nanoseconds WalkedTurns::first() const {
   Nanoseconds first = kNever;
-  for (const auto& [id, member] : members_) {
+  for (const auto& [id, member] : run_.members) {
     first = member.walked.empty() ? first : std::min(first, member.walked.front().at);
   }
   return first;
 }
 
-/**
- * @brief Apply the turns of all instants before which nobody can have a turn any more, in the order
- * of time. If the run ends with one of them, the others are not done.
- */
-void LockstepSession::applyWindow() {
-  for (const MemberId id : std::exchange(changed_, {})) {
-    members_.at(id).listed = false;
+void WalkedTurns::apply() {
+  for (const MemberId id : run_.changed.take()) {
+    run_.members.at(id).listed = false;
+  }
+  if (departures_.areTogether()) {
+    sets_.clear();
   }
   applyGone();
   Nanoseconds last = kNever;
-  while (left_.empty() && !(is_strict_ && !labels_.first().empty())) {
-    const Nanoseconds at = firstWalked();
-    if (at == kNever || at >= rounds_.windowBegin()) {
-      last = rounds_.windowBegin();
+  while (!end_.stopsTurns()) {
+    const Nanoseconds at = first();
+    if (at == kNever || at >= run_.rounds.windowBegin()) {
+      last = run_.rounds.windowBegin();
       break;
     }
     applyInstant(at);
@@ -84,9 +93,9 @@ void LockstepSession::applyWindow() {
 }
 
 /** @brief Who has gone, and has no turn left that counts. */
-void LockstepSession::applyGone() {
+void WalkedTurns::applyGone() {
   std::vector<MemberId> ids;
-  for (const auto& [id, member] : members_) {
+  for (const auto& [id, member] : run_.members) {
     if (member.departing && member.walked.empty()) {
       ids.push_back(id);
     }
@@ -94,49 +103,49 @@ void LockstepSession::applyGone() {
   if (ids.empty()) {
     return;
   }
-  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return rounds_.before(a, b); });
-  rounds_.beginInstant(rounds_.now());
+  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return run_.rounds.before(a, b); });
+  run_.rounds.beginInstant(run_.rounds.now());
   for (const MemberId id : ids) {
-    applyDeparture(id);
+    departures_.apply(id);
   }
-  endOfTurns();
-  rounds_.endInstant();
+  turns_.finish();
+  run_.rounds.endInstant();
 }
 
-void LockstepSession::applyInstant(Nanoseconds at) {
+void WalkedTurns::applyInstant(Nanoseconds at) {
   std::vector<MemberId> ids;
-  for (const auto& [id, member] : members_) {
+  for (const auto& [id, member] : run_.members) {
     if (!member.walked.empty() && member.walked.front().at == at) {
       ids.push_back(id);
     }
   }
-  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return rounds_.before(a, b); });
-  rounds_.beginInstant(at);
+  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return run_.rounds.before(a, b); });
+  run_.rounds.beginInstant(at);
   for (const MemberId id : ids) {
-    Member& member = members_.at(id);
+    SessionMember& member = run_.members.at(id);
     while (!member.walked.empty() && member.walked.front().at == at) {
       member.turn = std::move(member.walked.front().turn);
       member.walked.pop_front();
-      applyTurn(id, member);
+      turns_.applyOne(id, member);
     }
     if (member.departing && member.walked.empty()) {
-      applyDeparture(id);
+      departures_.apply(id);
     }
   }
-  changed_.clear();  // who was dropped for what it has done has departed
-  endOfTurns();
-  rounds_.endInstant();
+  run_.changed.clear();  // who was dropped for what it has done has departed
+  turns_.finish();
+  run_.rounds.endInstant();
 }
 
 /** @brief The ROS master is told of what was set up to @p until, itself included. */
-void LockstepSession::applySets(Nanoseconds until) {
+void WalkedTurns::applySets(Nanoseconds until) {
   std::stable_sort(sets_.begin(), sets_.end(), [this](const WalkedSet& a, const WalkedSet& b) {
-    return a.at != b.at ? a.at < b.at : rounds_.before(a.order, b.order);
+    return a.at != b.at ? a.at < b.at : run_.rounds.before(a.order, b.order);
   });
   const auto later = std::find_if(sets_.begin(), sets_.end(),
                                   [until](const WalkedSet& set) { return set.at > until; });
   for (auto set = sets_.begin(); set != later; ++set) {
-    parameters_.change(set->by, set->item);
+    run_.parameters.change(set->by, set->item);
   }
   sets_.erase(sets_.begin(), later);
 }

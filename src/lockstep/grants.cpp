@@ -1,0 +1,67 @@
+// What the participants that are granted are sent.
+
+#include "grants.h"
+
+#include <cstddef>
+#include <utility>
+
+namespace move_base_abstract {
+namespace {
+
+constexpr std::size_t kKeptGrant = 4096;  // bytes, to say what a silent one was told last
+
+}  // namespace
+
+void Grants::send(const std::vector<LockstepRounds::Grant>& grants) {
+  if (!grants.empty()) {
+    granted_.clear();
+  }
+  for (const LockstepRounds::Grant& grant : grants) {
+    const auto member = run_.members.find(grant.member);
+    if (member == run_.members.end()) {
+      continue;
+    }
+    if (grant.foreseen) {
+      member->second.turn = std::move(member->second.foreseen.front());
+      member->second.foreseen.pop_front();
+      run_.changed.add(grant.member, member->second);
+    } else {
+      sendOne(grant, member->second);
+    }
+  }
+}
+
+void Grants::sendOne(const LockstepRounds::Grant& grant, SessionMember& member) {
+  std::string items;
+  if (grant.happened) {
+    wire::append(items, wire::Happened{*grant.happened});
+  }
+  if (std::exchange(member.has_changed, false) && !run_.rounds.hasWindows()) {
+    wire::append(items, wire::Changed{});
+  }
+  items += grant.later;
+  for (const Mail& mail : grant.mail) {
+    wire::append(items, mail.item);
+  }
+  granted_.push_back(grant.member);
+  member.foreseen.clear();
+  member.where.clear();
+  member.silence_told = false;
+  member.granted.assign(items, 0, items.size() <= kKeptGrant ? items.size() : 0);
+  run_.connections.send(member.connection,
+                        wire::encodeGrant({grant.round, grant.time, grant.microstep, {}}, items));
+}
+
+ConnectionId Grants::lastAwaited() {
+  while (!granted_.empty()) {
+    const auto member = run_.members.find(granted_.back());
+    const LockstepRounds::MemberState* const state = run_.rounds.find(granted_.back());
+    if (member != run_.members.end() && state != nullptr && state->owes) {
+      return member->second.connection;
+    }
+    granted_.pop_back();
+  }
+  return 0;
+}
+
+}  // namespace move_base_abstract

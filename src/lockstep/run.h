@@ -1,0 +1,47 @@
+// What the parts of a session share.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
+
+#include <vector>
+
+#include "clock/scaled_clock.h"
+#include "connections.h"
+#include "interruption.h"
+#include "labels.h"
+#include "lockstep/rounds/rounds.h"
+#include "lockstep/rounds/settings.h"
+#include "lockstep/routing/router.h"
+#include "member.h"
+#include "message.h"
+#include "parameters.h"
+#include "round_log.h"
+#include "status.h"
+
+namespace move_base_abstract {
+
+/** @brief A run of the event-driven clock, without what becomes of it: each field has its own
+ * rules.
+ */
+struct LockstepRun {
+  LockstepRun(const LockstepSettings& settings, Nanoseconds wall);
+  LockstepRun(const LockstepRun&) = delete;
+  LockstepRun& operator=(const LockstepRun&) = delete;
+
+  const LockstepSettings settings;
+  LockstepRounds rounds;
+  RoundLog log;
+  MessageRouter router;
+  Nanoseconds wall;  // the latest
+  Connections connections;
+  SessionMembers members;
+  ChangedMembers changed;
+  StatusText text;
+  MessageList messages;
+  RunLabels labels;
+  ParameterBook parameters;
+  Interruption interruption;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H

@@ -1,0 +1,86 @@
+// How a run ends: by itself, with somebody who leaves or dies, or by the time master.
+#include "run_end.h"
+
+#include <algorithm>
+
+#include "clock/number_text.h"
+
+namespace move_base_abstract {
+
+void RunEnd::endAsWished(const std::string& reason) {
+  ended_as_wished_ = ended_as_wished_ || !run_.rounds.ended();
+  end(reason);
+}
+
+void RunEnd::end(const std::string& reason) {
+  if (run_.rounds.ended()) {
+    return;
+  }
+  run_.rounds.end();
+  reason_ = reason;
+  run_.interruption.finish();  // time has stood since then: it matters to nobody who went first
+  run_.connections.closeAll(reason, ended_as_wished_);
+  run_.messages.say(LockstepMessage::Level::kInfo,
+                    "the run ended" + run_.text.at() + " after " +
+                        std::to_string(run_.rounds.rounds() - run_.rounds.playedRounds()) +
+                        " rounds with " + std::to_string(run_.router.messages()) +
+                        " messages: " + reason);
+}
+
+void RunEnd::endFromOutside(const std::string& reason) {
+  if (!run_.rounds.ended()) {
+    is_cut_ = is_cut_ ||
+              !(run_.interruption.isActive() ? run_.interruption.rested() : run_.rounds.atRest());
+    end(reason);
+  }
+}
+
+void RunEnd::loseRosMaster(const std::string& how) {
+  if (run_.rounds.started() && !run_.rounds.ended()) {
+    run_.labels.addNotRepeatable(
+        "the ROS master was lost" + run_.text.at() +
+        ": what it could not be asked any more, and where the run ended, is "
+        "the wall clock's");
+  }
+  run_.labels.addDegraded(how + ", found" + run_.text.at());
+  endFromOutside(how);
+}
+
+void RunEnd::endIfLabelled() {
+  if (!run_.rounds.ended() && isLabelledStrictly()) {
+    end("strict, and the run is " + run_.labels.first() + " (noticed" + run_.text.at() + ")");
+  }
+}
+
+void RunEnd::endIfSomebodyHasGone() {
+  if (!death_.empty()) {
+    end(death_);
+  } else if (!left_.empty()) {
+    endAsWished(left_);
+  }
+}
+
+void RunEnd::degrade(const std::string& why) {
+  run_.labels.addDegraded(why);
+  if (run_.settings.on_death == OnDeath::kEnd && death_.empty()) {
+    death_ = why;
+  }
+}
+
+void RunEnd::noteDeparture(const SessionMember& member, const std::string& what) {
+  const auto& last = run_.settings.end_with;
+  if (run_.rounds.started() && std::find(last.begin(), last.end(), member.name) != last.end()) {
+    std::string& why = member.dead ? death_ : left_;
+    why = why.empty() ? what + run_.text.at() + ", and the run ends with it" : why;
+  }
+}
+
+std::string RunEnd::reason() const {
+  return run_.rounds.ended()
+             ? reason_
+             : run_.text.standstill(run_.rounds.phase(run_.wall), run_.router.goals());
+}
+
+bool RunEnd::isLabelledStrictly() const { return is_strict_ && !run_.labels.first().empty(); }
+
+}  // namespace move_base_abstract

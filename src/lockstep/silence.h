@@ -1,0 +1,27 @@
+// What is said of participants whose work on one grant takes long.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_SILENCE_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_SILENCE_H
+
+#include "departures.h"
+#include "lockstep/wire/wire.h"
+#include "run.h"
+
+namespace move_base_abstract {
+
+class Silence {
+ public:
+  Silence(LockstepRun& run, Departures& departures) : run_(run), departures_(departures) {}
+
+  /** @brief One is silent, which may end it, or has answered at last. */
+  void handle(const LockstepRounds::Event& event);
+  /** @brief It says what it is doing. */
+  void takeBusy(MemberId id, const wire::Busy& busy);
+
+ private:
+  LockstepRun& run_;
+  Departures& departures_;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_SILENCE_H

@@ -1,0 +1,134 @@
+// What participants do in their turns comes about, in the stated order.
+#include "turns.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "clock/shown_text.h"
+#include "foreseen.h"
+
+namespace move_base_abstract {
+
+void Turns::take(MemberId id, wire::Report report,
+                 const std::shared_ptr<const std::string>& bytes) {
+  const bool is_last = report.leaving;
+  Foreseen foreseen = takeForeseen(report, bytes, run_.rounds.now());
+  run_.rounds.report(id, is_last ? kNever : report.next_ns, is_last ? 0 : report.open, run_.wall,
+                     std::move(foreseen.instants));
+  SessionMember& member = run_.members.at(id);
+  member.foreseen = std::move(foreseen.turns);
+  member.turn = {bytes, std::move(report.items)};
+}
+
+void Turns::apply() {
+  if (run_.changed.empty()) {
+    return;
+  }
+  std::vector<MemberId> ids = run_.changed.take();
+  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return run_.rounds.before(a, b); });
+  for (const MemberId id : ids) {
+    SessionMember& member = run_.members.at(id);
+    member.listed = false;
+    if (member.turn.frame) {
+      applyOne(id, member);
+    }
+    if (member.departing) {
+      departures_.apply(id);
+    }
+  }
+  run_.changed.clear();  // who is dropped for its report has departed in its turn
+  finish();
+}
+
+void Turns::finish() {
+  run_.router.finishRound();
+  if (departures_.takeTogether()) {
+    run_.log.dropRound();
+  }
+  run_.log.closeRound();
+  for (const std::string& warning : run_.router.takeWarnings()) {
+    run_.messages.say(LockstepMessage::Level::kWarn, warning);
+  }
+}
+
+void Turns::applyOne(MemberId id, SessionMember& member) {
+  PendingTurn pending = std::exchange(member.turn, PendingTurn());
+  try {
+    for (const wire::ReportItem& item : pending.items) {
+      applyItem(id, member, item);
+    }
+  } catch (const MessageRouter::BadAction& error) {
+    run_.connections.close(member.connection, error.what());
+    departures_.die(id, std::string("it was dropped: ") + error.what());
+    member.walked.clear();
+  }
+  applied_.push_back(std::move(pending));
+}
+
+void Turns::applyItem(MemberId id, SessionMember& member, const wire::ReportItem& item) {
+  const std::uint64_t number = member.actions++;
+  if (const auto* log = std::get_if<wire::Log>(&item)) {
+    run_.log.add(run_.rounds.order(id, log->sub, number), *log);
+  } else if (const auto* note = std::get_if<wire::Note>(&item)) {
+    applyNote(member, *note);
+  } else if (std::holds_alternative<wire::Rest>(item)) {
+    run_.rounds.rest(id);
+  } else if (std::holds_alternative<wire::Background>(item)) {
+    run_.rounds.background(id);
+  } else if (const auto* parameter = std::get_if<wire::Parameter>(&item)) {
+    applyParameter(member, *parameter);
+  } else if (const auto* asks = std::get_if<wire::Asks>(&item)) {
+    run_.labels.addIfAny(run_.parameters.asks(member.name, asks->name));
+  } else if (const auto* idle = std::get_if<wire::Idle>(&item)) {
+    run_.rounds.idle(id, idle->count);
+  } else if (const auto* keep = std::get_if<wire::KeepUntil>(&item)) {
+    run_.rounds.keepUntil(id, keep->time_ns);
+  } else {
+    if (std::holds_alternative<wire::Hears>(item)) {
+      run_.rounds.hurry(id);
+    }
+    run_.router.apply(id, number, item);
+  }
+}
+
+/** @throws MessageRouter::BadAction unless it says what is set, and to what. */
+void Turns::applyParameter(const SessionMember& member, const wire::Parameter& item) {
+  if (const std::string fault = faultOf(member.name, item); !fault.empty()) {
+    throw MessageRouter::BadAction(fault);
+  }
+  run_.parameters.change(member.name, item);
+}
+
+void Turns::applyNote(SessionMember& member, const wire::Note& note) {
+  switch (note.what) {
+    case wire::NoteKind::kWaitsFor:
+      member.waits_for = shown(note.text);
+      break;
+    case wire::NoteKind::kTells:
+      member.tells = shown(note.text);
+      break;
+    case wire::NoteKind::kNotRepeatable:
+      run_.labels.addNotRepeatable(quote(member.name) + ": " + std::string(note.text));
+      break;
+    case wire::NoteKind::kDegraded:
+      run_.labels.addDegraded(quote(member.name) + ": " + std::string(note.text));
+      break;
+    case wire::NoteKind::kStrict:
+      end_.beStrict();
+      break;
+    case wire::NoteKind::kReads:
+    case wire::NoteKind::kWrites:
+      run_.labels.addIfAny(files_.add(member.name, note));
+      break;
+  }
+}
+
+void Turns::noteChangedParameters() {
+  for (const std::string& name : run_.parameters.concerned()) {
+    for (auto& [id, member] : run_.members) {
+      member.has_changed = member.has_changed || member.name == name;
+    }
+  }
+}
+
+}  // namespace move_base_abstract

@@ -1,0 +1,50 @@
+// With a lookahead: the turns that participants have had by themselves come about.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WALKED_TURNS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_WALKED_TURNS_H
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "departures.h"
+#include "lockstep/wire/wire.h"
+#include "run.h"
+#include "run_end.h"
+#include "turns.h"
+#include "walked.h"
+
+namespace move_base_abstract {
+
+class WalkedTurns {
+ public:
+  WalkedTurns(LockstepRun& run, RunEnd& end, Departures& departures, Turns& turns)
+      : run_(run), end_(end), departures_(departures), turns_(turns) {}
+
+  /** @brief Keep what @p report tells until nobody can act before it; its items point into @p
+   * bytes.
+   * @throws wire::MalformedFrame if what it sets is no parameter, or an instant is out of order. */
+  void take(MemberId id, wire::Report report, const std::shared_ptr<const std::string>& bytes);
+  /**
+   * @brief Apply the turns of all instants before which nobody can have a turn any more, in the
+   * order of time. If the run ends with one of them, the others are not done.
+   */
+  void apply();
+
+ private:
+  void takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns);
+  void applyInstant(Nanoseconds at);
+  void applyGone();
+  void applySets(Nanoseconds until);
+  Nanoseconds first() const;
+
+  LockstepRun& run_;
+  RunEnd& end_;
+  Departures& departures_;
+  Turns& turns_;
+  std::vector<WalkedSet> sets_;  // parameters that the ROS master has not been told
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_WALKED_TURNS_H
