@@ -77,8 +77,8 @@ def intervals(pairs, samples=SAMPLES):
     if {'tail_chance_level', 'tail_chance_slope'} & set(held):
         result.update({name: HELD for name in result if name.startswith('tail_chance_at')})
     result['failures_per_km'] = _failures_per_km(pairs)
-    return result, '90 %, the wider of {} samples of {} {}, drawn with replacement, and of Fisher\'s ' \
-                   'information'.format(len(found), len(groups), words)
+    return result, '90 %, the wider of {} samples of {} {}, drawn with replacement, and of ' \
+                   "Fisher's information".format(len(found), len(groups), words)
 
 
 def _samples(groups, count, packed):

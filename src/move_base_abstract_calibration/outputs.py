@@ -31,8 +31,8 @@ def check(*paths):
 def yaml_text(values, source, recorded=None, intervals=None, how=''):
     """Return the YAML of a calibration, its numbers rounded to 5 digits; what it says is checked first.
 
-    ``values`` may have the mapping ``encounters`` of an EncounterLaw. ``recorded`` {name: (low, high)} and ``intervals``
-    {name: (low, high) or HELD}, found as the words ``how`` say, are sections of it.
+    ``values`` may have the mapping ``encounters`` of an EncounterLaw. ``recorded`` {name: (low, high)} and
+    ``intervals`` {name: (low, high) or HELD}, found as the words ``how`` say, are sections of it.
     """
     rounded = _rounded({'source': source, **values})
     sections = {name: _rounded(section) for name, section in (('recorded', recorded), ('intervals', intervals))

@@ -131,7 +131,8 @@ class Turn {
   /** @return the calling thread, if it is one of the program's. */
   static Task* self();
   static bool isInside();
-  /** @brief Call @p function when the calling thread, one of the program's, ends: its last thing. */
+  /** @brief Call @p function when the calling thread, one of the program's, ends: its last thing.
+   */
   static void atEnd(std::function<void()> function);
   /** @brief The calling thread is roscpp's own. */
   static void becomeInternal();

@@ -150,12 +150,12 @@ def test_folds_leave_out_what_they_ask_for(pairs):
     mapped = [(leg._replace(map='yard' if leg.number % 3 else 'hall'), way) for leg, way in pairs]
     assert list(check.by_maps(mapped)) == ['hall', 'yard']
     assert check.by_maps(pairs) == {}
-    for pairs, folds in ((pairs, check.by_parts(pairs)), (pairs, check.by_regions(pairs)),
+    for all_pairs, folds in ((pairs, check.by_parts(pairs)), (pairs, check.by_regions(pairs)),
                          (pairs, list(check.by_recordings(pairs).values())),
                          (mapped, list(check.by_maps(mapped).values()))):
         for known, asked in folds:
             assert not {id(leg) for leg, _ in known} & {id(leg) for leg, _ in asked}
-        assert sum(len(asked) for _, asked in folds) == len(pairs)
+        assert sum(len(asked) for _, asked in folds) == len(all_pairs)
 
 
 def test_errors_of_classes_are_those_of_their_legs(pairs):
@@ -179,8 +179,8 @@ def test_intervals_hold_what_was_put_in_and_what_legs_say_nothing_of_is_held_by_
     values = shipped_values()
     generator = np.random.default_rng(7)
     legs = []
-    for number, (leg, way) in enumerate(ways_of(read_legs(SMALL))):
-        way = way._replace(start_turn=0.0, end_turn=0.0)  # nobody turns
+    for number, (leg, recorded) in enumerate(ways_of(read_legs(SMALL))):
+        way = recorded._replace(start_turn=0.0, end_turn=0.0)  # nobody turns
         duration = Durations(values, [way]).quantile(generator.uniform())[0]
         legs.append((leg._replace(number=number, duration=float(duration), succeeded=True, counts=True, failed=False),
                      way))

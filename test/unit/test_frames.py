@@ -82,7 +82,8 @@ def test_a_name_that_tf_refuses_is_not_looked_up(frame_id, words):
     assert asked == []
 
 
-@pytest.mark.parametrize('quaternion', [(0.0, 0.0, 0.0, 1.0), (-0.0, 0.0, -0.0, 1.0), (0.0, 0.0, 0.0, 2.0), (0, 0, 0, 1)])
+@pytest.mark.parametrize('quaternion', [
+    (0.0, 0.0, 0.0, 1.0), (-0.0, 0.0, -0.0, 1.0), (0.0, 0.0, 0.0, 2.0), (0, 0, 0, 1)])
 def test_straight_ahead_in_a_fixed_frame_is_zero_without_a_sign(quaternion):
     pose = make_frames().place(GoalPose('map', 0, (-0.0, 2.0), quaternion), S)
     assert repr(pose) == repr(Pose2D(0.0, 2.0, 0.0))
