@@ -2,6 +2,7 @@
 
     rosrun move_base_abstract calibrate RECORDING... [-o robot.yaml] [--map MAP.yaml --radius M]
     rosrun move_base_abstract calibrate RECORDING... --predict robot.yaml [--map MAP.yaml --radius M]
+    rosrun move_base_abstract calibrate FOLDER --encounters robot.yaml [-o robot_with_encounters.yaml]
 
 Exit codes: 0 written; 2 a file cannot be read or written, too few legs, or wrong arguments.
 """
@@ -40,10 +41,14 @@ def _parse(words):
                         'made are replaced, nothing else is')
     parser.add_argument('--predict', metavar='CALIBRATION', help='fit and write nothing: say how well this file, or '
                         'one that ships, by its name, predicts the recordings')
+    parser.add_argument('--encounters', metavar='CALIBRATION', help='fit what meeting other robots costs to the one '
+                        'folder of recordings of several robots, and write it beside the values of this file, or of '
+                        'one that ships')
     parser.add_argument('--map', metavar='MAP.yaml', help='take lengths and turns of the ways that the simulator plans '
                         'on this map, not as recorded')
     parser.add_argument('--radius', type=_positive, metavar='M', default=0.46,
-                        help='with --map: how far ways stay off what is occupied (default: %(default)g m)')
+                        help='with --map or --encounters: how far ways stay off what is occupied (default: '
+                        '%(default)g m)')
     parser.add_argument('--clear-of-robots', type=_positive, metavar='M', help='leave out legs that came nearer than '
                         'this to another robot, where the recording says so')
     parser.add_argument('--pose-topic', metavar='NAME', help="of bags: the topic of the poses below a robot's "
@@ -60,7 +65,9 @@ def _parse(words):
 
 
 def _run(options):
-    if options.predict:
+    if options.encounters:
+        _encounters(options)
+    elif options.predict:
         _predict(options)
     else:
         _calibrate(options)
@@ -78,6 +85,20 @@ def _predict(options):
     nominal_speed = options.nominal_speed or values['max_speed']
     _say([check.score(options.predict, check.predict(values, pairs, nominal_speed),
                       check.success_rates(values, pairs))])
+
+
+def _encounters(options):
+    from . import encounter_report, outputs  # these take a while to import
+    if len(options.recordings) > 1:
+        raise ConfigurationError('--encounters: got {} recordings; allowed: one folder'.format(
+            len(options.recordings)))
+    outputs.check(options.output)
+    name = os.path.abspath(options.encounters) if options.encounters.endswith('.yaml') else options.encounters
+    values, fitted, scores, _ = encounter_report.calibrate_encounters(options.recordings[0], name, options.radius)
+    outputs.write(options.output, outputs.yaml_text(values, values.pop('source')))
+    for line in encounter_report.lines(fitted, scores):
+        print(line)
+    print(options.output)
 
 
 def _pairs(options):

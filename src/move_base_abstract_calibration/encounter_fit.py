@@ -1,0 +1,196 @@
+"""Fit what meeting others costs: the law of the section ``encounters``, by maximum likelihood with weak priors.
+
+A leg takes what the calibration says of it alone, and with the chance that one of its encounters costs it anything as
+much longer as a lognormal, or for a block a gamma distribution says, and the time to get going again. A leg that was
+given up after an encounter was blocked. The priors lie where the values lie that were chosen by hand, so that what the
+recordings say nothing of stays there, and is said to.
+"""
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy import optimize, special, stats
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.motion.encounter_law import KINDS
+
+from .law import Durations
+
+LEAST_MET = 20
+_STEP, _LONGEST = 0.5, 300.0  # s, of the delays that are looked at
+_DELAYS = np.arange(0.5 * _STEP, _LONGEST, _STEP)
+_STRANGE, _STRANGE_SECONDS = 1e-3, 20.0  # as of the fit of legs
+_NEAR, _FAR = -0.2, -0.85  # logits of the chances at 0 m and at the radius
+#: (name, usual value of what is fitted, its spread, from that to the value)
+_FITTED = (*((kind + end, usual, 1.0, special.expit) for kind in KINDS
+             for end, usual in (('_near', _NEAR), ('_far', _FAR))),
+           ('delay_mean', math.log(5.0), 0.7, np.exp), ('delay_cv', 0.0, 0.5, np.exp),
+           ('block_chance', special.logit(0.08), 1.0, special.expit), ('block_mean', math.log(90.0), 0.5, np.exp),
+           ('block_cv', math.log(0.4), 0.5, np.exp))
+_NAMES = [name for name, *_ in _FITTED]
+_PRIOR_HOLDS = 0.8  # of a prior's spread: what is left of it, from which on it holds a value
+_PLACES = 7  # of the tables of chances
+_BOTH_PRIOR, _ABORT_PRIOR = (1.0, 4.0), (1.0, 4.0)  # yes and no, as if seen
+
+
+class Row(NamedTuple):
+    """A fitted value with its interval of 95 %; ``held``: by the prior, as the recordings say little of it."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    held: bool
+
+
+class Fitted(NamedTuple):
+    """What was fitted: ``values`` of the section, ``rows`` ([Row]), how many encounters of each kind there were."""
+
+    values: dict
+    rows: tuple
+    counts: dict
+
+
+def fit_encounters(legs, calibration, radius):
+    """Return the :class:`Fitted` of ``legs`` [MetLeg]; ``calibration``: {parameter: value} of the robots alone.
+
+    :raises ConfigurationError: if too few of them met anybody.
+    """
+    met = [leg for leg in legs if any(one.may_yield for one in leg.meetings)]
+    if len(met) < LEAST_MET:
+        raise ConfigurationError('got {} legs that met a robot and count; allowed: at least {}'.format(
+            len(met), LEAST_MET))
+    data = _Data(met, calibration, radius)
+    usual, widths = (np.array([row[place] for row in _FITTED]) for place in (1, 2))
+    both = _BOTH_PRIOR[0] / sum(_BOTH_PRIOR)
+    for _ in range(2):  # who has to stand for whom, and how often both have to, follow from one another
+        def cost(packed, both=both):
+            return 0.5 * np.sum(((packed - usual) / widths) ** 2) - data.log_likelihood(packed, both).sum()
+        found = optimize.minimize(cost, usual, method='L-BFGS-B',
+                                  bounds=list(zip(usual - 4.0 * widths, usual + 4.0 * widths)))
+        both = data.both_chance(legs, found.x, both)
+    spread = np.sqrt(np.diag(np.linalg.inv(_hessian(cost, found.x))))
+    rows = tuple(Row(name, *(float(back(found.x[k] + z * spread[k])) for z in (0.0, -1.96, 1.96)),
+                     bool(spread[k] > _PRIOR_HOLDS * width)) for k, (name, _, width, back) in enumerate(_FITTED))
+    values = {row.name: row.value for row in rows[2 * len(KINDS):]}
+    values.update(radius=radius, both_chance=both, abort_chance=data.abort_chance(found.x, both), narrow_below=0.0,
+                  narrow_weight=1.0, **{'chance_' + kind: _table(found.x, kind, radius) for kind in KINDS})
+    counts = {kind: sum(one.kind == kind for leg in legs for one in leg.meetings) for kind in KINDS}
+    return Fitted(values, rows, counts)
+
+
+def log_likelihoods(legs, calibration, fitted, radius):
+    """Return (with encounters, without): the sums of the logarithms of the densities of those ``legs`` that met."""
+    met = [leg for leg in legs if leg.succeeded and any(one.may_yield for one in leg.meetings)]
+    if not met:
+        return 0.0, 0.0
+    data = _Data(met, calibration, radius)
+    packed = np.array([_inverse(back)(row.value) for row, (*_, back) in zip(fitted.rows, _FITTED)])
+    never = np.full(len(_FITTED), -30.0)
+    never[2 * len(KINDS):] = packed[2 * len(KINDS):]
+    both = fitted.values['both_chance']
+    return float(data.log_likelihood(packed, both).sum()), float(data.log_likelihood(never, both).sum())
+
+
+def mean_seconds(leg, values, radius):
+    """Return how much longer a leg takes on average [s] for the encounters that it has, by a section's ``values``."""
+    mean = (1.0 - values['block_chance']) * values['delay_mean'] + values['block_chance'] * values['block_mean']
+    return mean * sum(_share(one, values['both_chance']) * np.interp(one.nearest, *np.transpose(
+        values['chance_' + one.kind])) for one in leg.meetings if one.may_yield)
+
+
+def _inverse(back):
+    return special.logit if back is special.expit else np.log
+
+
+def _share(meeting, both):
+    """Return the share of the encounters that cost anything in which this robot has to stand."""
+    return 0.5 * (1.0 + both) if meeting.kind in ('head_on', 'crossing') else 1.0
+
+
+def _table(packed, kind, radius):
+    near, far = (packed[_NAMES.index(kind + end)] for end in ('_near', '_far'))
+    return [[float(share * radius), float(special.expit(near + share * (far - near)))]
+            for share in np.linspace(0.0, 1.0, _PLACES)]
+
+
+class _Data:
+    """The legs that met, as arrays: the density of each alone, and after each delay."""
+
+    def __init__(self, met, calibration, radius):
+        self.met = met
+        self._radius = radius
+        law = Durations(calibration, [leg.way for leg in met])
+        times = np.array([leg.duration for leg in met])
+        again = calibration['max_speed'] / (2.0 * calibration['acceleration'])  # s, to get going
+        self._strange = 1.0 / (math.pi * _STRANGE_SECONDS * (1.0 + ((times - law.least) / _STRANGE_SECONDS) ** 2))
+        self._alone = law.density(times)
+        with np.errstate(over='ignore', invalid='ignore'):
+            self._late = np.nan_to_num(np.array([law.density(times - again - delay) for delay in _DELAYS]).T)
+        self._succeeded = np.array([leg.succeeded for leg in met])
+        first = np.array([min(one.after for one in leg.meetings if one.may_yield) for leg in met])
+        self._until_end = np.maximum(_STEP, times - first)
+
+    def _chances(self, packed, both):
+        """Return the chance of each leg that one of its encounters costs it anything."""
+        def chance(one):
+            near, far = (packed[_NAMES.index(one.kind + end)] for end in ('_near', '_far'))
+            return _share(one, both) * special.expit(near + min(1.0, one.nearest / self._radius) * (far - near))
+        return np.array([1.0 - math.prod(1.0 - chance(one) for one in leg.meetings if one.may_yield)
+                         for leg in self.met])
+
+    def _parts(self, packed, both):
+        """Return the densities of each leg: not delayed, delayed, blocked, each times its chance."""
+        value = {name: float(back(packed[k])) for k, (name, *_, back) in enumerate(_FITTED)}
+        chances, block = self._chances(packed, both), value['block_chance']
+        variance = math.log1p(value['delay_cv'] ** 2)
+        delays = stats.lognorm.pdf(_DELAYS, math.sqrt(variance), scale=value['delay_mean'] * math.exp(-0.5 * variance))
+        shape = 1.0 / value['block_cv'] ** 2
+        blocks = stats.gamma(shape, scale=value['block_mean'] / shape)
+        given_up = chances * block * blocks.pdf(self._until_end)
+        return ((1.0 - chances) * self._alone * self._succeeded,
+                chances * (1.0 - block) * (self._late @ delays) * _STEP * self._succeeded,
+                np.where(self._succeeded, chances * block * (self._late @ blocks.pdf(_DELAYS)) * _STEP, given_up))
+
+    def log_likelihood(self, packed, both):
+        """Return the logarithm of each leg's density, of which a little is left for what nothing explains."""
+        return np.log((1.0 - _STRANGE) * sum(self._parts(packed, both)) + _STRANGE * self._strange)
+
+    def _affected(self, packed, both):
+        alone, delayed, blocked = self._parts(packed, both)
+        whole = np.maximum(1e-300, alone + delayed + blocked)
+        return (delayed + blocked) / whole, blocked / whole
+
+    def both_chance(self, legs, packed, both):
+        """Return the chance that an encounter that costs anything costs both, from legs that met each other."""
+        affected, _ = self._affected(packed, both)
+        of = {id(leg): share for leg, share in zip(self.met, affected)}
+        yes, no = _BOTH_PRIOR
+        for leg in self.met:
+            for one in leg.meetings:
+                other = None if one.other is None else legs[one.other]
+                if id(other) in of and one.kind in ('head_on', 'crossing'):
+                    together = of[id(leg)] * of[id(other)]
+                    yes += 0.5 * together  # each pair is seen from both sides
+                    no += 0.5 * (of[id(leg)] + of[id(other)] - 2.0 * together)
+        return float(yes / (yes + no))
+
+    def abort_chance(self, packed, both):
+        """Return the chance that a block ends in giving up."""
+        _, blocked = self._affected(packed, both)
+        ended = float(np.sum(~self._succeeded))
+        return (ended + _ABORT_PRIOR[0]) / (float(blocked.sum()) + sum(_ABORT_PRIOR))
+
+
+def _hessian(function, at):
+    """Return the matrix of second derivatives of ``function``, by differences."""
+    step, count = 1e-2, len(at)
+    steps = np.eye(count) * step
+    values = np.empty((count, count))
+    for row in range(count):
+        for column in range(row, count):
+            one, other = at + steps[row], at - steps[row]
+            values[row, column] = values[column, row] = 0.25 / step ** 2 * (
+                function(one + steps[column]) - function(one - steps[column])
+                - function(other + steps[column]) + function(other - steps[column]))
+    return values

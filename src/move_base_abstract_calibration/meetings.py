@@ -1,0 +1,135 @@
+"""Which robots meet on recorded legs, by the ways and the times that the simulator would give them.
+
+Each recorded goal becomes a leg of the calibration: from the recorded start at the recorded instant, along the way that
+is planned on the map. Between goals a robot stands where it was recorded. Who meets whom then follows as in the
+simulator (:mod:`move_base_abstract.encounters`), so that what is fitted to it can be used there.
+"""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple, Optional, Tuple
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.units import LAST_NS, seconds_to_ns
+from move_base_abstract.encounters.control import find_stay, kind_of, next_meeting
+from move_base_abstract.encounters.nearness import windows
+from move_base_abstract.encounters.track import Track
+from move_base_abstract.maps.grid_planner import MapWays
+from move_base_abstract.maps.map_files import load_map, read_description
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.pace import Pace, PacedLeg
+from move_base_abstract.motion.phased_route import PhasedRoute
+
+from .legs import Way, way_along
+
+_SUCCEEDED, _ABORTED = '3', '4'  # of actionlib_msgs/GoalStatus
+_MAPS = Path(__file__).resolve().parents[2] / 'maps'
+
+
+class Meeting(NamedTuple):
+    """That a leg met another robot: how, how near they would have come [m], when after its start [s].
+
+    ``may_yield``: whether it may be the one that stands; ``other``: the number of the other robot's leg in the list of
+    all, None if that stood.
+    """
+
+    kind: str
+    nearest: float
+    after: float
+    may_yield: bool
+    other: Optional[int]
+
+
+class MetLeg(NamedTuple):
+    """A recorded leg with its :class:`Meeting` objects; ``map``: a name, ``way``: of the planner, ``duration`` [s]."""
+
+    map: str
+    way: Way
+    duration: float
+    succeeded: bool
+    meetings: Tuple[Meeting, ...]
+
+
+def met_legs(recordings, folder, calibration, radius, robot_radius):
+    """Return the :class:`MetLeg` objects of those legs of ``recordings`` (Recordings in ``folder``) that count.
+
+    ``calibration``: how the robots drive; ``radius`` [m]: of an encounter; ``robot_radius`` [m]: of the ways.
+    """
+    found = []
+    for mission in recordings.missions:
+        rows = [row for row in recordings.legs if row['run'] == mission.run]
+        ways = _ways(mission.map, folder, robot_radius)
+        motions = {robot: _motions([row for row in rows if row['robot'] == robot], calibration, ways, radius)
+                   for robot in sorted({row['robot'] for row in rows})}
+        found += _of_mission(mission.map, motions, radius, len(found))
+    return found
+
+
+class _Motion(NamedTuple):
+    """A leg (``row``, ``way``) or a stand (None) of a robot, from ``begin_ns`` to ``end_ns`` [ns]."""
+
+    track: Track
+    begin_ns: int
+    end_ns: int
+    row: Optional[dict]
+    way: Optional[Way]
+
+
+def _ways(name, folder, robot_radius):
+    path = Path(folder) / (name + '.yaml')
+    description = read_description(str(path if path.exists() else _MAPS / (name + '.yaml')))
+    return MapWays.on(load_map(description), robot_radius)
+
+
+def _motions(rows, calibration, ways, radius):
+    """Return the _Motion objects of one robot, in order; legs without a way on the map are stands."""
+    found, reach = [], 2.0 * radius
+    for row in sorted(rows, key=lambda row: float(row['send_s'])):
+        begin_ns, end_ns = (seconds_to_ns(float(row[name])) for name in ('send_s', 'result_s'))
+        start, goal = _pose(row, 'start'), _pose(row, 'goal')
+        corners = ways.corners(start, goal)
+        if corners is None:
+            found.append(_Motion(Track(None, start, begin_ns, reach), begin_ns, end_ns, None, None))
+        else:
+            leg = PacedLeg(PhasedRoute(start, goal, corners, calibration.limits, calibration.phases,
+                                       calibration.tolerances, begin_ns),
+                           Pace(seconds_to_ns(calibration.durations.delay), 1.0))
+            found.append(_Motion(Track(leg, None, begin_ns, reach), begin_ns, end_ns, row,
+                                 way_along(start, corners, goal)))
+        found.append(_Motion(Track(None, _pose(row, 'end'), end_ns, reach), end_ns, LAST_NS, None, None))
+    return [one._replace(end_ns=min(one.end_ns, other.begin_ns)) for one, other in zip(found, [*found[1:], found[-1]])]
+
+
+def _pose(row, what):
+    try:
+        return Pose2D(*(float(row[what + axis]) for axis in ('_x', '_y', '_yaw')))
+    except ValueError as error:
+        raise ConfigurationError('legs: run {}, robot {}, goal {}: {}'.format(
+            row['run'], row['robot'], row['goal'], error)) from None
+
+
+def _of_mission(name, motions, radius, first):
+    counted = [(robot, one) for robot in motions for one in motions[robot] if one.row is not None and _counts(one.row)]
+    numbers = {id(one): first + number for number, (_, one) in enumerate(counted)}
+    return [MetLeg(name, one.way, float(one.row['duration_s']), one.row['state'] == _SUCCEEDED, tuple(
+        meeting for other in motions if other != robot for theirs in motions[other]
+        for meeting in _meetings(one, theirs, radius, numbers))) for robot, one in counted]
+
+
+def _counts(row):
+    return row['state'] in (_SUCCEEDED, _ABORTED) and not any(
+        float(row.get(name) or 0.0) for name in ('rescued', 'stuck_start', 'cancelled'))
+
+
+def _meetings(own, theirs, radius, numbers):
+    """Return [the Meeting of a leg with what another robot does], or []."""
+    begin_ns, end_ns = max(own.begin_ns, theirs.begin_ns), min(own.end_ns, theirs.end_ns)
+    if begin_ns >= end_ns or (theirs.row is None and begin_ns > own.begin_ns and theirs.begin_ns == begin_ns):
+        return []  # who comes to stand where it was to stand is met no more
+    pair = (own.track, theirs.track)
+    due_ns = next_meeting(*pair, radius, list(windows(*pair, begin_ns, end_ns)), begin_ns)
+    if due_ns is None or due_ns >= end_ns:
+        return []
+    stay = find_stay(*pair, radius, due_ns)
+    kind, yields = kind_of(*pair, due_ns, stay.nearest_ns)
+    return [Meeting(kind, stay.nearest, (due_ns - own.begin_ns) * 1e-9, 0 in yields, numbers.get(id(theirs)))]
