@@ -88,6 +88,7 @@ class GazeboBackend(unittest.TestCase):
         truth = Record('/robot_1/base_pose_ground_truth', Odometry)
         self.assertEqual(go(self.robots[1], pose_stamped(20.0)), REACHED)
         self.gazebo.wait_for('husky', 20.0, 0.0)
+        truth.wait_for(lambda message: message.pose.pose.position.x == 20.0)
         told = {message.pose.pose.position.x for message in truth.messages}
         shown = {state.pose.position.x for state in self.gazebo.states if state.model_name == 'husky'}
         self.assertTrue([x for x in shown if 0.0 < x < 20.0])
