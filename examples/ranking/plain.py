@@ -13,6 +13,7 @@ _WAYS = {'use_map': True, 'routes': 'grid', 'robot_radius': 0.4}
 LEVELS = {'straight': {'max_speed': 1.0},
           'routes': {'max_speed': 1.0, **_WAYS},
           'calibrated': {'calibration': 'move_base_dwa_stage', **_WAYS}}
+LEVELS['encounters'] = LEVELS['calibrated']  # and they meet
 _maps = {}
 
 
@@ -28,8 +29,9 @@ def map_of(name):
 def run_mission(level, policy, robots, mission, occupancy, seed):
     """Return what one mission gives: makespan [s], whether it ended, tasks that failed."""
     starts = mission['starts'][:robots]
-    env = Environment(make_scenario({'seed': seed, 'defaults': LEVELS[level], 'robots': scenario_robots(starts)}),
-                      start_ns=0, trace=None, occupancy=occupancy)
+    env = Environment(make_scenario({
+        'seed': seed, 'encounters': 'calibrated' if level == 'encounters' else 'none', 'defaults': LEVELS[level],
+        'robots': scenario_robots(starts)}), start_ns=0, trace=None, occupancy=occupancy)
     dispatcher = Dispatcher(policy, [start[:2] for start in starts], [tuple(task[:2]) for task in mission['tasks']])
     over = env.event()
 
