@@ -83,10 +83,10 @@ def test_the_nearest_robot_of_a_leg_is_the_one_of_the_poses(shipped):
 
 
 def test_there_are_as_many_encounters_turns_and_narrow_passages_as_the_readme_says(shipped):
-    assert len(encounters(shipped.legs, 3.0)) >= 140
-    assert len(encounters(shipped.legs, 1.5)) >= 100
-    assert sum(float(leg['start_turn_rad'] or 0.0) > math.radians(120.0) for leg in shipped.legs) >= 100
-    assert sum(float(leg['plan_clearance_m'] or 1.0) < 0.3 for leg in shipped.legs) >= 30
+    assert len(encounters(shipped.legs, 3.0)) >= 177
+    assert len(encounters(shipped.legs, 1.5)) >= 129
+    assert sum(float(leg['start_turn_rad'] or 0.0) > math.radians(120.0) for leg in shipped.legs) >= 122
+    assert sum(float(leg['plan_clearance_m'] or 1.0) < 0.3 for leg in shipped.legs) >= 32
 
 
 def test_calibrate_reads_the_legs(shipped):
