@@ -101,7 +101,8 @@ class ContractGoals(unittest.TestCase):
         """No odometry since the last clearing says another pose than the start, or any speed."""
         for odom in self.odom.messages:
             place, speed = odom.pose.pose.position, odom.twist.twist
-            self.assertEqual((place.x, place.y, speed.linear.x, speed.angular.z), (0.0, 0.0, 0.0, 0.0), 'the robot moved')
+            self.assertEqual((place.x, place.y), (0.0, 0.0), 'the robot moved')
+            self.assertEqual((speed.linear.x, speed.angular.z), (0.0, 0.0), 'the robot moves')
 
     def test_a_cancel_before_its_goal_recalls_the_goal(self):
         self.client.cancel('early_bird')

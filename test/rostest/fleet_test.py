@@ -147,7 +147,8 @@ class FleetTrial(unittest.TestCase):
         client = RawClient('/patient')
         goal_id = client.send(pose_stamped(0.0, 40.0))
         client.wait_for_state(goal_id, GoalStatus.ACTIVE)
-        self.assertIn("got 'nap'; allowed: 'abort', 'stall', 'silent' or 'stuck'", fail('nap', rospy.Duration()).message)
+        self.assertIn("got 'nap'; allowed: 'abort', 'stall', 'silent' or 'stuck'",
+                      fail('nap', rospy.Duration()).message)
         self.assertTrue(fail('', rospy.Duration()).success)
         self.assertFalse(fail('', rospy.Duration()).success)
         failed = told.wait_for(lambda array: array.status[0].level == DiagnosticStatus.ERROR)
