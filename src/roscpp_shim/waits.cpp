@@ -78,8 +78,7 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
   me.idle_polls = me.has_acted ? 0 : me.idle_polls;
   Wait wait;
   wait.until = me.in_spinner ? kNever : node().now() + timeout.toNSec();
-  const bool is_storing =
-      !me.in_spinner && is_storing_loop != nullptr && is_storing_loop(caller);
+  const bool is_storing = !me.in_spinner && is_storing_loop != nullptr && is_storing_loop(caller);
   if (is_storing) {
     storeFrom(&queue);
   } else {

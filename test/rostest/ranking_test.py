@@ -17,6 +17,7 @@ FOLDER = os.path.join(SHARE, 'examples', 'ranking')
 sys.path.insert(0, FOLDER)
 import missions  # noqa: E402
 import plain  # noqa: E402
+from dispatching import POLICIES  # noqa: E402
 
 GUARD = 300.0  # s, wall; only ends what would never end
 
@@ -43,7 +44,7 @@ class RankingTest(unittest.TestCase):
     def test_the_node_and_plain_python_say_the_same(self):
         occupancy, places = plain.map_of('farm_yard')
         spans = {}
-        for seed, policy in enumerate(plain.POLICIES):
+        for seed, policy in enumerate(POLICIES):
             row = self.in_lockstep(policy, seed)
             here = plain.run_mission('encounters', policy, 3, missions.make_mission(places, 7), occupancy, seed)
             self.assertAlmostEqual(row['mission_s'], here['mission_s'], delta=0.0011, msg=policy)
