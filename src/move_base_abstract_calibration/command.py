@@ -17,6 +17,7 @@ from move_base_abstract.common.shown import shown
 from move_base_abstract.motion.calibration import calibration_file, read_calibration
 
 _YAML = 'calibration.yaml'
+_KEPT = '90 %, as the calibration said to which encounters were fitted'
 
 
 def main(words=None):
@@ -95,7 +96,8 @@ def _encounters(options):
     outputs.check(options.output)
     name = os.path.abspath(options.encounters) if options.encounters.endswith('.yaml') else options.encounters
     values, fitted, scores, _ = encounter_report.calibrate_encounters(options.recordings[0], name, options.radius)
-    outputs.write(options.output, outputs.yaml_text(values, values.pop('source')))
+    sections = [values.pop(section, None) for section in ('recorded', 'intervals', 'tail_motion')]
+    outputs.write(options.output, outputs.yaml_text(values, values.pop('source'), *sections[:2], _KEPT, sections[2]))
     for line in encounter_report.lines(fitted, scores):
         print(line)
     print(options.output)
@@ -127,6 +129,7 @@ def _calibrate(options):
     from .classes import by_class
     from .fit import fit, succeeded
     from .intervals import intervals, recorded_range
+    from .tail_motion import tail_motion
     page = options.output[:-len('.yaml')] + '.html'
     outputs.check(options.output, page)
     pairs, notes = _pairs(options)
@@ -134,7 +137,7 @@ def _calibrate(options):
     source = options.source or '{} legs of {}'.format(
         len(succeeded(pairs)), ', '.join(os.path.basename(path) for path in options.recordings))
     found, how = intervals(pairs, options.bootstrap)
-    text = outputs.yaml_text(values, source, recorded_range(pairs), found, how)
+    text = outputs.yaml_text(values, source, recorded_range(pairs), found, how, tail_motion(values, pairs))
     nominal_speed = options.nominal_speed or values['max_speed']
     rows, folds = check.scores(values, pairs, nominal_speed)
     from .pictures import draw

@@ -59,7 +59,8 @@ def _leg(row, where, number):
     start, goal = (Pose2D(*(values[name + axis] for axis in ('_x', '_y', '_yaw'))) for name in ('start', 'goal'))
     optional = {name: _optional(row, name, where) for name in (
         'plan_m', 'driven_m', 'start_turn_rad', 'end_turn_rad', 'end_x', 'end_y', 'end_yaw', 'goal', 'rescued',
-        'stuck_start', 'cancelled', 'min_robot_dist_m', 'plan_clearance_m', 'send_s', 'result_s')}
+        'stuck_start', 'cancelled', 'min_robot_dist_m', 'plan_clearance_m', 'send_s', 'result_s', 'reverse_s',
+        'turned_rad', 'plan_turn_rad')}
     for name in ('plan_m', 'driven_m', 'min_robot_dist_m', 'plan_clearance_m'):
         _check(name, optional[name], where, (optional[name] or 0.0) >= 0.0, 'a number >= 0 [m]')
     for name in ('start_turn_rad', 'end_turn_rad'):
@@ -72,7 +73,14 @@ def _leg(row, where, number):
         _way(optional, start, goal), None if None in end else Pose2D(*end),
         not (optional['rescued'] or optional['stuck_start'] or optional['cancelled'] == 2.0),
         optional['min_robot_dist_m'], optional['plan_clearance_m'], optional['send_s'],
-        None if None in stamps else stamps[1] - stamps[0], map=row.get('map') or '')
+        None if None in stamps else stamps[1] - stamps[0], map=row.get('map') or '',
+        reverse=optional['reverse_s'], turned=_turned_beyond(optional))
+
+
+def _turned_beyond(values):
+    """Return by how much more a robot turned [rad] than its way asks for, None where nobody says."""
+    asked = [values[name] for name in ('plan_turn_rad', 'start_turn_rad', 'end_turn_rad')]
+    return None if None in asked or values['turned_rad'] is None else values['turned_rad'] - sum(asked)
 
 
 def _way(values, start, goal):

@@ -24,7 +24,8 @@ class RecordedLeg(NamedTuple):
     ``nearest_robot`` [m]: how near another robot came, ``clearance`` [m]: how near the way comes to what is occupied,
     ``sent`` [s]: when the goal was sent, ``by_stamps`` [s]: the duration between two stamps beside; None if nobody
     says. ``doubt``: what its reader has found wrong with it, one of checks.DOUBTS; ``map``: the name of its map,
-    '' if nobody says.
+    '' if nobody says; ``reverse`` [s]: how long it drove backwards, ``turned`` [rad]: by how much it turned beyond what
+    its way asks for, None if nobody says.
     """
 
     recording: str
@@ -44,6 +45,8 @@ class RecordedLeg(NamedTuple):
     by_stamps: Optional[float] = None
     doubt: str = ''
     map: str = ''
+    reverse: Optional[float] = None
+    turned: Optional[float] = None
 
 
 def met_no_robot(leg, distance):

@@ -28,19 +28,21 @@ def check(*paths):
         own_files.check_file(str(path), lambda line: line.startswith((_FIRST_YAML.encode(), _FIRST_PAGE.encode())))
 
 
-def yaml_text(values, source, recorded=None, intervals=None, how=''):
+def yaml_text(values, source, recorded=None, intervals=None, how='', motion=None):
     """Return the YAML of a calibration, its numbers rounded to 5 digits; what it says is checked first.
 
-    ``values`` may have the mapping ``encounters`` of an EncounterLaw. ``recorded`` {name: (low, high)} and
-    ``intervals`` {name: (low, high) or HELD}, found as the words ``how`` say, are sections of it.
+    ``values`` may have the mapping ``encounters`` of an EncounterLaw. ``recorded`` {name: (low, high)}, ``intervals``
+    {name: (low, high) or HELD}, found as the words ``how`` say, and ``motion``, the tail_motion (None: the recordings do
+    not say), are sections of it.
     """
     rounded = _rounded({'source': source, **values})
-    sections = {name: _rounded(section) for name, section in (('recorded', recorded), ('intervals', intervals))
-                if section}
+    sections = {name: _rounded(section) for name, section in (
+        ('recorded', recorded), ('tail_motion', motion), ('intervals', intervals)) if section}
     make_calibration({'format': FORMAT, **rounded, **sections}, 'calibrate')
     lines = ['{}: what each value means stands in docs/calibrate.md'.format(_FIRST_YAML), 'format: {}'.format(FORMAT),
              *_rows(TABLE, rounded, '')]
-    for name, comment in (('recorded', 'of the legs that were fitted'), ('intervals', how)):
+    for name, comment in (('recorded', 'of the legs that were fitted'), ('tail_motion', 'm/s and rad/s'),
+                          ('intervals', how)):
         if name in sections:
             lines.append('{}:  # {}'.format(name, comment))
             lines += ['  {}: {}'.format(key, one) for key, one in sections[name].items()]

@@ -294,5 +294,6 @@ def test_the_calibration_that_ships_is_the_programs_own_writing():
     source = values.pop('source')
     assert values.pop('format') == 1
     how = next((line.partition('# ')[2] for line in text.splitlines() if line.startswith('intervals:')), '')
-    recorded, intervals_of_it = values.pop('recorded', None), values.pop('intervals', None)
-    assert outputs.yaml_text(values, source, recorded, intervals_of_it, how) == text
+    recorded, intervals_of_it = values.pop('recorded'), values.pop('intervals')
+    motion = values.pop('tail_motion')
+    assert outputs.yaml_text(values, source, recorded, intervals_of_it, how, motion) == text

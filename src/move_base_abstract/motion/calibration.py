@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from statistics import NormalDist
-from typing import Any, Optional, Tuple
+from typing import Any, NamedTuple, Optional, Tuple
 
 from ..common.bounded_yaml import file_version, load_yaml_file
 from ..common.errors import ConfigurationError
@@ -63,10 +63,26 @@ TABLE = (
     _row('failure_by_length', lambda value: () if value == [] else _FAILURES(value),
          'a list of [length [m], chance in 0..1], the lengths >= 0 and ascending'),
 )
+class TailMotion(NamedTuple):
+    """What a robot of the tail does: it drives backwards at ``reverse_speed`` [m/s], or spins [rad/s]."""
+
+    reverse_speed: float
+    spin_speed: float
+
+
+def read_tail_motion(value):
+    """Return the :class:`TailMotion` of a calibration's section, a converter of a Parameter."""
+    if not isinstance(value, dict) or set(value) != set(TailMotion._fields):
+        raise ValueError
+    return TailMotion(*(number(high=100.0, above=0.001)(value[name]) for name in TailMotion._fields))
+
+
 #: sections that a calibration may have
 SECTIONS = (
     Parameter('recorded', None, read_recorded, 'a mapping of length [m] and start_turn [rad], and perhaps clearance '
               '[m], to [low, high]'),
+    Parameter('tail_motion', None, read_tail_motion, 'a mapping of reverse_speed [m/s] and spin_speed [rad/s], both '
+              '> 0.001'),
     Parameter('intervals', None, read_intervals, "a mapping of names to [low, high], or to 'held by the prior'"),
 )
 
@@ -80,6 +96,7 @@ class CalibratedDurations:
     seconds later as ``tail`` (Gamma) says, at rest at the start too. The chance of that is ``tail_rate`` [1/s] over
     the motion's time, and rises with the start turn as ``tail_chances`` ((rad, chance), ...) say. ``failures`` as of
     :class:`.durations.Durations`. ``recorded``: what the legs were like that say so, None: nobody knows.
+    ``tail_motion``: what a robot of the tail does meanwhile, None: it stands.
     """
 
     delay: float
@@ -90,6 +107,7 @@ class CalibratedDurations:
     tail: Any
     failures: Tuple[Tuple[float, float], ...] = ()
     recorded: Optional[Recorded] = None
+    tail_motion: Optional[TailMotion] = None
 
     def draw(self, leg, uniform):
         """Return (overhead [s], factor) of a goal with its first leg (PhasedRoute), by ``uniform(purpose, place)``."""
@@ -101,6 +119,19 @@ class CalibratedDurations:
         late = self.spread * _NORMAL.inv_cdf(uniform(Purpose.SPREAD, 0)) / motion
         late -= self.delay_share * math.log(uniform(Purpose.SMALL_DELAYS, 0))
         return self.delay, max(_LEAST_FACTOR, 1.0 + late)
+
+    def shaped(self, leg, overhead, uniform):
+        """Return the leg in the place of ``leg`` of a goal for which ``draw`` gave ``overhead`` [s].
+
+        What comes later than the delay the robot spends as ``tail_motion`` says: backwards where it is in the tail for
+        its turn at the start, else turning to and fro at its goal. That leg takes longer by as much as it spends.
+        """
+        extra, motion = overhead - self.delay, self.tail_motion
+        if motion is None or not extra > 0.0:
+            return leg
+        if uniform(Purpose.TAIL, 0) < along(self.tail_chances, abs(leg.start_turn)):
+            return leg.going_backwards(extra, motion.reverse_speed)
+        return leg.spinning(extra, motion.spin_speed)
 
     def tail_chance(self, motion, start_turn):
         """Return the chance of the tail for a ``motion`` [s] after a turn by ``start_turn`` [rad]."""
@@ -175,7 +206,7 @@ def make_calibration(raw, where):
                      values['turning_offset'], values['bow_length']),
         CalibratedDurations(values['start_delay'], values['spread'], values['delay_share'], values['tail_rate'],
                             values['tail_chance_by_turn'], Gamma(values['tail_mean'], values['tail_cv']),
-                            values['failure_by_length'], recorded),
+                            values['failure_by_length'], recorded, values['tail_motion']),
         make_encounter_law(raw[ENCOUNTERS], where) if ENCOUNTERS in raw else None)
 
 

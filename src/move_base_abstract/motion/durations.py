@@ -48,6 +48,11 @@ class Durations:
     #: what was recorded: nothing, these are numbers that somebody has thought of
     recorded = None
 
+    @staticmethod
+    def shaped(leg, _overhead, _uniform):
+        """Return ``leg``: the overhead is spent at rest."""
+        return leg
+
     def draw(self, _leg, uniform):
         """Return (overhead [s], factor) of a goal with its first leg; ``uniform(purpose, place)`` in (0, 1)."""
         return self.overhead, self.factor.draw(lambda place: uniform(Purpose.FACTOR, place))
@@ -129,6 +134,10 @@ class GoalDurations:
             overhead, self._factor = self._durations.draw(leg, self._uniform)
             self._ready_ns = leg.depart_ns + seconds_to_ns(overhead)
             self._judge(leg)
+            shaped = self._durations.shaped(leg, overhead, self._uniform)
+            # The robot is under way for the part of its overhead that the leg takes longer; it arrives when it would.
+            rest_ns = self._ready_ns - leg.depart_ns - (shaped.duration_ns - leg.duration_ns)
+            return PacedLeg(shaped, Pace(max(0, rest_ns), self._factor))
         return PacedLeg(leg, Pace(max(0, self._ready_ns - leg.depart_ns), self._factor))
 
     def _judge(self, leg):

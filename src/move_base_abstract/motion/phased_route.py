@@ -2,7 +2,8 @@
 import math
 
 from ..common.units import NS_PER_S
-from .geometry import Pose2D
+from .backwards import Backwards, length_backwards, parted
+from .geometry import Pose2D, normalize_angle
 from .leg import Tolerances
 from .route import CornerLaw, Route, Turn
 
@@ -10,23 +11,62 @@ from .route import CornerLaw, Route, Turn
 class PhasedRoute(Route):
     """A :class:`Route`, with corners or without any, of a robot that begins and ends it by ``phases`` (MotionPhases).
 
-    ``start_turn`` [rad]: by how much it turns at the start.
+    ``start_turn`` [rad]: by how much it turns at the start. ``backwards`` ([m], [m/s]): how much of its first drive is
+    driven backwards first, before it turns; ``spin`` ([s], [rad/s]): how long it turns to and fro before its last turn.
     """
 
-    __slots__ = ('start_turn', '_phases')
+    __slots__ = ('start_turn', '_phases', '_backwards', '_spin', '_made_of', '_first_length')
 
-    def __init__(self, start, goal, corners, limits, phases, tolerances=Tolerances(), depart_ns=0, law=CornerLaw.KEEP):
-        self._phases = phases
-        self.start_turn = 0.0
+    def __init__(self, start, goal, corners, limits, phases, tolerances=Tolerances(), depart_ns=0, law=CornerLaw.KEEP,
+                 backwards=(0.0, 1.0), spin=(0.0, 0.0)):
+        self._phases, self._backwards, self._spin = phases, backwards, spin
+        self._made_of = start, goal, corners, limits, phases, tolerances, depart_ns, law
+        self.start_turn = self._first_length = 0.0
         super().__init__(start, goal, corners, limits, tolerances, depart_ns, law)
+
+    def going_backwards(self, extra, speed):
+        """Return the route that takes ``extra`` [s] longer, as it begins backwards at ``speed`` [m/s].
+
+        If all of its first drive does not take so long, then all of it.
+        """
+        limits = self._made_of[3]
+        length = length_backwards(extra, self._first_length, speed, lambda rest: self._profile(rest, limits).seconds)
+        return PhasedRoute(*self._made_of, backwards=(length, speed)) if length > 0.0 else self
+
+    def spinning(self, extra, speed):
+        """Return the route that takes ``extra`` [s] longer, as the robot turns to and fro at ``speed`` at its goal."""
+        return PhasedRoute(*self._made_of, spin=(extra, speed))
+
+    def _drive(self, pieces, yaw, limits, driven):
+        length, speed = self._backwards
+        if not self._parts:
+            self._first_length = math.fsum(piece.length for piece in pieces)
+        if self._parts or not length:
+            return super()._drive(pieces, yaw, limits, driven)
+        self.start_turn = normalize_angle(pieces[0].course - yaw)
+        before, behind = parted(pieces, length)
+        part = Backwards(before, speed, yaw, driven)
+        self._add(part, part.seconds)
+        heading, course = before[-1].course + math.pi, (behind or before)[0 if behind else -1].course
+        end = before[-1].at(before[-1].length)
+        self._add_turn(end, heading, math.copysign(math.pi, self.start_turn) + normalize_angle(
+            course - before[-1].course), self._phases.start_turn_seconds(self.start_turn), driven + length)
+        return self._drive_on(behind, limits, driven + length)
+
+    def _add_turn(self, place, yaw, turn, seconds, driven):
+        self._add(Turn(place.x, place.y, yaw, turn, abs(turn) / seconds if seconds else math.inf, driven), seconds)
 
     def _turn_to_drive(self, first, yaw, turn, limits, driven):
         if not self._parts:
             self.start_turn = turn
-        seconds = self._phases.start_turn_seconds(turn)
-        self._add(Turn(first.x, first.y, yaw, turn, abs(turn) / seconds if seconds else math.inf, driven), seconds)
+        self._add_turn(first, yaw, turn, self._phases.start_turn_seconds(turn), driven)
 
     def _turn_at_goal(self, begin, turn, whole, _limits, tolerances):
+        seconds, speed = self._spin
+        if seconds:
+            swing = 0.5 * seconds * speed
+            self._add_turn(begin, begin.yaw, swing, 0.5 * seconds, self.distance)
+            self._add_turn(begin, begin.yaw + swing, -swing, 0.5 * seconds, self.distance)
         length = self.distance + tolerances.xy
         profile = self._phases.end_turn(whole, self.start_turn, length, tolerances.yaw)
         self._add(_EasedTurn(begin, turn, profile, self.distance), profile.seconds)

@@ -61,16 +61,26 @@ class Route:
         self._begins_ns, self._parts = [], []
         yaw, driven = start.yaw, 0.0
         for pieces in drives:
-            first = pieces[0]
-            self._turn_to_drive(first, yaw, normalize_angle(first.course - yaw), limits, driven)
-            drive = _Drive(pieces, self._profile_along(pieces, limits), driven)
-            self._add(drive, drive.profile.seconds)
+            driven = self._drive(pieces, yaw, limits, driven)
             yaw = pieces[-1].course
-            driven += drive.profile.distance
         whole = normalize_angle(goal.yaw - yaw)
         turn = turn_within(whole, tolerances.yaw)
         self._turn_at_goal(Pose2D(*place, yaw), turn, whole, limits, tolerances)
         self.end = Pose2D(*place, goal.yaw if tolerances.yaw == 0.0 else yaw + turn)
+
+    def _drive(self, pieces, yaw, limits, driven):
+        """Add the drive over ``pieces``, and the turn before it; return the distance [m] driven behind it."""
+        first = pieces[0]
+        self._turn_to_drive(first, yaw, normalize_angle(first.course - yaw), limits, driven)
+        return self._drive_on(pieces, limits, driven)
+
+    def _drive_on(self, pieces, limits, driven):
+        """Add the drive over ``pieces``, if there are any; return the distance [m] driven behind it."""
+        if not pieces:
+            return driven
+        drive = _Drive(pieces, self._profile_along(pieces, limits), driven)
+        self._add(drive, drive.profile.seconds)
+        return driven + drive.profile.distance
 
     def _add(self, part, seconds):
         self._begins_ns.append(self.arrive_ns)

@@ -1,0 +1,88 @@
+"""Driving backwards along a way, in closed form, and where a way is parted for it."""
+import math
+from bisect import bisect_right
+from itertools import accumulate
+
+from ..common.units import NS_PER_S
+from .geometry import Pose2D, normalize_angle
+
+_HALVINGS = 60  # of a length
+
+
+class Backwards:
+    """Straight ``pieces`` (Segment, ...) driven backwards at ``speed`` [m/s], ``driven`` [m] after the departure.
+
+    Meanwhile the heading turns evenly from ``yaw`` [rad] until the robot's back is to where it goes.
+    """
+
+    __slots__ = ('seconds', '_pieces', '_begins', '_speed', '_turn', '_driven')
+
+    def __init__(self, pieces, speed, yaw, driven):
+        ends = list(accumulate(piece.length for piece in pieces))
+        self.seconds = ends[-1] / speed
+        self._pieces, self._begins, self._speed, self._driven = pieces, [0.0] + ends[:-1], speed, driven
+        self._turn = normalize_angle(pieces[0].course + math.pi - yaw)
+
+    def even_instants(self, _ramp_pieces):
+        """Return when [s] corners are passed."""
+        return [begin / self._speed for begin in self._begins]
+
+    def smooth(self):
+        """As of :meth:`.leg.SpeedProfile.smooth`: at one speed; at a corner a time ends."""
+        return [(end, 0.0) for end in (*(begin / self._speed for begin in self._begins[1:]), self.seconds)]
+
+    def guess(self, distance):
+        """Return when [s after its begin] ``distance`` [m] are driven since the departure, None: later than it ends."""
+        covered = distance - self._driven
+        return max(0.0, covered) / self._speed if covered <= self._speed * self.seconds else None
+
+    def pose_at(self, elapsed_ns):
+        """Return the pose ``elapsed_ns`` [ns] after its begin."""
+        elapsed = min(elapsed_ns / NS_PER_S, self.seconds)
+        covered = elapsed * self._speed
+        index = bisect_right(self._begins, covered) - 1
+        place = self._pieces[index].at(covered - self._begins[index])
+        left = self._turn * (1.0 - elapsed / self.seconds)
+        return Pose2D(place.x, place.y, normalize_angle(place.yaw + math.pi - left))
+
+    def velocity_at(self, _elapsed_ns):
+        """Return (forward [m/s], turning [rad/s])."""
+        return -self._speed, self._turn / self.seconds
+
+    def distance_at(self, elapsed_ns):
+        """Return the distance [m] driven since the departure."""
+        return self._driven + self._speed * min(elapsed_ns / NS_PER_S, self.seconds)
+
+
+def parted(pieces, length):
+    """Return (the first ``length`` [m] of ``pieces`` (Segment, ...), the rest of them)."""
+    before, behind = [], []
+    for piece in pieces:
+        begin = length - sum(one.length for one in before)
+        if begin >= piece.length:
+            before.append(piece)
+        elif begin <= 0.0 or behind:
+            behind.append(piece)
+        else:
+            place = piece.at(begin)
+            before.append(piece._replace(length=begin))
+            behind.append(piece._replace(x=place.x, y=place.y, length=piece.length - begin))
+    return before, behind
+
+
+def length_backwards(extra, length, speed, seconds_of):
+    """Return how much of ``length`` [m] takes ``extra`` [s] longer if it is driven backwards at ``speed`` [m/s] first.
+
+    ``seconds_of(length)`` is how long a drive takes [s]. All of it, where that takes no longer than ``extra``.
+    """
+    low, high = 0.0, length
+    whole = seconds_of(length)
+    if length / speed - whole <= extra:
+        return length
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if middle / speed + seconds_of(length - middle) - whole < extra:
+            low = middle
+        else:
+            high = middle
+    return low
