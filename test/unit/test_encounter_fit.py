@@ -10,7 +10,7 @@ import yaml
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.motion.calibration import make_calibration, read_calibration
-from move_base_abstract_calibration import command, encounter_fit
+from move_base_abstract_calibration import command, encounter_fit, encounter_report
 from move_base_abstract_calibration.law import Durations
 from move_base_abstract_calibration.legs import Way
 from move_base_abstract_calibration.meetings import Meeting, MetLeg, met_legs
@@ -94,3 +94,12 @@ def test_calibrate_says_what_it_lacks(tmp_path, capsys):
     with pytest.raises(SystemExit) as end:
         command.main([str(tmp_path), '--encounters', 'move_base_dwa_stage', '-o', str(tmp_path / 'new.yaml')])
     assert end.value.code == 2 and 'got 2 legs that met a robot' in capsys.readouterr().err
+
+
+def test_what_else_the_calibration_says_stays(tmp_path, monkeypatch):
+    values = {key: value for key, value in VALUES.items() if key != 'format'}
+    monkeypatch.setattr(encounter_report, 'calibrate_encounters', lambda *_: (values, None, None, None))
+    monkeypatch.setattr(encounter_report, 'lines', lambda *_: [])
+    command.main([str(tmp_path), '--encounters', 'move_base_dwa_stage', '-o', str(tmp_path / 'new.yaml')])
+    assert {'recorded', 'intervals', 'tail_motion', 'encounters'} <= set(VALUES)
+    assert yaml.safe_load((tmp_path / 'new.yaml').read_text()) == VALUES

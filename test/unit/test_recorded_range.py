@@ -69,13 +69,15 @@ def test_the_edge_of_what_was_recorded_is_inside(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter('error')
         go(fleet, (30.0, 0.0))
-        fleet.place('bot', Pose2D(0.0, 0.0, 2.0))
+        fleet.place('bot', Pose2D(0.0, 0.0, 2.0 + math.radians(0.9)))
         go(fleet, (2.0, 0.0))
     assert beyond(fleet) == []
     fleet = a_fleet(tmp_path, RANGES)
     with pytest.warns(UserWarning):
         go(fleet, (30.001, 0.0))
-    assert len(beyond(fleet)) == 1
+        fleet.place('bot', Pose2D(0.0, 0.0, 2.0 + math.radians(1.1)))
+        go(fleet, (2.0, 0.0))
+    assert [values[0] for values in beyond(fleet)] == ['longer', 'turn']
 
 
 def test_a_goal_counts_once_however_often_its_robot_sets_out(tmp_path):

@@ -16,6 +16,7 @@ HELD = 'held by the prior'
 WARNING = '{}: a goal lies outside of what its calibration was fitted to ({}); this is said once, event logs have a ' \
           'row beyond for each'
 _NAME = re.compile(r'[a-z][a-z0-9_]*')
+_DEGREE = math.radians(1.0)  # by which a turn is as large as the largest: of turns up to 180 none is just that
 _SLACK = 1e-9  # by which a leg that was recorded may lie outside: digits of its length
 
 
@@ -43,7 +44,7 @@ class Recorded(NamedTuple):
             found += 'longer', length
         if length < self.length[0] - _SLACK:
             found += 'shorter', length
-        if turn > self.start_turn[1] + _SLACK:
+        if turn > self.start_turn[1] + _DEGREE:
             found += 'turn', turn
         clearance = None if self.clearance is None else clearance_of(leg.way)
         if self.clearance is not None and clearance is not None and clearance < self.clearance[0] - _SLACK:
