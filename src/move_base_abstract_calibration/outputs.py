@@ -32,8 +32,8 @@ def yaml_text(values, source, recorded=None, intervals=None, how='', motion=None
     """Return the YAML of a calibration, its numbers rounded to 5 digits; what it says is checked first.
 
     ``values`` may have the mapping ``encounters`` of an EncounterLaw. ``recorded`` {name: (low, high)}, ``intervals``
-    {name: (low, high) or HELD}, found as the words ``how`` say, and ``motion``, the tail_motion (None: recordings do not
-    say), are sections of it.
+    {name: (low, high) or HELD}, found as the words ``how`` say, and ``motion``, the tail_motion (None: unknown), are
+    sections of it.
     """
     rounded = _rounded({'source': source, **values})
     sections = {name: _rounded(section) for name, section in (

@@ -196,6 +196,7 @@ class LockstepFleet(unittest.TestCase):
                     'robots': [{'name': name, 'start_y': 2.0 * number} for number, name in enumerate(TWO)]}
         run = Run('goals', TWO, {'/fleet': ('fleet', '/', scenario)})
         self.assertEqual(run.events, oracle(TWO, scenario=scenario))
+        self.assertLessEqual({'recorded', 'beyond'}, {event[2] for event in run.events})
         self.assert_repeatable(run)
 
     def test_what_robots_send_at_one_instant_comes_in_the_order_of_their_indices(self):
