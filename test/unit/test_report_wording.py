@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from move_base_abstract_experiments.report.axes import axis
 from move_base_abstract_experiments.report.colours import PALETTE, palette
 from move_base_abstract_experiments.report.design import Metric
 from move_base_abstract_experiments.report.intervals import NOTHING, Estimate
+from move_base_abstract_experiments.report.pictures import axis
 from move_base_abstract_experiments.report.wording import (
     Scale,
     digits,

@@ -6,7 +6,7 @@ import random
 import pytest
 
 from experiment_folder import METRICS, write
-from move_base_abstract_experiments.report import effects, findings, how_ended, outcome, page, picked
+from move_base_abstract_experiments.report import effects, findings, how_ended, notable_trials, outcome, page
 from move_base_abstract_experiments.report.design import Factor
 from move_base_abstract_experiments.report.phrases import than_with_level, with_level
 from move_base_abstract_experiments.report.verdicts import verdict_of
@@ -178,7 +178,7 @@ def test_the_median_trial_is_named_if_it_is_known_which_one_it_is(tmp_path, whol
             'makespan_s': values[k]}},
         metrics={'makespan_s': {'better': 'lower', **({'at_limit': about} if about else {})}},
         until={'seconds': 3600, 'idle': True})
-    assert [pick.value for pick in picked.picks(found, found.metrics[0]) if pick.role == 'median'] == (
+    assert [pick.value for pick in notable_trials.picks(found, found.metrics[0]) if pick.role == 'median'] == (
         [] if median is None else [median])
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.own_files import PART, FolderKind, check_file, whole_file
 
-from . import extension, frames, outcome, page, picked
+from . import extension, frames, notable_trials, outcome, page
 
 REPLAY = 'move_base_abstract_replay.page'
 NAMES = ('trials', 'means', 'main_effects', 'differences', 'interactions', 'robots', 'endings')
@@ -74,14 +74,14 @@ def _write_tables(folder, tables):
 
 def _replays(experiment):
     """Write the replays of the trials worth a look where the replay is installed; return what went wrong."""
-    metric = picked.primary_metric(experiment)
+    metric = notable_trials.primary_metric(experiment)
     if metric is None:
         return []
     try:
         write_page = importlib.import_module(REPLAY).write_page
     except ImportError:
         return []
-    return picked.write_replays(experiment, picked.picks(experiment, metric), write_page)
+    return notable_trials.write_replays(experiment, notable_trials.picks(experiment, metric), write_page)
 
 
 def main(words=None):

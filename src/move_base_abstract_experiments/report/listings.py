@@ -3,7 +3,7 @@
 import json
 import math
 
-from . import endings, intervals, picked, sentences, verdicts
+from . import endings, intervals, notable_trials, sentences, verdicts
 from .design import level_label
 from .outcome import COMPLETE, FAILED, MISSING
 from .parts import Cell, Table
@@ -26,7 +26,7 @@ def means(experiment, metric, scale, estimates):
     """Return the table of a metric's means."""
     values = experiment.values(metric) * scale.factor
     rows, skewed = [], False
-    picks = picked.picks(experiment, metric) if metric.better else []
+    picks = notable_trials.picks(experiment, metric) if metric.better else []
     chosen = {(pick.configuration, pick.role): pick for pick in picks}
     for configuration, own, estimate in zip(experiment.configurations, values, estimates):
         seen = intervals.known(own)
@@ -61,7 +61,7 @@ def _in(scale):
 
 
 def _link(experiment, pick):
-    return Cell(pick.trial.id, picked.link(experiment, pick.trial)) if pick else ''
+    return Cell(pick.trial.id, notable_trials.link(experiment, pick.trial)) if pick else ''
 
 
 def differences(experiment, title, found, scale, where):
@@ -147,7 +147,7 @@ def worth_a_look(experiment, metric, scale, found):
         rows.append((experiment.configurations[pick.configuration].label, pick.role,
                      digits(pick.value * scale.factor) + scale.suffix + _bound(experiment, metric, pick.trial),
                      str(pick.trial.replication),
-                     str(pick.trial.seed), Cell(pick.trial.id, picked.link(experiment, pick.trial))))
+                     str(pick.trial.seed), Cell(pick.trial.id, notable_trials.link(experiment, pick.trial))))
     rows, note = cut(rows, '', 'trials.csv')
     return Table('Worst and median trials', ('configuration', 'which', metric.title, 'replication', 'seed', 'trial'),
                  rows, note, is_open=len(rows) <= 24)
@@ -171,7 +171,7 @@ def failures(experiment):
     rows = []
     for (error, status), trials in sorted(groups.items(), key=lambda item: -len(item[1])):
         first = trials[0]
-        where = picked.node_logs(experiment, first) or picked.event_log(experiment, first)
+        where = notable_trials.node_logs(experiment, first) or notable_trials.event_log(experiment, first)
         labels = list(dict.fromkeys(experiment.configurations[trial.configuration].label for trial in trials))
         rows.append((error, status, whole(len(trials)), '; '.join(labels[:3]) + ('; ...' if len(labels) > 3 else ''),
                      Cell(first.id, where), whole(max(trial.attempts for trial in trials))))
@@ -195,8 +195,8 @@ def labels(experiment):
 
 def not_identical(experiment):
     """Return the table of trials whose second run was another one, or None."""
-    rows = [(experiment.configurations[trial.configuration].label, Cell(trial.id, picked.event_log(experiment, trial)),
-             trial.difference or 'not told') for trial in experiment.complete if trial.verified == 'different']
+    rows = [(experiment.configurations[trial.configuration].label,
+             Cell(trial.id, notable_trials.event_log(experiment, trial)), trial.difference or 'not told') for trial in experiment.complete if trial.verified == 'different']
     if not rows:
         return None
     rows, note = cut(rows, '', 'trials.csv')

@@ -10,7 +10,19 @@ from urllib.parse import quote
 
 import jinja2
 
-from . import design, effects, endings, findings, frames, how_ended, intervals, listings, picked, pictures, validity
+from . import (
+    design,
+    effects,
+    endings,
+    findings,
+    frames,
+    how_ended,
+    intervals,
+    listings,
+    notable_trials,
+    pictures,
+    validity,
+)
 from .colours import Looks
 from .outcome import FAILED, MISSING
 from .parts import Section
@@ -293,10 +305,11 @@ def _cut_text(rows):
 
 def _looks(analysis):
     experiment = analysis.experiment
-    metric = picked.primary_metric(experiment)
+    metric = notable_trials.primary_metric(experiment)
     if metric is None:
         return None
-    table = listings.worth_a_look(experiment, metric, analysis.scales[metric.name], picked.picks(experiment, metric))
+    picks = notable_trials.picks(experiment, metric)
+    table = listings.worth_a_look(experiment, metric, analysis.scales[metric.name], picks)
     return Section('Trials worth a look', (
         f'The worst and the median complete trial of each configuration, by {metric.title}. Links lead to the replay, '
         'or to the event log where there is none.', table))

@@ -1,4 +1,6 @@
-"""The pictures as numbers: rows of trials with their means, means over levels. How they look is the templates' matter.
+"""The pictures as numbers: scales, rows of trials with their means, means over levels.
+
+How they look is the templates' matter.
 
 Places are percentages of a row's width, or units of a plot's own size, so that text keeps its size on any screen.
 """
@@ -7,16 +9,55 @@ import math
 from typing import NamedTuple
 
 from . import effects
-from .axes import axis
 from .design import level_label
 from .outcome import FAILED
-from .wording import counted, shortened, with_interval
+from .wording import counted, fixed, shortened, with_interval
 
 TICK_STEPS = 1000  # places at which a trial can be drawn in a row
 PLOT_WIDTH, PLOT_HEIGHT = 360.0, 230.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 52.0, 350.0, 10.0, 196.0  # of the area in which the lines are
 _LETTER = 6.4  # width of one, at most
 _DODGE = 7.0  # between the marks of two lines at one level
+_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)  # between round numbers beside a scale, times powers of ten
+
+
+class Axis(NamedTuple):
+    """A stretch of values and what is written beside it."""
+
+    low: float
+    high: float
+    ticks: tuple  # of (value, text)
+
+    def share(self, value):
+        """Return where a value lies, 0 at the low end, 1 at the high one."""
+        return (value - self.low) / (self.high - self.low)
+
+
+def axis(values, parts=5, pad=0.04, with_zero=False):
+    """Return the Axis that shows all these values (finite, at least one)."""
+    low, high = min(values), max(values)
+    if with_zero:
+        low, high = min(low, 0.0), max(high, 0.0)
+    if high - low <= 1e-9 * max(abs(low), abs(high)):  # all the same: room on both sides
+        room = abs(high) * 0.1 or 1.0
+        low, high = low - room, high + room
+    room = pad * (high - low)
+    low, high = low - room, high + room
+    step = _step((high - low) / parts)
+    decimals = _decimals(step)
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    return Axis(low, high, tuple((each * step, fixed(each * step, decimals)) for each in range(first, last + 1)))
+
+
+def _step(least):
+    """Return the least round step that is no smaller."""
+    size = 10.0 ** math.floor(math.log10(least))
+    return next(each * size for each in _STEPS if each * size >= least * (1.0 - 1e-9))
+
+
+def _decimals(step):
+    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
+    return decimals if abs(round(step, decimals) - step) < 1e-6 * step else decimals + 1
 
 
 class Row(NamedTuple):
