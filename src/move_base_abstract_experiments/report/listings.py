@@ -196,7 +196,8 @@ def labels(experiment):
 def not_identical(experiment):
     """Return the table of trials whose second run was another one, or None."""
     rows = [(experiment.configurations[trial.configuration].label,
-             Cell(trial.id, notable_trials.event_log(experiment, trial)), trial.difference or 'not told') for trial in experiment.complete if trial.verified == 'different']
+             Cell(trial.id, notable_trials.event_log(experiment, trial)), trial.difference or 'not told')
+            for trial in experiment.complete if trial.verified == 'different']
     if not rows:
         return None
     rows, note = cut(rows, '', 'trials.csv')
