@@ -10,7 +10,7 @@ import rostest
 import tf2_ros
 from actionlib_msgs.msg import GoalStatus
 from dynamic_reconfigure.client import Client
-from geometry_msgs.msg import PoseStamped, TransformStamped
+from geometry_msgs.msg import PoseStamped, TransformStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
 from nav_msgs.msg import Odometry
 from nav_msgs.srv import GetPlan
@@ -221,10 +221,12 @@ class ContractInterface(unittest.TestCase):
     def test_robots_do_not_hear_each_others_goals(self):
         self.home()
         other = Record('/robot_1/odom', Odometry)
-        other.wait_for()
-        other.clear()
+        stood = other.wait_for().pose.pose
         self.assertEqual(go(self.simple, pose_stamped(3.0)), REACHED)
-        self.assertEqual(other.messages, [])
+        arrived = rospy.Time.now()
+        other.wait_for(lambda message: message.header.stamp > arrived)
+        self.assertEqual({str(message.pose.pose) for message in other.messages}, {str(stood)})
+        self.assertEqual({str(message.twist.twist) for message in other.messages}, {str(Twist())})
 
 
 if __name__ == '__main__':
