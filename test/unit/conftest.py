@@ -11,8 +11,20 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'
 from move_base_abstract.common.errors import FrameError  # noqa: E402
 from move_base_abstract.common.units import seconds_to_ns  # noqa: E402
 from move_base_abstract.engine.simulation import Simulation  # noqa: E402
+from move_base_abstract.goals.client import NoClient  # noqa: E402
+from move_base_abstract.goals.events import (  # noqa: E402
+    Aimed,
+    Departed,
+    Ended,
+    Held,
+    Recovery,
+    Stands,
+    Warned,
+    WheelsStopped,
+    robot_stream,
+)
 from move_base_abstract.goals.ledger import GoalLedger  # noqa: E402
-from move_base_abstract.goals.navigator import BadFramePolicy, GoalPose, Navigator, NavigatorListener  # noqa: E402
+from move_base_abstract.goals.navigator import BadFramePolicy, GoalPose, Navigator  # noqa: E402
 from move_base_abstract.goals.recovery import RecoveryPolicy  # noqa: E402
 from move_base_abstract.maps.planning import StraightLinePlanner, WorldBounds  # noqa: E402
 from move_base_abstract.motion.frames import RobotFrames  # noqa: E402
@@ -28,21 +40,24 @@ settings.register_profile('explore', settings.get_profile('repeatable'), derando
 settings.load_profile('repeatable')
 
 
-class NavigatorRig(NavigatorListener):
+class NavigatorRig(NoClient):
     """One navigator, driven by hand in simulated seconds; ``trace`` gets all that it tells the outside, in order."""
 
     def __init__(self, start=Pose2D(), limits=MotionLimits(2.0), tolerances=Tolerances(), bounds=WorldBounds(),
                  feedback_freq=0.0, foreign=None, bad_frame_policy=BadFramePolicy.ABORT,
                  recovery_policy=RecoveryPolicy()):
+        super().__init__('made-up')
         self.trace = []
         self.foreign = foreign or {}
         self.simulation = Simulation()
         self.robot = Robot(0, 'robot_0', start, limits, tolerances)
-        self.ledger = GoalLedger(lambda: None, self._result, 'made-up-{}'.format)
+        stream = self._stream()
+        self.ledger = GoalLedger(self.publish_status, lambda record, stamp_ns: stream.tell(Ended(
+            stamp_ns, 'robot_0', record.goal_id, record.stamp_ns, record.state, record.text)), self.new_id)
         frames = RobotFrames(self.robot, 'map', 'odom', 'base_link', self._lookup)
-        self.navigator = Navigator(self.robot, self.simulation, self.ledger, frames, self,
+        self.navigator = Navigator(self.robot, self.simulation, self.ledger, frames, stream, self,
                                    StraightLinePlanner(bounds), bad_frame_policy, recovery_policy)
-        self.navigator.set_feedback_frequency(feedback_freq)
+        self.navigator.feedback.set_frequency(feedback_freq)
 
     def advance(self, seconds):
         """Let the clock show ``seconds``; return the trace up to then and begin a new one."""
@@ -80,32 +95,24 @@ class NavigatorRig(NavigatorListener):
             raise FrameError("'{}' is not known to tf".format(frame_id))
         return self.foreign[frame_id](stamp_ns)
 
-    def _result(self, record, stamp_ns):
-        self.trace.append(('result', record.goal_id, record.state.name, record.text, stamp_ns))
-
-    def departed(self, robot, goal, now_ns):
-        self.trace.append(('departed', goal, now_ns))
-
-    def stands(self, robot, now_ns):
-        self.trace.append(('stands', robot.pose_at(now_ns), now_ns))
-
-    def target(self, goal, now_ns):
-        self.trace.append(('target', goal, now_ns))
-
-    def held(self, reasons, now_ns):
-        self.trace.append(('held', reasons, now_ns))
-
-    def stop_wheels(self):
-        self.trace.append(('stop wheels',))
-
-    def feedback(self, record, pose, stamp_ns, is_last=False):
+    def feedback(self, record, pose, stamp_ns, is_last):
         self.trace.append(('feedback', record.goal_id, pose, stamp_ns))
 
-    def recovery(self, pose, index, behaviors, stamp_ns):
-        self.trace.append(('recovery', behaviors[index].name, index, len(behaviors), stamp_ns))
+    def _note(self, kind, *values):
+        """Return what puts ``kind`` with these fields of an event into the trace."""
+        return lambda event: self.trace.append((kind, *(getattr(event, value) for value in values)))
 
-    def warn(self, text):
-        self.trace.append(('warn', text))
+    def _stream(self):
+        stream = robot_stream()
+        stream.subscribe('trace', {
+            Ended: lambda event: self.trace.append(
+                ('result', event.goal_id, event.state.name, event.text, event.time_ns)),
+            Departed: self._note('departed', 'goal', 'time_ns'), Stands: self._note('stands', 'pose', 'time_ns'),
+            Aimed: self._note('target', 'goal', 'time_ns'), Held: self._note('held', 'reasons', 'time_ns'),
+            WheelsStopped: self._note('stop wheels'), Warned: self._note('warn', 'text'),
+            Recovery: lambda event: self.trace.append(('recovery', event.behaviors[event.index].name, event.index,
+                                                       len(event.behaviors), event.time_ns))})
+        return stream
 
 
 @pytest.fixture(scope='session')

@@ -9,7 +9,7 @@ S = 1_000_000_000
 
 
 def doing(fleet):
-    return [activity(member.navigator, member.condition, member.worker and member.worker.tasks)
+    return [activity(member.navigator, member.condition, member.tasks)
             for member in fleet._members.values()]
 
 

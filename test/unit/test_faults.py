@@ -16,7 +16,7 @@ S = 1_000_000_000
 CORE = os.path.dirname(os.path.dirname(fleet_module.__file__)) + os.sep
 #: the machine that runs events and calls; what goes wrong there is for who called it
 MACHINE = {'event_queue.py', 'simulation.py', 'guard.py', 'arguments.py', 'units.py', 'fleet.py', 'chance.py',
-           'shown.py', 'alarm.py', 'handed_on.py'}
+           'shown.py', 'alarm.py', 'handed_on.py', 'stream.py'}
 ENTRIES = {('navigator.py', 'receive'), ('navigator.py', 'release'), ('place_tasks.py', 'give_back'),
            ('ledger.py', 'receive'), ('ledger.py', 'finish'),
            ('place_tasks.py', 'take'), ('place_tasks.py', '_admit'),
@@ -82,7 +82,7 @@ class World:
         for name in NAMES:
             member = fleet._members[name]
             assert not member.navigator.is_active and not member.navigator.held_for and member.robot.leg is None
-            assert member.worker.tasks._ledger.active is None and not member.worker.tasks.is_waiting
+            assert member.tasks._ledger.active is None and not member.tasks.is_waiting
             pose = fleet.pose(name)
             for zone, state in zip(fleet.scenario.zones, fleet.zones):
                 assert zone.contains(pose.x, pose.y) == (name in state.robots)

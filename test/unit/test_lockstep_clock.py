@@ -3,9 +3,11 @@ import pytest
 
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.fleet.robot_parts import make_robot_parts
-from move_base_abstract.goals.navigator import GoalPose, NavigatorListener
+from move_base_abstract.fleet.robot_rows import write
+from move_base_abstract.goals.client import NoClient
+from move_base_abstract.goals.events import robot_stream
+from move_base_abstract.goals.navigator import GoalPose
 from move_base_abstract.motion.geometry import quaternion_of_yaw
-from move_base_abstract.runs.trace import RobotTrace
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract_ros.clocks.lockstep_clock import LockstepClock  # noqa: TID251 (knows no ROS)
 
@@ -45,28 +47,6 @@ class FakeParticipant:
             self.grant(self.source.next_due_ns())
 
 
-class Told(NavigatorListener):
-    """Tells a trace what a server would."""
-
-    def __init__(self, trace):
-        self._trace = trace
-
-    def departed(self, robot, goal, now_ns):
-        self._trace.departed(goal, now_ns)
-
-    def stands(self, robot, now_ns):
-        self._trace.stands(robot.pose_at(now_ns), now_ns)
-
-    def publish_result(self, record, stamp_ns):
-        self._trace.ended(record, stamp_ns)
-
-    def publish_status(self):
-        pass
-
-    def new_id(self, _now_ns):
-        return 'unnamed'
-
-
 @pytest.fixture
 def participant():
     return FakeParticipant()
@@ -81,8 +61,10 @@ def clock(participant):
 
 def make_navigator(clock, index, spec):
     """Return the navigator of a robot that writes into the clock's event log."""
-    told = Told(RobotTrace(spec.name, clock.record(index)))
-    return make_robot_parts(spec.settings, spec.name, index, clock.simulation, told, told, None).navigator
+    stream = robot_stream()
+    write(stream, 'trace', clock.record(index))
+    return make_robot_parts(spec.settings, spec.name, index, clock.simulation, stream, NoClient(spec.name),
+                            None).navigator
 
 
 def test_the_simulation_starts_with_the_clock_and_is_the_participants_source(clock, participant):

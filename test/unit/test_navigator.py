@@ -363,9 +363,9 @@ def test_the_feedbacks_frequency_can_be_changed_on_the_way(rig):
     robot = rig()
     robot.send('g', 20.0, 0.0)
     assert robot.advance(1.0) == []
-    robot.navigator.set_feedback_frequency(2.0)
+    robot.navigator.feedback.set_frequency(2.0)
     assert [robot.advance(t) for t in (1.0, 1.5)] == [feedback('g', (2.0, 1.0)), feedback('g', (3.0, 1.5))]
-    robot.navigator.set_feedback_frequency(0.0)
+    robot.navigator.feedback.set_frequency(0.0)
     assert robot.advance(9.0) == []
 
 

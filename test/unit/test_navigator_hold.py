@@ -162,20 +162,30 @@ def test_held_at_the_instant_of_its_arrival_it_arrives_when_released(rig):
     assert robot.advance(3.0) == reached('g', 4.0, 3)
 
 
-def test_who_is_told_of_a_departure_may_hold_the_robot_at_once(rig):
-    robot = rig()
-    tell = robot.departed
+class Gate:
+    """Holds the robot at its first departure."""
 
-    def hold_it(one, goal, now_ns):
-        tell(one, goal, now_ns)
-        robot.departed = tell
-        robot.navigator.hold('border', now_ns)
+    def __init__(self):
+        self.reasons, self.asked = ['border'], []
 
-    robot.departed = hold_it
+    def departs(self, leg, now_ns):
+        """Return why it may not go."""
+        self.asked.append((leg.end.x, now_ns))
+        return self.reasons.pop() if self.reasons else None
+
+    def settle(self, now_ns):
+        """It goes, or is held."""
+        self.asked.append(now_ns)
+
+
+def test_a_gate_may_hold_the_robot_at_its_departure(rig):
+    robot, gate = rig(), Gate()
+    robot.navigator.set_gate(gate)
     assert robot.send('g', 4.0, 0.0)[-2:] == [held('border', at=0), stands(0.0, 0)]
     assert robot.advance(9.0) == []
     robot.release('border')
     assert robot.advance(99.0) == reached('g', 4.0, 11)
+    assert gate.asked == [(4.0, 0), 0, (4.0, 9 * S), 9 * S]
 
 
 @pytest.mark.parametrize('end, outcome, left', [

@@ -4,12 +4,13 @@ import pytest
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.goals.ledger import GoalLedger
+from move_base_abstract.goals.client import NoClient
+from move_base_abstract.goals.events import LoadChanged, TaskEnded, robot_stream
 from move_base_abstract.goals.outcome import NODE_KILLED
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract.tasks.arrivals import Task
-from move_base_abstract.tasks.place_tasks import PlaceTaskListener, PlaceTaskRunner, Rooms
+from move_base_abstract.tasks.place_tasks import PlaceTaskRunner, Rooms
 from move_base_abstract.tasks.places import read_places
 
 S = 1_000_000_000
@@ -179,24 +180,25 @@ def test_without_places_nobody_works_and_nothing_else_is_told():
     assert traces[0] == traces[1]
 
 
-class Rig(PlaceTaskListener):
+class Rig:
     """One robot that is not known here; ``loads`` gets (s, W), ``ends`` (s, state, waited s, worked s)."""
 
     def __init__(self):
         self.loads, self.ends = [], []
         self.simulation = Simulation()
         self.rooms = Rooms(self.simulation, read_places([DOCK], 'test'))
-        self.tasks = [PlaceTaskRunner(self.rooms, index, 'r', 0, GoalLedger(
-            lambda: None, lambda record, stamp_ns, index=index: self.ended(index, record, stamp_ns), str), self)
-            for index in range(2)]
+        self.tasks = [PlaceTaskRunner(self.rooms, index, 'r', 0, self.stream(index), NoClient('r'))
+                      for index in range(2)]
 
-    def load(self, watts, now_ns):
-        self.loads.append((now_ns / S, watts))
+    def stream(self, index):
+        stream = robot_stream()
+        stream.subscribe('battery', {LoadChanged: lambda event: self.loads.append((event.time_ns / S, event.watts))})
+        stream.subscribe('clients', {TaskEnded: lambda event: self.ended(self.tasks[index], event)})
+        return stream
 
-    def ended(self, index, record, stamp_ns):
-        tasks = self.tasks[index]
-        self.ends.append((stamp_ns / S, record.state.name, tasks.waited_ns(stamp_ns) / S,
-                          tasks.elapsed_ns(stamp_ns) / S))
+    def ended(self, tasks, event):
+        self.ends.append((event.time_ns / S, event.state.name, tasks.waited_ns(event.time_ns) / S,
+                          tasks.elapsed_ns(event.time_ns) / S))
 
     def take(self, index, seconds, task):
         self.simulation.advance(int(seconds * S))

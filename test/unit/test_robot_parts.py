@@ -6,27 +6,26 @@ from move_base_abstract.config.settings import read_settings
 from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.fleet.robot_parts import make_robot_parts
-from move_base_abstract.goals.navigator import NavigatorListener
+from move_base_abstract.goals.client import NoClient
+from move_base_abstract.goals.events import Ended, robot_stream
 from move_base_abstract.goals.outcome import GoalState
 from move_base_abstract.scenario import make_scenario
 
 S = 1_000_000_000
 
 
-class Answers:
+class Answers(NoClient):
     """Notes what the ledger says."""
 
     def __init__(self):
+        super().__init__('made-at')
         self.said = []
 
     def publish_status(self):
         self.said.append('status')
 
-    def publish_result(self, record, stamp_ns):
-        self.said.append((record.goal_id, record.state, stamp_ns))
-
-    def new_id(self, now_ns):
-        return 'made-at-{}'.format(now_ns)
+    def ended(self, event):
+        self.said.append((event.goal_id, event.state, event.time_ns))
 
 
 def no_lookup(frame_id, _stamp_ns):
@@ -40,7 +39,9 @@ def answers():
 
 def make(answers, **raw):
     settings = read_settings(raw, '/r')
-    return make_robot_parts(settings, 'r', 3, Simulation(5 * S), answers, NavigatorListener(), no_lookup)
+    stream = robot_stream()
+    stream.subscribe('clients', {Ended: answers.ended})
+    return make_robot_parts(settings, 'r', 3, Simulation(5 * S), stream, answers, no_lookup)
 
 
 def test_the_parts_belong_together_and_follow_the_settings(answers):

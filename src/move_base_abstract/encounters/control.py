@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
 from ..common.errors import ConfigurationError
 from ..common.units import NS_PER_S, seconds_to_ns
 from ..engine.chance import Chance
+from ..goals.events import Encounter, GoalChanged, Meets
 from ..goals.outcome import NO_CONTROL
 from ..motion.encounter_law import CROSSING, HEAD_ON, OVERTAKING, STANDING, EncounterLaw
 from .nearness import closest, distance, first_beyond, first_within, gap, windows
@@ -22,7 +23,7 @@ from .track import Track
 
 if TYPE_CHECKING:
     from ..engine.simulation import Simulation
-    from ..goals.listener import NavigatorListener
+    from ..engine.stream import Stream
     from ..goals.navigator import Navigator
     from .nearness import Window
 
@@ -52,7 +53,7 @@ class Encounters:
         self._ahead: Dict[Tuple[int, int], Any] = {}  # {pair: the event of their next meeting}
         self._met: Dict[Tuple[int, int], Tuple[int, int]] = {}  # {pair: the numbers of the goals with which they met}
 
-    def join(self, navigator: Navigator, law: Optional[EncounterLaw], listener: NavigatorListener) -> Participant:
+    def join(self, navigator: Navigator, law: Optional[EncounterLaw], stream: Stream) -> Participant:
         """Return the :class:`Participant` of a robot that is there from now on; ``law``: of its own calibration.
 
         :raises ConfigurationError: if that is another one than that of the others.
@@ -60,9 +61,9 @@ class Encounters:
         if law != self.law:
             raise ConfigurationError("robot '{}': encounters: its calibration has another law for them, or none; "
                                      'allowed: the same for all robots'.format(navigator.robot.name))
-        participant = Participant(self, navigator, listener)
+        participant = Participant(self, navigator, stream)
         self._robots[navigator.robot.index] = participant
-        listener.noted('meets', self.simulation.now_ns, self.law.radius)
+        stream.tell(Meets(self.simulation.now_ns, participant.name, self.law.radius))
         participant.moved(self.simulation.now_ns)
         return participant
 
@@ -124,18 +125,18 @@ def make_encounters(simulation: Simulation, scenario: Any) -> Optional[Encounter
 class Participant:
     """One robot that may meet others. ``track``: where it is and will be; ``ahead``: {other robot: event}."""
 
-    def __init__(self, encounters: Encounters, navigator: Navigator, listener: NavigatorListener) -> None:
+    def __init__(self, encounters: Encounters, navigator: Navigator, stream: Stream) -> None:
         self.index: int = navigator.robot.index
         self.name: str = navigator.robot.name
         self.ahead: Dict[int, Any] = {}
         self.track: Any = None
         self._encounters = encounters
         self._navigator = navigator
-        self._listener = listener
+        self._stream = stream
         self._stands: Dict[str, Any] = {}  # {reason for which it is held: the event that ends it}
         self._held_goal = 0  # the number of the goal on whose way that is
         navigator.robot.follow(self.moved)
-        navigator.follow(self._goal_changed)
+        stream.subscribe('encounters', {GoalChanged: lambda event: self._goal_changed(event.time_ns)})
 
     @property
     def goal_number(self) -> int:
@@ -166,7 +167,7 @@ class Participant:
 
     def note(self, other: Participant, kind: str, nearest: float, seconds: float, now_ns: int) -> None:
         """Put a row into the log: whom it meets, how, how near they come [m], how long it stands for it [s]."""
-        self._listener.noted('encounter', now_ns, other.name, kind, nearest, seconds)
+        self._stream.tell(Encounter(now_ns, self.name, other.name, kind, nearest, seconds))
 
     def stand(self, other: Participant, seconds: float, aborts: bool, now_ns: int) -> None:
         """Have it stand for ``other`` from now on; then it goes on, or gives up."""

@@ -15,12 +15,14 @@ from ..common.units import LAST_NS, NS_PER_S
 from ..engine.alarm import Alarm
 from ..engine.event_queue import PARTICIPANTS
 from ..engine.instants import first_ns
+from ..goals.events import ABOVE, BELOW, EMPTY, FULL, SET, ChargePassed, Charging, LoadChanged
 from ..goals.outcome import BATTERY_EMPTY
 from .consumption import LegEnergy, Mechanics
 
 if TYPE_CHECKING:
     from ..engine.simulation import Simulation
-    from ..goals.navigator import Navigator, NavigatorListener
+    from ..engine.stream import Stream
+    from ..goals.navigator import Navigator
 
 _POSITIVE = number(above=0.0, high=1e9)
 _NOT_NEGATIVE = number(0.0, 1e9)
@@ -52,7 +54,6 @@ TABLE = (
     Parameter('battery_state_freq', 0.0, number(0.0, 1000.0),
               'a number in 0..1000 [Hz, simulated], 0 = at changes only'),
 )
-FULL, EMPTY, ABOVE, BELOW, SET = 'full', 'empty', 'above', 'below', 'set'
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def read_battery(values: Mapping[str, Any]) -> Optional[BatterySettings]:
 
 
 class Battery:
-    """One robot's. ``zones`` (Zone): those with a charger charge who stands in them; ``listener``: a NavigatorListener.
+    """One robot's. ``zones`` (Zone): those with a charger charge who stands in them; ``stream`` is told and heard.
 
     ``charger``: the Zone whose charger it is at, or None.
     """
@@ -94,14 +95,15 @@ class Battery:
     REASON = 'battery'
 
     def __init__(self, settings: BatterySettings, robot: Any, navigator: Navigator, simulation: Simulation,
-                 zones: Tuple[Any, ...], listener: NavigatorListener) -> None:
+                 zones: Tuple[Any, ...], stream: Stream) -> None:
         self.settings = settings
         self.charger: Any = None
         self._robot = robot
         self._navigator = navigator
         self._simulation = simulation
         self._chargers = [zone for zone in zones if zone.charger is not None]
-        self._listener = listener
+        self._stream = stream
+        self._hears: Optional[Callable[[], int]] = None
         self._tool_works = False
         self._load = 0.0
         self._soc = settings.start
@@ -111,6 +113,7 @@ class Battery:
         self._passed = self._count(self._soc)  # how many levels the charge is not above
         self._alarm = Alarm(simulation.queue, robot.index, self._is_heard)
         robot.follow(self._motion_changed)
+        stream.subscribe('battery', {LoadChanged: self._load_changed})
 
     def soc_at(self, now_ns: int) -> float:
         """Return the state of charge in 0..1 at ``now_ns`` [ns], not before the present leg or stand."""
@@ -142,7 +145,7 @@ class Battery:
         """Have the state of charge ``soc`` in 0..1 from ``now_ns`` [ns] on."""
         self._motion_changed(now_ns)
         self._soc = soc
-        self._listener.battery(soc, SET, now_ns)
+        self._stream.tell(ChargePassed(now_ns, self._robot.name, soc, SET))
         self._pass_levels(now_ns)
         self._schedule(now_ns)
 
@@ -151,10 +154,9 @@ class Battery:
         self._tool_works = works
         self._motion_changed(now_ns)
 
-    def load(self, watts: Any, now_ns: int) -> None:
-        """Feed work that takes so much [W] from ``now_ns`` [ns] on; 0: none."""
-        self._load = watts
-        self._motion_changed(now_ns)
+    def _load_changed(self, event: LoadChanged) -> None:
+        self._load = event.watts
+        self._motion_changed(event.time_ns)
 
     def reset(self, now_ns: int) -> None:
         """The robot is about to be put to its start, its navigator is reset already: as at the start."""
@@ -173,9 +175,12 @@ class Battery:
         """The robot is gone."""
         self._alarm.cancel()
 
+    def tell_those(self, hears: Callable[[], int]) -> None:
+        """Ask ``hears()`` who hears of the battery, NOBODY to PARTICIPANTS: before it is called nobody does."""
+        self._hears = hears
+
     def _is_heard(self) -> bool:
-        heard = self._listener.is_battery_heard
-        return heard is not None and heard() == PARTICIPANTS
+        return self._hears is not None and self._hears() == PARTICIPANTS
 
     def begin(self, now_ns: int) -> None:
         """The robot is whole, at ``now_ns`` [ns]: what is so from the beginning is told from now on."""
@@ -198,7 +203,7 @@ class Battery:
         charger = self._charger_at(now_ns) if leg is None else None
         if charger is not self.charger:
             before, self.charger = self.charger, charger
-            self._listener.charging((charger or before).name, charger is not None, now_ns)
+            self._stream.tell(Charging(now_ns, self._robot.name, (charger or before).name, charger is not None))
         power = settings.ambient_power + self._load + (settings.tool_power if self._tool_works else 0.0)
         if leg is not None:
             energy = driven.energy if is_same_leg else LegEnergy(leg, settings.mechanics)
@@ -246,7 +251,7 @@ class Battery:
         if self._course.is_charging and not self._passed:
             self._settle(now_ns)  # the charger feeds the robot, and no more
             self._soc = 1.0
-            self._listener.battery(1.0, FULL, now_ns)
+            self._stream.tell(ChargePassed(now_ns, self._robot.name, 1.0, FULL))
         else:
             self._pass_levels(now_ns)
             self._schedule(now_ns)
@@ -264,7 +269,7 @@ class Battery:
             elif was_empty and not self.is_empty:
                 rest.callback(self._navigator.enable, self.REASON)
             for level, what in (passed or risen) if is_told else ():
-                self._listener.battery(level, what, now_ns)
+                self._stream.tell(ChargePassed(now_ns, self._robot.name, level, what))
 
 
 class _Even:

@@ -14,6 +14,7 @@ from ..common.units import LAST_NS, NS_PER_S, seconds_to_ns
 from ..engine.alarm import Alarm
 from ..engine.chance import Purpose
 from ..engine.instants import first_ns
+from ..goals.events import Failed, GoalChanged, Repaired
 from ..goals.outcome import FAILED
 from .failures import ABORT, CLEARANCE, GOAL, HOUR, KM, SCRIPT, SILENT, STUCK, Failures
 from .stuck import GivingUp, Sticking
@@ -21,7 +22,8 @@ from .stuck import GivingUp, Sticking
 if TYPE_CHECKING:
     from ..engine.chance import Chance
     from ..engine.simulation import Simulation
-    from ..goals.navigator import Navigator, NavigatorListener
+    from ..engine.stream import Stream
+    from ..goals.navigator import Navigator
 
 _PURPOSES = {HOUR: Purpose.FAILURE_HOURS, KM: Purpose.FAILURE_KM, GOAL: Purpose.FAILURE_GOALS}
 #: the unit of each exposure in that of its rate: ns in an hour, m in a km, goals
@@ -38,7 +40,7 @@ class Failure(NamedTuple):
 
 
 class Failing:
-    """What :class:`Failures` mean for one robot; ``chance`` is its Chance, ``listener`` a NavigatorListener.
+    """What :class:`Failures` mean for one robot; ``chance`` is its Chance; ``stream`` is told.
 
     ``failure``: the :class:`Failure` that it has now, or None; ``count``: how many it has had.
     """
@@ -47,7 +49,7 @@ class Failing:
     REASON = 'failure'
 
     def __init__(self, failures: Failures, robot: Any, navigator: Navigator, simulation: Simulation, chance: Chance,
-                 listener: NavigatorListener) -> None:
+                 stream: Stream) -> None:
         self.failure: Optional[Failure] = None
         self.count = 0
         self._failures: Failures = failures
@@ -55,7 +57,7 @@ class Failing:
         self._navigator = navigator
         self._queue = simulation.queue
         self._chance = chance
-        self._listener = listener
+        self._stream = stream
         self._draws = {cause: 0 for cause, _ in failures.rates}
         self._rates = dict(failures.rates)
         #: exposures at which the next failures come: of distance by the robot's odometer [m], of goals by _driven
@@ -71,7 +73,7 @@ class Failing:
             one.at_ns, robot.index, lambda due_ns, _, one=one: self.fail(SCRIPT, due_ns, one.kind, one.repair),
             keeps_going=_no) for one in failures.script if one.at_ns >= simulation.now_ns]
         robot.follow(self._motion_changed)
-        navigator.follow(self._goal_changed)
+        stream.subscribe('failures', {GoalChanged: lambda event: self._goal_changed(event.time_ns)})
 
     def fail(self, cause: str, now_ns: int, kind: Optional[str] = None, repair: Optional[float] = None) -> bool:
         """Fail at ``now_ns`` [ns], for ``repair`` [s], None: as drawn; one that has failed does not fail again.
@@ -96,7 +98,7 @@ class Failing:
                 if kind == SILENT:
                     rest.callback(self._navigator.go_silent)
             self._pause(now_ns)
-            self._listener.failed(kind, cause, now_ns)
+            self._stream.tell(Failed(now_ns, self._robot.name, kind, cause))
         return True
 
     def _repaired_at(self, now_ns: int, repair: Optional[float]) -> Optional[int]:
@@ -127,7 +129,7 @@ class Failing:
         self._repair.cancel()
         self._giving_up.end()
         if failure is not None:
-            self._listener.repaired(now_ns)
+            self._stream.tell(Repaired(now_ns, self._robot.name))
         return failure
 
     def reset(self, now_ns: int) -> None:

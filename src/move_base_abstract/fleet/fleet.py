@@ -56,10 +56,8 @@ class Fleet:
         self._start_ns = self.simulation.now_ns
         self._trace = None if trace is None else list(trace)
         self._rows = []  # of the trace, that nobody has read
+        self._write = None if trace is None else self._rows.append
         self._on_event = on_event
-        self._record = None if trace is None else self._rows.append
-        if on_event is not None:
-            self._record = self._noted
         self.scenario = scenario
         self._on_end = on_end
         self._on_worked = on_worked
@@ -273,27 +271,20 @@ class Fleet:
             raise ConfigurationError('trace: got None, so that nothing is there to be written; allowed: a list')
         write_event_log(path, self.trace, self._start_ns)
 
-    def _noted(self, row):
-        """Keep a row of the trace, and tell the user of it when what it belongs to is over."""
-        if self._trace is not None:
-            self._rows.append(row)
-        self.simulation.queue.schedule(max(row[0], self.now_ns), _USER_INDEX, lambda _due_ns, _now_ns: self._on_event(
-            *as_entries([row])))
-
-    def _warn_of_beyond(self, name, words):
+    def _warn_of_beyond(self, event):
         if not self._has_warned:
             self._has_warned = True
-            warnings.warn(WARNING.format(name, words), stacklevel=2)
+            warnings.warn(WARNING.format(event.robot, event.words), stacklevel=2)
 
     def _add(self, spec):
         self._members[spec.name] = Member(self, spec, next(self._indices), self._planner, self._occupancy)
 
     def _worker(self, name):
-        worker = self._member(name).worker
-        if worker is None:
+        tasks = self._member(name).tasks
+        if tasks is None:
             raise ConfigurationError("robot '{}' cannot work: the scenario has no places; allowed: a list, also an "
                                      'empty one'.format(name))
-        return worker.tasks
+        return tasks
 
     def _member(self, name):
         try:
@@ -316,14 +307,18 @@ class Fleet:
                 name))
         return battery
 
-    def _tell(self, listener, robot, record, stamp_ns):
-        """Tell ``listener``, if there is one, of an ending: when its own event is over, at the end of this instant."""
-        if listener is not None:
-            simulation = self.simulation
-            now_ns = simulation.now_ns
-            simulation.queue.schedule(stamp_ns if stamp_ns > now_ns else now_ns, _USER_INDEX, partial(
-                _call, listener, robot, record, simulation))
+    def _tell_event(self, row):
+        """Tell the user of a row of the trace: when what it belongs to is over, at the end of this instant."""
+        self._call_later(row[0], lambda _due_ns, _now_ns: self._on_event(*as_entries([row])))
+
+    def _tell_end(self, listener, event):
+        """Tell ``listener`` of the end of a goal or a task, likewise."""
+        self._call_later(event.time_ns, partial(_call, listener, event, self.simulation))
+
+    def _call_later(self, time_ns, call):
+        now_ns = self.simulation.now_ns
+        self.simulation.queue.schedule(time_ns if time_ns > now_ns else now_ns, _USER_INDEX, call)
 
 
-def _call(listener, robot, record, simulation, _due_ns, _now_ns):
-    listener(robot, record.goal_id, record.state, record.text, simulation.now_ns)
+def _call(listener, event, simulation, _due_ns, _now_ns):
+    listener(event.robot, event.goal_id, event.state, event.text, simulation.now_ns)

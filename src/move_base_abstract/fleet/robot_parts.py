@@ -7,6 +7,7 @@ from ..energy.battery import Battery
 from ..engine.chance import Chance
 from ..faults.condition import Condition
 from ..faults.failing import Failing
+from ..goals.events import Beyond, Ended
 from ..goals.ledger import GoalLedger
 from ..goals.navigator import Navigator
 from ..maps.planning import StraightLinePlanner
@@ -27,37 +28,38 @@ class RobotParts(NamedTuple):
     condition: Condition
 
 
-def make_robot_parts(settings, name, index, simulation, answers, listener, lookup, planner=None, zones=(),
+def make_robot_parts(settings, name, index, simulation, stream, client, lookup, planner=None, zones=(),
                      remembered_legs=64, encounters=None):
     """Return the RobotParts of the robot ``name``, which stands at the start of its ``settings`` (RobotSettings).
 
-    ``answers`` has ``publish_status()``, ``publish_result(record, stamp_ns)`` and ``new_id(now_ns)``, as of GoalLedger;
-    ``listener`` is a NavigatorListener; ``lookup(frame_id, stamp_ns)`` finds foreign frames, as of RobotFrames;
-    ``planner`` is in the place of that of :func:`make_planner` without a map; ``remembered_legs``: as of Robot;
-    ``encounters``: the Encounters in which it takes part, None: it meets nobody.
-    Feedback is not switched on: see Navigator.set_feedback_frequency.
+    ``stream`` (Stream of :mod:`.events`) is told what happens, ``client`` (GoalClient) the rest;
+    ``lookup(frame_id, stamp_ns)`` finds foreign frames, as of RobotFrames; ``planner`` is in the place of that of
+    :func:`make_planner` without a map; ``remembered_legs``: as of Robot; ``encounters``: the Encounters in which it
+    takes part, None: it meets nobody. Feedback is not switched on: see Navigator.feedback.
     """
     values = settings.values
     robot = Robot(index, name, settings.start, settings.limits, settings.tolerances, simulation.now_ns,
                   CornerLaw(values['corners']), settings.phases, remembered_legs)
     frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
                          settings.frame(values['robot_base_frame']), lookup)
-    ledger = GoalLedger(answers.publish_status, answers.publish_result, answers.new_id,
-                        seconds_to_ns(values['status_list_timeout']))
+    ledger = GoalLedger(client.publish_status, lambda record, stamp_ns: stream.tell(Ended(
+        stamp_ns, name, record.goal_id, record.stamp_ns, record.state, record.text)), client.new_id,
+        seconds_to_ns(values['status_list_timeout']))
     planner = planner or make_planner(settings)
     durations = None
     if settings.durations is not None:
-        durations = GoalDurations(settings.durations, values['seed'], name, planner, listener)
-    navigator = Navigator(robot, simulation, ledger, frames, listener, planner,
+        durations = GoalDurations(settings.durations, values['seed'], name, planner, lambda recorded, found, at_ns: (
+            stream.tell(Beyond(at_ns, name, found, recorded.words(found)))))
+    navigator = Navigator(robot, simulation, ledger, frames, stream, client, planner,
                           settings.bad_frame_policy, settings.recovery, durations)
     simulation.queue.guard(index, navigator.break_off)
     failing = None
     if settings.failures is not None:
-        failing = Failing(settings.failures, robot, navigator, simulation, Chance(values['seed'], name), listener)
+        failing = Failing(settings.failures, robot, navigator, simulation, Chance(values['seed'], name), stream)
     battery = None
     if settings.battery is not None:
-        battery = Battery(settings.battery, robot, navigator, simulation, zones, listener)
-    meeting = None if encounters is None else encounters.join(navigator, settings.encounters, listener)
+        battery = Battery(settings.battery, robot, navigator, simulation, zones, stream)
+    meeting = None if encounters is None else encounters.join(navigator, settings.encounters, stream)
     return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery, (meeting,)))
 
 

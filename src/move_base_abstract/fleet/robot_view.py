@@ -30,7 +30,7 @@ class RobotView:
     def activity(self):
         """What it does, in a word or two: travelling, waiting, working, charging, idle, failed, held."""
         member = self._fleet._member(self.name)
-        return activity(member.navigator, member.condition, member.worker and member.worker.tasks)
+        return activity(member.navigator, member.condition, member.tasks)
 
     def distance_to(self, x, y):
         """Return how far (x, y) [m] is from it, in a straight line [m]."""

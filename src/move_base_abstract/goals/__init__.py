@@ -2,5 +2,5 @@
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {
-    'ledger': 'GoalLedger GoalRecord', 'listener': 'BadFramePolicy GoalPose NavigatorListener',
+    'goal_pose': 'BadFramePolicy GoalPose', 'ledger': 'GoalLedger GoalRecord',
     'navigator': 'Navigator', 'outcome': 'GoalState Outcome', 'recovery': 'RecoveryBehavior RecoveryPolicy'})

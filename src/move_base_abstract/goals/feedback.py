@@ -2,13 +2,13 @@
 
 
 class GoalFeedback:
-    """Tells ``listener`` (NavigatorListener) where ``robot`` is while ``ledger`` has an active goal."""
+    """Tells ``client`` (GoalClient) where ``robot`` is while ``ledger`` has an active goal."""
 
-    def __init__(self, robot, simulation, ledger, listener):
+    def __init__(self, robot, simulation, ledger, client):
         self._robot = robot
         self._simulation = simulation
         self._ledger = ledger
-        self._listener = listener
+        self._client = client
         self._series = None
         self.frequency = 0.0  # Hz, simulated; 0: never
 
@@ -17,7 +17,7 @@ class GoalFeedback:
         self.stop()
         self.frequency = frequency
         self._series = self._simulation.series(self._robot.index, frequency, self._tell,
-                                               only_tells=True, is_heard=self._listener.is_feedback_heard)
+                                               only_tells=True, is_heard=self._client.is_feedback_heard)
         if self._ledger.active is not None:
             self.start(self._simulation.now_ns)
 
@@ -34,10 +34,10 @@ class GoalFeedback:
     def tell_last(self, now_ns):
         """The robot is at its goal at ``now_ns`` [ns], of which nobody may be left in the dark."""
         if self._series is not None:
-            self._listener.feedback(self._ledger.active, self._robot.pose_at(now_ns), now_ns, is_last=True)
+            self._client.feedback(self._ledger.active, self._robot.pose_at(now_ns), now_ns, True)
 
     def _tell(self, due_ns, _now_ns):
         record = self._ledger.active
         if record is None or self._ledger.is_silent:
             return None
-        return self._listener.feedback(record, self._robot.pose_at(due_ns), due_ns)
+        return self._client.feedback(record, self._robot.pose_at(due_ns), due_ns, False)

@@ -10,21 +10,25 @@ from ..common.units import NS_PER_S, check_reachable
 from ..engine.guard import attempt_each, fault_text, guarded
 from ..maps.planning import StraightLinePlanner
 from ..motion.geometry import quaternion_fault
+from .events import Abandoned, Aimed, BrokenOff, Departed, GoalChanged, Held, Recovery, Stands, Warned, WheelsStopped
 from .feedback import GoalFeedback
-from .listener import BadFramePolicy, GoalPose, NavigatorListener
+from .goal_pose import BadFramePolicy, GoalPose
 from .outcome import CANCELLED, CLOCK_RESTARTED, INVALID_QUATERNION, NO_CONTROL, NO_PLAN, REACHED, aborted
 from .recovery import RecoveryPolicy
 
-__all__ = ['BadFramePolicy', 'GoalPose', 'Navigator', 'NavigatorListener']
+__all__ = ['BadFramePolicy', 'GoalPose', 'Navigator']
 
 _RETRY_NS = NS_PER_S // 20  # where a frame that is not known is waited for
 _UNHEARD = 50  # goals and cancels that wait for a silent robot; actionlib's default of a server's queue
 
 
 class Navigator:
-    """The life of one robot's goals, on top of a :class:`GoalLedger` that keeps the book."""
+    """The life of one robot's goals, on top of a :class:`GoalLedger` that keeps the book.
 
-    def __init__(self, robot, simulation, ledger, frames, listener, planner=StraightLinePlanner(),
+    What happens is told to ``stream`` (Stream, see :mod:`.events`), where the robot is on its way to ``client``.
+    """
+
+    def __init__(self, robot, simulation, ledger, frames, stream, client, planner=StraightLinePlanner(),
                  bad_frame_policy=BadFramePolicy.ABORT, recovery_policy=RecoveryPolicy(), durations=None):
         self.robot = robot
         self.planner = planner
@@ -34,8 +38,10 @@ class Navigator:
         self._simulation = simulation
         self._ledger = ledger
         self._frames = frames
-        self._listener = listener
-        self._feedback = GoalFeedback(robot, simulation, ledger, listener)
+        self._tell, self._hearers = stream.tell, stream.hearers
+        self._gate = None
+        #: how often it is told where the robot is (GoalFeedback)
+        self.feedback = GoalFeedback(robot, simulation, ledger, client)
         self._events = []
         self._target = None
         self._starts_from_idle = True
@@ -43,21 +49,19 @@ class Navigator:
         self._waits_for_release = False
         self._refusals = {}
         self._unheard = deque(maxlen=_UNHEARD)
-        self._followers = []
         self.goal_number = 0  # how many goals it has begun to work on
 
     def set_recovery_policy(self, policy):
         """Give up by ``policy`` (RecoveryPolicy), from the next goal on that cannot be reached."""
         self._recovery_policy = policy
 
-    def set_feedback_frequency(self, frequency):
-        """Tell where the robot is ``frequency`` times a simulated second while it has a goal; 0 = never."""
-        self._feedback.set_frequency(frequency)
+    def set_gate(self, gate):
+        """Ask ``gate`` at each departure whether the robot may go.
 
-    @property
-    def feedback_frequency(self):
-        """How often it is told where the robot is on its way [Hz, simulated]; 0: never."""
-        return self._feedback.frequency
+        ``departs(leg, now_ns)`` returns the reason (a text) for which it is held at once, or None; ``settle(now_ns)``
+        is called when the one or the other has come to pass.
+        """
+        self._gate = gate
 
     @property
     def is_active(self):
@@ -88,24 +92,22 @@ class Navigator:
         self.goal_number += 1
         self._starts_from_idle = starts_from_idle
         self._forget_goal(now_ns)
-        if self.robot.leg is not None:
-            self.robot.stop(now_ns)
-            self._listener.stands(self.robot, now_ns)
+        self._halt(now_ns)
         self._work_on(goal, now_ns)
 
     def _work_on(self, goal, now_ns):
         fault = quaternion_fault(goal.quaternion)
         if fault:
-            self._listener.warn(fault)
+            self._tell(Warned(now_ns, self.robot.name, fault))
             self._end(INVALID_QUATERNION, now_ns)
             return
         for refusal in self._refusals.values():
             self._end(refusal, now_ns)
             return
-        if self._followers:
-            self._tell_followers(now_ns)
-        if self._feedback.frequency:
-            self._feedback.start(now_ns)
+        if GoalChanged in self._hearers:
+            self._tell(GoalChanged(now_ns, self.robot.name))
+        if self.feedback.frequency:
+            self.feedback.start(now_ns)
         self._find_place(goal, now_ns)
 
     def _find_place(self, goal, now_ns):
@@ -113,7 +115,7 @@ class Navigator:
         if self.planner.lacking:
             self._bad_place(goal, self.planner.lacking, now_ns)
             return
-        if goal.stamp_ns > now_ns and self._moves(goal.frame_id, now_ns):
+        if goal.stamp_ns > now_ns and self._frames.moves(goal.frame_id, now_ns):
             self._try_at(goal.stamp_ns, goal, now_ns)
             return
         try:
@@ -124,23 +126,14 @@ class Navigator:
             self._end(aborted('The goal is not a place: {}'.format(error)), now_ns)
         else:
             self._target = pose
-            if self._starts_from_idle:
-                self._listener.stop_wheels()
-            self._listener.target(pose, now_ns)
+            if self._starts_from_idle and WheelsStopped in self._hearers:
+                self._tell(WheelsStopped(now_ns, self.robot.name))
+            if Aimed in self._hearers:
+                self._tell(Aimed(now_ns, self.robot.name, pose))
             self._travel(self.planner.corners(self.robot.pose_at(now_ns), pose), now_ns)
 
-    def _moves(self, frame_id, now_ns):
-        """Return whether the frame is known and may be elsewhere later."""
-        if self._frames.is_fixed(frame_id):
-            return False
-        try:
-            self._frames.locate(frame_id, 0, now_ns)
-        except FrameError:
-            return False
-        return True
-
     def _bad_place(self, goal, text, now_ns):
-        self._listener.warn(text)
+        self._tell(Warned(now_ns, self.robot.name, text))
         if self._bad_frame_policy is BadFramePolicy.ABORT:
             self._end(aborted(text), now_ns)
             return
@@ -163,7 +156,7 @@ class Navigator:
     def _fail_to_plan(self, now_ns):
         refusal = self.planner.refusal_of_way(self.robot.pose_at(now_ns), self._target)
         if refusal:
-            self._listener.warn(refusal)
+            self._tell(Warned(now_ns, self.robot.name, refusal))
         self._give_up(now_ns)
 
     def _travel(self, corners, now_ns):
@@ -179,9 +172,17 @@ class Navigator:
         except ValueError as error:
             self._end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
             return
-        self._listener.departed(self.robot, self._target, now_ns)
-        if self.robot.leg is not leg:  # who was told of it holds the robot, which has not moved
-            return
+        self._tell(Departed(now_ns, self.robot.name, self._target, leg.corners))
+        gate = self._gate
+        reason = None if gate is None else gate.departs(leg, now_ns)
+        if reason is None:
+            self._await_end(leg)
+        else:
+            self._hold(reason, now_ns)
+        if gate is not None:
+            gate.settle(now_ns)
+
+    def _await_end(self, leg):
         failure_ns = None if self._durations is None else self._durations.failure_ns(leg)
         if failure_ns is None:
             self._at(leg.arrive_ns, self._arrive)
@@ -189,10 +190,9 @@ class Navigator:
             self._at(failure_ns, self._fail_on_the_way)
 
     def _arrive(self, due_ns, _now_ns):
-        self.robot.stop(due_ns)
-        self._listener.stands(self.robot, due_ns)
-        if self._feedback.frequency:
-            self._feedback.tell_last(due_ns)
+        self._halt(due_ns)
+        if self.feedback.frequency:
+            self.feedback.tell_last(due_ns)
         self._end(REACHED, due_ns)
 
     def _fail_on_the_way(self, due_ns, _now_ns):
@@ -205,8 +205,8 @@ class Navigator:
         if not self._can_wait_for(end_ns, 'the robot would give up', now_ns):
             return
         for begin_ns, index in begins:
-            self._at(begin_ns, lambda due_ns, _now_ns, index=index: self._listener.recovery(
-                self.robot.pose_at(due_ns), index, behaviors, due_ns))
+            self._at(begin_ns, lambda due_ns, _now_ns, index=index: self._tell(Recovery(
+                due_ns, self.robot.name, self.robot.pose_at(due_ns), index, behaviors)))
         if end_ns == now_ns:
             self._end(NO_PLAN, now_ns)
         else:
@@ -229,10 +229,11 @@ class Navigator:
         Its goal stays active, and a new one is taken in, planned and waits. What is no travel goes on: a goal's frame
         is looked for, a goal without a way is given up. A reason that is there already changes nothing.
         """
-        if reason in self._holds:
-            return
-        self._holds += (reason,)
-        self._listener.held(self._holds, now_ns)
+        if reason not in self._holds:
+            self._hold(reason, now_ns)
+
+    def _hold(self, reason, now_ns):
+        self._change_holds((*self._holds, reason), now_ns)
         leg = self.robot.leg
         if leg is not None:
             if self._durations is not None:
@@ -249,11 +250,14 @@ class Navigator:
         """
         if reason not in self._holds:
             return
-        self._holds = tuple(one for one in self._holds if one != reason)
-        self._listener.held(self._holds, now_ns)
+        self._change_holds(tuple(one for one in self._holds if one != reason), now_ns)
         if self._waits_for_release and not self._holds:
             self._waits_for_release = False
             self._plan_again(now_ns)
+
+    def _change_holds(self, holds, now_ns):
+        self._holds = holds
+        self._tell(Held(now_ns, self.robot.name, holds))
 
     @guarded
     def disable(self, reason, outcome, now_ns):
@@ -278,14 +282,6 @@ class Navigator:
         for take_in in unheard:
             take_in(now_ns)
 
-    def follow(self, follower):
-        """Call ``follower(now_ns)`` whenever the robot has got a goal, or has none any more."""
-        self._followers.append(follower)
-
-    def _tell_followers(self, now_ns):
-        for follower in self._followers:
-            follower(now_ns)
-
     @guarded
     def shut_down(self, outcome, now_ns):
         """End the active goal, if any, with ``outcome``."""
@@ -305,8 +301,7 @@ class Navigator:
         self.close(outcome, now_ns)
         self._refusals.clear()
         if self._holds:
-            self._holds = ()
-            self._listener.held((), now_ns)
+            self._change_holds((), now_ns)
 
     @guarded
     def restart(self, before_ns, now_ns):
@@ -318,7 +313,7 @@ class Navigator:
         if self.is_active:
             self._end(CLOCK_RESTARTED, now_ns)
         self._ledger.restart(now_ns)
-        self._listener.stands(self.robot, now_ns)
+        self.tell_stands(now_ns)
 
     @guarded
     def place(self, pose, now_ns):
@@ -328,7 +323,7 @@ class Navigator:
         """
         driving = self.robot.leg is not None
         self.robot.place(pose, now_ns)
-        self._listener.stands(self.robot, now_ns)
+        self.tell_stands(now_ns)
         if driving:
             self._forget_events()
             self._plan_again(now_ns)
@@ -361,26 +356,29 @@ class Navigator:
 
     def _halt(self, now_ns):
         if self.robot.leg is not None:
-            self.robot.stop(now_ns)
-            self._listener.stands(self.robot, now_ns)
+            self._tell(Stands(now_ns, self.robot.name, self.robot.stop(now_ns)))
+
+    def tell_stands(self, now_ns):
+        """Tell where the robot stands, for who has put it there."""
+        self._tell(Stands(now_ns, self.robot.name, self.robot.pose_at(now_ns)))
 
     def _end(self, outcome, stamp_ns):
         self._forget_goal(stamp_ns)
-        if self._feedback.frequency:
-            self._feedback.stop()
-        if outcome.stops_wheels:
-            self._listener.stop_wheels()
+        if self.feedback.frequency:
+            self.feedback.stop()
+        if outcome.stops_wheels and WheelsStopped in self._hearers:
+            self._tell(WheelsStopped(stamp_ns, self.robot.name))
         self._ledger.finish(outcome, stamp_ns)
-        if self._followers:
-            self._tell_followers(stamp_ns)
+        if GoalChanged in self._hearers:
+            self._tell(GoalChanged(stamp_ns, self.robot.name))
 
     def break_off(self, error):
         """Whatever the robot was about has ended in the exception ``error``: its goal, if any, ends with its text."""
         now_ns, robot = self._simulation.now_ns, self.robot
         attempt_each(self._simulation, robot.name, error, (
-            (self._forget_goal, now_ns), (robot.halt, now_ns), (self._listener.stands, robot, now_ns),
-            (self._feedback.stop,), (self._listener.stop_wheels,), (self._listener.broken_off, now_ns),
-            (self._ledger.finish, aborted(fault_text(error)), now_ns), (self._tell_followers, now_ns)))
+            (self._forget_goal, now_ns), (robot.halt, now_ns), (self.tell_stands, now_ns), (self.feedback.stop,),
+            (self._tell, WheelsStopped(now_ns, robot.name)), (self._tell, BrokenOff(now_ns, robot.name)),
+            (self._ledger.finish, aborted(fault_text(error)), now_ns), (self._tell, GoalChanged(now_ns, robot.name))))
 
     def _at(self, due_ns, action):
         if self._events:
@@ -392,7 +390,8 @@ class Navigator:
             self._forget_events()
         self._target = None
         self._waits_for_release = False
-        self._listener.abandons(now_ns)
+        if Abandoned in self._hearers:
+            self._tell(Abandoned(now_ns, self.robot.name))
 
     def _forget_events(self):
         for event in self._events:

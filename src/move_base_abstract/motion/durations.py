@@ -108,13 +108,13 @@ class GoalDurations:
     ``durations`` (:class:`Durations`, or what draws as they do). A robot that goes by the law alone has none.
     What is drawn holds for a goal, also where it goes on from another place or by another way: its overhead is waited
     for once, whether it fails is judged by the length of its first leg. So is whether it lies outside of what was
-    recorded, which ``listener`` (NavigatorListener) is told; ``planner`` knows the map, if there is one.
+    recorded: then ``on_beyond(recorded, found, now_ns)`` is called. ``planner`` knows the map, if there is one.
     """
 
-    def __init__(self, durations, seed=0, robot_name='', planner=None, listener=None):
+    def __init__(self, durations, seed=0, robot_name='', planner=None, on_beyond=None):
         self._durations = durations
         self._planner = planner
-        self._listener = listener
+        self._on_beyond = on_beyond
         self._chance = Chance(seed, robot_name)
         self._number = 0
         self._factor: Optional[float] = None
@@ -142,10 +142,10 @@ class GoalDurations:
 
     def _judge(self, leg):
         recorded = self._durations.recorded
-        if recorded is not None and self._listener is not None:
+        if recorded is not None and self._on_beyond is not None:
             found = recorded.beyond(leg, getattr(self._planner, 'clearance_of', _unknown))
             if found:
-                self._listener.beyond(recorded, found, leg.depart_ns)
+                self._on_beyond(recorded, found, leg.depart_ns)
 
     def failure_ns(self, leg):
         """Return at which instant [ns] of ``leg`` the robot fails, or None: it arrives."""

@@ -42,6 +42,16 @@ class RobotFrames:
             raise FrameError("Failed to transform the goal pose from '{}' into the '{}' frame: {}".format(
                 frame_id, self.global_frame, error)) from None
 
+    def moves(self, frame_id, now_ns):
+        """Return whether the frame is known and may be elsewhere later."""
+        if self.is_fixed(frame_id):
+            return False
+        try:
+            self.locate(frame_id, 0, now_ns)
+        except FrameError:
+            return False
+        return True
+
     def place(self, goal, now_ns):
         """Return where the :class:`GoalPose` ``goal`` is in the global frame, at its stamp or now.
 

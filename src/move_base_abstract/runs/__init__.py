@@ -2,4 +2,4 @@
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {
-    'event_log': 'Event EventLog EventLogError compare', 'trace': 'RobotTrace TaskTrace TraceEntry'})
+    'event_log': 'Event EventLog EventLogError compare', 'trace': 'TraceEntry'})

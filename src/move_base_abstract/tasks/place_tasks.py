@@ -5,13 +5,26 @@ import bisect
 import itertools
 import math
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple, Union
 
 from ..common.shown import shown_text
 from ..common.units import NS_PER_S
 from ..engine.chance import Chance, Purpose
 from ..engine.guard import guarded
-from ..goals.outcome import FAILED, aborted
+from ..goals.events import (
+    EMPTY,
+    ChargePassed,
+    Departed,
+    Failed,
+    LoadChanged,
+    Stands,
+    TaskBegan,
+    TaskEnded,
+    TaskWaited,
+    TaskWaits,
+)
+from ..goals.ledger import GoalLedger
+from ..goals.outcome import BATTERY_EMPTY, FAILED, aborted
 from .arrivals import drawn_ns
 from .places import Place
 from .timed_task import TimedTaskRunner
@@ -19,7 +32,9 @@ from .timed_task import TimedTaskRunner
 if TYPE_CHECKING:
     from ..engine.event_queue import EventQueue
     from ..engine.simulation import Simulation
-    from ..goals.ledger import GoalLedger, GoalRecord
+    from ..engine.stream import Stream
+    from ..goals.client import TaskClient
+    from ..goals.ledger import GoalRecord
     from ..motion.robot import Robot
     from .arrivals import Task
 
@@ -114,48 +129,31 @@ class Rooms:
         return self.places[task.place] if task.place else Place('its place', task.pose)
 
 
-class PlaceTaskListener:
-    """What a :class:`PlaceTaskRunner` tells the outside. Times in ns."""
-
-    #: a function: whether progress would be heard; None: it is told anyhow, see Series
-    is_progress_heard: Optional[Callable[[], bool]] = None
-
-    def waits(self, record: GoalRecord, place: str, now_ns: int) -> None:
-        """The task of the goal ``record`` waits for room at ``place`` (its name)."""
-
-    def waited(self, record: GoalRecord, place: str, now_ns: int) -> None:
-        """It waits no more."""
-
-    def begins(self, record: GoalRecord, duration_ns: int, now_ns: int) -> None:
-        """Work on the goal ``record`` begins."""
-
-    def progress(self, record: GoalRecord, elapsed_ns: int, duration_ns: int, now_ns: int) -> None:
-        """So much of the work is done."""
-
-    def load(self, watts: float, now_ns: int) -> None:
-        """From now on the work draws so much [W] from the robot's battery, besides what the robot needs itself."""
-
-
 class PlaceTaskRunner(TimedTaskRunner):
-    """The life of one robot's tasks at places, from the goal to the ending, which ``ledger`` (GoalLedger) publishes.
+    """The life of one robot's tasks at places, from the goal to the ending.
 
-    ``robot`` (Robot), or None of a robot that is not known here: nobody asks where it stands. ``seed`` and
-    ``robot_name`` are of what is drawn for tasks that do not say how long they take. ``has_failed()``: whether the
-    robot cannot work now.
+    ``stream`` is the robot's, which is told and heard; ``client`` (TaskClient). ``robot`` (Robot), or None of a robot
+    that is not known here: nobody asks where it stands. ``seed`` and ``robot_name`` are of what is drawn for tasks that
+    do not say how long they take. ``has_failed()``: whether the robot cannot work now.
     """
 
-    def __init__(self, rooms: Rooms, robot_index: int, robot_name: str, seed: int, ledger: GoalLedger,
-                 listener: PlaceTaskListener, robot: Optional[Robot] = None,
-                 progress_frequency: float = 0.0, has_failed: Callable[[], bool] = lambda: False) -> None:
-        super().__init__(rooms.simulation, robot_index, ledger, None, self._work_begins, listener.progress,
-                         progress_frequency, listener.is_progress_heard)
+    def __init__(self, rooms: Rooms, robot_index: int, robot_name: str, seed: int, stream: Stream, client: TaskClient,
+                 robot: Optional[Robot] = None, progress_frequency: float = 0.0,
+                 has_failed: Callable[[], bool] = lambda: False) -> None:
+        #: the book of its goals
+        self.ledger = GoalLedger(client.publish_status, self._ended, client.new_id)
+        super().__init__(rooms.simulation, robot_index, self.ledger, None, self._work_begins, client.progress,
+                         progress_frequency, client.is_progress_heard)
         self._rooms = rooms
         self._robot = robot
         self._has_failed = has_failed
         self._robot_name = robot_name
         self._seed = seed
         self._chance: Optional[Chance] = None
-        self._listener = listener
+        self._tell = stream.tell
+        if robot is not None:
+            stream.subscribe('tasks', {Departed: self._moved, Stands: self._moved, Failed: self._failed,
+                                       ChargePassed: self._charge_passed})
         self._number = 0
         self._task: Any = None  # a Task
         self._room: Any = None  # a Room
@@ -209,21 +207,24 @@ class PlaceTaskRunner(TimedTaskRunner):
         self._ticket = self._room.ask(self._robot_index, self._robot_name, now_ns, self._admitted, self._told_to_wait)
 
     @guarded
-    def moved(self, now_ns: int) -> None:
+    def _moved(self, event: Union[Departed, Stands]) -> None:
         """The robot has set out or stands elsewhere: its task ends where that is too far away."""
         if self._task is not None and self._ledger.active is not None and self._distance_fault(self._task):
-            self.shut_down(LEFT, now_ns)
+            self.shut_down(LEFT, event.time_ns)
 
-    def failed(self, now_ns: int) -> None:
-        """The robot has failed: its task ends."""
-        self.shut_down(FAILED, now_ns)
+    def _failed(self, event: Failed) -> None:
+        self.shut_down(FAILED, event.time_ns)
+
+    def _charge_passed(self, event: ChargePassed) -> None:
+        if event.what == EMPTY:
+            self.shut_down(BATTERY_EMPTY, event.time_ns)
 
     @guarded
     def _told_to_wait(self, due_ns: int) -> None:
         if self._waits is None:
             record: Any = self._ledger.active
             self._waits = record
-            self._listener.waits(record, self._task.place, due_ns)
+            self._tell(TaskWaits(due_ns, self._robot_name, record.goal_id, self._task.place))
 
     @guarded
     def _admitted(self, due_ns: int) -> None:
@@ -234,17 +235,20 @@ class PlaceTaskRunner(TimedTaskRunner):
         if self._end is None:  # no task takes so long
             self._stop()
 
+    def _ended(self, record: GoalRecord, stamp_ns: int) -> None:
+        self._tell(TaskEnded(stamp_ns, self._robot_name, record.goal_id, record.stamp_ns, record.state, record.text))
+
     def _end_waiting(self, now_ns: int) -> None:
         if self._waits is not None:
             record, self._waits = self._waits, None
-            self._listener.waited(record, self._task.place, now_ns)
+            self._tell(TaskWaited(now_ns, self._robot_name, record.goal_id, self._task.place))
 
     def _work_begins(self, record: GoalRecord, duration_ns: int, now_ns: int) -> None:
-        self._listener.begins(record, duration_ns, now_ns)
+        self._tell(TaskBegan(now_ns, self._robot_name, record.goal_id, duration_ns))
         watts = self._task.power + self._task.energy * NS_PER_S / duration_ns
         if watts > 0.0:
             self._draws = True
-            self._listener.load(watts, now_ns)
+            self._tell(LoadChanged(now_ns, self._robot_name, watts))
 
     def _stop(self) -> None:
         super()._stop()
@@ -259,7 +263,7 @@ class PlaceTaskRunner(TimedTaskRunner):
     def _stop_drawing(self, now_ns: int) -> None:
         if self._draws:
             self._draws = False
-            self._listener.load(0.0, now_ns)
+            self._tell(LoadChanged(now_ns, self._robot_name, 0.0))
 
     def _give_ticket_back(self, now_ns: int) -> None:
         if self._ticket is not None:

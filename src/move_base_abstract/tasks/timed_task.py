@@ -55,7 +55,7 @@ class TimedTaskRunner:
     def __init__(self, simulation: Simulation, robot_index: int, ledger: GoalLedger,
                  durations: Optional[Durations], on_begin: Callable[[GoalRecord, int, int], object],
                  on_progress: Callable[[GoalRecord, int, int, int], object],
-                 progress_frequency: float = 0.0, is_heard: Optional[Callable[[], bool]] = None) -> None:
+                 progress_frequency: float = 0.0, is_heard: Optional[Callable[[], int]] = None) -> None:
         self._simulation = simulation
         self._queue = simulation.queue
         self._robot_index = robot_index

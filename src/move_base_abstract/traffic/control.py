@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.shown import shown_text
+from ..goals.events import Abandoned, BrokenOff, Deadlock, Entered, Left, Stands, Warned
 from ..goals.outcome import NO_CONTROL
 from ..maps.lane_map import LaneMap
 from .area import Area, Request
@@ -22,6 +23,7 @@ from .way import ZoneIndex, crossings, stays_on_lanes
 
 if TYPE_CHECKING:
     from ..engine.simulation import Simulation
+    from ..engine.stream import Stream
     from ..goals.navigator import Navigator
     from ..motion.geometry import Pose2D
     from .area import AreaState
@@ -58,12 +60,10 @@ class Traffic:
         self._serves = False
         self._is_told = True
 
-    def join(self, navigator: Navigator, network: object, note: Callable[..., object],
-             warn: Callable[[str], object]) -> Optional[Traveller]:
+    def join(self, navigator: Navigator, network: object, stream: Stream) -> Optional[Traveller]:
         """Return the :class:`Traveller` of a robot that is there from now on, None if nothing here concerns it.
 
-        ``network``: the LaneMap by which it goes, or anything else; ``note(kind, now_ns, *values)`` puts a row into the
-        log, ``warn(text)`` tells the user.
+        ``network``: the LaneMap by which it goes, or anything else; ``stream``: the robot's, which is told and heard.
         """
         lanes = network if isinstance(network, LaneMap) and network.has_capacities else None
         if lanes is not None:
@@ -73,7 +73,7 @@ class Traffic:
                         'lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity))
         if lanes is None and not self._zones:
             return None
-        traveller = Traveller(self, navigator, lanes.source if lanes is not None else None, note, warn)
+        traveller = Traveller(self, navigator, lanes.source if lanes is not None else None, stream)
         traveller.placed(self.simulation.now_ns)
         return traveller
 
@@ -145,7 +145,7 @@ class Traveller:
     """One robot in traffic. ``held``: {Area: True}, where it holds a place, in the order in which it came there."""
 
     def __init__(self, traffic: Traffic, navigator: Navigator, source: Optional[str],
-                 note: Callable[..., object], warn: Callable[[str], object]) -> None:
+                 stream: Stream) -> None:
         self.index = navigator.robot.index
         self.name = navigator.robot.name
         self.held: Dict[Area, bool] = {}
@@ -153,14 +153,16 @@ class Traveller:
         self._traffic = traffic
         self._navigator = navigator
         self._source = source
-        self._note = note
-        self._warn = warn
+        self._tell = stream.tell
         self._leg: Any = None
         self._pose: Any = None  # of one that stands
         self._crossings: List[Crossing] = []
         self._event: Any = None
         self._granted: Tuple[Area, ...] = ()  # the areas that it has been let into and has not set out for yet
         self._reason: Optional[str] = None  # for which it is held here
+        stream.subscribe('traffic', {Stands: self._stands, Abandoned: lambda event: self.abandons(event.time_ns),
+                                     BrokenOff: self._put_in_order})
+        navigator.set_gate(self)
 
     def serve(self, step: Callable[[Traveller, int], object], now_ns: int) -> None:
         """Do the ``step`` (a function of this class) in another's turn; what goes wrong is this robot's alone."""
@@ -169,13 +171,14 @@ class Traveller:
         except Exception as error:
             self._navigator.break_off(error)
 
-    def put_in_order(self, now_ns: int) -> None:
+    def _put_in_order(self, event: BrokenOff) -> None:
         """Something went wrong half way: hold a place where the robot stands and nowhere else, and wait for none."""
+        now_ns = event.time_ns
         self._forget_crossings()
         granted, pose = self._granted, self._navigator.robot.pose_at(now_ns)
         self._leg, self._granted, self.request, self._pose = None, (), None, pose
         self.held.clear()
-        rows = []
+        told: List[Union[Entered, Left]] = []
         for area in self._traffic.areas():
             area.queue[:] = [request for request in area.queue if request.traveller is not self]
             had = self in area.holders
@@ -185,21 +188,22 @@ class Traveller:
             else:
                 area.holders.pop(self, None)
             if has != had:
-                rows.append(('entered' if has else 'left', area.name))
+                told.append((Entered if has else Left)(now_ns, self.name, area.name))
             self._traffic.changed(area)
             self._traffic.freed(area)
-        with ExitStack() as rest:  # which comes whatever goes wrong with the rows: the latter one first
+        with ExitStack() as rest:  # which comes whatever goes wrong with telling it: the latter one first
             rest.callback(self._traffic.serve, now_ns)
             rest.callback(self._end_hold, now_ns)
-            for kind, name in rows:
-                self._note(kind, now_ns, name)
+            for one in told:
+                self._tell(one)
 
     def _end_hold(self, now_ns: int) -> None:
         reason, self._reason = self._reason, None
         if reason is not None:
             self._navigator.release(reason, now_ns)
-    def departed(self, leg: Any, now_ns: int) -> None:
-        """The robot starts on ``leg``."""
+
+    def departs(self, leg: Any, now_ns: int) -> Optional[str]:
+        """The robot starts on ``leg``: return for what it has to wait where it is, or None; see Navigator.set_gate."""
         self._leg = leg
         self._granted = ()
         stays = self._traffic.zones.stays(leg.way)
@@ -208,13 +212,18 @@ class Traveller:
             stays += tuple(stays_on_lanes(leg, lambda edge: self._traffic.lane(source, edge)))
         self._crossings = crossings(stays, self.held) if leg.distance > BORDER else []
         if self._crossings and self._crossings[0].distance == 0.0:
-            self._cross(now_ns)
-        else:
-            self._await_crossing()
+            return self._cross(now_ns)
+        self._await_crossing()
+        return None
+
+    def settle(self, now_ns: int) -> None:
+        """What :meth:`departs` and borders on the way lead to: who now waits may close a circle, others may come in."""
+        self.look_for_circle(now_ns)
         self._traffic.serve(now_ns)
 
-    def stands(self, now_ns: int) -> None:
+    def _stands(self, event: Stands) -> None:
         """The robot stands: it has arrived, was stopped, or was placed somewhere else."""
+        now_ns = event.time_ns
         pose = self._navigator.robot.pose_at(now_ns)
         before = self._pose if self._leg is None else self._leg.pose_at(now_ns)
         self._leg = None
@@ -281,9 +290,9 @@ class Traveller:
         for area in self._traffic.zones.at(pose.x, pose.y):
             if area not in self.held:
                 if not area.has_room():
-                    self._warn('{} stands in {}, in which there is no place: {} robots of {} are there{}'.format(
-                        self.name, area.name, len(area.holders) + 1, area.capacity,
-                        ', and it is closed' if area.is_closed else ''))
+                    self._warn(now_ns, '{} stands in {}, in which there is no place: {} robots of {} are there'
+                               '{}'.format(self.name, area.name, len(area.holders) + 1, area.capacity,
+                                           ', and it is closed' if area.is_closed else ''))
                 self._take((area,), now_ns)
 
     def _await_crossing(self) -> None:
@@ -297,26 +306,27 @@ class Traveller:
     def _happen(self, due_ns: int, _now_ns: int) -> None:
         self._event = None
         try:
-            self._cross(due_ns)
-            self._traffic.serve(due_ns)
+            reason = self._cross(due_ns)
+            if reason is not None:
+                self._navigator.hold(reason, due_ns)
+            self.settle(due_ns)
         except Exception as error:
             self._navigator.break_off(error)
 
-    def _cross(self, now_ns: int) -> None:
-        """The robot is at the first of its crossings: it comes in and leaves, or waits."""
+    def _cross(self, now_ns: int) -> Optional[str]:
+        """The robot is at its next crossing: it comes in and leaves, or has to wait; return for what, or None."""
         crossing = self._crossings.pop(0)
         enters = tuple(area for area in crossing.enters if area not in self.held)
         if all(area.has_room() and not area.queue for area in enters):
             self._take(enters, now_ns)
             self._give_back(crossing.leaves, now_ns)
             self._await_crossing()
-            return
+            return None
         self._forget_crossings()
         self.request = Request(now_ns, self, enters)
         self._traffic.changed(*enters)
         self._reason = self.request.reason
-        self._navigator.hold(self._reason, now_ns)
-        self.look_for_circle(now_ns)
+        return self._reason
 
     def look_for_circle(self, now_ns: int) -> None:
         """The robot waits, and may close a circle of waiting: say so, once."""
@@ -327,9 +337,9 @@ class Traveller:
         for request in requests:
             request.is_in_circle = True
         pairs = [(traveller.name, area.name) for traveller, area in circle]
-        self._note('deadlock', now_ns, *(name for pair in pairs for name in pair))
+        self._tell(Deadlock(now_ns, self.name, tuple(name for pair in pairs for name in pair)))
         aborts = self._traffic.policy is DeadlockPolicy.ABORT
-        self._warn('Robots wait for one another in a circle: {}.{}'.format(
+        self._warn(now_ns, 'Robots wait for one another in a circle: {}.{}'.format(
             '; '.join('{} for {}'.format(*pair) for pair in pairs),
             ' The goal of {}, who closed it, is aborted.'.format(self.name) if aborts else ''))
         if aborts:
@@ -339,15 +349,18 @@ class Traveller:
         for area in areas:
             self.held[area] = area.holders[self] = True
             self._traffic.changed(area)
-            self._note('entered', now_ns, area.name)
+            self._tell(Entered(now_ns, self.name, area.name))
 
     def _give_back(self, areas: Sequence[Area], now_ns: int) -> None:
         for area in areas:
             if area in self.held:
                 del self.held[area], area.holders[self]
                 self._traffic.changed(area)
-                self._note('left', now_ns, area.name)
+                self._tell(Left(now_ns, self.name, area.name))
                 self._traffic.freed(area)
+
+    def _warn(self, now_ns: int, text: str) -> None:
+        self._tell(Warned(now_ns, self.name, text))
 
     def _forget_crossings(self) -> None:
         self._crossings = []

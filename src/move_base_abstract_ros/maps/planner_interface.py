@@ -6,6 +6,7 @@ from nav_msgs.msg import Path
 from nav_msgs.srv import GetPlan, GetPlanResponse
 from std_srvs.srv import Empty, EmptyResponse
 
+from move_base_abstract.goals.events import Departed
 from move_base_abstract.maps.planning import path_along
 
 from ..messages import conversions
@@ -16,7 +17,7 @@ from ..messages.packing import of_message
 class PlannerInterface:
     """Topics ``<planner>/plan`` and services ``make_plan``, ``<planner>/make_plan``, ``clear_costmaps``."""
 
-    def __init__(self, names, settings, clock, navigator, robot_map):
+    def __init__(self, names, settings, clock, navigator, robot_map, stream):
         self._names = names
         self._clock = clock
         self._navigator = navigator
@@ -28,6 +29,7 @@ class PlannerInterface:
         self._plans = LatchedOutlets()
         for topic in (planner + '/plan', local + '/global_plan', local + '/local_plan'):
             self._plans.add(names.own(topic), Path, self._pack_way, queue_size=1)
+        stream.subscribe('plan', {Departed: self._show})
         self._services = [
             rospy.Service(names.own('make_plan'), GetPlan, self._make_plan_when_idle),
             rospy.Service(names.own(planner + '/make_plan'), GetPlan,
@@ -44,9 +46,10 @@ class PlannerInterface:
         for service in self._services:
             service.shutdown('the robot is removed')
 
-    def show(self, start, corners, goal, now_ns):
-        """Publish the way by ``corners`` [(x, y), m] that the robot now takes; who comes later gets it, too."""
-        self._plans.show(start, corners, goal, now_ns)
+    def _show(self, event):
+        """Publish the way that the robot now takes; who comes later gets it, too."""
+        start = self._navigator.robot.pose_at(event.time_ns)
+        self._plans.show(start, event.corners, event.goal, event.time_ns)
 
     def _pack_way(self, start, corners, goal, now_ns):
         return of_message(self._to_path(path_along(start, corners, goal), now_ns))

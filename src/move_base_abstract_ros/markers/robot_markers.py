@@ -9,6 +9,18 @@ import time
 import rospy
 from visualization_msgs.msg import MarkerArray
 
+from move_base_abstract.goals.events import (
+    Aimed,
+    ChargePassed,
+    Charging,
+    Failed,
+    Held,
+    Repaired,
+    Stands,
+    TaskBegan,
+    TaskEnded,
+    TaskWaits,
+)
 from move_base_abstract.motion.geometry import Pose2D
 
 from .. import lockstep
@@ -19,20 +31,23 @@ TOPIC = 'move_base_abstract/markers'  # unless a parameter says otherwise
 _CHANGE_SECONDS = 0.05  # wall; the shortest time between two messages
 _REFRESH_SECONDS = 0.2  # wall; how often robots with a goal are drawn
 
+#: what makes a robot look different
+_CHANGES = (Stands, Aimed, Held, Failed, Repaired, ChargePassed, Charging, TaskWaits, TaskBegan, TaskEnded)
 _lock = threading.Lock()
 _boards = {}
 
 
-def add(clock, settings, navigator, state, is_changing=False):
-    """Draw the robot of ``navigator`` from now on; return its :class:`RobotMarkers`.
+def add(clock, settings, navigator, stream, state, is_changing=False):
+    """Draw the robot of ``navigator`` from now on, anew at what ``stream`` tells; return its :class:`RobotMarkers`.
 
     ``state()``: what it does, a line of text; the caller holds the clock's lock. ``is_changing``: also while it stands.
     """
     robot = navigator.robot
     look = Look(robot.name, marker_builder.robot_number(robot.name, robot.index), settings.values['global_frame'],
                 settings.values['marker_size'])
-    return RobotMarkers(board(clock, settings.values['marker_topic']), look, navigator, state,
-                        is_changing)
+    markers = RobotMarkers(board(clock, settings.values['marker_topic']), look, navigator, state, is_changing)
+    stream.subscribe('markers', dict.fromkeys(_CHANGES, markers.changed))
+    return markers
 
 
 def board(clock, topic):
@@ -56,7 +71,7 @@ class RobotMarkers:
         self._navigator = navigator
         board.add(self)
 
-    def changed(self):
+    def changed(self, _event):
         """Have the robot drawn soon; returns at once."""
         self._board.change(self)
 

@@ -6,6 +6,8 @@ import rospy
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import Parameter, integer, name, number, read_table, text, unknown_names
 from move_base_abstract.common.ros_names import NAMESPACE_RULE, is_namespace
+from move_base_abstract.fleet.robot_rows import write
+from move_base_abstract.goals.events import robot_stream
 from move_base_abstract.goals.outcome import NODE_KILLED
 from move_base_abstract.scenario import MAX_ROBOTS, make_scenario, read_scenario
 from move_base_abstract.tasks.place_tasks import Rooms
@@ -108,7 +110,9 @@ def _work_servers(host, values, scenario):
     servers = []
     for index, robot in enumerate(values['robots']):
         with lockstep.sender(index):
-            servers.append(WorkServer(_below(robot, WORK), robot.strip('/'), index, host, rooms, settings))
+            stream = robot_stream()
+            write(stream, 'trace', host.events.record(index))
+            servers.append(WorkServer(_below(robot, WORK), robot.strip('/'), index, host, rooms, settings, stream))
     return servers
 
 

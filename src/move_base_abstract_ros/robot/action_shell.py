@@ -108,7 +108,10 @@ class ActionShell:
         self._outbox.send(self._feedback, lambda seq: packing.header(seq, stamp_ns) + told)
 
     def publish_result(self, record, result, stamp_ns):
-        """Publish that the goal ``record`` ended at ``stamp_ns`` [ns]; ``result`` is the action's own part, bytes."""
+        """Publish that the goal ``record`` (GoalRecord, Ended or TaskEnded) ended at ``stamp_ns`` [ns].
+
+        ``result`` is the action's own part, bytes.
+        """
         arrived = self._arrivals.pop(record.goal_id, None)
         told = self._pack(record) + result
         self._outbox.send(self._result, lambda seq: packing.header(seq, stamp_ns) + told,
@@ -138,10 +141,10 @@ class ActionShell:
         return lambda seq: packing.statuses(seq, told, now_ns)
 
     def _pack(self, record):
-        """Return the bytes of the GoalStatus of a GoalRecord; those of the latest are kept, which is told again."""
-        said = record, record.state, record.text
+        """Return the bytes of the GoalStatus of ``record``; those of the latest are kept, which is told again."""
+        said = record.goal_id, record.stamp_ns, record.state, record.text
         if said != self._packed[0]:
-            self._packed = said, packing.status(record.goal_id, record.stamp_ns, record.state.value, record.text)
+            self._packed = said, packing.status(said[0], said[1], record.state.value, said[3])
         return self._packed[1]
 
     def _repeat_status(self, _now_ns):

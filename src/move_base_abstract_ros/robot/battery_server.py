@@ -27,7 +27,7 @@ class BatteryServer:
         self._services = ()
         frequency = settings.values['battery_state_freq']
         self._outlet = LatchedOutlet(names.topic('battery_state'), BatteryState, self._pack)
-        self.is_heard = self._outlet.is_heard
+        battery.tell_those(self._outlet.is_heard)
         self._throttle = host.throttle(settings.values['max_pose_rate'])
         self._series = host.clock.simulation.series(robot_index, frequency, self._repeat, only_tells=True,
                                                     is_heard=host.timing.when_heard(self._outlet.is_heard))

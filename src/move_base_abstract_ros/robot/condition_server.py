@@ -4,6 +4,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.faults.failures import REQUEST, check_request
+from move_base_abstract.goals.events import ChargePassed, Charging, Failed, Held, Repaired
 from move_base_abstract.srv import Fail, FailResponse
 
 from . import diagnostics
@@ -16,7 +17,7 @@ class ConditionServer:
     Made with the clock's lock.
     """
 
-    def __init__(self, names, settings, host, robot_index, condition):
+    def __init__(self, names, settings, host, robot_index, condition, stream):
         self._names = names
         self._clock = host.clock
         self._condition = condition
@@ -27,6 +28,9 @@ class ConditionServer:
                                                        lambda: diagnostics.of_condition(condition))
         if condition.battery is not None:
             self._battery = BatteryServer(names, settings, host, robot_index, condition.battery)
+        stream.subscribe('condition', {
+            Held: self._changed, Failed: self._changed, Repaired: self._changed, ChargePassed: self._battery_changed,
+            Charging: self._battery_changed})
 
     def serve(self):
         """Take requests from now on; no lock is held."""
@@ -37,19 +41,13 @@ class ConditionServer:
             self._services += (rospy.Service(names.own('fail'), Fail, self._fail),
                                rospy.Service(names.own('repair'), Trigger, self._repair))
 
-    def is_battery_heard(self):
-        """Return who listens to ``battery_state``: 0 is nobody."""
-        return self._battery.is_heard()
-
-    def changed(self, now_ns):
-        """Tell the condition at ``now_ns`` [ns]."""
+    def _changed(self, event):
         if self._diagnostics is not None:
-            self._diagnostics.changed(now_ns)
+            self._diagnostics.changed(event.time_ns)
 
-    def battery_changed(self, now_ns):
-        """Tell the state of the battery, too, at ``now_ns`` [ns]."""
-        self._battery.changed(now_ns)
-        self.changed(now_ns)
+    def _battery_changed(self, event):
+        self._battery.changed(event.time_ns)
+        self._changed(event)
 
     def close(self):
         """Leave the graph; the caller holds no lock."""

@@ -16,7 +16,7 @@ class EventsTopic:
         self._outlet = Outlet('~events', RobotEvent, _QUEUE_SIZE)
 
     def record(self, index):
-        """Return what takes the rows of the trace of the robot with ``index``: for the event log and for listeners."""
+        """Return what takes rows of the robot with ``index``: for the event log and for listeners."""
         log, outlet = self._clock.record(index), self._outlet
 
         def record(row):

@@ -3,28 +3,35 @@ import time
 
 from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionResult
 
+from move_base_abstract.goals.events import Departed, Ended
+
+from ..lockstep.exchange import rollback
+from ..messages.packing import InFrame
 from ..messages.unpacking import GoalIn
 from .action_shell import ActionShell, ActionTypes
 
 _TYPES = ActionTypes(GoalIn, MoveBaseActionResult, MoveBaseActionFeedback)
+_DEAF_SECONDS = 0.1  # wall; how long a robot to whose feedback nobody listens is silent
 _NO_RESULT = b''  # of move_base_msgs/MoveBaseResult, which has no fields
 
 
 class GoalServer:
-    """The action MoveBase on the topics of an :class:`ActionShell`. ``trace`` (RobotTrace) is told of endings.
+    """The action MoveBase on the topics of an :class:`ActionShell`; ``stream``: the robot's, ``values``: its settings'.
 
-    Has what a GoalLedger asks for.
+    It is the navigator's GoalClient.
     """
 
-    def __init__(self, ns, node_name, host, trace, min_answer_delay):
+    def __init__(self, ns, node_name, host, stream, values):
         self._clock = host.clock
-        self._trace = trace
         self._navigator = None
         self._prefetch = None
-        self._shell = ActionShell(ns, node_name, host, _TYPES, min_answer_delay)
+        self._shell = ActionShell(ns, node_name, host, _TYPES, values['min_answer_delay'])
         self.publish_status, self.new_id = self._shell.publish_status, self._shell.new_id
-        self.has_feedback_listeners = self._shell.has_feedback_listeners
-        self.hearers = self._shell.hearers
+        self.is_feedback_heard = host.timing.when_heard(self._shell.has_feedback_listeners)
+        self._in_global_frame = InFrame(values['global_frame'])
+        self._told = None  # (goal id, stamp [ns]) of the latest feedback
+        self._feedback_throttle = host.throttle(values['max_feedback_rate'])
+        stream.subscribe('clients', {Departed: self._departed, Ended: self._ended})
 
     def start(self, ledger, navigator, prefetch):
         """Take goals for ``navigator``, whose book is ``ledger``; ``prefetch(goal)`` is called before each.
@@ -33,7 +40,7 @@ class GoalServer:
         """
         self._navigator = navigator
         self._prefetch = prefetch
-        self._shell.open(ledger, lambda: navigator.feedback_frequency)
+        self._shell.open(ledger, lambda: navigator.feedback.frequency)
         self._shell.listen(self._on_goal, self._on_cancel)
 
     def close(self):
@@ -68,15 +75,24 @@ class GoalServer:
             now_ns = self._clock.now_ns()
             self._navigator.cancel(message.id, message.stamp.to_nsec(), now_ns)
 
-    def publish_feedback(self, record, pose_stamped, stamp_ns):
-        """Publish where the robot with the goal ``record`` is; ``pose_stamped`` is bytes."""
-        self._shell.publish_feedback(record, pose_stamped, stamp_ns)
+    def feedback(self, record, pose, stamp_ns, is_last):
+        """Tell where the robot is, as often as the cap in wall time allows, and at the goal; as of GoalClient."""
+        if not self._shell.has_feedback_listeners():
+            return self._clock.wall_to_ns(_DEAF_SECONDS)
+        told = (record.goal_id, stamp_ns)
+        if self._feedback_throttle.ready() or (is_last and told != self._told):
+            rollback.changes(self, '_told')
+            self._told = told
+            self._shell.publish_feedback(record, self._in_global_frame.pose_stamped(0, pose, stamp_ns), stamp_ns)
+        return self._clock.wall_to_ns(self._feedback_throttle.remaining())
 
     def flush(self):
         """Send what is held back, now."""
         self._shell.flush()
 
-    def publish_result(self, record, stamp_ns):
-        """Publish that the goal ``record`` ended at ``stamp_ns`` [ns]."""
-        self._trace.ended(record, stamp_ns)
-        self._shell.publish_result(record, _NO_RESULT, stamp_ns)
+    def _departed(self, _event):
+        if not self._navigator.feedback.frequency:
+            self._clock.falls_silent(self._navigator.robot, self._shell, 'feedback_freq')
+
+    def _ended(self, event):
+        self._shell.publish_result(event, _NO_RESULT, event.time_ns)

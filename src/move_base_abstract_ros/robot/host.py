@@ -85,11 +85,11 @@ class Host:
         timing.begin_to_publish()
         self.events = EventsTopic(clock)
 
-    def warn_of_beyond(self, name, words):
-        """Warn once that a goal of the robot ``name`` lies outside of what was recorded, in which ``words`` say."""
+    def warn_of_beyond(self, event):
+        """Warn once that a goal of a robot lies outside of what was recorded; ``event``: Beyond."""
         if not self._has_warned:
             self._has_warned = True
-            rospy.logwarn(WARNING.format(name, words))
+            rospy.logwarn(WARNING.format(event.robot, event.words))
 
     def add_robot(self):
         """One more robot shares what may be published."""

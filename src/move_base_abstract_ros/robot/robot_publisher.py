@@ -4,6 +4,7 @@ from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
 
 from move_base_abstract.engine.event_queue import PARTICIPANTS
+from move_base_abstract.goals.events import Aimed, Departed, Recovery, Stands, WheelsStopped
 
 from .. import lockstep
 from ..messages import conversions
@@ -17,7 +18,7 @@ _DEAF_SECONDS = 0.1  # wall; how long a robot that stands is silent where nobody
 class RobotPublisher:
     """Publishes poses by a backend and the costmaps' topics, ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
 
-    def __init__(self, names, settings, host, robot, backend, costmaps):
+    def __init__(self, names, settings, host, robot, backend, costmaps, stream):
         simulation = host.clock.simulation
         self._clock = host.clock
         self._robot = robot
@@ -38,7 +39,9 @@ class RobotPublisher:
         self._rates = host.rates
         self._told = self._tell_rates(settings.values['pose_update_freq'], settings.values['tf_heartbeat_freq'])
         self._rest = self._series_at_rest(settings, host)
-        self.stands(simulation.now_ns)
+        stream.subscribe('shown', {Departed: self._departed, Stands: self._stands, Aimed: self._aimed,
+                                   WheelsStopped: self._wheels_stopped, Recovery: self._recovers})
+        self._stand(simulation.now_ns)
 
     def _series_at_rest(self, settings, host):
         """Return what tells the odometry of a robot that stands, or None."""
@@ -55,27 +58,28 @@ class RobotPublisher:
         return [self._rates.add('poses', lambda: pose_frequency, self._pose_hearers),
                 self._rates.add('tf', lambda: max(pose_frequency, tf_frequency), tf_hub.hearers)]
 
-    def departed(self, now_ns):
-        """The robot starts to move."""
+    def _departed(self, event):
         if self._rest is not None:
             self._rest.stop()
-        self.place(now_ns)
+        self._place(event.time_ns)
         if self._updates is not None:
-            self._updates.start(now_ns)
+            self._updates.start(event.time_ns)
         else:
             self._clock.falls_silent(self._robot, self._backend, 'pose_update_freq')
             if not self._beats:
                 self._clock.falls_silent(self._robot, tf_hub, 'tf_heartbeat_freq')
 
-    def stands(self, now_ns):
-        """The robot stands from now on."""
+    def _stands(self, event):
+        self._stand(event.time_ns)
+
+    def _stand(self, now_ns):
         if self._updates is not None:
             self._updates.stop()
-        self.place(now_ns)
+        self._place(now_ns)
         if self._rest is not None:
             self._rest.start(now_ns + self._rest.period_ns)
 
-    def place(self, now_ns, is_event=True):
+    def _place(self, now_ns, is_event=True):
         """Show where the robot is at ``now_ns`` [ns]; ``is_event``: it starts or stands."""
         with lockstep.sender(self._robot.index):  # tf is one topic of all robots of the process
             pose = self._robot.pose_at(now_ns)
@@ -86,20 +90,17 @@ class RobotPublisher:
         """Time has started anew: stamps may be earlier than those before."""
         self._backend.restart()
 
-    def target(self, goal, now_ns):
-        """Show the goal that is worked on."""
-        self._current_goal.send(lambda seq: self._in_global_frame.pose_stamped(seq, goal, now_ns))
+    def _aimed(self, event):
+        self._current_goal.send(lambda seq: self._in_global_frame.pose_stamped(seq, event.goal, event.time_ns))
 
-    def stop_wheels(self):
-        """Publish the zero velocity that move_base would."""
+    def _wheels_stopped(self, _event):
         self._cmd_vel.send(_stand_still)
 
-    def recovery(self, pose, index, behaviors, stamp_ns):
-        """Announce a recovery behaviour."""
+    def _recovers(self, event):
         self._recovery.publish(RecoveryStatus(
-            pose_stamped=conversions.to_pose_stamped(pose, self._global_frame, stamp_ns),
-            current_recovery_number=index, total_number_of_recoveries=len(behaviors),
-            recovery_behavior_name=behaviors[index].name))
+            pose_stamped=conversions.to_pose_stamped(event.pose, self._global_frame, event.time_ns),
+            current_recovery_number=event.index, total_number_of_recoveries=len(event.behaviors),
+            recovery_behavior_name=event.behaviors[event.index].name))
 
     def close(self):
         """Publish nothing any more."""
@@ -130,7 +131,7 @@ class RobotPublisher:
 
     def _update(self, due_ns, _now_ns):
         if self._pose_throttle.ready():
-            self.place(due_ns, is_event=False)
+            self._place(due_ns, is_event=False)
         return self._clock.wall_to_ns(self._pose_throttle.remaining())
 
     def _still_stands(self, due_ns, _now_ns):

@@ -5,13 +5,12 @@ import time
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.engine.guard import fault_text
-from move_base_abstract.goals.ledger import GoalLedger
+from move_base_abstract.goals.events import TaskEnded, TaskWaits
 from move_base_abstract.goals.outcome import GoalState
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import PlaceTaskActionFeedback, PlaceTaskActionGoal, PlaceTaskActionResult
-from move_base_abstract.runs.trace import TaskTrace
 from move_base_abstract.tasks.arrivals import Task
-from move_base_abstract.tasks.place_tasks import PlaceTaskListener, PlaceTaskRunner
+from move_base_abstract.tasks.place_tasks import PlaceTaskRunner
 
 from ..messages import conversions
 from .action_shell import ActionShell, ActionTypes
@@ -22,33 +21,28 @@ _NO_TASK = Task('', 0, '', Pose2D())
 _TYPES = ActionTypes(PlaceTaskActionGoal, PlaceTaskActionResult, PlaceTaskActionFeedback)
 
 
-class WorkServer(PlaceTaskListener):
-    """The action PlaceTask on the topics of an :class:`ActionShell` at ``ns``.
+class WorkServer:
+    """The action PlaceTask on the topics of an :class:`ActionShell` at ``ns``; the tasks' TaskClient.
 
-    ``robot`` (Robot) may be None: then nobody asks where it stands. ``on_load(watts, now_ns)``: as of
-    PlaceTaskListener; ``has_failed``: as of PlaceTaskRunner.
+    ``stream``: the robot's. ``robot`` (Robot) may be None: then nobody asks where it stands. ``has_failed``: as of
+    PlaceTaskRunner.
     """
 
-    def __init__(self, ns, robot_name, robot_index, host, rooms, settings, robot=None, on_load=None,
-                 has_failed=lambda: False, on_change=lambda: None):
-        """``settings``: seed, frame (the poses'), feedback_freq [Hz, simulated], min_answer_delay [s, wall].
-
-        ``on_change()`` is called when the robot begins or ends to wait or to work.
-        """
-        self._on_change = on_change
+    def __init__(self, ns, robot_name, robot_index, host, rooms, settings, stream, robot=None,
+                 has_failed=lambda: False):
+        """``settings``: seed, frame (the poses'), feedback_freq [Hz, simulated], min_answer_delay [s, wall]."""
         self._clock = host.clock
         self._frame = settings['frame']
-        self._trace = TaskTrace(robot_name, host.events.record(robot_index))
-        self._on_load = on_load
         self._throttle = host.throttle(50.0)
         self._shell = ActionShell(ns, ns, host, _TYPES, settings['min_answer_delay'])
         self.is_progress_heard = host.timing.when_heard(self._shell.has_feedback_listeners)
-        ledger = GoalLedger(self._shell.publish_status, self._publish_result, self._shell.new_id)
+        self.publish_status, self.new_id = self._shell.publish_status, self._shell.new_id
         with self._clock.lock:
             self._clock.now_ns()
-            self.tasks = PlaceTaskRunner(rooms, robot_index, robot_name, settings['seed'], ledger, self, robot,
+            self.tasks = PlaceTaskRunner(rooms, robot_index, robot_name, settings['seed'], stream, self, robot,
                                          settings['feedback_freq'], has_failed)
-        self._shell.open(ledger, lambda: settings['feedback_freq'])
+            stream.subscribe('clients', {TaskWaits: self._waits, TaskEnded: self._ended})
+        self._shell.open(self.tasks.ledger, lambda: settings['feedback_freq'])
         self._shell.listen(self._on_goal, self._on_cancel)
         self._clock.follow_restarts(self.tasks.restart)
 
@@ -65,32 +59,15 @@ class WorkServer(PlaceTaskListener):
             self._shell.close()
             self._clock.leave_restarts(self.tasks.restart)
 
-    def waits(self, record, place, now_ns):
-        """Tell that the task waits for room."""
-        self._trace.waits(record, place, now_ns)
-        self._on_change()
+    def _waits(self, event):
         if self._shell.has_feedback_listeners():
-            self._shell.publish_feedback(record, pack_feedback(True, 0, 0.0), now_ns)
-
-    def waited(self, record, place, now_ns):
-        """Note that it waits no more."""
-        self._trace.waited(record, place, now_ns)
-
-    def begins(self, record, duration_ns, now_ns):
-        """Note that work begins."""
-        self._trace.began(record, duration_ns, now_ns)
-        self._on_change()
+            self._shell.publish_feedback(self.tasks.ledger.active, pack_feedback(True, 0, 0.0), event.time_ns)
 
     def progress(self, record, elapsed_ns, duration_ns, now_ns):
-        """Tell how much is done, as often as the cap in wall time allows, and at the end."""
+        """Tell how much is done, as often as the cap in wall time allows, and at the end; as of TaskClient."""
         is_last = elapsed_ns == duration_ns
         if self._shell.has_feedback_listeners() and (self._throttle.ready() or is_last):
             self._shell.publish_feedback(record, pack_feedback(False, elapsed_ns, elapsed_ns / duration_ns), now_ns)
-
-    def load(self, watts, now_ns):
-        """Hand over what the work draws."""
-        if self._on_load is not None:
-            self._on_load(watts, now_ns)
 
     def _on_goal(self, message):
         with self._clock.lock:
@@ -123,12 +100,11 @@ class WorkServer(PlaceTaskListener):
         with self._clock.lock:
             self.tasks.cancel(message.id, message.stamp.to_nsec(), self._clock.now_ns())
 
-    def _publish_result(self, record, stamp_ns):
-        self._trace.ended(record, stamp_ns)
-        self._on_change()
-        is_new = record.state is GoalState.RECALLED
-        waited_ns, worked_ns = (0, 0) if is_new else (self.tasks.waited_ns(stamp_ns), self.tasks.elapsed_ns(stamp_ns))
-        self._shell.publish_result(record, pack_result(waited_ns, worked_ns), stamp_ns)
+    def _ended(self, event):
+        now_ns, tasks = event.time_ns, self.tasks
+        is_new = event.state is GoalState.RECALLED
+        waited_ns, worked_ns = (0, 0) if is_new else (tasks.waited_ns(now_ns), tasks.elapsed_ns(now_ns))
+        self._shell.publish_result(event, pack_result(waited_ns, worked_ns), now_ns)
 
 
 def pack_result(waited_ns, worked_ns):

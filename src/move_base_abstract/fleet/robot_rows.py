@@ -1,0 +1,36 @@
+"""What is written down of a robot, in the trace of the plain fleet and in a run's event log: the rows of its events."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable
+
+from ..goals import events
+from ..goals.events import Departed, MotionSet, Recorded, motion_of
+
+if TYPE_CHECKING:
+    from ..engine.stream import Stream
+    from ..motion.robot import Robot
+
+_WRITTEN = tuple(kind for kind in vars(events).values() if hasattr(kind, 'row'))
+
+
+def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_motion: bool = False) -> None:
+    """Have ``take`` get the rows of what is written down, in the place of ``name`` in the order.
+
+    ``with_motion``: also by which limits the robot travels, so that its legs can be computed again from the rows.
+    """
+    def hear(event: Any) -> None:
+        take(event.row())
+
+    def departed(event: Departed) -> None:
+        take(event.row())
+        if event.corners:
+            take(event.route())
+    stream.subscribe(name, {**{kind: hear for kind in _WRITTEN if with_motion or kind is not MotionSet},
+                            Departed: departed})
+
+
+def tell_start(stream: Stream, robot: Robot, durations: Any, now_ns: int) -> None:
+    """Tell of a robot that is there from ``now_ns`` [ns] on; ``durations``: Durations or the like, or None."""
+    stream.tell(motion_of(robot, now_ns))
+    if durations is not None and durations.recorded is not None:
+        stream.tell(Recorded(now_ns, robot.name, durations.recorded))

@@ -1,0 +1,19 @@
+"""What goals are to a navigator."""
+from enum import Enum
+from typing import NamedTuple, Tuple
+
+
+class BadFramePolicy(Enum):
+    """What becomes of a goal whose frame is not known: ended at once, or retried until it is cancelled (upstream)."""
+
+    ABORT = 'abort'
+    WAIT = 'wait'
+
+
+class GoalPose(NamedTuple):
+    """A goal as it was sent: position [m] and quaternion (x, y, z, w) in ``frame_id`` at ``stamp_ns`` [ns; 0 = now]."""
+
+    frame_id: str
+    stamp_ns: int
+    position: Tuple[float, float]
+    quaternion: Tuple[float, float, float, float]
