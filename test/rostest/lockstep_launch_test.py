@@ -368,6 +368,13 @@ class LaunchTest(unittest.TestCase):
             self.assertRegex(said.get(name, 'nothing'), '^{}$'.format(CRASHES.get(name, 'nothing')), done.stdout)
         self.assertEqual(done.returncode, 3, done.stdout)
 
+    def test_a_required_node_that_looks_on_and_fails_is_a_crash(self):
+        failing = FATE.format('exits', 'required="true"')
+        for words, code in ((), 3), (('--crashes', 'allow'), 0):
+            done = self.run_it('--onlooker', '/exits', *words, self.file(TICKING.format(more=failing)))
+            self.assertEqual(done.returncode, code, done.stdout)
+            self.assertIn('lockstep_launch: crash: /exits crashed', done.stdout)
+
     def test_a_crash_in_the_last_moment_counts_and_may_be_allowed(self):
         for fate, words, code in (('raises', (), 3), ('raises', ('--crashes', 'allow'), 0), ('shut_down', (), 0)):
             done = self.run_it('--end-when-idle', *words, self.file(TICKING.replace('{more}', FATE).replace(

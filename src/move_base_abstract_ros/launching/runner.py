@@ -32,7 +32,6 @@ class Parent(roslaunch.parent.ROSLaunchParent):
         super().__init__(run_id, [], local_only=True, process_listeners=(), **options)
         self._plan = plan
         self._log_path = log
-        self._required = [roles.name_of(node) for node in plan.config.nodes if node.required]
         self._watched = {}
         self._waited_for = []
         self._has_started = False
@@ -96,8 +95,6 @@ class Parent(roslaunch.parent.ROSLaunchParent):
         if name == TIME_MASTER:
             self.code = GOOD if exit_code == 0 else BAD
             self.pm.shutdown()
-        elif name in self._required and exit_code:
-            self.code = BAD
         elif name in self._plan.participants and not self._has_started:
             self._waited_for.append((name, exit_code))
             if len(self._waited_for) == 1:
