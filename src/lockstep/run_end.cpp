@@ -7,8 +7,11 @@
 
 namespace move_base_abstract {
 
-void RunEnd::endAsWished(const std::string& reason) {
-  ended_as_wished_ = ended_as_wished_ || !run_.rounds.ended();
+void RunEnd::endAsWished(const std::string& reason, const char* code) {
+  if (!run_.rounds.ended()) {
+    ended_as_wished_ = true;
+    code_ = code;
+  }
   end(reason);
 }
 
@@ -56,7 +59,7 @@ void RunEnd::endIfSomebodyHasGone() {
   if (!death_.empty()) {
     end(death_);
   } else if (!left_.empty()) {
-    endAsWished(left_);
+    endAsWished(left_, ended_by::kDeparture);
   }
 }
 
@@ -71,6 +74,7 @@ void RunEnd::noteDeparture(const SessionMember& member, const std::string& what)
   const auto& last = run_.settings.end_with;
   if (run_.rounds.started() && std::find(last.begin(), last.end(), member.name) != last.end()) {
     std::string& why = member.dead ? death_ : left_;
+    left_node_ = !member.dead && left_.empty() ? member.name : left_node_;
     why = why.empty() ? what + run_.text.at() + ", and the run ends with it" : why;
   }
 }

@@ -15,8 +15,8 @@ class RunEnd {
 
   /** @brief END to everybody. Reports of a round that is not over are lost. */
   void end(const std::string& reason);
-  /** @brief end(), as the settings wish. */
-  void endAsWished(const std::string& reason);
+  /** @brief end(), as the settings wish. @p code: of ended_by. */
+  void endAsWished(const std::string& reason, const char* code);
   /** @brief end(), because the wall clock or somebody outside says so; see LockstepStatus::cut. */
   void endFromOutside(const std::string& reason);
   /** @brief End, and label, a run that has lost its ROS master. */
@@ -38,6 +38,10 @@ class RunEnd {
   bool stopsTurns() const { return !left_.empty() || isLabelledStrictly(); }
   /** @return why nothing happens any more: of a deadlock, a zero-delay loop, the end. */
   std::string reason() const;
+  /** @return what has ended it, of ended_by. */
+  const char* code() const { return code_; }
+  /** @return whose departure has ended it as end_with says, or ''. */
+  std::string node() const { return code_ == ended_by::kDeparture ? left_node_ : ""; }
   bool isAsWished() const { return ended_as_wished_; }
   bool isCut() const { return is_cut_; }
 
@@ -48,9 +52,11 @@ class RunEnd {
   bool is_strict_;
   bool is_cut_ = false;  // see LockstepStatus
   bool ended_as_wished_ = false;
-  std::string death_;   // on_death, or end_with, says that the run ends with it
-  std::string left_;    // end_with says that the run ends with who left
+  std::string death_;  // on_death, or end_with, says that the run ends with it
+  std::string left_;   // end_with says that the run ends with who left
+  std::string left_node_;
   std::string reason_;  // of the end
+  const char* code_ = ended_by::kOther;
 };
 
 }  // namespace move_base_abstract

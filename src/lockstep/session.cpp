@@ -215,7 +215,7 @@ void LockstepSession::handle(const LockstepRounds::Event& event) {
       run_.messages.say(LockstepMessage::Level::kDebug,
                         "reached " + secondsText(run_.rounds.now()) + ", paused");
       if (run_.settings.end_at != 0.0 && run_.rounds.now() >= toNanoseconds(run_.settings.end_at)) {
-        end_.endAsWished("the run was to end" + run_.text.at());
+        end_.endAsWished("the run was to end" + run_.text.at(), ended_by::kEndAt);
       }
       break;
     case Kind::kIdle:
@@ -231,7 +231,7 @@ void LockstepSession::handleStandstill(const LockstepRounds::Event& event) {
   if (event.kind == Kind::kIdle) {
     run_.messages.say(LockstepMessage::Level::kDebug, run_.text.idle());
     if (run_.settings.end_when_idle) {
-      end_.endAsWished(run_.text.idle());
+      end_.endAsWished(run_.text.idle(), ended_by::kIdle);
     }
     return;
   }
@@ -348,6 +348,8 @@ LockstepStatus LockstepSession::status() const {
   status.degraded = run_.labels.degraded();
   status.departures = departures_.list();
   status.reason = end_.reason();
+  status.ended_by = end_.code();
+  status.ended_with = end_.node();
   status.ended_as_wished = end_.isAsWished();
   status.cut = end_.isCut();
   status.limit = run_.rounds.limit();

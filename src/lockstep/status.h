@@ -19,6 +19,14 @@
 
 namespace move_base_abstract {
 
+/** @brief What ended a run, as a code for programs: the reason is for people. */
+namespace ended_by {
+constexpr const char* kEndAt = "end_at";         // the setting
+constexpr const char* kIdle = "idle";            // nobody had anything left to do
+constexpr const char* kDeparture = "departure";  // of a node that end_with names
+constexpr const char* kOther = "other";
+}  // namespace ended_by
+
 /** @brief All that a state message tells. */
 struct LockstepStatus {
   struct Waiting {
@@ -57,6 +65,8 @@ struct LockstepStatus {
   std::vector<std::string> degraded;        // why
   std::vector<Departure> departures;        // in the order in which they were; the first ones
   std::string reason;                       // of deadlock, zero-delay loop and end: who and why
+  std::string ended_by;                     // one of ended_by
+  std::string ended_with;                   // the node whose departure has ended the run; else ''
   bool ended_as_wished;                     // as end_when_idle, end_at or end_with say
   bool cut;      // ended from outside while there was something left to do: another run of the same
                  // may end elsewhere

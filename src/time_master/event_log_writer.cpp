@@ -35,6 +35,20 @@ void appendJsonArray(std::string& out, const std::vector<std::string>& texts) {
   out += ']';
 }
 
+/** @brief What ended the run, and when. */
+void appendEnding(std::string& out, const EventLogWriter::End& end) {
+  out += std::string(",\"by_fault\":") + (end.by_fault ? "true" : "false");
+  if (!end.ended_by.empty()) {
+    out += ",\"ended_by\":\"" + end.ended_by + "\"";
+    if (!end.ended_with.empty()) {
+      out += ",\"node\":";
+      appendJson(out, end.ended_with);
+    }
+    out += ",\"at_ns\":" + std::to_string(end.at_ns);
+  }
+  out += end.cut_ns ? ",\"cut_ns\":" + std::to_string(*end.cut_ns) : "";
+}
+
 /** @brief Who went before the end; nothing where nobody did. */
 void appendDepartures(std::string& out,
                       const std::vector<EventLogWriter::End::Departure>& departures) {
@@ -225,8 +239,7 @@ std::string EventLogWriter::finish(const End& end) {
     appendJsonArray(buffer_, end.degraded_because);
     buffer_ += ",\"reason\":";
     appendJson(buffer_, end.reason);
-    buffer_ += std::string(",\"by_fault\":") + (end.by_fault ? "true" : "false");
-    buffer_ += end.cut_ns ? ",\"cut_ns\":" + std::to_string(*end.cut_ns) : "";
+    appendEnding(buffer_, end);
     appendDepartures(buffer_, end.departures);
     buffer_ += "}}\n";
   }

@@ -38,6 +38,9 @@ class EventLogWriter {
       bool died;
     };
     std::vector<Departure> departures = {};
+    std::string ended_by = {};    // a code of LockstepStatus; '': none is written
+    std::string ended_with = {};  // the node whose departure has ended the run; ''
+    std::int64_t at_ns = 0;       // simulated; when it ended
   };
 
   /**

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
+#include <cstdio>
+#include <cstring>
 #include <stdexcept>
 #include <string_view>
 
@@ -105,6 +108,7 @@ LockstepServer::Listeners LockstepMode::listeners() {
   listeners.time = [this, is_first = true](Nanoseconds time) mutable {
     if (is_first) {
       parameters_of_ros_.remember();
+      noteStart();
       is_first = false;
     }
     clock_->set(time);
@@ -123,6 +127,18 @@ LockstepServer::Listeners LockstepMode::listeners() {
     return parameters_of_ros_.apply(changes);
   };
   return listeners;
+}
+
+/** @brief Leave the file that says to whoever has started this node that time has started. */
+void LockstepMode::noteStart() const {
+  const std::string& path = parameters_.note_of_start;
+  if (!path.empty()) {
+    if (std::FILE* const note = std::fopen(path.c_str(), "wxe")) {
+      std::fclose(note);
+    } else {
+      ROS_ERROR("note_of_start %s: %s", path.c_str(), std::strerror(errno));
+    }
+  }
 }
 
 LockstepMode::~LockstepMode() { finish("the time master ends"); }
@@ -146,6 +162,9 @@ bool LockstepMode::finish(const std::string& reason) {
     for (const LockstepStatus::Departure& one : status.departures) {
       end.departures.push_back({one.name, one.time, one.died});
     }
+    end.ended_by = status.ended_by;
+    end.ended_with = status.ended_with;
+    end.at_ns = status.time;
     const std::string error = event_log_->finish(end);
     if (!error.empty()) {
       ROS_ERROR("%s", error.c_str());

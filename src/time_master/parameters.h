@@ -237,7 +237,7 @@ struct NodeParameters {
   CoresWish cores = CoresWish::kAuto;
   std::string event_log;           // path, .jsonl or .csv; '': none
   bool event_log_of_ends = false;  // nothing in it but the end, and what says how nodes fared
-  std::string message_bytes;       // path of a new file for what is sent; '': none
+  std::string message_bytes, note_of_start;  // paths of new files; '': none
 };
 
 /** @return the least number of seconds that is not before @p time [ns] when it is turned back. */
@@ -279,6 +279,7 @@ inline std::vector<std::string> absoluteNames(const std::string& key,
 }
 
 inline void readEnd(ParameterReader& reader, NodeParameters& parameters) {
+  reader.read("note_of_start", parameters.note_of_start);
   LockstepSettings& lockstep = parameters.lockstep;
   reader.read("end_at", lockstep.end_at);
   reader.read("end_with", lockstep.end_with);
@@ -318,9 +319,8 @@ inline void readLookahead(ParameterReader& reader, NodeParameters& parameters) {
   }
   checkRange("lookahead", lookahead, 1e-6, 1000.0, " s, or 0 for none");
   if (!parameters.in_lockstep) {
-    throw std::invalid_argument(
-        "lookahead must be 0 in mode scaled, where no node waits for another; got " +
-        shown(std::to_string(lookahead)));
+    throw std::invalid_argument("lookahead must be 0 in mode scaled, where no node waits; got " +
+                                shown(std::to_string(lookahead)));
   }
   if (!parameters.lockstep.stored_topics.empty()) {
     throw std::invalid_argument("stored_topics must be [] with a lookahead, where all takes time");

@@ -135,6 +135,20 @@ TEST(EventLogWriter, Csv) {
             "{\"node\":\"/b\",\"time_ns\":4,\"died\":false}]}}\n");
 }
 
+TEST(EventLogWriter, SaysInCodesWhatHasEndedARun) {
+  const Folder folder;
+  EventLogWriter log(folder / "a.jsonl", 0);
+  EventLogWriter::End end{"'/a' left", {}, {}};
+  end.ended_by = "departure";
+  end.ended_with = "/a\"";
+  end.at_ns = 7;
+  EXPECT_EQ(log.finish(end), "");
+  EXPECT_NE(contents(folder / "a.jsonl")
+                .find(",\"by_fault\":false,\"ended_by\":\"departure\",\"node\":\"/a\\\"\","
+                      "\"at_ns\":7}}"),
+            std::string::npos);
+}
+
 TEST(EventLogWriter, RefusesOtherEndingsAndPathsThatCannotBeWritten) {
   EXPECT_THROW(EventLogWriter("/tmp/a.txt", 0), std::invalid_argument);
   EXPECT_THROW(EventLogWriter("", 0), std::invalid_argument);

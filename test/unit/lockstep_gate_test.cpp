@@ -89,6 +89,7 @@ TEST(Gate, TheRunEndsAtItsEndWhateverElseTheGateIsTold) {
   EXPECT_EQ(alone.phase(), "ended");
   EXPECT_EQ(alone.session.now(), 2'500'000'000);
   EXPECT_EQ(alone.end[1], "the run was to end at 2.5 s");
+  EXPECT_EQ(alone.session.status().ended_by, "end_at");
   EXPECT_TRUE(alone.session.status().ended_as_wished);
 }
 
@@ -103,6 +104,7 @@ TEST(Gate, AnIdleRunWithAnEndEndsAsWishedWhenItIsIdle) {
   EXPECT_TRUE(alone.session.status().ended_as_wished);
   EXPECT_EQ(alone.session.now(), 2 * kOne);
   EXPECT_EQ(alone.end[1].substr(0, 11), "idle at 2 s");
+  EXPECT_EQ(alone.session.status().ended_by, "idle");
 }
 
 TEST(Gate, AnEndFromOutsideCutsTheRunUnlessItWouldStandThereInEachRun) {

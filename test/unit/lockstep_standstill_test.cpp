@@ -92,6 +92,8 @@ TEST(Standstill, TheRunEndsWithTheRoundInWhichANamedParticipantLeaves) {
   stage.report(1, 2 * kOne, {wire::Log{0, "r", "done", "[]"}});
   EXPECT_EQ(stage.phase(), "ended");
   EXPECT_EQ(stage.end[1], "'/b' left at 1 s, and the run ends with it");
+  EXPECT_EQ(stage.session.status().ended_by, "departure");
+  EXPECT_EQ(stage.session.status().ended_with, "/b");
   EXPECT_EQ(stage.session.takeLog().size(), 1U);
   EXPECT_TRUE(stage.session.status().ended_as_wished);
 }
