@@ -1,7 +1,16 @@
-"""plan.json and trial.json, read as if anybody had written them: plain files of a bounded size, with what is wanted."""
+"""plan.json and trial.json: what stands in them, read as if anybody had written them.
+
+They are plain files of a bounded size. What a key may hold says its type here; what stands for one that is not there is
+its default: a file of an older version lacks some. Keys that are not known are left alone.
+"""
+from __future__ import annotations
+
+import dataclasses
 import math
 import os
 import re
+from dataclasses import dataclass, field
+from typing import Any, Dict, List, Optional, Tuple, Type, TypeVar, Union, get_type_hints
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.json_files import load_json_mapping
@@ -9,92 +18,177 @@ from move_base_abstract.common.shown import shown
 
 FORMAT = 1
 MAX_PLAN_BYTES = 512 * 1024 * 1024  # there may be 1,000,000 trials in it
+COMPLETE, FAILED = 'complete', 'failed'  # status
+IDENTICAL, DIFFERENT = 'identical', 'different'  # verified
+Number = Union[int, float, None]
+T = TypeVar('T')
 _ID = re.compile(r'[A-Za-z0-9_][A-Za-z0-9._-]{0,199}\Z')
-_NUMBER = (int, float, type(None))
-_TEXT = (str, type(None))
-#: of each key the kinds that are allowed, and what stands for one that is not there
-_PLAN = {'experiment': ((str,), ''), 'factors': ((dict,), {}), 'metrics': ((dict,), {}), 'provenance': ((dict,), {}),
-         'trials': ((list,), []), 'kept': ((dict,), {})}
-_PLANNED = {'made_of': (_TEXT, None), 'kept': (_TEXT, None), 'program': (_TEXT, None),
-            'configuration': ((dict,), {}), 'replication': ((int,), 0), 'seed': ((int,), 0)}
-_TRIAL = {'configuration': ((dict,), {}), 'replication': ((int,), 0), 'seed': ((int,), 0), 'status': ((str,), ''),
-          'error': (_TEXT, None), 'metrics': ((dict,), {}),
-          **dict.fromkeys(('simulated_seconds', 'wall_seconds', 'times_real_time'), (_NUMBER, None)),
-          'repeatable': ((bool,), False), 'labels': ((list,), []), 'events': ((int,), 0), 'log_sha256': (_TEXT, None),
-          'verified': (_TEXT, None), 'difference': (_TEXT, None), 'robots': ((dict,), {}), 'made_of': (_TEXT, None),
-          'ended_by': (_TEXT, None), 'program': (_TEXT, None), 'worker': (_TEXT, ''), 'attempts': ((int,), 1)}
+_KINDS = {dict: 'a mapping', list: 'a list', str: 'a text', int: 'a whole number', bool: 'true or false',
+          float: 'a number', type(None): 'null'}
 
 
-def read_plan(folder):
+@dataclass
+class Planned:
+    """A trial in plan.json. ``kept``: of an old program, and why it is kept all the same; None: it is not."""
+
+    id: str
+    configuration: Dict[str, Any] = field(default_factory=dict)
+    replication: int = 0
+    seed: int = 0
+    made_of: Optional[str] = None
+    program: Optional[str] = None
+    kept: Optional[str] = None
+
+    @property
+    def written(self) -> Dict[str, Any]:
+        """What the file says of it."""
+        return {key: value for key, value in vars(self).items() if value is not None}
+
+
+@dataclass
+class Plan:
+    """plan.json: the trials of an experiment, and what the report is told of it."""
+
+    experiment: str = ''
+    factors: Dict[str, Any] = field(default_factory=dict)
+    metrics: Dict[str, Any] = field(default_factory=dict)
+    primary: Any = None
+    baseline: Any = None
+    at_limit: Any = None
+    smallest_difference: Any = None
+    until: Any = None
+    replications: Any = None
+    verify: Any = None
+    report: Any = None
+    provenance: Dict[str, Any] = field(default_factory=dict)
+    trials: List[Planned] = field(default_factory=list)
+
+
+@dataclass
+class Result:
+    """trial.json: what became of a trial. Durations in s."""
+
+    id: str
+    configuration: Dict[str, Any] = field(default_factory=dict)
+    replication: int = 0
+    seed: int = 0
+    status: str = FAILED
+    error: Optional[str] = None
+    metrics: Dict[str, Number] = field(default_factory=dict)
+    simulated_seconds: Number = None
+    wall_seconds: Number = None
+    times_real_time: Number = None
+    repeatable: bool = False
+    labels: List[str] = field(default_factory=list)
+    events: int = 0
+    log_sha256: Optional[str] = None
+    verified: Optional[str] = None
+    difference: Optional[str] = None
+    robots: Dict[str, Any] = field(default_factory=dict)
+    ended_by: Optional[str] = None
+    open_goals: Optional[int] = None
+    crashes: List[str] = field(default_factory=list)
+    ends: List[Any] = field(default_factory=list)
+    made_of: Optional[str] = None
+    program: Optional[str] = None
+    worker: Optional[str] = ''
+    attempts: int = 1
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether it has come to its end."""
+        return self.status == COMPLETE
+
+    @property
+    def written(self) -> Dict[str, Any]:
+        """What the file says."""
+        return {'format': FORMAT, **vars(self)}
+
+    def fail(self, problem: str) -> None:
+        """It has failed after all."""
+        self.status, self.error = FAILED, problem
+
+
+def read_plan(folder: str) -> Plan:
     """Return plan.json of an experiment's folder. :raises ConfigurationError: if it is none."""
     path = os.path.join(folder, 'plan.json')
     try:
-        plan = load_json_mapping(path, MAX_PLAN_BYTES)
+        content = load_json_mapping(path, MAX_PLAN_BYTES)
     except FileNotFoundError:
         raise ConfigurationError(f'{path}: is not there; `experiment run FILE -o OUT` makes it') from None
-    _check(plan, _PLAN, path)
-    for place, one in enumerate(plan['trials']):
-        where = f'{path}: trials[{place}]'
-        if not isinstance(one, dict) or not isinstance(one.get('id'), str) or not _ID.match(one['id']):
-            raise ConfigurationError(f"{where}: must be a mapping with an 'id' of letters, digits, '.', '_' and '-', "
-                                     f'got {shown(one)}')
-        _check_kinds(one, _PLANNED, where)
-    for name, levels in plan['factors'].items():
-        _check_kinds({f'factors.{name}': levels}, {f'factors.{name}': ((list,), [])}, path)
+    plan = _read(Plan, content, path, FORMAT)
+    for name, levels in plan.factors.items():
+        _check({f'factors.{name}': levels}, {f'factors.{name}': (list,)}, path)
+    plan.trials = [_planned(one, f'{path}: trials[{place}]') for place, one in enumerate(content.get('trials', []))]
     return plan
 
 
-def read_planned(folder, planned):
+def _planned(content: Any, where: str) -> Planned:
+    if not isinstance(content, dict) or not isinstance(content.get('id'), str) or not _ID.match(content['id']):
+        raise ConfigurationError(f"{where}: must be a mapping with an 'id' of letters, digits, '.', '_' and '-', "
+                                 f'got {shown(content)}')
+    return _read(Planned, content, where)
+
+
+def read_planned(folder: str, planned: Planned) -> Optional[Result]:
     """Return trial.json of an entry of a plan's trials, or None if it is not there, or is made of something else.
 
     One that is kept though it is of another program says so among its labels. :raises: as read_trial().
     """
-    about = read_trial(folder, planned['id'])
-    if about is None or None not in (planned.get('made_of'), about['made_of']) and (
-            planned['made_of'] != about['made_of']):
+    result = read_trial(folder, planned.id)
+    if result is None or None not in (planned.made_of, result.made_of) and planned.made_of != result.made_of:
         return None
-    return {**about, 'labels': [*about['labels'], planned['kept']]} if planned.get('kept') else about
+    return dataclasses.replace(result, labels=[*result.labels, planned.kept]) if planned.kept else result
 
 
-def read_trial(folder, name):
+def read_trial(folder: str, name: str) -> Optional[Result]:
     """Return trial.json of a trial of an experiment's folder, or None if it is not there.
 
     :raises ConfigurationError: if it cannot be understood; the text begins with its path.
     """
     path = os.path.join(folder, 'trials', name, 'trial.json')
     try:
-        about = load_json_mapping(path)
+        content = load_json_mapping(path)
     except FileNotFoundError:
         return None
-    return checked_trial(about, name, path)
+    return result_of(content, name, path)
 
 
-def checked_trial(about, name, where):
-    """Return trial.json's content, whole. :raises ConfigurationError: if it is none of the trial ``name``."""
-    _check(about, _TRIAL, where)
-    if about.setdefault('id', name) != name:
-        raise ConfigurationError(f"{where}: 'id' must be {name!r}, got {shown(about['id'])}")
-    for label in about['labels']:
-        _check_kinds({'labels': label}, {'labels': ((str,), '')}, where)
-    for metric, value in about['metrics'].items():
-        _check_kinds({f'metrics.{metric}': value}, {f'metrics.{metric}': (_NUMBER, None)}, where)
-    return about
+def result_of(content: Any, name: str, where: str) -> Result:
+    """Return trial.json's content as a Result. :raises ConfigurationError: if it is none of the trial ``name``."""
+    result = _read(Result, {'id': name, **content}, where, FORMAT)
+    if result.id != name:
+        raise ConfigurationError(f"{where}: 'id' must be {name!r}, got {shown(result.id)}")
+    for label in result.labels:
+        _check({'labels': label}, {'labels': (str,)}, where)
+    for metric, value in result.metrics.items():
+        _check({f'metrics.{metric}': value}, {f'metrics.{metric}': (int, float, type(None))}, where)
+    return result
 
 
-def _check(content, kinds, path):
-    if content.get('format') != FORMAT or isinstance(content['format'], bool):
-        raise ConfigurationError(f"{path}: 'format' must be {FORMAT}, got {shown(content.get('format'))}; another "
-                                 'version of this program wrote it')
-    _check_kinds(content, kinds, path)
-    for key, (_, otherwise) in kinds.items():
-        content.setdefault(key, type(otherwise)(otherwise) if isinstance(otherwise, (list, dict)) else otherwise)
+def _read(cls: Type[T], content: Dict[str, Any], where: str, wanted_format: Optional[int] = None) -> T:
+    """Return the dataclass of a mapping, whose values have the types that it says."""
+    if wanted_format and (content.get('format') != wanted_format or isinstance(content['format'], bool)):
+        raise ConfigurationError(f"{where}: 'format' must be {wanted_format}, got {shown(content.get('format'))}; "
+                                 'another version of this program wrote it')
+    hints = get_type_hints(cls)
+    _check(content, {name: _types_of(hint) for name, hint in hints.items()}, where)
+    return cls(**{name: content[name] for name in hints if name in content})
 
 
-def _check_kinds(content, kinds, where):
-    for key, (allowed, _) in kinds.items():
+def _types_of(hint: Any) -> Tuple[type, ...]:
+    """Return the types that values of a type hint have in a file of JSON; () for any."""
+    if hint is Any:
+        return ()
+    origin = getattr(hint, '__origin__', hint)
+    return tuple(_types_of(one)[0] for one in hint.__args__) if origin is Union else (origin,)
+
+
+def _check(content: Dict[str, Any], types: Dict[str, Tuple[type, ...]], where: str) -> None:
+    for key, allowed in types.items():
         value = content.get(key)
-        if key in content and (not isinstance(value, allowed) or isinstance(value, bool) and bool not in allowed
-                               or isinstance(value, float) and not math.isfinite(value)):
-            names = ' or '.join({dict: 'a mapping', list: 'a list', str: 'a text', int: 'a whole number', bool:
-                                 'true or false', float: 'a number', type(None): 'null'}[kind] for kind in allowed)
+        if key in content and allowed and (
+                not isinstance(value, allowed) or isinstance(value, bool) and bool not in allowed
+                or isinstance(value, float) and not math.isfinite(value)):
+            names = ' or '.join(_KINDS[one] for one in allowed)
             raise ConfigurationError(f'{where}: {key!r} must be {names}, got {shown(value)}')

@@ -1,25 +1,32 @@
 """All trials of an experiment: those that are complete stay, the others run; then the table is written."""
+from __future__ import annotations
+
 import contextlib
+import dataclasses
 import importlib
-import json
 import os
 import subprocess
 import sys
 import tarfile
 import threading  # noqa: TID251 - of the client, whose threads are Dask's
+from typing import Callable, Iterator, List, Optional, Set, TextIO, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 
 from .carrying import cluster, jobs
-from .carrying.workers import told_workers
-from .description import checks, launch_files, plan, spec
-from .results import outputs, resumed, tables
+from .carrying.workers import workers_file
+from .description import kinds, launch_files, plan, spec
+from .description.experiment import Experiment
+from .description.job import Job
+from .description.trial import Trial
+from .records import Result
+from .results import outputs, resumption, tables
 from .results.progress import Progress
-from .trials import trial
+from .trials import execution
 
 
-def run(path, output, workers, scheduler, stream=sys.stdout, folder=None, keep_old=False,
-        has_dashboard=False):
+def run(path: str, output: str, workers: int, scheduler: Optional[str], stream: TextIO = sys.stdout,
+        folder: Optional[str] = None, keep_old: bool = False, has_dashboard: bool = False) -> int:
     """Run what is missing of the experiment in a file; return how many trials failed, or differ when run again.
 
     folder: where relative paths in it start, if not where it lies. keep_old: complete trials of another program stay.
@@ -32,32 +39,30 @@ def run(path, output, workers, scheduler, stream=sys.stdout, folder=None, keep_o
     chosen = plan.trials(experiment)
     if scheduler is None:
         check(experiment, chosen)
-    with outputs.OutputFolder(output) as folder:
-        about = plan.describe(experiment, chosen, text)
-        missing = resumed.missing(experiment, chosen, folder, about, keep_old, stream)
-        folder.write('experiment.yaml', text)
-        folder.write_pieces('plan.json', tables.plan_text(about))
+    with outputs.OutputFolder(output) as out:
+        planned = plan.describe(experiment, chosen, text)
+        missing = resumption.missing(chosen, out, planned, keep_old, stream)
+        out.write('experiment.yaml', text)
+        out.write_pieces('plan.json', tables.plan_text(planned))
         try:
-            _run_missing(experiment, chosen, missing, folder, (workers, scheduler, has_dashboard), stream)
+            _run_missing(chosen, missing, out, (workers, scheduler, has_dashboard), stream)
         finally:
-            told = tables.write(folder, about)
-        return _tell(folder, told, stream)
+            summary = tables.write(out, planned)
+        return _tell(out, summary, stream)
 
 
-def check(experiment, chosen):
+def check(experiment: Experiment, chosen: List[Trial]) -> None:
     """Complain of a launch file or a function that cannot be used, before anything starts.
 
     :raises ConfigurationError: naming it.
     """
     with _asked_functions(experiment) as complain:
-        seen = set()
+        seen: Set[Tuple[str, ...]] = set()
         for one in chosen if experiment.launch else ():
-            if one.replication == 0:  # the others have other seeds only
-                job = jobs.make_job(experiment, one)
-                key = (job['launch'], *job['arguments'])
-                if key not in seen:
-                    seen.add(key)
-                    _check_launch(job)
+            key = (one.launch, *one.arguments)
+            if one.replication == 0 and key not in seen:  # the others have other seeds only
+                seen.add(key)
+                _check_launch(one)
         for name in experiment.inputs:
             if not os.path.isfile(os.path.join(experiment.folder, name)):
                 raise ConfigurationError(f'inputs: there is no file {os.path.join(experiment.folder, name)}')
@@ -77,18 +82,16 @@ for key, name in zip(sys.argv[2::2], sys.argv[3::2]):
 
 
 @contextlib.contextmanager
-def _asked_functions(experiment):
+def _asked_functions(experiment: Experiment) -> Iterator[Callable[[], None]]:
     """Have a process load the experiment's functions meanwhile; gives a function that complains of what it found."""
-    names = [(key, name) for key, name in (
-        ('metrics', experiment.function), ('function', experiment.trial_function),
-        ('prepare', experiment.prepare)) if name]
+    names = list(experiment.functions.items())
     if not names:
         yield lambda: None
         return
     words = [sys.executable, '-c', _LOAD, experiment.folder, *[word for pair in names for word in pair]]
     with subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
 
-        def complain():
+        def complain() -> None:
             with contextlib.suppress(ImportError):
                 importlib.import_module('distributed')  # which takes as long, and is needed next
             said, problem = process.communicate()
@@ -103,49 +106,52 @@ def _asked_functions(experiment):
             process.kill()
 
 
-def _check_launch(job):
+def _check_launch(trial: Trial) -> None:
     from roslaunch.arg_dump import get_args
 
     from move_base_abstract_ros.launching import roles
-    path = launch_files.find(job['launch'], job['folder'])
+    experiment, arguments = trial.experiment, trial.arguments
+    path = launch_files.find(trial.launch, experiment.folder)
     declared = get_args([path])  # roslaunch itself takes no notice of others
-    for word in job['arguments']:
-        if word.partition(':=')[0] not in declared:
-            raise checks.unknown('args: the argument', word.partition(':=')[0], declared)
+    for name in experiment.args:
+        if name not in declared:
+            raise kinds.unknown('args: the argument', name, declared)
     try:
-        config = launch_files.read([(path, job['arguments'])])
+        config = launch_files.read([(path, arguments)])
     except ConfigurationError as error:
-        raise ConfigurationError(f"launch, with {' '.join(job['arguments']) or 'no arguments'}: {error}") from None
+        raise ConfigurationError(f"launch, with {' '.join(arguments) or 'no arguments'}: {error}") from None
     names = [roles.name_of(node) for node in config.nodes]
-    for key in ('participants', 'leave_out'):
-        for name in job[key] or ():
+    for key, nodes in (('participants', experiment.participants or ()), ('leave_out', experiment.leave_out)):
+        for name in nodes:
             if name not in names:
-                raise checks.unknown(f'{key}: the node', name, names)
+                raise kinds.unknown(f'{key}: the node', name, names)
 
 
-def _run_missing(experiment, chosen, missing, folder, where, stream):
+def _run_missing(chosen: List[Trial], missing: List[Trial], folder: outputs.OutputFolder,
+                 where: Tuple[int, Optional[str], bool], stream: TextIO) -> None:
     progress = Progress(stream, len(chosen), len(chosen) - len(missing))
     if not missing:
         return
 
-    def done(job, worker, content, problem, attempts):
+    def done(job: Job, worker: str, content: Optional[bytes], problem: Optional[str], attempts: int) -> None:
         progress.count(_taken(folder, job, worker, content, problem, attempts))
     workers, scheduler, has_dashboard = where
     with cluster.connected(min(workers, len(missing)), scheduler, has_dashboard) as (client, watch), \
-            told_workers(folder) as tell:
+            workers_file(folder) as tell:
         progress.begin(client, has_dashboard or scheduler is not None)
         threading.Thread(target=_import_report, name='report', daemon=True).start()
 
-        def look(runner):
+        def look(runner: cluster.Runner) -> None:
             progress.look(runner)
-            tell(watch.told)
-        shared = jobs.shared_of(experiment)
+            tell(watch.known)
+        common = jobs.common_of(missing[0].experiment)
         cluster.Runner(client, watch, done, again, look, folder.together).run(
-            (jobs.make_job(experiment, one, shared) for one in missing), len(missing))
+            (jobs.make_job(one, common) for one in missing), len(missing))
 
 
-def _taken(folder, job, worker, content, problem, attempts):
-    """Put what a trial has left into its place, or why there is nothing; return trial.json's content.
+def _taken(folder: outputs.OutputFolder, job: Job, worker: str, content: Optional[bytes], problem: Optional[str],
+           attempts: int) -> Result:
+    """Put what a trial has left into its place, or why there is nothing; return its Result.
 
     Whatever is wrong with one trial ends no other: only a disk that takes nothing more does.
     """
@@ -155,50 +161,40 @@ def _taken(folder, job, worker, content, problem, attempts):
         except (SimulatorError, OSError, EOFError, ValueError, LookupError, TypeError, AttributeError,
                 tarfile.TarError) as error:
             problem = f'its outputs cannot be taken: {error}'
-    about = failure(job, problem, attempts)
+    result = dataclasses.replace(execution.result_of(job), error=problem, attempts=attempts)
     with contextlib.suppress(ConfigurationError):  # somebody has put something into its folder, which stays as it is
-        folder.put_failure(about)
-    return about
+        folder.put_failure(result)
+    return result
 
 
-def _import_report():
+def _import_report() -> None:
     """Import what the report needs, which takes a second, while the workers work."""
     with contextlib.suppress(Exception):  # whoever writes the report says what is missing
         for name in ('.report.command', 'matplotlib.backends.backend_agg', 'matplotlib.backends.backend_svg'):
             importlib.import_module(name, __package__)
 
 
-def again(content, job):
+def again(content: Optional[bytes], job: Job) -> Optional[Job]:
     """Return the job that runs a trial once more whose outputs (None: there are none) say that it failed, or None."""
     if content is None:
         return job
     try:
         with outputs.opened(content) as archive:
-            about = json.load(archive.extractfile(archive.next()))
-        return None if about['status'] == trial.COMPLETE else {**job, 'crashed_before': about['crashes']}
-    except (OSError, EOFError, ValueError, LookupError, TypeError, AttributeError, tarfile.TarError):
+            result = outputs.result_in(archive)
+        return None if result.is_complete else dataclasses.replace(job, crashed_before=tuple(result.crashes))
+    except (SimulatorError, OSError, EOFError, ValueError, LookupError, TypeError, AttributeError, tarfile.TarError):
         return job
 
 
-def failure(job, problem, attempts):
-    """Return trial.json's content of a trial that has left nothing."""
-    return {'format': trial.FORMAT, **{key: job[key] for key in ('id', 'configuration', 'replication', 'seed',
-                                                                 'made_of', 'program')},
-            'status': trial.FAILED, 'error': problem, 'metrics': {}, 'simulated_seconds': None, 'wall_seconds': None,
-            'times_real_time': None, 'repeatable': False, 'labels': [], 'events': 0, 'log_sha256': None,
-            'verified': None, 'difference': None, 'robots': {}, 'crashes': [], 'ends': [], 'worker': '',
-            'attempts': attempts}
-
-
-def _tell(folder, told, stream):
+def _tell(folder: outputs.OutputFolder, told: tables.Summary, stream: TextIO) -> int:
     """Say in a few lines what came out; return how many trials are not as they should be."""
     total = told.complete + told.failed_count + told.missing
     print(f'experiment: {told.complete} of {total} trials are complete'
           + (f'; run twice: {told.identical} identical, {told.different_count} different'
              if told.identical or told.different_count else ''), file=stream)
     for one in told.failed:
-        print(f"  failed: {one['id']}: {one['error']}", file=stream)
+        print(f'  failed: {one.id}: {one.error}', file=stream)
     for one in told.different:
-        print(f"  different: {one['id']}: {one['difference']}", file=stream)
+        print(f'  different: {one.id}: {one.difference}', file=stream)
     print(f'table: {os.path.join(str(folder.path), "trials.csv")}', file=stream, flush=True)
     return total - told.complete + told.different_count

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Experiments with real worker processes: killed workers and clients, failures, warm and cold starts, what is left."""
 import csv
+import dataclasses
 import io
 import json
 import os
@@ -19,7 +20,7 @@ from own_folder import OwnFolder
 from move_base_abstract_experiments import records
 from move_base_abstract_experiments.carrying import jobs
 from move_base_abstract_experiments.description import plan, spec
-from move_base_abstract_experiments.results import outputs, tables
+from move_base_abstract_experiments.results import tables
 from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 200.0  # s, wall; only ends what would never end
@@ -166,6 +167,10 @@ class Experiments(OwnFolder, unittest.TestCase):
         return [name for name in os.listdir(folder) if not name.endswith('.unfinished')] if os.path.isdir(
             folder) else []
 
+    def results(self, out):
+        """Return the Results of an experiment's folder."""
+        return [records.read_trial(self.path(out), one.id) for one in records.read_plan(self.path(out)).trials]
+
     def test_killed_workers_and_clients_lose_nothing_and_change_nothing(self):
         file = self.write('sweep.yaml', SWEEP)
         whole = Client(self.folder, file, 'whole')
@@ -220,27 +225,26 @@ class Experiments(OwnFolder, unittest.TestCase):
         self.assertEqual((code, "did you mean 'what'" in text, os.path.exists(self.path('mistaken'))), (2, True, False))
         code, text = Client(self.folder, file, 'out').end()
         self.assertEqual(code, 1, text)
-        good, bad, callback, killed = (outputs.read_trial(self.path('out'), one['id']) for one in records.read_plan(
-            self.path('out'))['trials'])
-        self.assertEqual((good['status'], good['error'], good['metrics'].get('said')), ('complete', None, 1))
-        self.assertEqual(good['simulated_seconds'], 1.0)
-        self.assertEqual((bad['status'], bad['attempts']), ('failed', 2))
-        self.assertIn('ValueError: this one is wrong', bad['error'])
-        self.assertTrue(os.path.isfile(self.path('out/trials/{}/logs/say.txt'.format(bad['id']))))
-        self.assertEqual((good['crashes'], {one['crashed'] for one in good['ends']}), ([], {False}))
+        good, bad, callback, killed = self.results('out')
+        self.assertEqual((good.status, good.error, good.metrics.get('said')), ('complete', None, 1))
+        self.assertEqual(good.simulated_seconds, 1.0)
+        self.assertEqual((bad.status, bad.attempts), ('failed', 2))
+        self.assertIn('ValueError: this one is wrong', bad.error)
+        self.assertTrue(os.path.isfile(self.path('out/trials/{}/logs/say.txt'.format(bad.id))))
+        self.assertEqual((good.crashes, {one['crashed'] for one in good.ends}), ([], {False}))
         for one, how in ((callback, 'KeyError in a callback of rospy.Timer, say.py, line 10'),
                          (killed, 'ended by SIGKILL')):
             crash = '/say crashed at 1.500000000 s: ' + how
-            self.assertEqual((one['status'], one['crashes'], one['ended_by']), ('failed', [crash], 'crash'))
-            self.assertTrue(one['error'].startswith(crash), one['error'])
-        told, = (one for one in killed['ends'] if one['node'] == '/say')
+            self.assertEqual((one.status, one.crashes, one.ended_by), ('failed', [crash], 'crash'))
+            self.assertTrue(one.error.startswith(crash), one.error)
+        told, = (one for one in killed.ends if one['node'] == '/say')
         self.assertEqual((told['signal'], told['at'], told['crashed']), ('SIGKILL', 1.5, True))
         allowed = self.write('allowed.yaml', WRONG.replace('[good, bad, callback, killed]', '[callback]')
                              + 'crashes: allow\n')
         code, text = Client(self.folder, allowed, 'allowed').end()
         self.assertEqual(code, 0, text)
-        about = outputs.read_trial(self.path('allowed'), records.read_plan(self.path('allowed'))['trials'][0]['id'])
-        self.assertEqual((about['status'], about['crashes']), ('complete', callback['crashes']))
+        about = self.results('allowed')[0]
+        self.assertEqual((about.status, about.crashes), ('complete', callback.crashes))
         code, text = Client(self.folder, self.write('allowed.yaml', WRONG.replace(
             '[good, bad, callback, killed]', '[callback]')), 'allowed').end()
         self.assertEqual((code, 'complete already' in text), (1, False), text)
@@ -251,10 +255,10 @@ class Experiments(OwnFolder, unittest.TestCase):
         file = self.write('command.yaml', COMMAND.format(program))
         code, text = Client(self.folder, file, 'command').end()
         self.assertEqual(code, 0, text)
-        only = outputs.read_trial(self.path('command'), records.read_plan(self.path('command'))['trials'][0]['id'])
-        self.assertEqual((only['status'], only['simulated_seconds'], only['repeatable'], only['ended_by']),
+        only = self.results('command')[0]
+        self.assertEqual((only.status, only.simulated_seconds, only.repeatable, only.ended_by),
                          ('complete', 1.0, True, 'topic'))
-        with open(self.path('command/trials/{}/messages.jsonl'.format(only['id']))) as stream:
+        with open(self.path('command/trials/{}/messages.jsonl'.format(only.id))) as stream:
             self.assertIn('"one"', stream.read())
 
     def test_short_functions_share_processes_and_leave_each_other_nothing(self):
@@ -264,14 +268,13 @@ class Experiments(OwnFolder, unittest.TestCase):
         client.workers()[0].kill()
         code, text = client.end()
         self.assertEqual(code, 1, text)
-        found = [outputs.read_trial(self.path('short'), one['id'])
-                 for one in records.read_plan(self.path('short'))['trials']]
-        self.assertEqual([one['id'] for one in found if one['status'] != 'complete'], [found[30]['id']], text)
-        self.assertIn('ended with code -9', found[30]['error'])
-        self.assertEqual(found[30]['attempts'], 2)
+        found = self.results('short')
+        self.assertEqual([one.id for one in found if not one.is_complete], [found[30].id], text)
+        self.assertIn('ended with code -9', found[30].error)
+        self.assertEqual(found[30].attempts, 2)
         del found[30]
-        self.assertEqual({one['metrics']['left'] for one in found}, {2})  # logs and files, as when they are new
-        self.assertEqual([one['metrics']['seed_again'] for one in found], [k for k in range(120) if k != 30])
+        self.assertEqual({one.metrics['left'] for one in found}, {2})  # logs and files, as when they are new
+        self.assertEqual([one.metrics['seed_again'] for one in found], [k for k in range(120) if k != 30])
         wait_for(lambda: not client.left(), 'the end of all processes')
 
     def test_a_warm_start_changes_nothing(self):
@@ -279,7 +282,7 @@ class Experiments(OwnFolder, unittest.TestCase):
         one = plan.trials(experiment)[0]
         warm = jobs.WarmProcess()
         try:
-            logs = [self.log_of(warm.run(jobs.make_job(experiment, one._replace(verified_by=again), is_warm=is_warm)),
+            logs = [self.log_of(warm.run(jobs.make_job(dataclasses.replace(one, verified_by=again), is_warm=is_warm)),
                                 again) for is_warm, again in ((True, ''), (False, 'order'), (True, ''))]
         finally:
             warm.close()

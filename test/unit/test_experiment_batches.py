@@ -1,17 +1,26 @@
 """Batches of short trials: how many go together, and that each stays one by itself, whatever becomes of its worker."""
 import collections
 import contextlib
+import dataclasses
 import os
+import pickle
 from types import SimpleNamespace
 
 import pytest
 
+from experiment_jobs import job_of
 from move_base_abstract_experiments.carrying import batches, cluster, jobs, spool
 from move_base_abstract_experiments.trials import run_folders
 
 
 def jobs_of(count):
-    return [{'id': f'{number:04d}-abcdef', 'seed': number, 'files': {'all': 'alike'}} for number in range(count)]
+    first = job_of()
+    return [dataclasses.replace(first, trial=dataclasses.replace(first.trial, id=f'{number:04d}-abcdef', seed=number))
+            for number in range(count)]
+
+
+def batch_of(count):
+    return pickle.dumps(jobs_of(count))
 
 
 @pytest.fixture
@@ -20,8 +29,8 @@ def ran(monkeypatch):
     seen = []
 
     def carry_out(job, target=None):
-        seen.append(job['seed'])
-        content = str(job['seed']).encode()
+        seen.append(job.trial.seed)
+        content = str(job.trial.seed).encode()
         if target is None:
             return 'w', content, None
         with open(target, 'wb') as stream:
@@ -47,15 +56,17 @@ def test_as_many_go_together_as_take_a_second_and_all_threads_have_some_left():
 
 
 def test_what_all_jobs_have_in_common_travels_once():
-    common, each = batches.packed(jobs_of(3))
-    assert common == {'files': {'all': 'alike'}}
-    assert [{**common, **own} for own in each] == jobs_of(3)
+    many, text = jobs_of(100), 'x' * 10_000
+    many = [dataclasses.replace(one, common=many[0].common._replace(sources={'a.py': text})) for one in many[:1]] * 100
+    assert len(pickle.dumps(many)) < 2 * len(text)
+    assert len(batch_of(100)) < 100 * 200 < len(pickle.dumps(jobs_of(1)[0])) * 100
+    assert pickle.loads(batch_of(3)) == jobs_of(3)
 
 
 def test_a_worker_gives_back_what_it_has_not_begun_in_time(ran, monkeypatch):
     now = iter(range(0, 1000, 2))
     monkeypatch.setattr(batches.time, 'monotonic', lambda: next(now))
-    _, count, answers = batches.carry_out(batches.packed(jobs_of(10)), None)
+    _, count, answers = batches.carry_out(pickle.dumps(jobs_of(10)), None)
     assert (count, ran) == (2, [0, 1])
     assert [batches.Answer(*one).outputs for one in answers] == [b'0', b'1']
 
@@ -67,7 +78,7 @@ def test_a_worker_that_is_to_end_begins_no_more(ran, monkeypatch):
         jobs.end_all()
         return carry_out(*words)
     monkeypatch.setattr(jobs, 'carry_out', ended_meanwhile)
-    assert len(batches.carry_out(batches.packed(jobs_of(5)), None)[2]) == 1
+    assert len(batches.carry_out(pickle.dumps(jobs_of(5)), None)[2]) == 1
     assert ran == [0]
 
 
@@ -78,7 +89,7 @@ def test_what_a_worker_that_died_has_completed_stays_and_the_trial_under_way_is_
         notes.begin(number)
         (tmp_path / 'key' / f'{number:04d}.tar').write_bytes(b'by the first')
     notes.begin(2)
-    _, count, answers = batches.carry_out(batches.packed(jobs_of(5)), notes.path)
+    _, count, answers = batches.carry_out(pickle.dumps(jobs_of(5)), notes.path)
     assert (count, ran) == (2, [3, 4])
     assert [batches.Answer(*one).is_lost for one in answers] == [False, False, True, False, False]
     assert [notes.take(number) for number in range(5)] == [b'by the first'] * 2 + [None, b'3', b'4']
@@ -96,7 +107,7 @@ class Dask:
         self.deaths = 0
 
     def submit(self, function, batch, path, key, **_options):
-        self.sizes.append(len(batch[1]))
+        self.sizes.append(len(pickle.loads(batch)))
         result = self._result(function, batch, path)
         return SimpleNamespace(key=key, result=lambda timeout: result() if callable(result) else result,
                                release=lambda: None, add_done_callback=lambda tell: tell(SimpleNamespace(key=key)))
@@ -118,7 +129,7 @@ def run(monkeypatch, count, deadly=(), shared=None, failing=()):
     done, carry_out = {}, jobs.carry_out
 
     def dies(job, target=None):
-        if job['seed'] in deadly:
+        if job.trial.seed in deadly:
             raise ConnectionError
         return carry_out(job, target)
     monkeypatch.setattr(jobs, 'carry_out', dies)
@@ -126,9 +137,9 @@ def run(monkeypatch, count, deadly=(), shared=None, failing=()):
     client = Dask(deadly)
 
     def take(job, _worker, outputs, problem, attempts):
-        assert job['seed'] not in done
-        done[job['seed']] = (outputs, problem, attempts)
-    runner = cluster.Runner(client, watch, take, lambda _outputs, job: job if job['seed'] in failing else None,
+        assert job.trial.seed not in done
+        done[job.trial.seed] = (outputs, problem, attempts)
+    runner = cluster.Runner(client, watch, take, lambda _outputs, job: job if job.trial.seed in failing else None,
                             lambda _runner: None, contextlib.nullcontext)
     runner._sizes.learn(100, 10.0)  # ten in a second
     runner.run(jobs_of(count), count)

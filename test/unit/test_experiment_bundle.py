@@ -1,13 +1,13 @@
 """What a trial leaves, whatever its files are called and are: it costs no other trial anything."""
-import json
 import os
 
 import pytest
 
-from move_base_abstract_experiments import sweep
+from experiment_jobs import job_of
+from move_base_abstract_experiments import records, sweep
 from move_base_abstract_experiments.results import outputs, tables
 from move_base_abstract_experiments.trials import bundle, run_folders
-from test_experiment_outputs import ABOUT, ID, PLAN, packed, trial
+from test_experiment_outputs import ABOUT, ID, packed, plan, trial
 
 NAMES = ['result 0.csv', 'a\nb.csv', '\u00fc.csv', '[1](2){3}.csv', b'\xff\xfe.csv', '-rf.csv', '.hidden.csv',
          '%20.csv', 'x' * 250 + '.csv', '\u00fc' * 120 + '.csv', '~.csv', '.made_by_move_base_abstract', 'x.part',
@@ -22,9 +22,9 @@ def folders(tmp_path):
 
 def taken(tmp_path, folders, patterns=('*',), **about):
     """Pack what is there, take it as the client does; return (trial.json's content, names in its folder)."""
-    bundle.pack(str(tmp_path), folders, patterns, {**ABOUT, **about}, has_all_logs=False)
+    bundle.pack(str(tmp_path), folders, patterns, records.result_of({**ABOUT, **about}, ID, ''), has_all_logs=False)
     with outputs.OutputFolder(tmp_path / 'out') as folder:
-        told = sweep._taken(folder, {**ABOUT}, 'w', (tmp_path / bundle.OUTPUTS).read_bytes(), None, 1)
+        told = sweep._taken(folder, job_of(id=ID), 'w', (tmp_path / bundle.OUTPUTS).read_bytes(), None, 1)
         return told, sorted(os.listdir(folder.place(ID)))
 
 
@@ -35,7 +35,7 @@ def test_any_name_of_a_file_is_kept_and_different_ones_stay_different(tmp_path, 
         with open(os.path.join(os.fsencode(folders.logs), os.fsencode(name)[:240] + b'.txt'), 'wb') as stream:
             stream.write(b'said')
     told, names = taken(tmp_path, folders)
-    assert (told['status'], told['error']) == ('complete', None)
+    assert (told.status, told.error) == ('complete', None)
     kept = [name for name in names if name.startswith('files-')]
     assert len(kept) == len(NAMES)
     assert {'files-result%200.csv', 'files-%C3%BC.csv', 'files-%2Drf.csv', 'files-a%0Ab.csv'} <= set(kept)
@@ -52,7 +52,7 @@ def test_what_is_no_plain_file_is_left_out_and_told(tmp_path, folders):
         os.mkdir(os.path.join(folder, 'folder.txt'))
         os.symlink('/dev/zero', os.path.join(folder, 'link.txt'))
     told, names = taken(tmp_path, folders)
-    assert (told['status'], told['error']) == (
+    assert (told.status, told.error) == (
         'complete', '2 of its files are not kept; files-link.txt: it is no plain file')
     assert not [name for name in names if name.startswith('files-')]
 
@@ -61,7 +61,7 @@ def test_what_is_larger_than_allowed_fails_that_trial_alone(tmp_path, folders):
     with open(os.path.join(folders.files, 'large'), 'wb') as stream:
         stream.truncate(bundle.MOST_BYTES + 1)
     told, names = taken(tmp_path, folders)
-    assert (told['status'], 'more than 536870912 bytes' in told['error']) == ('failed', True)
+    assert (told.status, 'more than 536870912 bytes' in told.error) == ('failed', True)
     assert 'files-large' not in names
 
 
@@ -71,19 +71,19 @@ def test_what_is_larger_than_allowed_fails_that_trial_alone(tmp_path, folders):
                          ids=range(9))
 def test_outputs_that_cannot_be_taken_are_a_trial_that_failed(tmp_path, content):
     with outputs.OutputFolder(tmp_path / 'out') as folder:
-        about = sweep._taken(folder, {**ABOUT}, 'w', content, None, 2)
-        assert (about['status'], about['attempts']) == ('failed', 2)
-        assert about['error'].startswith('its outputs cannot be taken: ')
-        assert outputs.read_trial(folder.path, ID)['error'] == about['error']
-        tables.write(folder, json.loads(json.dumps(PLAN)))
-    job = sweep.again(content, ABOUT)
-    assert job is None or job['id'] == ABOUT['id']
+        about = sweep._taken(folder, job_of(id=ID), 'w', content, None, 2)
+        assert (about.status, about.attempts) == ('failed', 2)
+        assert about.error.startswith('its outputs cannot be taken: ')
+        assert outputs.read_planned(folder.path, records.Planned(ID)).error == about.error
+        tables.write(folder, plan())
+    job = sweep.again(content, job_of(id=ID))
+    assert job is None or job.trial.id == ID
 
 
 def test_a_note_in_a_trials_folder_stays_and_ends_no_other_trial(tmp_path):
     with outputs.OutputFolder(tmp_path / 'out') as folder:
         folder.put(packed(trial()), 'w', 1)
         (folder.place(ID) / 'note').write_text('mine')
-        about = sweep._taken(folder, {**ABOUT}, 'w', packed(trial()), None, 1)
-        assert (about['status'], 'note' in about['error']) == ('failed', True)
+        about = sweep._taken(folder, job_of(id=ID), 'w', packed(trial()), None, 1)
+        assert (about.status, 'note' in about.error) == ('failed', True)
         assert (folder.place(ID) / 'note').read_text() == 'mine'

@@ -2,13 +2,16 @@
 import importlib
 import json
 import os
+import pickle
 import subprocess
 import sys
 
 import pytest
 
+from experiment_jobs import job_of
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
-from move_base_abstract_experiments.trials import functions, run_folders, trial
+from move_base_abstract_experiments import records
+from move_base_abstract_experiments.trials import execution, functions, run_folders
 
 MODEL = """
 import os, sys, threading, time
@@ -63,15 +66,16 @@ def run(trial):
 DRAW_THRICE = """
 import json, os, sys
 import numpy
+from experiment_jobs import job_of
 from move_base_abstract_experiments.trials import functions, run_folders
 
 folder, prepared = sys.argv[1], json.loads(sys.argv[2])
 folders = run_folders.Folders(folder, folder, folder)
-job = {'configuration': {}, 'replication': 0, 'seed': 7, 'function_arguments': {}, 'factors': [], 'modules': folder,
-       'trial_function': 'draw:run', 'time_limit': 60.0, 'prepare': prepared}
+jobs = [job_of({'experiment': 'x', 'function': 'draw:run', **prepared}, modules=folder, seed=seed)
+        for seed in (7, 8, 7)]
 if prepared:
-    functions.prepare(prepared, folder)
-print(json.dumps([functions.run_trial({**job, 'seed': seed}, folders)['metrics'] for seed in (7, 8, 7)]))
+    functions.prepare(jobs[0].trial.experiment, folder)
+print(json.dumps([functions.run_trial(job, folders).metrics for job in jobs]))
 """
 
 
@@ -81,15 +85,15 @@ def call(tmp_path, n):
     folders = [str(tmp_path / name) for name in ('own', 'files', 'logs')]
     for path in folders:
         os.mkdir(path)
-    job = {'configuration': {'n': n}, 'replication': 0, 'seed': 7, 'function_arguments': {'n': n}, 'factors': ['n'],
-           'trial_function': 'model:run', 'modules': str(tmp_path), 'time_limit': 2.0 if n == 12 else 60.0,
-           'prepare': ['model:prepare', {'n': '{n}'}, {'n': [n]}]}
-    path = tmp_path / 'job.json'
-    path.write_text(json.dumps({'job': job, 'folders': folders}))
+    job = job_of({'experiment': 'x', 'function': 'model:run', 'prepare': 'model:prepare', 'args': {'n': '{n}'},
+                  'factors': {'n': [n]}, 'time_limit': 2.0 if n == 12 else 60.0}, modules=str(tmp_path), seed=7,
+                 configuration={'n': n})
+    path = tmp_path / 'job'
+    path.write_bytes(pickle.dumps((job, run_folders.Folders(*folders))))
     environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
     subprocess.run([sys.executable, '-m', 'move_base_abstract_experiments.trials.functions', str(path)], timeout=60,
                    check=True, env=environment)
-    return json.loads((tmp_path / 'job.json.answer').read_text())
+    return json.loads((tmp_path / 'job.answer').read_text())
 
 
 def test_a_function_is_called_in_its_folder_with_what_was_prepared(tmp_path):
@@ -133,10 +137,10 @@ def test_a_function_whose_process_died_has_crashed(monkeypatch, code, is_late, c
     def run_trial(*_):
         raise functions.DeathError(8.0, code, is_late)
     monkeypatch.setattr(functions, 'run_trial', run_trial)
-    about = {'ended_by': 'error'}
-    with pytest.raises(SimulatorError):
-        trial._call({'crashes': 'fail'}, None, about)
-    assert (about['crashes'], about['ended_by']) == (crashes, how)
+    result = records.Result('x')
+    with pytest.raises(SimulatorError) as raised:
+        execution._call(job_of(), None, result)
+    assert (result.crashes, raised.value.ended_by or 'error') == (crashes, how)
 
 
 def test_a_module_beside_the_file_goes_to_a_worker_that_does_not_have_it(tmp_path, monkeypatch):
@@ -148,12 +152,12 @@ def test_a_module_beside_the_file_goes_to_a_worker_that_does_not_have_it(tmp_pat
     (here / 'pack' / '__init__.py').write_text('')
     (here / 'pack' / 'inner.py').write_text('from .other import run\n')
     (here / 'pack' / 'other.py').write_text('def run(trial):\n    return 2\n')
-    sources = functions.sources(('alone:run', '', 'pack.inner:run', 'json:dumps'), str(here))
+    sources = functions.sources(('alone:run', 'pack.inner:run', 'json:dumps'), str(here))
     assert sorted(sources) == ['alone.py', 'pack/__init__.py', 'pack/inner.py', 'pack/other.py']
-    assert functions.place({'folder': str(here), 'sources': sources}, str(there))['modules'] == str(here)
+    assert functions.place(job_of(folder=str(here), sources=sources), str(there)).modules == str(here)
     (here / 'alone.py').write_text('def run(trial):\n    return 3\n')  # the worker's copy is another one
     for _ in range(2):
-        modules = functions.place({'folder': str(here), 'sources': sources}, str(there))['modules']
+        modules = functions.place(job_of(folder=str(here), sources=sources), str(there)).modules
         assert modules.startswith(str(there))
     importlib.invalidate_caches()
     assert [functions.load(name, modules)(None) for name in ('alone:run', 'pack.inner:run')] == [1, 2]
@@ -172,10 +176,10 @@ def test_of_a_package_that_is_named_itself_all_modules_go(tmp_path):
 
 def test_a_module_goes_nowhere_else(tmp_path):
     with pytest.raises(ConfigurationError, match='beside the experiment'):
-        functions.place({'folder': str(tmp_path), 'sources': {'../x.py': ''}}, str(tmp_path / 'own'))
+        functions.place(job_of(folder=str(tmp_path), sources={'../x.py': ''}), str(tmp_path / 'own'))
 
 
-@pytest.mark.parametrize('prepared', [None, ['draw:prepare', {}, {}]])
+@pytest.mark.parametrize('prepared', [{}, {'prepare': 'draw:prepare'}])
 def test_global_generators_start_from_the_trials_seed(tmp_path, prepared):
     (tmp_path / 'draw.py').write_text(DRAW)
     environment = {**os.environ, 'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1',
@@ -194,4 +198,4 @@ def test_global_generators_start_from_the_trials_seed(tmp_path, prepared):
     ('it ended', 'Exception in thread [INFO] /worker: the run is over\n', 'it ended')])
 def test_the_line_of_an_error_has_what_a_node_printed_of_it_once(tmp_path, text, printed, told):
     (tmp_path / 'worker.txt').write_text(printed)
-    assert trial._first_line(text, run_folders.Folders(str(tmp_path), str(tmp_path), str(tmp_path))) == told
+    assert execution._first_line(text, run_folders.Folders(str(tmp_path), str(tmp_path), str(tmp_path))) == told

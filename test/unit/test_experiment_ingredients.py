@@ -1,4 +1,5 @@
 """What a trial is made of: whatever of it changes, complete trials are no longer taken as the new program's."""
+import dataclasses
 import io
 import json
 import os
@@ -9,9 +10,10 @@ import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments.carrying import jobs
-from move_base_abstract_experiments.description import elsewhere, ingredients, plan, program_files, spec
-from move_base_abstract_experiments.results import outputs, resumed, state, tables
-from move_base_abstract_experiments.trials import bundle, trial
+from move_base_abstract_experiments.description import ingredients, plan, program_files, spec, worker_files
+from move_base_abstract_experiments.description.experiment import Metrics
+from move_base_abstract_experiments.results import outputs, resumption, state, tables
+from move_base_abstract_experiments.trials import bundle, execution
 from test_experiment_outputs import ABOUT, packed
 
 LAUNCH = """<launch>
@@ -68,7 +70,7 @@ def made_of(folder):
     """Return what the experiment's first trial is made of, looked at anew."""
     plan.forget()
     experiment = spec.read(str(folder / 'walk.yaml'))
-    return plan.made_of(experiment, plan.trials(experiment)[0])
+    return plan.made_of(plan.trials(experiment)[0])
 
 
 @pytest.mark.parametrize('name', MATTERS)
@@ -121,26 +123,26 @@ def test_a_command_is_made_of_the_programs_that_it_names(workspace):
 
 def job_of(folder):
     experiment = spec.read(str(folder / 'walk.yaml'))
-    return jobs.make_job(experiment, plan.trials(experiment)[0])
+    return jobs.make_job(plan.trials(experiment)[0])
 
 
 def test_a_file_that_changes_while_the_experiment_runs_fails_the_trials_that_follow(workspace, tmp_path):
-    job = json.loads(json.dumps(job_of(workspace)))
-    ingredients.check(job['files'])
+    job = job_of(workspace)
+    ingredients.check(job.files)
     os.utime(workspace / 'walkers' / 'beside.py')  # touched, but the same
-    ingredients.check(job['files'])
+    ingredients.check(job.files)
     (workspace / 'walkers' / 'beside.py').write_text('x = 1')
     with pytest.raises(ingredients.ChangedError, match='beside.py is another file since the experiment was started'):
-        ingredients.check(job['files'])
+        ingredients.check(job.files)
     (tmp_path / 'trial').mkdir()
-    trial.carry_out(job, str(tmp_path / 'trial'))
+    execution.carry_out(job, str(tmp_path / 'trial'))
     about = json.loads((tmp_path / 'trial' / 'trial.json').read_text())
     assert (about['status'], 'beside.py is another file' in about['error']) == ('failed', True)
     assert (tmp_path / 'trial' / bundle.OUTPUTS).exists()
 
 
 def test_a_worker_elsewhere_with_other_files_says_so(workspace):
-    files = {**job_of(workspace)['files'], 'host': 'elsewhere'}
+    files = job_of(workspace).files._replace(host='elsewhere')
     ingredients.check(files)
     (workspace / 'walkers' / 'beside.py').write_text('x = 1')
     with pytest.raises(ingredients.ChangedError, match='beside.py is another file on '):
@@ -158,7 +160,7 @@ def other_place(workspace, monkeypatch):
         stream.write(LAUNCH.replace('coordinator.py', 'binary', 1).replace('</launch>', '<node pkg="walkers" '
                                                                            'type="coordinator.py" name="c"/></launch>'))
     plan.forget()
-    job = json.loads(json.dumps(job_of(workspace)))
+    job = job_of(workspace)
     other = shutil.copytree(workspace, workspace / 'other')
     for name in ('ROS_PACKAGE_PATH', 'PYTHONPATH'):
         monkeypatch.setenv(name, os.environ[name].replace(str(workspace), str(other), 1))
@@ -167,7 +169,7 @@ def other_place(workspace, monkeypatch):
 
 
 def test_a_worker_that_finds_the_same_programs_in_another_place_has_no_label(other_place):
-    assert elsewhere.check(other_place[0]) == []
+    assert worker_files.check(other_place[0]) == []
 
 
 @pytest.mark.parametrize('name', ['walkers/coordinator.py', 'lib/tools/by_name.py', 'walkers/robots.launch',
@@ -176,9 +178,9 @@ def test_a_worker_that_finds_another_program_in_another_place_complains(other_pl
     job, other = other_place
     with open(other / name, 'a') as stream:
         stream.write('0\n' if name.endswith('yaml') else '\n')
-    ingredients.check(job['files'])  # those of who has started the experiment are as they were
+    ingredients.check(job.files)  # those of who has started the experiment are as they were
     (tmp_path / 'trial').mkdir()
-    trial.carry_out(job, str(tmp_path / 'trial'))
+    execution.carry_out(job, str(tmp_path / 'trial'))
     about = json.loads((tmp_path / 'trial' / 'trial.json').read_text())
     other_file = name.rpartition('/')[2] + ' is another file'
     what = 'the parameter /gain is another one' if name.endswith('yaml') else other_file
@@ -190,7 +192,7 @@ def test_what_only_one_side_has_or_was_built_apart_is_a_label(other_place):
     (other / 'walkers' / 'binary').write_bytes(b'\x7fELF 2')
     (other / 'lib' / 'tools' / 'more.py').write_text('')
     (other / 'lib' / 'tools' / 'by_name.py').unlink()
-    apart, own, missing = elsewhere.check(job)
+    apart, own, missing = worker_files.check(job)
     assert apart.startswith('built on the worker') and apart.endswith(': binary')
     assert own.startswith('of its program only the worker has more.py (digest ')
     assert missing == 'of its files the worker has no by_name.py'
@@ -200,12 +202,12 @@ def test_programs_that_are_on_workers_only_are_told_by_their_digests(workspace, 
     there = os.environ['ROS_PACKAGE_PATH']
     monkeypatch.setenv('ROS_PACKAGE_PATH', '/nowhere')
     plan.forget()
-    job = json.loads(json.dumps(job_of(workspace)))
+    job = job_of(workspace)
     monkeypatch.setenv('ROS_PACKAGE_PATH', there)
     labels = []
     for text in ('x = 1', 'x = 2', 'x = 2'):
         (workspace / 'walkers' / 'beside.py').write_text(text)
-        labels += elsewhere.check(job)
+        labels += worker_files.check(job)
     assert len(labels) == 3 and labels[0] != labels[1] == labels[2]
     assert all(label.startswith('of its program only the worker has ') for label in labels)
 
@@ -218,11 +220,11 @@ def resume(folder, keep_old):
     stream = io.StringIO()
     with outputs.OutputFolder(folder / 'out') as out:
         about = plan.describe(experiment, chosen, b'')
-        found = resumed.missing(experiment, chosen, out, about, keep_old, stream)
+        found = resumption.missing(chosen, out, about, keep_old, stream)
         out.write_pieces('plan.json', tables.plan_text(about))
         for one in found:
-            planned = next(each for each in about['trials'] if each['id'] == one.id)
-            out.put(packed([('trial.json', json.dumps({**ABOUT, **planned}).encode())]), 'w', 1)
+            planned = next(each for each in about.trials if each.id == one.id)
+            out.put(packed([('trial.json', json.dumps({**ABOUT, **planned.written}).encode())]), 'w', 1)
         tables.write(out, about)
     return [one.id for one in found], stream.getvalue(), about
 
@@ -236,12 +238,12 @@ def test_trials_of_another_program_run_again_or_stay_labelled(workspace):
     kept, said, about = resume(workspace, True)
     assert kept == []
     assert said == 'experiment: beside.py, computed.py, far.py have changed: 3 trials are kept, labelled\n'
-    assert all('beside.py' in one['kept'] for one in about['trials'])
+    assert all('beside.py' in one.kept for one in about.trials)
     assert 'kept from before: beside.py' in (workspace / 'out' / 'trials.csv').read_text()
     assert 'kept of another program: 3' in list(state.lines(workspace / 'out'))
     again, said, about = resume(workspace, False)
     assert (again, 'have changed: 3 trials run again (--keep-old keeps them, labelled)' in said) == (first, True)
-    assert not any(one.get('kept') for one in about['trials'])
+    assert not any(one.kept for one in about.trials)
 
 
 def test_rows_of_an_old_program_are_in_no_table_before_they_have_run_again(workspace, monkeypatch):
@@ -261,7 +263,7 @@ def test_the_commit_and_whether_it_is_changed_are_in_the_provenance(workspace):
     for is_dirty in (False, True):
         plan.forget()
         experiment = spec.read(str(workspace / 'walk.yaml'))
-        found = plan.describe(experiment, plan.trials(experiment), b'')['provenance']['sources']
+        found = plan.describe(experiment, plan.trials(experiment), b'').provenance['sources']
         assert {'folder': str(workspace), 'commit': commit, 'dirty': is_dirty} in found
         (workspace / 'new').write_text('')
 
@@ -272,4 +274,4 @@ def test_a_launch_file_that_is_not_here_is_no_error_before_the_check(workspace):
     with pytest.raises(ConfigurationError, match='none.launch'):
         from move_base_abstract_experiments import sweep
         experiment = spec.read(str(workspace / 'walk.yaml'))
-        sweep.check(experiment._replace(function=''), plan.trials(experiment))
+        sweep.check(dataclasses.replace(experiment, metrics=Metrics()), plan.trials(experiment))

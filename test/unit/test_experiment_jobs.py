@@ -3,6 +3,7 @@ import sys
 
 import pytest
 
+from experiment_jobs import FUNCTION, job_of
 from move_base_abstract_experiments.carrying import jobs
 
 SERVER = """#!{}
@@ -14,7 +15,7 @@ own.sendall(b'ready\\n')
 sys.stderr.write('x' * 300000)  # more than a pipe holds
 sys.stderr.write('the last words')
 sys.stderr.flush()
-own.makefile('rb').readline()
+own.recv(1 << 20)
 """
 
 
@@ -39,7 +40,7 @@ def test_a_warm_process_that_does_not_start_says_why(server):
 def test_what_is_said_stops_no_warm_process_and_is_told_when_it_has_gone(server):
     warm = server('speaks')()
     with pytest.raises(jobs.WorkerError, match='has gone: x*the last words'):
-        warm.run({})
+        warm.run(job_of())
     warm.close()
 
 
@@ -53,7 +54,7 @@ class Warm:
         self.made.append(self)
 
     def run(self, job, target=None):
-        return job['id']
+        return job.trial.id
 
     def close(self):
         self.is_closed = True
@@ -62,12 +63,13 @@ class Warm:
 def test_what_was_prepared_in_another_way_is_prepared_anew(monkeypatch):
     monkeypatch.setattr(jobs, 'WarmProcess', Warm)
     monkeypatch.setattr(jobs, '_state', jobs.threading.local())
-    prepared = ['model:prepare', {'n': 1}, {}]
-    wanted = [(None, {}), (None, {'a.py': '1'}), (prepared, {'a.py': '1'}), (prepared, {'a.py': '1'}),
-              (prepared, {'a.py': '2'}), (['model:prepare', {'n': 2}, {}], {'a.py': '2'}), (None, {})]
+    prepared = {'prepare': 'model:prepare', 'args': {'n': 1}}
+    others = {'prepare': 'model:prepare', 'args': {'n': 2}}
+    wanted = [({}, {}), ({}, {'a.py': '1'}), (prepared, {'a.py': '1'}), (prepared, {'a.py': '1'}),
+              (prepared, {'a.py': '2'}), (others, {'a.py': '2'}), ({}, {})]
     counts = []
     for number, (prepare, sources) in enumerate(wanted):
-        assert jobs.carry_out({'id': number, 'prepare': prepare, 'sources': sources})[1] == number
+        assert jobs.carry_out(job_of({**FUNCTION, **prepare}, sources=sources, id=number))[1] == number
         counts.append(len(Warm.made))
     assert counts == [1, 1, 2, 2, 3, 4, 5]
     assert [one.is_closed for one in Warm.made] == [True] * 4 + [False]

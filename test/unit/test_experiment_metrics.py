@@ -4,17 +4,17 @@ import json
 import pytest
 
 from move_base_abstract.runs.event_log import EventLogError
-from move_base_abstract_experiments.trials import ended_by, functions, metrics
+from move_base_abstract_experiments.trials import functions, metrics, termination
 
 SECOND = 10**9
 
 
-def written(path, events, reason="'/a' left at 20.5 s", labels=()):
+def written(path, events, labels=()):
     lines = [{'event_log': 1, 'start_ns': SECOND}]
     lines += [{'time_ns': int(time * SECOND), 'robot': robot, 'kind': kind, 'values': values}
               for time, robot, kind, values in events]
     lines.append({'end': {'events': len(events), 'repeatable': not labels, 'not_repeatable_because': list(labels),
-                          'degraded_because': [], 'reason': reason}})
+                          'degraded_because': [], 'reason': '', 'at_ns': 20_500_000_000}})
     path.write_text(''.join(json.dumps(line) + '\n' for line in lines))
     return str(path)
 
@@ -93,18 +93,13 @@ def test_what_a_function_may_return():
             functions.checked(bad, ['robots'], ['goals'])
 
 
-@pytest.mark.parametrize(('reason', 'by_fault', 'word'), [
-    ('idle at 12.500000000 s: nobody wants to wake up', False, 'idle'),
-    ("'/a/b' left at 20.5 s", False, 'required /a/b'),
-    ('the run was to end at 3601.000000000 s', False, 'seconds'), ("'/experiment_end' left at 2.0 s", False, 'topic'),
-    ('deadlock at 3 s', True, 'fault'), ('SIGTERM', False, 'other')])
-def test_how_a_run_ended_is_said_in_a_word(reason, by_fault, word):
-    assert ended_by.of_run(reason, by_fault) == word
-
-
-def test_the_limit_of_wall_time_is_one_of_the_ways_to_end():
-    assert ended_by.of_error('it was not over after 600 s of wall time (time_limit)', 'error') == 'time_limit'
-    assert ended_by.of_error('the run was ended by a fault: x', 'fault') == 'fault'
+@pytest.mark.parametrize(('end', 'word'), [
+    ({'ended_by': 'idle'}, 'idle'), ({'ended_by': 'departure', 'node': '/a/b'}, 'required /a/b'),
+    ({'ended_by': 'end_at'}, 'seconds'), ({'ended_by': 'departure', 'node': '/experiment_end'}, 'topic'),
+    ({'ended_by': 'idle', 'by_fault': True}, 'fault'), ({'ended_by': 'other', 'reason': 'SIGTERM'}, 'other'),
+    ({'reason': 'idle at 12.5 s'}, 'other')])
+def test_how_a_run_ended_is_said_in_a_word(end, word):
+    assert termination.of_run(end) == word
 
 
 @pytest.mark.parametrize('values', [[10 ** 400, 0, 0], ['x', 'y', 0], [None, None], [1e309, 0.0, 0.0],

@@ -6,7 +6,7 @@ import tarfile
 
 import pytest
 
-from move_base_abstract_experiments import command, sweep
+from move_base_abstract_experiments import command, records, sweep
 from move_base_abstract_experiments.results import outputs, tables
 from test_experiment_outputs import ID, PLAN, packed, trial
 
@@ -22,7 +22,8 @@ def out(tmp_path):
     """An experiment's folder with one trial."""
     with outputs.OutputFolder(tmp_path / 'out') as folder:
         folder.put(packed(trial()), 'w', 1)
-        tables.write(folder, json.loads(json.dumps(WHOLE)))
+        folder.write('plan.json', json.dumps(WHOLE).encode())
+        tables.write(folder, records.read_plan(str(folder.path)))
         folder.write('experiment.yaml', b'{experiment: x, function: "model:run"}')
     return tmp_path / 'out'
 
@@ -117,8 +118,9 @@ def test_half_characters_of_a_trial_stop_no_table(tmp_path):
     stream = io.BytesIO(packed(trial(error='\udcff', labels=['\ud800'], metrics={'a': float('nan')})))
     with outputs.OutputFolder(tmp_path / 'out') as folder, tarfile.open(fileobj=stream):
         about = folder.put(stream.getvalue(), 'w', 1)
-        tables.write(folder, json.loads(json.dumps(WHOLE)))
-    assert (about['error'], about['labels'], about['metrics']) == ('\\udcff', ['\\ud800'], {'a': None})
+        folder.write('plan.json', json.dumps(WHOLE).encode())
+        tables.write(folder, records.read_plan(str(folder.path)))
+    assert (about.error, about.labels, about.metrics) == ('\\udcff', ['\\ud800'], {'a': None})
     assert '\\udcff' in (tmp_path / 'out' / 'trials.csv').read_text()
 
 

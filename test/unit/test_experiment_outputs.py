@@ -6,6 +6,7 @@ import tarfile
 
 import pytest
 
+from experiment_jobs import job_of
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments import records, sweep
 from move_base_abstract_experiments.results import outputs, state, tables
@@ -16,6 +17,10 @@ ABOUT = {'format': 1, 'id': ID, 'configuration': {'robots': 1}, 'replication': 0
          'times_real_time': 6.0, 'repeatable': True, 'labels': ['x', 'y'], 'events': 4, 'log_sha256': 'ab',
          'verified': None, 'difference': None, 'robots': {'r': {}}, 'ended_by': 'idle', 'made_of': 'm', 'program': 'p'}
 PLAN = {'format': 1, 'experiment': 'e', 'factors': {'robots': [1]}, 'metrics': {'goals': {}}, 'trials': [{'id': ID}]}
+
+
+def plan(names=(ID,)):
+    return records.Plan('e', {'robots': [1]}, {'goals': {}}, trials=[records.Planned(name) for name in names])
 
 
 def packed(members):
@@ -37,8 +42,8 @@ def test_a_trial_comes_into_its_place_and_may_be_replaced(tmp_path):
     with outputs.OutputFolder(tmp_path / 'out') as folder:
         folder.put(packed(trial()), 'w', 1)
         folder.put(packed(trial(seed=4)), 'w', 2)
-    about = outputs.read_trial(tmp_path / 'out', ID)
-    assert (about['seed'], about['worker'], about['attempts']) == (4, 'w', 2)
+    about = records.read_trial(str(tmp_path / 'out'), ID)
+    assert (about.seed, about.worker, about.attempts) == (4, 'w', 2)
     assert (tmp_path / 'out' / 'trials' / ID / 'logs' / 'a.txt').read_bytes() == b'text'
     assert sorted(path.name for path in (tmp_path / 'out' / 'trials').iterdir()) == [ID]
 
@@ -73,11 +78,15 @@ def test_an_interrupt_costs_no_trial_that_was_put(tmp_path, monkeypatch):
 
 
 def test_the_plan_is_written_in_pieces_and_is_the_same_plan(tmp_path):
-    for told in (PLAN, {**PLAN, 'trials': []}, {**PLAN, 'trials': [{'id': ID, 'made_of': 'a\nb'}, {'id': OTHER}]}):
+    for told in (plan(), plan([]), plan([ID, OTHER])):
+        if len(told.trials) == 2:
+            told.trials[0].made_of = 'a\nb'
         text = b''.join(tables.plan_text(told)).decode()
-        assert json.loads(text) == told
+        (tmp_path / 'plan.json').write_text(text)
+        assert records.read_plan(str(tmp_path)) == told
+        assert json.loads(text)['format'] == 1
         assert text.endswith('}\n')
-        assert len([line for line in text.splitlines() if '"id"' in line]) == len(told['trials'])
+        assert len([line for line in text.splitlines() if '"id"' in line]) == len(told.trials)
 
 
 @pytest.mark.parametrize('name', ['../x', '/etc/x', 'logs/../../x', 'a/b', 'logs/.hidden'])
@@ -114,12 +123,12 @@ def test_a_second_run_into_the_same_folder_is_refused(tmp_path):
 def test_the_table_has_a_row_per_trial(tmp_path):
     with outputs.OutputFolder(tmp_path / 'out') as folder:
         folder.put(packed(trial()), 'w', 1)
-        tables.write(folder, json.loads(json.dumps(PLAN)))
+        tables.write(folder, plan())
     assert (tmp_path / 'out' / 'trials.csv').read_text() == (
         'id,robots,replication,seed,status,goals,extra,simulated_seconds,wall_seconds,times_real_time,repeatable,labels,'
         'events,log_sha256,verified,ended_by,error\n'
         '0001-abcdef,1,0,3,complete,2,0.5,1.5,0.25,6.0,true,x; y,4,ab,,idle,\n')
-    assert records.read_plan(tmp_path / 'out')['metrics']['extra'] == {'unit': '', 'title': 'extra', 'better': None}
+    assert records.read_plan(str(tmp_path / 'out')).metrics['extra'] == {'unit': '', 'title': 'extra', 'better': None}
 
 
 def test_metrics_that_only_some_trials_have_are_columns_and_all_ends_are_counted(tmp_path, capsys):
@@ -131,7 +140,7 @@ def test_metrics_that_only_some_trials_have_are_columns_and_all_ends_are_counted
     with outputs.OutputFolder(tmp_path / 'out') as folder:
         for name, each in zip(names, others):
             folder.put(packed(trial(id=name, **each)), 'w', 1)
-        told = tables.write(folder, {**PLAN, 'metrics': {'goals': {}}, 'trials': [{'id': name} for name in names]})
+        told = tables.write(folder, plan(names))
         assert sweep._tell(folder, told, sys.stdout) == 3
     rows = [line.split(',') for line in (tmp_path / 'out' / 'trials.csv').read_text().splitlines()]
     assert rows[0][5:9] == ['goals', 'also', 'extra', 'zeal']
@@ -144,10 +153,9 @@ def test_metrics_that_only_some_trials_have_are_columns_and_all_ends_are_counted
 
 
 def test_a_failure_is_told(tmp_path):
-    job = {'id': ID, 'configuration': {'a': 1}, 'replication': 0, 'seed': 3, 'made_of': 'm', 'program': 'p'}
     with outputs.OutputFolder(tmp_path / 'out') as folder:
-        folder.put_failure(sweep.failure(job, 'it was lost', 2))
-        folder.write_pieces('plan.json', tables.plan_text(PLAN))
+        sweep._taken(folder, job_of(id=ID, configuration={'a': 1}, seed=3), '', None, 'it was lost', 2)
+        folder.write_pieces('plan.json', tables.plan_text(plan()))
     lines = list(state.lines(tmp_path / 'out'))
     assert lines[0] == 'e: 0 of 1 trials complete, 1 failed, 0 missing'
     assert 'it was lost' in lines[1]
@@ -160,6 +168,6 @@ def test_a_pyarrow_that_cannot_be_used_costs_only_its_own_file(tmp_path, monkeyp
     monkeypatch.delitem(sys.modules, 'pyarrow', raising=False)
     with outputs.OutputFolder(tmp_path / 'out') as folder:
         folder.put(packed(trial()), 'w', 1)
-        tables.write(folder, {**PLAN})
+        tables.write(folder, plan())
     assert (tmp_path / 'out' / 'trials.csv').exists()
     assert 'no trials.parquet: ' in capsys.readouterr().err

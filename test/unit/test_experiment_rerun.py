@@ -3,14 +3,13 @@ import io
 import json
 import os
 import shutil
-import tarfile
 
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_experiments import command, rerun
+from move_base_abstract_experiments import command, records, rerun
 from move_base_abstract_experiments.description import ingredients, plan, spec
-from move_base_abstract_experiments.trials import trial
+from move_base_abstract_experiments.trials import execution
 
 ID = '0001-ab12cd'
 
@@ -24,15 +23,10 @@ def test_rviz_shows_the_robots(monkeypatch):
     assert os.path.basename(config) == 'simulator.rviz'
 
 
-def outputs(metrics, *logs):
-    """Return what a trial's process leaves, as an archive."""
-    stream = io.BytesIO()
-    with tarfile.open(fileobj=stream, mode='w:gz') as archive:
-        for name, text in (('trial.json', json.dumps({'status': 'complete', 'metrics': metrics})), *logs):
-            info = tarfile.TarInfo(name)
-            info.size = len(text)
-            archive.addfile(info, io.BytesIO(text.encode()))
-    return stream.getvalue()
+def left(metrics, *logs):
+    """Return what a trial's process leaves, as rerun has it."""
+    result = records.Result(ID, status='complete', metrics=metrics)
+    return rerun._Left(result, b'' if logs else None)
 
 
 @pytest.mark.parametrize('was, now, logs, said', [
@@ -41,7 +35,8 @@ def outputs(metrics, *logs):
     ({'a': 1}, {'a': 1}, (('events.jsonl', ''),), 'different: an event log the second time only')])
 def test_a_function_is_compared_by_all_that_it_gave(tmp_path, was, now, logs, said):
     stream = io.StringIO()
-    code = rerun._compare_function(outputs(now, *logs), str(tmp_path), {'metrics': was}, stream)
+    before = str(tmp_path / 'events.jsonl')
+    code = rerun._compare_function(left(now, *logs), before, records.Result(ID, metrics=was), stream)
     assert said in stream.getvalue()
     assert code == (rerun.SAME if 'the same' in said else rerun.DIFFERENT)
 
@@ -49,13 +44,14 @@ def test_a_function_is_compared_by_all_that_it_gave(tmp_path, was, now, logs, sa
 def test_a_log_that_a_function_left_is_missed(tmp_path):
     (tmp_path / 'events.jsonl').write_text('')
     stream = io.StringIO()
-    assert rerun._compare_function(outputs({}), str(tmp_path), {'metrics': {}}, stream) == rerun.DIFFERENT
+    before = str(tmp_path / 'events.jsonl')
+    assert rerun._compare_function(left({}), before, records.Result(ID), stream) == rerun.DIFFERENT
     assert 'an event log the first time only' in stream.getvalue()
 
 
 def test_a_function_that_gives_less_the_second_time_is_another_one():
-    assert trial.other_metrics({'a': 1, 'b': None}, {'a': 1, 'b': None}) is None
-    assert trial.other_metrics({'a': 1, 'b': None}, {'a': 1}) == "b: None / 'none'"
+    assert execution.other_metrics({'a': 1, 'b': None}, {'a': 1, 'b': None}) is None
+    assert execution.other_metrics({'a': 1, 'b': None}, {'a': 1}) == "b: None / 'none'"
 
 
 @pytest.fixture
@@ -76,16 +72,16 @@ def test_that_the_program_has_changed_since_is_said_and_is_no_word_on_repeating(
     plan.forget()
     experiment = spec.read(str(folder / 'experiment.yaml'))
     one, = plan.trials(experiment)
-    made = plan.ingredients_of(experiment, one)
+    made = ingredients.of_trial(one)
     (folder / 'programs.json').write_text(json.dumps({ingredients.name_of(made): made}))
     (folder / 'trials' / one.id).mkdir(parents=True)
     (folder / 'trials' / one.id / 'trial.json').write_text(json.dumps({
         'format': 1, 'id': one.id, 'status': 'complete', 'metrics': {'a': 1}, 'labels': [],
-        'made_of': plan.made_of(experiment, one), 'program': ingredients.name_of(made)}))
+        'made_of': plan.made_of(one), 'program': ingredients.name_of(made)}))
     with open(folder / 'model.py', 'a') as stream:
         stream.write(change)
     plan.forget()
-    monkeypatch.setattr(rerun, '_run', lambda job, logs, stream: outputs(metrics))
+    monkeypatch.setattr(rerun, '_run', lambda job, logs, stream: left(metrics))
     stream = io.StringIO()
     assert rerun.rerun(str(folder), '1', stream=stream) == code
     assert (said in stream.getvalue()) and ('since' in stream.getvalue()) == bool(change)

@@ -1,10 +1,12 @@
 """What an experiment's file may say, and what is told of one that cannot be used."""
+import dataclasses
+
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments.carrying import jobs
-from move_base_abstract_experiments.description import checks, plan, spec
-from move_base_abstract_experiments.trials import trial
+from move_base_abstract_experiments.description import placeholders, plan, spec
+from move_base_abstract_experiments.trials import run_folders, run_plan
 from move_base_abstract_ros.launching import conditions  # noqa: TID251 - it knows no ROS
 
 BASE = {'experiment': 'x', 'launch': 'x.launch'}
@@ -37,7 +39,7 @@ def read_used(factors, **others):
     ({'verify': 1.5}, 'in 0..1'),
     ({'command': ['x']}, 'got launch, command'),
     ({'function': 'a:b'}, 'got launch, function'),
-    ({'prepare': 'a:b'}, "goes with 'function'"),
+    ({'prepare': 'a:b'}, "'prepare' is of a function"),
     ({'stored_topics': ['/a b']}, 'NODE=TOPIC'),
     ({'stored_topics': ['/a'], 'lookahead': 0.1}, 'all takes time'),
     ({'lookahead': 1e-9}, 'in 1e-06..1000'),
@@ -80,10 +82,9 @@ def test_what_the_report_compares_by_is_in_the_plan_and_makes_no_trial_another_o
             'at_limit': {'wait': 'lower_bound'}}
     one, other = read(**about), read(**about, **told)
     described = plan.describe(other, plan.trials(other), b'')
-    assert {key: described[key] for key in told} == told
-    assert described['metrics']['makespan']['at_limit'] == 'to_last_goal'
-    assert [plan.made_of(one, each) for each in plan.trials(one)] == [
-        plan.made_of(other, each) for each in plan.trials(other)]
+    assert {key: getattr(described, key) for key in told} == told
+    assert described.metrics['makespan']['at_limit'] == 'to_last_goal'
+    assert [plan.made_of(each) for each in plan.trials(one)] == [plan.made_of(each) for each in plan.trials(other)]
 
 
 def test_a_command_names_who_takes_part():
@@ -133,34 +134,50 @@ def test_trials_run_twice_under_all_conditions_of_verify_that_disturb_no_trial_b
 def test_values_stand_in_arguments_as_a_launch_file_has_them():
     experiment = read(factors={'flag': [True], 'x': [0.1], 'name': ['a b']},
                       args={'a': '{flag}', 'b': 'x{x}y', 'c': '{name}', 'd': '{seed}', 'e': 3})
-    assert plan.launch_arguments(experiment, plan.trials(experiment)[0]) == [
+    assert plan.trials(experiment)[0].arguments == [
         'a:=true', 'b:=x0.1y', 'c:=a b', 'd:=0', 'e:=3']
 
 
-def test_on_which_cores_nodes_run_goes_with_a_trial_and_makes_it_no_other_one():
-    one = plan.trials(read())[0]
-    assert [trial.wanted_of({**jobs.make_job(read(**others), one), 'launch': ''}).cores
-            for others in ({}, {'cores': 'all'})] == ['', 'all']
-    assert plan.made_of(read(cores='all'), one) == plan.made_of(read(), one)
+def first(experiment):
+    return plan.trials(experiment)[0]
+
+
+def parameters_of(experiment):
+    run = run_plan.Run(jobs.make_job(first(experiment)), run_folders.Folders('/o', '/f', '/l'))
+    return run_plan.parameters_of(run, 1.0)
+
+
+def test_options_of_the_time_master_are_its_parameters_and_its_own_are_left_to_it_by_default():
+    fixed = {'event_log': '/o/events.jsonl', 'note_of_start': '/o/started'}
+    assert parameters_of(read()) == fixed
+    assert parameters_of(read(cores='all', stored_topics=['a'], until={'idle': True, 'seconds': 2.5},
+                              record={'hashes': True})) == {
+        **fixed, 'cores': 'all', 'stored_topics': ['/a'], 'end_when_idle': True, 'end_at': 3.5, 'log_messages': True}
+    assert parameters_of(read(lookahead=0.5)) == {**fixed, 'lookahead': 0.5}
+
+
+def test_on_which_cores_nodes_run_makes_no_trial_another_one():
+    assert plan.made_of(first(read(cores='all'))) == plan.made_of(first(read()))
 
 
 def test_a_value_with_braces_is_not_filled_again():
-    assert checks.filled('{a}', {'a': '{b}', 'b': 'no'}) == '{b}'
+    assert placeholders.filled('{a}', {'a': '{b}', 'b': 'no'}) == '{b}'
 
 
 def test_a_complete_trial_counts_only_if_what_it_is_made_of_is_the_same():
-    one = plan.trials(read())[0]
-    first = plan.made_of(read(), one)
-    assert first == plan.made_of(read(), one)
-    for others in ({'args': {'a': 1}}, {'until': {'seconds': 3}}, {'sleep': 'simulated'},
-                   {'lookahead': 0.05}, {'stored_topics': ['/a']}, {'launch': 'y.launch'}):
-        assert plan.made_of(read(**others), one) != first
-    assert plan.made_of(read(), one._replace(seed=1)) != first
+    one = first(read())
+    digest = plan.made_of(one)
+    assert digest == plan.made_of(first(read()))
+    for others in ({'args': {'a': 1}}, {'until': {'seconds': 3}}, {'sleep': 'simulated'}, {'metrics': 'a:b'},
+                   {'lookahead': 0.05}, {'stored_topics': ['/a']}, {'launch': 'y.launch'}, {'record': {'hashes': True}},
+                   {'participants': ['/a']}, {'leave_out': ['/a']}, {'replace': {'a/b': 'c/d'}}):
+        assert plan.made_of(first(read(**others))) != digest, others
+    assert plan.made_of(dataclasses.replace(one, seed=1)) != digest
 
 
 @pytest.mark.parametrize('given, told', [('a.b:c', ['a.b:c']), (['a:b', 'c:d'], ['a:b', 'c:d']), ([], [])])
 def test_the_plan_tells_the_report_which_sections_to_add(given, told):
-    assert plan.describe(read(report=given), [], b'')['report'] == told
+    assert plan.describe(read(report=given), [], b'').report == told
 
 
 def function(**others):
@@ -181,12 +198,12 @@ def test_a_function_has_no_nodes(others, text):
 def test_a_function_gets_values_as_they_are_and_texts_filled_in():
     experiment = function(factors={'n': [3], 'on': [True]},
                           args={'n': '{n}', 'on': '{on}', 'text': 'a{n}', 'x': 0.5})
-    assert plan.function_arguments(experiment, plan.trials(experiment)[0]) == {
+    assert first(experiment).function_arguments == {
         'n': 3, 'on': True, 'text': 'a3', 'x': 0.5}
 
 
 def test_of_a_function_only_its_own_metrics_are_told():
-    assert list(function(metrics={'columns': {'a': {'unit': 'm'}}}).metrics) == ['a']
+    assert list(function(metrics={'columns': {'a': {'unit': 'm'}}}).known_metrics) == ['a']
 
 
 def test_a_factors_value_may_have_fewer_replications_and_leaves_the_others_ids_as_they_are():
@@ -205,11 +222,11 @@ def test_what_a_launch_file_includes_makes_it_another_one(tmp_path):
     (tmp_path / 'p.yaml').write_text('a: 1')
     experiment = spec.checked(BASE, str(tmp_path))
     one = plan.trials(experiment)[0]
-    seen = {plan.made_of(experiment, one)}
+    seen = {plan.made_of(one)}
     for path, text in ((tmp_path / 'p.yaml', 'a: 2'), (inner, '<launch/>')):
         path.write_text(text)
         plan.forget()
-        seen.add(plan.made_of(experiment, one))
+        seen.add(plan.made_of(one))
     assert len(seen) == 3
 
 
@@ -221,7 +238,7 @@ def test_a_package_and_the_kind_of_an_argument_make_it_another_trial(tmp_path):
         (tmp_path / 'model' / '__init__.py').write_text(text)
         experiment = spec.checked({**given, 'args': {'n': n}}, str(tmp_path))
         plan.forget()
-        seen.add(plan.made_of(experiment, plan.trials(experiment)[0]))
+        seen.add(plan.made_of(first(experiment)))
     assert len(seen) == 3
 
 
@@ -230,9 +247,9 @@ def test_a_functions_own_file_and_its_inputs_make_it_another_trial(tmp_path):
         (tmp_path / name).write_text('1')
     experiment = spec.checked({'experiment': 'x', 'function': 'model:run', 'inputs': ['data.csv']}, str(tmp_path))
     one = plan.trials(experiment)[0]
-    seen = {plan.made_of(experiment, one)}
+    seen = {plan.made_of(one)}
     for name in ('model.py', 'data.csv'):
         (tmp_path / name).write_text('2')
         plan.forget()
-        seen.add(plan.made_of(experiment, one))
+        seen.add(plan.made_of(one))
     assert len(seen) == 3

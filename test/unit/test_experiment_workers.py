@@ -60,7 +60,7 @@ def test_a_worker_here_that_is_stopped_is_ended_and_another_asked_for(process):
     client.processing = {'a': (workers.key_of(1, ['0001-abcdef']), workers.key_of(2, ['0002-abcdef', '0003-abcdef']),
                                "somebody's")}
     assert looks(watch, client, 15.0) == 1
-    assert watch.told[0][:2] == (f'a (process {process.pid})', ('0001-abcdef', '0002-abcdef and 1 more', "somebody's"))
+    assert watch.known[0][:2] == (f'a (process {process.pid})', ('0001-abcdef', '0002-abcdef and 1 more', "somebody's"))
     assert process.poll() is None
     assert looks(watch, client, 10.0) == 0
     assert process.wait() == -signal.SIGKILL
@@ -93,13 +93,13 @@ def test_one_silent_worker_of_others_ends_no_sweep():
     watch = workers.Workers(client, None, 1, clock=lambda: client.now)
     client.hear('silent')
     assert looks(watch, client, 200.0, heard=['a']) == 1
-    assert [one.name for one in watch.told if one.silent_s > 100] == ['silent (silent)']
+    assert [one.name for one in watch.known if one.silent_s > 100] == ['silent (silent)']
 
 
 def test_status_has_a_line_for_each_worker(tmp_path, capsys):
     with outputs.OutputFolder(tmp_path / 'out') as folder:
         folder.write('plan.json', json.dumps({'format': 1, 'experiment': 'e'}).encode())
-        with workers.told_workers(folder) as tell:
+        with workers.workers_file(folder) as tell:
             tell([workers.Worker('0 (process 7)', ('0001-abcdef',), 0.2), workers.Worker('1', (), 33.0)])
             command.main(['status', str(folder.path)])
             said = capsys.readouterr().out.splitlines()

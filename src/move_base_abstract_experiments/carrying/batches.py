@@ -3,9 +3,12 @@
 A batch holds as many trials as have taken about BATCH_S lately. Each trial stays one by itself: it fails, is limited
 and runs again without the others. What a worker has not begun after LONGEST_S goes back: none waits behind long ones.
 """
+from __future__ import annotations
+
 import math
+import pickle
 import time
-from typing import NamedTuple
+from typing import Any, List, NamedTuple, Optional, Tuple
 
 from . import jobs, spool
 
@@ -21,26 +24,26 @@ class Answer(NamedTuple):
     """What became of a trial. ``outputs``: bytes, or None if they are in the spool, or there is a ``problem``."""
 
     worker: str
-    outputs: object
-    problem: object
+    outputs: Optional[bytes]
+    problem: Optional[str]
     is_lost: bool = False  # a worker has died while it ran
 
 
 class Sizes:
     """How many trials go together, by how long trials have taken lately."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._count = 0.0
         self._seconds = 0.0
 
-    def learn(self, count, seconds):
+    def learn(self, count: int, seconds: float) -> None:
         """So many trials have taken so long together [s, wall]."""
         if self._count > _LATELY:
             self._count, self._seconds = self._count / 2.0, self._seconds / 2.0
         self._count += count
         self._seconds += seconds
 
-    def size(self, left, threads):
+    def size(self, left: int, threads: int) -> int:
         """Return how many of those that are left go into the next batch. threads: of workers."""
         if not self._count:
             return 1
@@ -48,25 +51,17 @@ class Sizes:
         return max(1, min(MOST, int(min(fit, MOST)), math.ceil(left / (_SHARES * max(1, threads)))))
 
 
-def packed(batch):
-    """Return jobs as (what all have in common, [what each has by itself]): that is most of it, and travels once."""
-    first = batch[0]
-    common = {key: value for key, value in first.items()
-              if all(key in other and (other[key] is value or other[key] == value) for other in batch[1:])}
-    return common, [{key: value for key, value in job.items() if key not in common} for job in batch]
+def carry_out(batch: bytes, path: Optional[str]) -> Tuple[float, int, List[Tuple[Any, ...]]]:
+    """Run Jobs, a pickled list, on this worker; return (wall s, how many ran, [Answer as a tuple]).
 
-
-def carry_out(batch, path):
-    """Run jobs, as of packed(), on this worker; return (wall s, how many ran, [Answer as a tuple]).
-
-    Answers are as many as trials were begun, one for each in turn; the others are given back. path: of the batch's
-    notes in the spool, or None.
+    What all of them share travels once in a pickle. Answers are as many as trials were begun, one for each in turn; the
+    others are given back. path: of the batch's notes in the spool, or None.
     """
-    common, each = batch
     notes = spool.Notes(path) if path else None
     begun, ends = notes.begun() if notes else None, jobs.ends()
-    begin, answers, size, ran = time.monotonic(), [], 0, 0
-    for number, own in enumerate(each):
+    answers: List[Answer] = []
+    begin, size, ran = time.monotonic(), 0, 0
+    for number, job in enumerate(pickle.loads(batch)):
         if notes and notes.has(number):  # by a worker that has died since
             answers.append(Answer('', None, None))
         elif begun == number:
@@ -76,7 +71,7 @@ def carry_out(batch, path):
         else:
             if notes:
                 notes.begin(number)
-            answers.append(Answer(*jobs.carry_out({**common, **own}, notes and notes.place(number))))
+            answers.append(Answer(*jobs.carry_out(job, notes.place(number) if notes else None)))
             size += len(answers[-1].outputs or b'')
             ran += 1
     return time.monotonic() - begin, ran, [tuple(one) for one in answers]

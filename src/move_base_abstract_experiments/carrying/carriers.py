@@ -4,8 +4,8 @@ Each function runs in a process of its own, as functions.call() forks it, and al
 nothing of one trial is left for the next one, and a fork for each trial is saved.
 """
 import contextlib
-import json
 import os
+import pickle
 import select
 import socket
 
@@ -36,7 +36,7 @@ class Carrier:
             self._start()
         self._count += 1
         with contextlib.suppress(OSError):  # it has died before
-            self._socket.sendall(json.dumps([job, path, problem]).encode() + b'\n')
+            self._socket.sendall(pickle.dumps((job, path, problem)))
         while True:
             ready, _, _ = select.select([client, self._socket, wake], [], [])
             if self._socket in ready and _received(self._socket) == _DONE:
@@ -81,12 +81,12 @@ def _received(connection):
 
 def _carry_on(asked, descriptors):
     """Carry out what is asked for until nobody can ask any more."""
-    from ..trials import trial
+    from ..trials import execution
     for descriptor in descriptors:
         os.close(descriptor)
     with asked.makefile('rb') as requests:
-        for line in requests:
-            job, path, problem = json.loads(line)
+        while requests.peek(1):
+            job, path, problem = pickle.load(requests)
             processes.redirect(os.path.join(path, 'trial.txt'))
-            trial.carry_out(job, path, problem)
+            execution.carry_out(job, path, problem)
             asked.sendall(_DONE)

@@ -8,6 +8,7 @@ import collections
 import contextlib
 import multiprocessing
 import os
+import pickle
 import queue
 import signal
 import sys
@@ -18,6 +19,7 @@ from typing import NamedTuple
 
 from move_base_abstract.common.errors import SimulatorError
 
+from ..description.job import Job
 from . import batches, jobs, spool, temporary
 from .workers import LOST_S, Workers, key_of
 
@@ -129,7 +131,7 @@ def _close_all(cluster):
 class _Piece(NamedTuple):
     """A trial that is to run."""
 
-    job: dict
+    job: Job
     attempts: int = 1
     losses: int = 0  # of workers that died while they ran it
     is_alone: bool = False  # whether it goes in no batch with others
@@ -207,9 +209,9 @@ class Runner:
 
     def _submit(self, pieces):
         self._count += 1
-        key = key_of(self._count, [one.job['id'] for one in pieces])
+        key = key_of(self._count, [one.job.trial.id for one in pieces])
         notes = self._notes(key)
-        future = self._client.submit(batches.carry_out, batches.packed([one.job for one in pieces]),
+        future = self._client.submit(batches.carry_out, pickle.dumps([one.job for one in pieces]),
                                      notes and notes.path, key=key, pure=False, retries=0)
         self._running[key] = (pieces, future)
         future.add_done_callback(lambda one: self._ended.put(one.key))

@@ -1,53 +1,45 @@
-"""What goes to a worker, as plain values, and what it does there with its warm process."""
+"""What goes to a worker, and what it does there with its warm process."""
+from __future__ import annotations
+
 import contextlib
+import json
 import os
+import pickle
 import socket
 import subprocess
 import sys
 import tempfile
 import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the warm process has one
+from typing import Any, List, Optional, Tuple
 
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract_ros.launching.warm_nodes import interpreter_of
 
-from ..description import elsewhere, ingredients, plan
+from ..description import ingredients, plan, worker_files
+from ..description.experiment import Experiment
+from ..description.job import Common, Job
+from ..description.trial import Trial
 from ..trials import bundle, functions
 from . import spool
 
 _END_S = 10.0  # wall
 _BESIDE_S = 300.0  # wall, that a trial may take beside its runs: metrics, packing
 _state = threading.local()
-_all = []
+_all: List[WarmProcess] = []
 _ends = [0]
 
 
-def shared_of(experiment):
-    """Return what the jobs of all trials of an experiment have in common, looked at now."""
-    return {'trial_function': experiment.trial_function,
-            'prepare': [experiment.prepare, experiment.args, experiment.factors] if experiment.prepare else None,
-            'sources': functions.sources((experiment.function, experiment.trial_function, experiment.prepare),
-                                         experiment.folder),
-            'folder': experiment.folder, 'participants': experiment.participants, 'leave_out': experiment.leave_out,
-            'replace': sorted(experiment.replace.items()), 'until': experiment.until, 'record': experiment.record,
-            'function': experiment.function, 'factors': list(experiment.factors), 'time_limit': experiment.time_limit,
-            'sleep': experiment.sleep, 'lookahead': experiment.lookahead, 'cores': experiment.cores,
-            'stored_topics': experiment.stored_topics,
-            'crashes': experiment.crashes, 'is_warm': True, 'version': plan.package_version()}
+def common_of(experiment: Experiment) -> Common:
+    """Return what the jobs of all trials of an experiment share, looked at now."""
+    return Common(functions.sources(experiment.functions.values(), experiment.folder), plan.package_version(),
+                  worker_files.view())
 
 
-def make_job(experiment, one, shared=None, **others):
-    """Return the job of a plan.Trial: plain values that JSON can carry. shared: of shared_of()."""
-    from ..description import checks
-    values, made = plan.values_of(one), plan.ingredients_of(experiment, one)
-    return {**(shared or shared_of(experiment)),
-            'id': one.id, 'configuration': one.configuration, 'replication': one.replication, 'seed': one.seed,
-            'launch': checks.filled(experiment.launch, values) if experiment.launch else '',
-            'arguments': plan.launch_arguments(experiment, one),
-            'function_arguments': plan.function_arguments(experiment, one),
-            'command': [checks.filled(word, values) for word in experiment.command], 'verified_by': one.verified_by,
-            'made_of': plan.made_of(experiment, one, made),
-            'program': ingredients.name_of(made), 'files': ingredients.told(made),
-            'look': elsewhere.told(experiment, plan.asked_of(experiment, one)), **others}
+def make_job(trial: Trial, common: Optional[Common] = None, **others: Any) -> Job:
+    """Return the Job of a Trial. common: of common_of()."""
+    made = ingredients.of_trial(trial)
+    return Job(trial, common or common_of(trial.experiment), plan.made_of(trial, made), ingredients.name_of(made),
+               ingredients.files_of(made), worker_files.parameters(trial), **others)
 
 
 class WorkerError(SimulatorError):
@@ -61,7 +53,7 @@ class TrialError(SimulatorError):
 class WarmProcess:
     """A warm process and the connection to it; for one thread at a time."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         from move_base_abstract_ros.loopback import find_executable
         own, other = socket.socketpair()
         # A pipe that nobody reads would stop it when it is full.
@@ -81,16 +73,15 @@ class WarmProcess:
             self.close()
             raise WorkerError(f'the warm process did not start: {self._last_words()}')
 
-    def run(self, job, target=None):
+    def run(self, job: Job, target: Optional[str] = None) -> Optional[bytes]:
         """Run the trial of a job; return its outputs as bytes, or None where they have gone to the path ``target``.
 
         :raises TrialError: if there are none. :raises WorkerError: if the warm process is lost.
         """
-        import json
-        limit = job.get('time_limit', 0.0) * (2 if job.get('verified_by') else 1) + _BESIDE_S
+        limit = job.wall_limit + _BESIDE_S
         try:
             self._socket.settimeout(limit)  # the process, or the trial's, may be stopped
-            self._socket.sendall(json.dumps(job).encode() + b'\n')
+            self._socket.sendall(pickle.dumps(job))
             line = self._answers.readline()
             answer = json.loads(line) if line else None
             if answer is None:
@@ -109,11 +100,11 @@ class WarmProcess:
             raise TrialError(f"the trial's process ended with code {answer['code']}: {text}")
         return content
 
-    def _last_words(self):
+    def _last_words(self) -> str:
         self._said.seek(0)
         return self._said.read().decode('utf-8', 'replace').strip()[-500:] or 'no text'
 
-    def close(self):
+    def close(self) -> None:
         """End it, and with it whatever it has started."""
         with contextlib.suppress(OSError):
             self._socket.shutdown(socket.SHUT_RDWR)
@@ -125,7 +116,7 @@ class WarmProcess:
             self._process.wait()
 
 
-def _python(nodes):
+def _python(nodes: str) -> str:
     """Return the Python of a warm process: that of the nodes, or the worker's own where it is an environment over it.
 
     nodes: the path of the interpreter of this package's nodes, or ''.
@@ -134,7 +125,7 @@ def _python(nodes):
     return sys.executable if is_over_it or not nodes else nodes
 
 
-def _taken(path, target):
+def _taken(path: str, target: Optional[str]) -> Optional[bytes]:
     """Move a trial's outputs to ``target``, or return them as bytes where that is None."""
     if target is not None:
         spool.move(path, target)
@@ -143,7 +134,7 @@ def _taken(path, target):
         return stream.read()
 
 
-def _end_of(path):
+def _end_of(path: str) -> str:
     try:
         with open(path, encoding='utf-8', errors='replace') as stream:
             return ' '.join(stream.read()[-500:].split()) or 'no text'
@@ -151,19 +142,18 @@ def _end_of(path):
         return 'no text'
 
 
-def carry_out(job, target=None):
+def carry_out(job: Job, target: Optional[str] = None) -> Tuple[str, Optional[bytes], Optional[str]]:
     """Run a job on this worker; return (who ran it, the outputs as bytes or None, why there are none or None).
 
     target: the path at which the outputs are left, if not None; then they are not returned.
     The warm process stays for the next one, but not for one that is prepared in another way, or by another text: what
     was imported stays imported.
     """
-    prepared = (job['prepare'], job['sources']) if job['prepare'] else None
-    if getattr(_state, 'warm', None) is not None and _state.prepared != prepared:
+    if getattr(_state, 'warm', None) is not None and _state.prepared != job.prepared:
         forget(_state.warm)
         _state.warm = None
     if getattr(_state, 'warm', None) is None:
-        _state.warm, _state.prepared = WarmProcess(), prepared
+        _state.warm, _state.prepared = WarmProcess(), job.prepared
         _all.append(_state.warm)
     worker = f'{socket.gethostname()}:{os.getpid()}'
     try:
@@ -176,19 +166,19 @@ def carry_out(job, target=None):
         return worker, None, str(problem)
 
 
-def forget(warm):
+def forget(warm: WarmProcess) -> None:
     """End a warm process."""
     with contextlib.suppress(ValueError):
         _all.remove(warm)
     warm.close()
 
 
-def ends():
+def ends() -> int:
     """Return how often end_all() was called on this worker."""
     return _ends[0]
 
 
-def end_all():
+def end_all() -> None:
     """End all warm processes of this worker, and with them what they run; batches begin no more trials."""
     _ends[0] += 1
     while _all:

@@ -2,8 +2,8 @@
 
     python3 -m move_base_abstract_experiments.carrying.warm SOCKET_DESCRIPTOR
 
-A request on the socket is a line of JSON, a job; the answer is a line as well, when the trial has ended: {"code": 0,
-"path": ...}. What the trial has to say is in its folder. When the other end of the socket is closed, because the worker
+A request on the socket is a pickled Job; the answer is a line of JSON, when the trial has ended: {"code": 0, "path":
+...}. What the trial has to say is in its folder. When the other end of the socket is closed, because the worker
 has ended in whatever way, the trial is ended and its folder removed.
 
 Trials that are a function share the process that carries them out: none of their own code runs in it, as each function
@@ -13,6 +13,7 @@ import gc
 import importlib
 import json
 import os
+import pickle
 import select
 import shutil
 import signal
@@ -45,7 +46,7 @@ def main(words):
     processes.keep_memory()
     for name in warm_nodes.MODULES:
         importlib.import_module(name)
-    from ..trials import trial  # noqa: F401 - for the forks
+    from ..trials import execution  # noqa: F401 - for the forks
     launch_files.core()
     look_ups.remember()
     replaced.look_up()
@@ -72,15 +73,15 @@ def _serve(client, folder):
     descriptors = (client.fileno(), wake, woken)
     carrier = carriers.Carrier(descriptors)
     with client.makefile('rb') as requests:
-        for line in requests:
+        while requests.peek(1):
             if path is None:
                 count += 1
                 path = os.path.join(folder, f'{count:06d}')
                 os.mkdir(path)
-            job = functions.place(json.loads(line), folder)
+            job = functions.place(pickle.load(requests), folder)
             known = len(problems)
             problem = _prepare(job, problems)
-            if len(problems) > known or not job['trial_function']:
+            if len(problems) > known or not job.trial.experiment.function:
                 carrier.end()  # what was imported is not in it; or else it would be ended with all that a trial leaves
             code = _run(job, path, problem, carrier, client, descriptors)
             if code is None:
@@ -89,7 +90,7 @@ def _serve(client, folder):
             if requests.readline() != b'taken\n':
                 return
             launch_files.load_programs(path)
-            if not (job['trial_function'] and _is_emptied(path)):
+            if not (job.trial.experiment.function and _is_emptied(path)):
                 shutil.rmtree(path, ignore_errors=True)
                 path = None
 
@@ -105,7 +106,7 @@ def _is_emptied(path):
 
 def _run(job, path, problem, carrier, client, descriptors):
     """Return the exit code of the process that has carried out a job, or None if the worker has gone."""
-    if job['trial_function']:
+    if job.trial.experiment.function:
         code = carrier.run(job, path, problem, client, descriptors[1])
         if code != 0:  # it has died, or has left who knows what
             processes.end_all_children()
@@ -119,13 +120,13 @@ def _run(job, path, problem, carrier, client, descriptors):
 
 def _prepare(job, problems):
     """Call the function that a job wants called in this process, once; return what is wrong with it, or None."""
-    if not job['prepare']:
+    if not job.prepared:
         return None
-    key = json.dumps([job['prepare'], job['modules']])
+    key = json.dumps([*job.prepared[:3], job.modules])
     if key not in problems:
         problems[key] = None
         try:
-            functions.prepare(job['prepare'], job['modules'])
+            functions.prepare(job.trial.experiment, job.modules)
         except ConfigurationError as problem:
             problems[key] = str(problem)
         _share()
@@ -139,10 +140,10 @@ def _share():
 
 
 def _carry_out(job, path, problem, descriptors):
-    from ..trials import trial
+    from ..trials import execution
     for descriptor in descriptors:
         os.close(descriptor)
-    trial.carry_out(job, path, problem)
+    execution.carry_out(job, path, problem)
 
 
 def _await(pid, client, wake):

@@ -54,11 +54,11 @@ class Workers:
         self._without_s = 0.0
         self._silent = {}  # address: (when the scheduler last heard it, for how long nothing new was heard)
         self._ended = set()
-        self.told = ()
+        self.known = ()
         self.spool = spool
 
     def look(self):
-        """Return how many threads of workers are heard; ``told`` has a Worker for each.
+        """Return how many threads of workers are heard; ``known`` has a Worker for each.
 
         :raises NoWorkerError: if there has been none for a minute.
         """
@@ -68,7 +68,7 @@ class Workers:
         self._last_look = self._clock()
         asked = min(self._last_look - begin, 2 * _ANSWER_S)
         self._silent = {address: self._heard(address, about, passed) for address, about in known.items()}
-        self.told = tuple(Worker(self._name(address, about), tuple(map(_trials_of, processing.get(
+        self.known = tuple(Worker(self._name(address, about), tuple(map(_trials_of, processing.get(
             address, ()))), round(self._silent[address][1], 1)) for address, about in sorted(known.items()))
         heard = [address for address in known if self._silent[address][1] < _SILENT_S]
         self._without_s = 0.0 if heard else self._without_s + passed + asked
@@ -124,7 +124,7 @@ def _trials_of(key):
 
 
 @contextlib.contextmanager
-def told_workers(folder):
+def workers_file(folder):
     """Give a function that writes Workers into an OutputFolder, now and then; at the end it is written that none is.
 
     That is for `experiment status`.

@@ -4,6 +4,8 @@ The programs of all nodes, the modules that they import, the libraries that they
 includes, its parameters, files that parameters and arguments name, inputs, and this package. They are looked at when an
 experiment starts, each once; a worker looks again before and after each trial.
 """
+from __future__ import annotations
+
 import contextlib
 import hashlib
 import json
@@ -15,50 +17,51 @@ import socket
 import subprocess
 from functools import lru_cache
 from pathlib import Path
+from typing import Any, Dict, FrozenSet, Iterable, List, Match, NamedTuple, Optional, Set, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.input_files import open_input
 
-from . import checks, launch_files, program_files
+from . import launch_files, program_files
+from .trial import Trial
 
 PACKAGE, PARAMETERS = 'move_base_abstract', 'parameters'
 _OWN_FOLDERS = ('move_base_abstract', 'move_base_abstract_ros', 'move_base_abstract_experiments')
 _PARTS = ('time_master',)
 _IMAGE = re.compile(r'^\s*image:\s*["\']?([^"\'\s#]+)', re.MULTILINE)
+_PATH = re.compile(r'/[^\s\'",:;\])}]+')
 _MOST_NAMES = 3
 _GIT_S = 5.0  # wall
+Made = Dict[str, str]  # {path, PACKAGE or PARAMETERS: digest}
+Stamp = Tuple[int, int, int, int]
 
 
 class ChangedError(SimulatorError):
     """A file that trials are made of is another one than when the experiment started."""
 
 
-def of_trial(experiment, arguments, launch, functions):
-    """Return {path, PACKAGE or PARAMETERS: digest} of a trial.
+def of_trial(trial: Trial) -> Made:
+    """Return {path, PACKAGE or PARAMETERS: digest} of what a trial is made of beside what the experiment's file says.
 
-    launch: the launch file, filled in. arguments: [ARG:=VALUE]. functions: module:function names.
+    Launch files are read as for the first replication. Files that arguments name are those of the trial itself.
     """
-    found = {PACKAGE: _own()}
-    if launch:
-        found.update(_of_launch(launch, tuple(arguments), experiment.folder, experiment.leave_out,
+    experiment, first, found = trial.experiment, trial.first, {PACKAGE: _own()}
+    if experiment.launch:
+        found.update(_of_launch(first.launch, tuple(first.arguments), experiment.folder, experiment.leave_out,
                                 tuple(sorted(experiment.replace.items()))))
-    paths = set()
+    paths = {os.path.join(experiment.folder, name) for name in experiment.inputs}
     for word, after in zip(experiment.command, [*experiment.command[1:], '']):
         paths |= _of_word(word, after, experiment.folder)
-    for name in functions:
+    for name in experiment.functions.values():
         paths |= _of_module(name.partition(':')[0], experiment.folder)
-    paths |= {os.path.join(experiment.folder, name) for name in experiment.inputs}
+    paths |= _named([word.partition(':=')[2] for word in trial.arguments], experiment.folder)
     found.update((path, digest(path)) for path in paths)
     return found
 
 
-def of_arguments(arguments, folder):
-    """Return {path: digest} of the files that arguments, [ARG:=VALUE], name by their paths."""
-    return {path: digest(path) for path in _named([word.partition(':=')[2] for word in arguments], folder)}
-
-
 @lru_cache(maxsize=None)
-def _of_launch(launch, arguments, folder, left_out, replaced):
+def _of_launch(launch: str, arguments: Tuple[str, ...], folder: str, left_out: Tuple[str, ...],
+               replaced: Tuple[Tuple[str, str], ...]) -> Made:
     """Return {path or PARAMETERS: digest} of a launch file with arguments; {} where it is on the workers only."""
     from move_base_abstract_ros.launching import plan, roles
     try:
@@ -70,7 +73,7 @@ def _of_launch(launch, arguments, folder, left_out, replaced):
         config = launch_files.read([(path, arguments)])
     except ConfigurationError:
         return {one: digest(one) for one in launch_files.with_includes(path)}  # the check, or the worker, complains
-    paths = {os.path.realpath(one) for one in [*launch_files.with_includes(path), *config.roslaunch_files]}
+    paths: Set[str] = {os.path.realpath(one) for one in [*launch_files.with_includes(path), *config.roslaunch_files]}
     words = [str(param.value) for param in config.params.values() if isinstance(param.value, str)]
     for node in config.nodes:
         if roles.name_of(node) not in left_out:
@@ -83,16 +86,23 @@ def _of_launch(launch, arguments, folder, left_out, replaced):
 
 
 @lru_cache(maxsize=None)
-def parameters(launch, arguments, folder):
-    """Return ((name, value as text), ...) of a launch file's parameters; () where it is not here, or cannot be read."""
+def parameters(launch: str, arguments: Tuple[str, ...], folder: str) -> Tuple[Tuple[str, str], ...]:
+    """Return ((name, value as text), ...) of a launch file's parameters, without the folders of files in them.
+
+    They are () where the launch file is not here, or cannot be read.
+    """
     try:
         config = launch_files.read([(launch_files.find(launch, folder), arguments)])
     except ConfigurationError:
         return ()
-    return tuple(sorted((key, repr(param.value)) for key, param in config.params.items()))
+    return tuple(sorted((key, _PATH.sub(_without_folder, repr(param.value))) for key, param in config.params.items()))
 
 
-def _split(text):
+def _without_folder(found: Match[str]) -> str:
+    return os.path.basename(found.group()) if os.path.exists(found.group()) else found.group()
+
+
+def _split(text: Optional[str]) -> List[str]:
     from roslaunch.substitution_args import resolve_args
     try:
         return shlex.split(resolve_args(text or '', resolve_anon=False))
@@ -101,7 +111,7 @@ def _split(text):
 
 
 @lru_cache(maxsize=None)
-def _of_node(package, kind):
+def _of_node(package: str, kind: str) -> FrozenSet[str]:
     from roslib import packages
     try:
         found = packages.find_node(package, kind)
@@ -111,18 +121,18 @@ def _of_node(package, kind):
 
 
 @lru_cache(maxsize=None)
-def _of_module(name, folder):
+def _of_module(name: str, folder: str) -> FrozenSet[str]:
     first = name.partition('.')[0]
     places = [folder, *program_files.python_path()]
-    files = next(filter(None, (program_files.files_of_module(place, first) for place in places)), ())
+    files: Tuple[str, ...] = next(filter(None, (program_files.files_of_module(place, first) for place in places)), ())
     return frozenset(one for path in files for one in {path, *program_files.modules_of(path, (folder,))})
 
 
 @lru_cache(maxsize=None)
-def _of_word(word, after, folder):
+def _of_word(word: str, after: str, folder: str) -> Set[str]:
     """Return the files that a word of a command, and the word after it, stand for: a program, or PACKAGE TYPE."""
     path = word if os.path.isabs(word) else shutil.which(word) or ''
-    found = set()
+    found: Set[str] = set()
     if os.path.isfile(path) and not program_files.is_of_system(path):
         found |= program_files.files_of(path, (folder,))
     if re.fullmatch(r'[A-Za-z][\w-]*', word) and re.fullmatch(r'\w[\w.-]*', after):
@@ -130,9 +140,9 @@ def _of_word(word, after, folder):
     return found
 
 
-def _named(words, folder):
+def _named(words: List[str], folder: str) -> Set[str]:
     """Return the files that values name by their paths: maps, worlds, tables; and a map's image."""
-    found = set()
+    found: Set[str] = set()
     for word in words:
         path = os.path.join(folder, word) if os.sep in word and '\0' not in word and len(word) < 4096 else ''
         if path and os.path.isfile(path):
@@ -146,7 +156,7 @@ def _named(words, folder):
 
 
 @lru_cache(maxsize=None)
-def _own():
+def _own() -> str:
     """Return a digest of this package: its Python modules but for the report, and its programs that keep the time."""
     root, paths = Path(__file__).resolve().parents[2], []
     for name in _OWN_FOLDERS:
@@ -161,12 +171,12 @@ def _own():
 
 
 @lru_cache(maxsize=None)
-def digest(path):
+def digest(path: str) -> str:
     """Return the digest of a file's content, '' if it cannot be read; each file is read once."""
     return _look(path)
 
 
-def _look(path):
+def _look(path: str) -> str:
     try:
         with open_input(path) as stream:
             return hashlib.sha256(stream.read()).hexdigest()
@@ -175,28 +185,39 @@ def _look(path):
 
 
 @lru_cache(maxsize=None)
-def _stamp(path):
+def _stamp(path: str) -> Optional[Stamp]:
     return _stat(path)
 
 
-def _stat(path):
+def _stat(path: str) -> Optional[Stamp]:
     try:
         about = os.stat(path)
     except OSError:
         return None
-    return [about.st_mtime_ns, about.st_ctime_ns, about.st_ino, about.st_size]
+    return about.st_mtime_ns, about.st_ctime_ns, about.st_ino, about.st_size
 
 
-def told(made):
-    """Return what a worker is told of the files of of_trial(), as plain values."""
-    return {'host': socket.gethostname(), 'files': [[path, found, _stamp(path)] for path, found in sorted(made.items())
-                                                    if os.sep in path]}
+class Files(NamedTuple):
+    """What a worker is told of the files that a trial is made of. ``files``: of each path, digest and stamp."""
+
+    host: str
+    files: Tuple[Tuple[str, str, Optional[Stamp]], ...]
 
 
-def check(files):
-    """Complain of files that are not what told() says. :raises ChangedError: naming the first."""
-    is_here = files['host'] == socket.gethostname()
-    for path, wanted, stamp in files['files']:
+def files_of(made: Made) -> Files:
+    """Return the Files of of_trial()."""
+    return _files_of(tuple(sorted(made.items())))
+
+
+@lru_cache(maxsize=None)
+def _files_of(made: Tuple[Tuple[str, str], ...]) -> Files:
+    return Files(socket.gethostname(), tuple((path, found, _stamp(path)) for path, found in made if os.sep in path))
+
+
+def check(files: Files) -> None:
+    """Complain of files that are not what files_of() says. :raises ChangedError: naming the first."""
+    is_here = files.host == socket.gethostname()
+    for path, wanted, stamp in files.files:
         if is_here and stamp is not None and _stat(path) == stamp:
             continue
         if (is_here or os.path.exists(path)) and _look(path) != wanted:
@@ -204,24 +225,24 @@ def check(files):
             raise ChangedError(f'{path} is another file {where}')
 
 
-def changed(before, now):
+def changed(before: Made, now: Made) -> str:
     """Return in words what is another one in two of of_trial(): 'a.py, b.py and 3 more', or ''."""
     names = sorted(os.path.basename(path) for path in {*before, *now} if before.get(path) != now.get(path))
     more = len(names) - _MOST_NAMES
     return ', '.join(names[:_MOST_NAMES]) + (f' and {more} more' if more > 0 else '')
 
 
-def name_of(made):
+def name_of(made: Made) -> str:
     """Return the digest of a whole of_trial()."""
     return hashlib.sha256(json.dumps(sorted(made.items())).encode('utf-8', 'surrogateescape')).hexdigest()[:16]
 
 
-def by_content(made):
+def by_content(made: Made) -> List[List[str]]:
     """Return of_trial() without the folders that files lie in: a workspace may be moved."""
     return sorted([os.path.basename(path), found] for path, found in made.items())
 
 
-def repositories(paths):
+def repositories(paths: Iterable[str]) -> List[Dict[str, Any]]:
     """Return [{folder, commit, dirty}] of the git repositories that files lie in; commit None: git cannot say it."""
     roots = sorted(filter(None, {_root(os.path.dirname(path)) for path in paths if os.sep in path}))
     words = ['git', '-c', 'core.fsmonitor=false', '--no-optional-locks', 'status', '--porcelain=v2', '--branch']
@@ -239,17 +260,12 @@ def repositories(paths):
 
 
 @lru_cache(maxsize=None)
-def _root(folder):
+def _root(folder: str) -> Optional[str]:
     return next((str(one) for one in (Path(folder), *Path(folder).parents) if (one / '.git').exists()), None)
 
 
-def arguments_of(experiment, values):
-    """Return the words ARG:=VALUE of an experiment's args, filled in."""
-    return [f'{name}:={checks.filled(value, values)}' for name, value in experiment.args.items()]
-
-
-def forget():
+def forget() -> None:
     """Look at everything anew; in one process it is looked at once."""
     program_files.forget()
-    for known in (_of_launch, parameters, _of_node, _of_module, _of_word, _own, digest, _stamp, _root):
+    for known in (_of_launch, parameters, _of_node, _of_module, _of_word, _own, digest, _stamp, _root, _files_of):
         known.cache_clear()

@@ -1,5 +1,7 @@
 """The built-in metrics of a trial: what they are called, in which unit, and which way is better."""
-from typing import NamedTuple, Optional
+from __future__ import annotations
+
+from typing import Any, Dict, NamedTuple, Optional
 
 
 class Metric(NamedTuple):
@@ -14,7 +16,7 @@ class Metric(NamedTuple):
     better: Optional[str] = None
     at_limit: Optional[str] = None
 
-    def described(self):
+    def described(self) -> Dict[str, Any]:
         """Return it as plan.json has it."""
         return {'unit': self.unit, 'title': self.title, 'better': self.better,
                 **({'at_limit': self.at_limit} if self.at_limit else {})}

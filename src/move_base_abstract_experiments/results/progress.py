@@ -1,5 +1,13 @@
 """How far a sweep is: one line that changes on a terminal, else a plain line every few seconds."""
+from __future__ import annotations
+
 import time
+from typing import TYPE_CHECKING, Any, TextIO
+
+from ..records import Result
+
+if TYPE_CHECKING:
+    from ..carrying.cluster import Runner
 
 _EVERY_S = 5.0  # wall, without a terminal
 _OFTEN_S = 0.5  # wall, on one
@@ -8,7 +16,7 @@ _OFTEN_S = 0.5  # wall, on one
 class Progress:
     """Counts trials and says so."""
 
-    def __init__(self, stream, total, complete):
+    def __init__(self, stream: TextIO, total: int, complete: int) -> None:
         self._stream = stream
         self._total = total
         self._done = complete
@@ -20,7 +28,7 @@ class Progress:
         if complete:
             print(f'experiment: {complete} of {total} trials are complete already', file=stream, flush=True)
 
-    def begin(self, client, has_dashboard):
+    def begin(self, client: Any, has_dashboard: bool) -> None:
         """The workers are there. has_dashboard: Dask serves its page on them."""
         address = client.scheduler_info().get('address', '')
         has_dashboard = has_dashboard and client.scheduler_info().get('services')
@@ -29,22 +37,22 @@ class Progress:
               flush=True)
         self._begin = time.monotonic()
 
-    def count(self, about):
+    def count(self, result: Result) -> None:
         """A trial has ended."""
         self._done += 1
         self._new += 1
-        self._failed += about['status'] != 'complete'
+        self._failed += not result.is_complete
         if self._done == self._total:
             self._say(0)
             if self._is_terminal:
                 print(file=self._stream, flush=True)
 
-    def look(self, runner):
+    def look(self, runner: Runner) -> None:
         """Say something, if it is time."""
         if time.monotonic() - self._last > (_OFTEN_S if self._is_terminal else _EVERY_S):
             self._say(runner.workers)
 
-    def _say(self, workers):
+    def _say(self, workers: int) -> None:
         self._last = time.monotonic()
         seconds = max(1e-3, self._last - self._begin)
         rate = self._new / seconds
@@ -58,7 +66,7 @@ class Progress:
             print(text, file=self._stream, flush=True)
 
 
-def _duration(seconds):
+def _duration(seconds: float) -> str:
     minutes, rest = divmod(int(seconds + 0.5), 60)
     hours, minutes = divmod(minutes, 60)
     return f'{hours} h {minutes} min' if hours else f'{minutes} min {rest} s' if minutes else f'{rest} s'

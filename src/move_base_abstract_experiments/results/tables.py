@@ -3,14 +3,18 @@
 What depends on the machine stands in `wall_seconds` and `times_real_time`; all else is the same to the byte whenever
 and wherever the trials ran.
 """
+from __future__ import annotations
+
 import csv
 import importlib.util
 import io
 import json
 import sys
+from pathlib import Path
+from typing import Any, Iterable, Iterator, List, Optional, Sequence
 
 from ..description.metric_names import OCCASIONAL, Metric
-from ..trials.trial import COMPLETE, DIFFERENT, IDENTICAL
+from ..records import DIFFERENT, FORMAT, IDENTICAL, Plan, Result
 from . import outputs
 
 BEFORE = ('replication', 'seed', 'status')
@@ -21,133 +25,135 @@ MOST_TOLD = 5
 _MOST_LOOKED = 100  # trials, for one with metrics
 
 
-class Told:
+class Summary:
     """What there is to say of an experiment's trials in a few lines, besides the table."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.complete = self.missing = self.identical = 0
-        self.failed, self.different = [], []  # trial.json of the first MOST_TOLD of each
+        self.failed: List[Result] = []  # the first MOST_TOLD of each
+        self.different: List[Result] = []
         self.failed_count = self.different_count = 0
 
-    def take(self, about):
-        """Take trial.json of a trial; None: it has not run."""
-        if about is None:
+    def take(self, result: Optional[Result]) -> None:
+        """Take the Result of a trial; None: it has not run."""
+        if result is None:
             self.missing += 1
             return
-        self.complete += about['status'] == COMPLETE
-        self.identical += about['verified'] == IDENTICAL
-        if about['status'] != COMPLETE:
+        self.complete += result.is_complete
+        self.identical += result.verified == IDENTICAL
+        if not result.is_complete:
             self.failed_count += 1
-            self.failed += [about] if self.failed_count <= MOST_TOLD else []
-        if about['verified'] == DIFFERENT:
+            self.failed += [result] if self.failed_count <= MOST_TOLD else []
+        if result.verified == DIFFERENT:
             self.different_count += 1
-            self.different += [about] if self.different_count <= MOST_TOLD else []
+            self.different += [result] if self.different_count <= MOST_TOLD else []
 
 
-def columns(plan, metrics):
+def columns(plan: Plan, metrics: Iterable[str]) -> List[str]:
     """Return the names of the columns."""
-    return ['id', *plan['factors'], *BEFORE, *metrics, *AFTER]
+    return ['id', *plan.factors, *BEFORE, *metrics, *AFTER]
 
 
-def _row(plan, metrics, about):
+def _row(plan: Plan, metrics: Iterable[str], result: Result) -> List[Any]:
     # A factor may have the name of a key of trial.json that is no column, such as robots.
-    values = {**about, **{name: about['metrics'].get(name) for name in metrics}, **about['configuration']}
-    values['labels'] = '; '.join(about['labels'])
+    values = {**vars(result), **{name: result.metrics.get(name) for name in metrics}, **result.configuration,
+              'labels': '; '.join(result.labels)}
     return [values.get(name) for name in columns(plan, metrics)]
 
 
 class _Rows:
-    """Reads the trials of a plan that have ended, one after another; ``told`` and ``metrics`` are known at the end."""
+    """Reads the trials of a plan that have ended, one by one; ``summary`` and ``metrics`` are known at the end."""
 
-    def __init__(self, plan, path, metrics):
+    def __init__(self, plan: Plan, path: Path, metrics: List[str]) -> None:
         self._plan = plan
         self._path = path
         self._known = list(metrics)
         self.metrics = set(metrics)
-        self.told = Told()
+        self.summary = Summary()
 
-    def pieces(self, kept):
-        """Yield the table as CSV (bytes), by the metrics that were given; rows are added to the list ``kept``, too.
+    def pieces(self, kept: Optional[List[List[Any]]]) -> Iterator[bytes]:
+        """Yield the table as CSV, by the metrics that were given; rows are added to the list ``kept``, too.
 
         Once a metric shows that was not given, there is nothing more to yield: it is wanted with that one.
         """
         yield csv_text([columns(self._plan, self._known)])
-        for one in self._plan['trials']:
-            about = outputs.read_planned(self._path, one)
-            self.told.take(about)
-            if about is not None:
-                self.metrics.update(about['metrics'])
+        for one in self._plan.trials:
+            result = outputs.read_planned(self._path, one)
+            self.summary.take(result)
+            if result is not None:
+                self.metrics.update(result.metrics)
                 if len(self.metrics) == len(self._known):
-                    row = _row(self._plan, self._known, about)
+                    row = _row(self._plan, self._known, result)
                     if kept is not None:
                         kept.append(row)
                     yield csv_text([row])
 
 
-def csv_text(table):
+def csv_text(table: Iterable[Sequence[Any]]) -> bytes:
     """Return rows as CSV (bytes): numbers in the shortest form that reads back the same; nothing for null."""
     stream = io.StringIO()
     csv.writer(stream, lineterminator='\n').writerows([[_cell(value) for value in row] for row in table])
     return stream.getvalue().encode()
 
 
-def _cell(value):
+def _cell(value: Any) -> str:
     if value is None:
         return ''
     return json.dumps(value) if isinstance(value, (bool, int, float)) else str(value)
 
 
-def write(folder, plan):
+def write(folder: outputs.OutputFolder, plan: Plan) -> Summary:
     """Write trials.csv of an OutputFolder, and trials.parquet where that can be; add metrics to plan.json.
 
-    Return a Told. Of a million trials one is in memory at a time (but for Parquet, which needs all): metrics that the
-    plan does not name cost a second look.
+    Return a Summary. Of a million trials one is in memory at a time (but for Parquet, which needs all): metrics that
+    the plan does not name cost a second look.
     """
-    named = list(plan['metrics'])
+    named = list(plan.metrics)
     metrics = _first_metrics(folder, plan)
     while True:
         rows = _Rows(plan, folder.path, metrics)
-        table = [] if _has_parquet() else None
+        table: Optional[List[List[Any]]] = [] if _has_parquet() else None
         folder.write_pieces('trials.csv', rows.pieces(table))
         if len(rows.metrics) == len(metrics):
             break
         metrics = named + sorted(rows.metrics - set(named))
     for name in metrics:
-        plan['metrics'].setdefault(name, OCCASIONAL.get(name, Metric(name)).described())
+        plan.metrics.setdefault(name, OCCASIONAL.get(name, Metric(name)).described())
     folder.write_pieces('plan.json', plan_text(plan))
     if table is not None:
         _write_parquet(folder, columns(plan, metrics), table)
-    return rows.told
+    return rows.summary
 
 
-def _first_metrics(folder, plan):
+def _first_metrics(folder: outputs.OutputFolder, plan: Plan) -> List[str]:
     """Return the names of the metrics: those of the plan, then by name what else the first complete trial has."""
-    named = list(plan['metrics'])
-    for one in plan['trials'][:_MOST_LOOKED]:
-        about = outputs.read_planned(folder.path, one)
-        if about is not None and about['metrics']:
-            return named + sorted(set(about['metrics']) - set(named))
+    named = list(plan.metrics)
+    for one in plan.trials[:_MOST_LOOKED]:
+        result = outputs.read_planned(folder.path, one)
+        if result is not None and result.metrics:
+            return named + sorted(set(result.metrics) - set(named))
     return named
 
 
-def plan_text(plan):
-    """Yield plan.json in pieces (bytes): of a million trials it is half a gigabyte. Each trial has a line."""
-    for number, (key, value) in enumerate(plan.items()):
-        yield f'{"," if number else "{"}\n {json.dumps(key)}: '.encode()
-        if key == 'trials' and value:
-            for place, one in enumerate(value):
-                yield f'{"," if place else "["}\n  {json.dumps(one, allow_nan=False)}'.encode()
+def plan_text(plan: Plan) -> Iterator[bytes]:
+    """Yield plan.json in pieces: of a million trials it is half a gigabyte. Each trial has a line."""
+    yield b'{\n "format": %d' % FORMAT
+    for key, value in vars(plan).items():
+        yield f',\n {json.dumps(key)}: '.encode()
+        if value and value is plan.trials:
+            for place, one in enumerate(plan.trials):
+                yield f'{"," if place else "["}\n  {json.dumps(one.written, allow_nan=False)}'.encode()
             yield b'\n ]'
         else:
             yield json.dumps(value, indent=1, allow_nan=False).replace('\n', '\n ').encode()
     yield b'\n}\n'
 
 
-def _has_parquet():
+def _has_parquet() -> bool:
     return all(importlib.util.find_spec(name) for name in ('pandas', 'pyarrow'))
 
 
-def _write_parquet(folder, names, table):
+def _write_parquet(folder: outputs.OutputFolder, names: List[str], table: List[List[Any]]) -> None:
     stream = io.BytesIO()
     try:
         import pandas

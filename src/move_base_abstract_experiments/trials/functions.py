@@ -3,12 +3,16 @@
 A function that is a trial may be a simulation in plain Python, or start what it likes: all that it has started is gone
 at its end.
 """
+from __future__ import annotations
+
 import contextlib
+import dataclasses
 import hashlib
 import importlib
 import json
 import math
 import os
+import pickle
 import random  # noqa: TID251 - the program's own is given its seed
 import re
 import select
@@ -16,12 +20,16 @@ import signal
 import sys
 import time
 from pathlib import Path
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.shown import shown
 from move_base_abstract_ros.launching import ends, processes
 
-from . import run, run_folders
+from ..description.experiment import OWN_COLUMNS, Experiment
+from ..description.job import Job
+from ..description.trial import Trial
+from . import run_folders, termination
 
 OUTPUT = 'function.txt'  # what a trial's function prints
 _LOOPBACK = 'move_base_abstract_experiments.carrying.warm_loopback'  # there if a function starts nodes by it
@@ -39,13 +47,16 @@ class FunctionError(SimulatorError):
 
 
 class DeathError(FunctionError):
-    """A process that has not said what came out. ``code``: its exit code, of a signal its negative number, or None."""
+    """A process that has not said what came out. ``code``: its exit code, of a signal its negative number, or None.
 
-    def __init__(self, seconds, code, is_late):
+    ``ended_by``: of termination, or None.
+    """
+
+    def __init__(self, seconds: float, code: Optional[int], is_late: bool) -> None:
         how = '' if code is None else f': {ends.described(code)}'
         super().__init__(f'it was not over after {seconds:g} s of wall time' if is_late
                          else f'its process has told nothing of its end{how}')
-        self.code, self.is_late = code, is_late
+        self.code, self.ended_by = code, termination.TIME_LIMIT if is_late else None
 
 
 class FunctionTrial:
@@ -55,28 +66,37 @@ class FunctionTrial:
     Path, the folder that it works in; event_log: a Path where it may leave an event log. It may set simulated_seconds.
     """
 
-    def __init__(self, job, folders):
-        self.configuration = job['configuration']
-        self.replication = job['replication']
-        self.seed = job['seed']
-        self.args = job['function_arguments']
+    def __init__(self, trial: Trial, folders: run_folders.Folders) -> None:
+        self.configuration = trial.configuration
+        self.replication = trial.replication
+        self.seed = trial.seed
+        self.args = trial.function_arguments
         self.files = Path(folders.files)
-        self.event_log = Path(folders.own) / run.LOG
-        self.simulated_seconds = None
-        self.labels = []
+        self.event_log = Path(folders.own) / run_folders.LOG
+        self.simulated_seconds: Any = None
+        self.labels: List[Any] = []
 
-    def not_repeatable(self, reason):
+    def not_repeatable(self, reason: str) -> None:
         """Say why the same seed may give another trial: the report tells it."""
         self.labels.append(reason)
 
 
-def sources(names, folder):
+class Returned(NamedTuple):
+    """What a trial that is a function gave. ``processes``: fields of ends.Process, its own and of nodes it started."""
+
+    metrics: Dict[str, Optional[float]]
+    labels: List[str]
+    simulated_seconds: Optional[float]
+    processes: List[Dict[str, Any]]
+
+
+def sources(names: Iterable[str], folder: str) -> Dict[str, str]:
     """Return {path from the folder: text} of those modules of functions that lie beside the experiment's file.
 
     They go with a trial to a worker that may have no such folder. Of a package all modules go.
     """
     found = {}
-    for name in filter(None, names):
+    for name in names:
         module = name.partition(':')[0]
         for path in _modules_beside(module.partition('.')[0], folder):
             with contextlib.suppress(OSError, ValueError), open(os.path.join(folder, path), encoding='utf-8') as stream:
@@ -84,7 +104,7 @@ def sources(names, folder):
     return found if sum(map(len, found.values())) < _MOST_BYTES else {}
 
 
-def _modules_beside(name, folder):
+def _modules_beside(name: str, folder: str) -> List[str]:
     """Return the paths from the folder of the modules that a module's name stands for there: Python's own choice."""
     alone = f'{name}.py'
     if os.path.isfile(os.path.join(folder, alone)) and not os.path.isfile(os.path.join(folder, name, '__init__.py')):
@@ -92,13 +112,14 @@ def _modules_beside(name, folder):
     return [os.path.relpath(path, folder) for path in sorted(Path(folder, name).rglob('*.py'))]
 
 
-def place(job, folder):
+def place(job: Job, folder: str) -> Job:
     """Have a job find its modules: where they are, or, if they are not there or others, in a new place in a folder."""
-    if all(_holds(os.path.join(job['folder'], path), text) for path, text in job['sources'].items()):
-        return {**job, 'modules': job['folder']}
-    key = hashlib.sha256(json.dumps(job['sources'], sort_keys=True).encode()).hexdigest()[:16]
+    beside, texts = job.trial.experiment.folder, job.common.sources
+    if all(_holds(os.path.join(beside, path), text) for path, text in texts.items()):
+        return dataclasses.replace(job, modules=beside)
+    key = hashlib.sha256(json.dumps(texts, sort_keys=True).encode()).hexdigest()[:16]
     own = os.path.join(folder, f'modules-{key}')
-    for path, text in job['sources'].items():
+    for path, text in texts.items():
         target = os.path.join(own, path)
         if not os.path.abspath(target).startswith(own + os.sep):
             raise ConfigurationError(f'a module by the path {path}; allowed: beside the experiment')
@@ -106,10 +127,10 @@ def place(job, folder):
             os.makedirs(os.path.dirname(target), exist_ok=True)
             with open(target, 'x', encoding='utf-8') as stream:
                 stream.write(text)
-    return {**job, 'modules': own}
+    return dataclasses.replace(job, modules=own)
 
 
-def _holds(path, text):
+def _holds(path: str, text: str) -> bool:
     try:
         with open(path, encoding='utf-8') as stream:
             return stream.read() == text
@@ -117,29 +138,28 @@ def _holds(path, text):
         return False
 
 
-def load(name, folder):
+def load(name: str, folder: str) -> Callable[..., Any]:
     """Return the function of a name module:function; modules beside the experiment's file are found, too."""
     if folder not in sys.path:
         sys.path.insert(0, folder)
     module, _, function = name.partition(':')
-    found = getattr(importlib.import_module(module), function)
+    found: Callable[..., Any] = getattr(importlib.import_module(module), function)
     if not callable(found):
         raise TypeError(f'{name} cannot be called')
     return found
 
 
-def call(work, seconds, output, cwd):
+def call(work: Callable[[], Any], seconds: float, output: str, cwd: str) -> Any:
     """Return what work() returns, as JSON carries it, called in a forked process; all that it has started ends with it.
 
     seconds: wall. output: the path of a file for what it prints. :raises FunctionError: saying what is wrong.
     """
     read, write = os.pipe()
 
-    def child():
+    def child() -> None:
         os.close(read)
         try:
-            answer = {'value': work()}
-            text = json.dumps(answer)
+            text = json.dumps({'value': work()})
         except BaseException as problem:
             text = json.dumps({'problem': described(problem)})
             if not isinstance(problem, SimulatorError):
@@ -152,7 +172,8 @@ def call(work, seconds, output, cwd):
                 stream.write(text.encode() + b'\n')
     pid = processes.fork(child, output, cwd)
     os.close(write)
-    text, statuses = _read_line(read, seconds), {}
+    text = _read_line(read, seconds)
+    statuses: Dict[int, int] = {}
     if text is not None and not text.endswith(b'\n'):
         processes.await_ends({pid}, _DYING_S, statuses)
     code = processes.code_of(statuses[pid]) if pid in statuses else None
@@ -167,22 +188,21 @@ def call(work, seconds, output, cwd):
     return answer['value']
 
 
-def described(problem):
+def described(problem: BaseException) -> str:
     """Return the first line of an exception; of those that are raised on purpose the text alone."""
     lines = str(problem).strip().splitlines()
     text = lines[0] if lines else ''
     return text if isinstance(problem, SimulatorError) and text else f'{type(problem).__name__}: {text}'
 
 
-def checked(found, factors, known):
+def checked(found: Any, factors: Iterable[str], known: Iterable[str]) -> Dict[str, Optional[float]]:
     """Return what a function gave, checked. ``known``: names of metrics that there are already.
 
     :raises ValueError, TypeError: saying what is allowed.
     """
-    from ..description.spec import OWN_COLUMNS
     if not isinstance(found, dict) or len(found) > _MOST_METRICS:
         raise TypeError(f'must return a mapping of at most {_MOST_METRICS} numbers by name, got {type(found).__name__}')
-    numbers = {}
+    numbers: Dict[str, Optional[float]] = {}
     for name, given in found.items():
         if not isinstance(name, str) or not _NAME.match(name) or name in (*known, *OWN_COLUMNS, *factors):
             raise ValueError(f'{name!r} is no name for a metric: a letter, then letters, digits and underscores, not a '
@@ -199,37 +219,33 @@ def checked(found, factors, known):
     return numbers
 
 
-def run_trial(job, folders):
-    """Run the trial that is a job's function; return {'metrics', 'labels', 'simulated_seconds', 'processes'}.
-
-    The last are fields of launching.ends.Process: of the function itself, and of nodes that it has started.
-
-    :raises SimulatorError: if it failed.
-    """
+def run_trial(job: Job, folders: run_folders.Folders) -> Returned:
+    """Run the trial that is a job's function. :raises SimulatorError: if it failed."""
+    experiment = job.trial.experiment
     processes.adopt_orphans()
     processes.block_child_signal()
     os.environ.update(ROS_LOG_DIR=folders.logs, ROS_HOME=folders.files)
 
-    def work():
-        trial = FunctionTrial(job, folders)
+    def work() -> Returned:
+        trial = FunctionTrial(job.trial, folders)
         uncaught = ends.note_threads()
-        _seed(job['seed'])
-        metrics = checked(load(job['trial_function'], job['modules'])(trial), job['factors'], ())
-        return {'metrics': metrics, 'labels': [str(one)[:_LONGEST_LABEL] for one in trial.labels[:_MOST_LABELS]],
-                'simulated_seconds': _seconds(trial.simulated_seconds),
-                'processes': [{'node': 'the function', 'takes_part': False, 'code': 0, 'shown': uncaught},
-                              *getattr(sys.modules.get(_LOOPBACK), 'ended', [])]}
-    return call(work, job['time_limit'], os.path.join(folders.logs, OUTPUT), folders.files)
+        _seed(trial.seed)
+        metrics = checked(load(experiment.function, job.modules)(trial), experiment.factors, ())
+        return Returned(metrics, [str(one)[:_LONGEST_LABEL] for one in trial.labels[:_MOST_LABELS]],
+                        _seconds(trial.simulated_seconds),
+                        [{'node': 'the function', 'takes_part': False, 'code': 0, 'shown': uncaught},
+                         *getattr(sys.modules.get(_LOOPBACK), 'ended', [])])
+    return Returned(*call(work, experiment.time_limit, os.path.join(folders.logs, OUTPUT), folders.files))
 
 
-def _seed(seed):
+def _seed(seed: int) -> None:
     """Have the global generators of Python and numpy start from the trial's seed, as those of nodes do."""
     import numpy  # here: it may start threads, which the process that forks must not have
     random.seed(seed)
     numpy.random.seed(seed % 2 ** 32)  # noqa: NPY002 - likewise
 
 
-def _seconds(given):
+def _seconds(given: Any) -> Optional[float]:
     if given is None:
         return None
     value = float(given)
@@ -238,22 +254,23 @@ def _seconds(given):
     return value
 
 
-def prepare(wanted, folder):
-    """Call the function that a job's 'prepare' names, [name, args, factors], in this process. folder: of modules.
+def prepare(experiment: Experiment, folder: str) -> None:
+    """Call the function that 'prepare' of an experiment names in this process. folder: of modules.
 
     :raises ConfigurationError: if it fails, or leaves a thread.
     """
-    name, arguments, factors = wanted
+    name = experiment.prepare
     try:
-        load(name, folder)(arguments, factors)
+        load(name, folder)(dict(experiment.args), {key: list(levels) for key, levels in experiment.factors.items()})
         processes.assert_one_thread()
     except Exception as problem:
         raise ConfigurationError(f'prepare: {name}: {described(problem)}') from problem
 
 
-def _read_line(descriptor, seconds):
+def _read_line(descriptor: int, seconds: float) -> Optional[bytes]:
     """Return what comes until the end of the first line, or of the pipe; None if that takes longer [s, wall]."""
-    pieces, deadline = [], time.monotonic() + seconds
+    pieces: List[bytes] = []
+    deadline = time.monotonic() + seconds
     with os.fdopen(descriptor, 'rb', buffering=0) as stream:
         while sum(map(len, pieces)) < _MOST_BYTES:
             ready, _, _ = select.select([stream], [], [], max(0.0, deadline - time.monotonic()))
@@ -266,41 +283,40 @@ def _read_line(descriptor, seconds):
     return b''.join(pieces)
 
 
-def again(job, path, folders):
-    """Run a job's function once more: in a Python started anew, with another hash seed; return what run_trial does.
+def again(job: Job, path: str, folders: run_folders.Folders) -> Returned:
+    """Run a job's function once more: in a Python started anew, with another hash seed.
 
-    path: the job's file of JSON to be. :raises SimulatorError: if it failed.
+    path: the pickled job's, to be. :raises SimulatorError: if it failed.
     """
-    with open(path, 'w', encoding='utf-8') as stream:
-        json.dump({'job': job, 'folders': folders}, stream)
+    with open(path, 'wb') as stream:
+        pickle.dump((job, folders), stream)
     environment = {**os.environ, 'PYTHONHASHSEED': '12345', 'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
-    words = [sys.executable, '-m', __name__, path]
-    pid = processes.execute(words, environment, os.path.join(folders.logs, 'again.txt'), folders.files)
-    statuses = {}
-    processes.await_ends({pid}, job['time_limit'] + 30.0, statuses)
+    pid = processes.execute([sys.executable, '-m', __name__, path], environment,
+                            os.path.join(folders.logs, 'again.txt'), folders.files)
+    statuses: Dict[int, int] = {}
+    processes.await_ends({pid}, job.trial.experiment.time_limit + 30.0, statuses)
     processes.end([pid] if pid not in statuses else [], signal.SIGKILL, 1.0, statuses)
     processes.end_all_children()
-    with contextlib.suppress(OSError, ValueError), open(path + '.answer', encoding='utf-8') as stream:
-        answer = json.load(stream)
+    with contextlib.suppress(OSError, ValueError), open(path + '.answer', encoding='utf-8') as answer_file:
+        answer = json.load(answer_file)
         if 'problem' in answer:
             raise FunctionError(answer['problem'])
-        return answer
+        return Returned(**answer)
     raise FunctionError('its process died')
 
 
-def main(words):
+def main(words: List[str]) -> None:
     """Run a trial in this process, which was started for it: what again() asks for."""
-    with open(words[0], encoding='utf-8') as stream:
-        given = json.load(stream)
-    job = given['job']
+    with open(words[0], 'rb') as stream:
+        job, folders = pickle.load(stream)
     try:
-        if job['prepare']:
-            prepare(job['prepare'], job['modules'])
-        answer = run_trial(job, run_folders.Folders(*given['folders']))
+        if job.prepared:
+            prepare(job.trial.experiment, job.modules)
+        answer = run_trial(job, folders)._asdict()
     except SimulatorError as problem:
         answer = {'problem': str(problem)}
-    with open(words[0] + '.answer', 'w', encoding='utf-8') as stream:
-        json.dump(answer, stream)
+    with open(words[0] + '.answer', 'w', encoding='utf-8') as answer_file:
+        json.dump(answer, answer_file)
 
 
 if __name__ == '__main__':

@@ -1,8 +1,11 @@
 """The folders in which a run leaves what it leaves."""
+from __future__ import annotations
+
 import os
 import stat
 from typing import NamedTuple
 
+LOG, MESSAGES = 'events.jsonl', 'messages.jsonl'  # the names of files in a run's own folder
 RUN = 'run'  # the name of the folder below a trial's own
 
 
@@ -13,8 +16,18 @@ class Folders(NamedTuple):
     files: str
     logs: str
 
+    @property
+    def log(self) -> str:
+        """The path of the event log."""
+        return os.path.join(self.own, LOG)
 
-def make_folders(path):
+    @property
+    def messages(self) -> str:
+        """The path of recorded messages."""
+        return os.path.join(self.own, MESSAGES)
+
+
+def make_folders(path: str) -> Folders:
     """Make the Folders of a run, below a folder in which nothing is but perhaps these, empty."""
     folders = _below(path)
     for one in folders:
@@ -22,11 +35,11 @@ def make_folders(path):
     return folders
 
 
-def _below(path):
+def _below(path: str) -> Folders:
     return Folders(path, os.path.join(path, 'files'), os.path.join(path, 'logs'))
 
 
-def empty_again(path):
+def empty_again(path: str) -> bool:
     """Empty a folder in which make_folders() has made others; return whether all is as it was when they were new.
 
     For the next trial: three folders that are made and removed cost more than the files in them.

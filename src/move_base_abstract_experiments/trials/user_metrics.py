@@ -3,15 +3,20 @@
 It runs in a process of its own that is no node, once the run is over. An exception in it, or a time limit, is told in
 the table and stops nothing.
 """
+from __future__ import annotations
+
 import json
 import os
 from pathlib import Path
+from typing import Any, Dict, Iterator, Optional, Tuple
 
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog
 
+from ..description.job import Job
 from ..description.metric_names import BUILT_IN
-from . import functions, run
+from ..records import Result
+from . import functions, run_folders
 
 _LIMIT_S = 120.0  # wall
 
@@ -24,26 +29,26 @@ class TrialData:
     {goals, distance_m, moving_s, idle_s, waiting_s}}; simulated_seconds.
     """
 
-    def __init__(self, folder, files, about):
-        self.folder = Path(folder)
-        self.files = Path(files)
-        self.configuration = about['configuration']
-        self.replication = about['replication']
-        self.seed = about['seed']
-        self.built_in = about['metrics']
-        self.robots = about['robots']
-        self.simulated_seconds = about['simulated_seconds']
+    def __init__(self, folders: run_folders.Folders, result: Result) -> None:
+        self.folder = Path(folders.own)
+        self.files = Path(folders.files)
+        self.configuration = result.configuration
+        self.replication = result.replication
+        self.seed = result.seed
+        self.built_in = result.metrics
+        self.robots = result.robots
+        self.simulated_seconds = result.simulated_seconds
 
-    def events(self):
+    def events(self) -> Iterator[Tuple[int, str, str, Any]]:
         """Yield (time_ns, robot, kind, values) of the event log."""
-        path = str(self.folder / run.LOG)
+        path = str(self.folder / run_folders.LOG)
         with event_log.open_text(path) as stream:
             for event in EventLog(stream, path):
                 yield event.time_ns, event.robot, event.kind, json.loads(event.values)
 
-    def messages(self, topic=None):
+    def messages(self, topic: Optional[str] = None) -> Iterator[Tuple[int, str, Any]]:
         """Yield (time_ns, topic, message) of what was recorded (record.messages), a message being a mapping."""
-        path = self.folder / run.MESSAGES
+        path = self.folder / run_folders.MESSAGES
         if path.exists():
             with open(path, encoding='utf-8') as stream:
                 for line in stream:
@@ -52,13 +57,14 @@ class TrialData:
                         yield record['time_ns'], record['topic'], record['message']
 
 
-def call(job, folders, about):
-    """Return ({name: number or None}, what is wrong or None)."""
-    def work():
-        function = functions.load(job['function'], job['modules'])
-        known = (*BUILT_IN, *about['metrics'])
-        return functions.checked(function(TrialData(folders.own, folders.files, about)), job['factors'], known)
-    try:
-        return functions.call(work, _LIMIT_S, os.path.join(folders.logs, 'metrics.txt'), folders.own), None
-    except functions.FunctionError as problem:
-        return {}, str(problem)
+def call(job: Job, folders: run_folders.Folders, result: Result) -> Dict[str, Optional[float]]:
+    """Return {name: number or None}. :raises FunctionError: saying what is wrong."""
+    experiment = job.trial.experiment
+
+    def work() -> Dict[str, Optional[float]]:
+        function = functions.load(experiment.metrics.function, job.modules)
+        known = (*BUILT_IN, *result.metrics)
+        return functions.checked(function(TrialData(folders, result)), experiment.factors, known)
+    found: Dict[str, Optional[float]] = functions.call(work, _LIMIT_S, os.path.join(folders.logs, 'metrics.txt'),
+                                                       folders.own)
+    return found

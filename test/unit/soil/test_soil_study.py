@@ -16,6 +16,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments.description import plan, spec
 from move_base_abstract_experiments.report import command as report
 from move_base_abstract_experiments.report import extension, outcome
+from move_base_abstract_experiments.results import tables as tables_of_trials
 from soil_mapping.config import TrialConfig
 from soil_mapping.ground_truth.field import load_field
 from soil_mapping.results.comparison import differences
@@ -48,7 +49,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp('study')
     made = experiment_of(CONFIG, GROUPS, 2, 2)
     trials = plan.trials(made)
-    (folder / 'plan.json').write_text(json.dumps(plan.describe(made, trials, b'')))
+    (folder / 'plan.json').write_bytes(b''.join(tables_of_trials.plan_text(plan.describe(made, trials, b''))))
     results = {}
     for one in trials:
         names = {name: one.configuration[name] for name in ('allocation', 'sampling')}
@@ -124,10 +125,10 @@ def test_a_trial_of_another_content_of_its_field_is_another_trial(tmp_path):
     readings.write_text('lat,lon,v\n1,2,800\n')
     made = experiment_of(replace(CONFIG, field=f'csv:{readings}'), ['mesa'], 1, 1)
     one = plan.trials(made)[0]
-    before = plan.made_of(made, one)
+    before = plan.made_of(one)
     readings.write_text('lat,lon,v\n1,2,900\n')
     plan.forget()
-    assert plan.made_of(made, one) != before
+    assert plan.made_of(one) != before
 
 
 @pytest.mark.parametrize(('wrong', 'text'), [
@@ -287,7 +288,8 @@ def test_the_report_has_the_studys_sections_and_needs_no_other_file(folder):
 
 def test_without_a_complete_trial_the_study_adds_nothing(tmp_path):
     made = experiment_of(CONFIG, GROUPS, 1, 1)
-    (tmp_path / 'plan.json').write_text(json.dumps(plan.describe(made, plan.trials(made), b'')))
+    described = plan.describe(made, plan.trials(made), b'')
+    (tmp_path / 'plan.json').write_bytes(b''.join(tables_of_trials.plan_text(described)))
     assert sections.sections(extension.Tables(outcome.read(tmp_path), *[None] * 5)) == []
 
 

@@ -1,0 +1,233 @@
+"""An Experiment: what its file may say. Each option is written here once, with all that is known of it.
+
+How a file is read and checked, its JSON Schema, the table in the docs, what makes a trial another one and what the time
+master gets are made of this.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Dict, Optional, Tuple
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.lockstep import stored_topics
+from move_base_abstract_ros.launching import ends
+
+from .kinds import (
+    FLAG,
+    NAME,
+    SCALAR,
+    Kind,
+    either,
+    list_of,
+    map_of,
+    mapping_of,
+    number,
+    one_of,
+    option,
+    or_null,
+    pattern,
+    text,
+)
+from .metric_names import BUILT_IN, Metric
+
+SYSTEMS = ('launch', 'command', 'function')  # one of them is run
+_LAUNCH, _OF_NODES = ('launch',), ('launch', 'command')
+ALL = 'all'
+MOST_TRIALS = 1_000_000
+LONGEST_S = 1e9  # simulated, of a trial
+LARGEST_SEED = 10**17
+OWN_COLUMNS = ('id', 'replication', 'seed', 'status', 'simulated_seconds', 'wall_seconds', 'times_real_time',
+               'repeatable', 'labels', 'events', 'log_sha256', 'verified', 'ended_by', 'error')
+
+
+def _absolute(name: str) -> str:
+    return '/' + name.lstrip('/')
+
+
+def _stored_topic(where: str, value: Any) -> str:
+    try:
+        return stored_topics.checked(text().check(where, value))
+    except ConfigurationError as problem:
+        raise ConfigurationError(f'{where}: {problem}') from None
+
+
+_NAMES = '/?[A-Za-z][A-Za-z0-9_/]{0,255}'
+_TOPIC = pattern(_NAMES, 'the name of a topic, such as /done', _absolute)
+_NODES = 'a list of names of nodes'
+_ALL_OR_NODES = f'{_NODES}, or {ALL}'
+_NODE = pattern(_NAMES, 'names of nodes, such as /coordinator', _absolute)
+_FUNCTION = pattern(r'[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*:[A-Za-z_][A-Za-z0-9_]*',
+                    'module:function, such as my_package.metrics:summarise')
+_PROGRAM = pattern('[A-Za-z][A-Za-z0-9_.-]*/[A-Za-z0-9_.-]+', 'PACKAGE/TYPE: PACKAGE/TYPE, such as move_base/move_base')
+_COUNT = number(1, MOST_TRIALS, whole=True)
+_STORED = Kind(_stored_topic, pattern('/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*(=/?[A-Za-z][A-Za-z0-9_]*'
+                                      '(/[A-Za-z0-9_]+)*)?', '').schema)
+
+
+@dataclass(frozen=True)
+class Until:
+    """What ends a trial, whichever comes first; besides, the end of a node that the launch file calls required."""
+
+    seconds: float = option(number(1e-6, LONGEST_S), None, 's, simulated, from the start', absent=0.0)
+    topic: str = option(_TOPIC, None, 'the first message on it')
+    idle: bool = option(FLAG, False, 'when nobody has anything left to do', parameter='end_when_idle')
+
+
+@dataclass(frozen=True)
+class Record:
+    """What is kept of a trial beside its event log."""
+
+    messages: Tuple[str, ...] = option(list_of(_TOPIC, 'names of topics, such as /idleness'), [], 'topics, written to '
+                                       '`messages.jsonl`', systems=_OF_NODES)
+    files: Tuple[str, ...] = option(
+        list_of(pattern(r'[A-Za-z0-9_.*?\[\]-]{1,100}', 'names of files without a folder, with * and ?, as *.csv')), [],
+        "patterns (`'*.csv'`) of files that nodes leave in their working folder")
+    hashes: bool = option(FLAG, False, 'what participants send each other is in the event log, as hashes',
+                          parameter='log_messages')
+    motion: bool = option(FLAG, True, 'robots write by which limits they travel (`/log_motion`); without it a '
+                          '[replay](replay.md) is not exact, and a first leg counts no distance')
+
+
+@dataclass(frozen=True)
+class Column:
+    """What a metric of the user's is called."""
+
+    title: str = option(text(100), None, 'its name in the report')
+    unit: Any = option(SCALAR, '', 'its unit')
+    better: Optional[str] = option(or_null(one_of('lower', 'higher')), None, '`lower` or `higher`', absent=None)
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """The metrics of the user's."""
+
+    function: str = option(_FUNCTION, None, 'what gives them')
+    columns: Dict[str, Column] = option(map_of(mapping_of(Column)), {}, 'what they are called')
+
+
+@dataclass(frozen=True)
+class Replications:
+    """How many there are of each configuration. ``fewer``: {factor: {value: of configurations that have it}}."""
+
+    all: int = 1
+    fewer: Dict[str, Dict[Any, int]] = field(default_factory=dict)
+
+
+def _replications(where: str, value: Any) -> Replications:
+    if not isinstance(value, dict):
+        return Replications(_COUNT.check(where, value))
+    given = dict(value)
+    whole = _COUNT.check(f'{where}.all', given.pop(ALL, 1))
+    return Replications(whole, map_of(map_of(_COUNT, SCALAR)).check(where, given))
+
+
+_REPLICATIONS = Kind(_replications, {'anyOf': [_COUNT.schema, {
+    'type': 'object', 'properties': {ALL: _COUNT.schema},
+    'additionalProperties': {'type': 'object', 'additionalProperties': _COUNT.schema}}]})
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """An experiment's file, checked. ``folder``: where it lies; relative paths in it start there."""
+
+    folder: str
+    name: str = option(text(100), None, 'the name of the experiment', key='experiment', is_required=True)
+    launch: str = option(text(), None, 'a launch file; `$(find PACKAGE)`, or a path from the folder of this file')
+    command: Tuple[str, ...] = option(
+        list_of(text(), least=1, allowed='at least one word, at most 10000'), None, "instead: a list of words, run "
+        "under the trial's ROS master. It starts its nodes itself, under the [launcher](lockstep_launcher.md): `[rosrun,"
+        " move_base_abstract, lockstep, --seed, '{seed}', my_node.py]`; `participants` must name who takes part",
+        absent=())
+    function: str = option(_FUNCTION, None, 'instead: `module:function` that is a trial, '
+                           '[below](#trials-that-are-a-function)')
+    prepare: str = option(_FUNCTION, None, '`module:function` that each warm process calls once, '
+                          '[below](#trials-that-are-a-function)', systems=('function',))
+    inputs: Tuple[str, ...] = option(list_of(text()), [], 'files whose content makes a trial another one; a relative '
+                                     'path from the folder of this file')
+    participants: Optional[Tuple[str, ...]] = option(
+        either(list_of(_NODE, _ALL_OR_NODES), (str, lambda _: None, pattern(ALL, _ALL_OR_NODES))), ALL,
+        '`all`: every rospy and roscpp node, as [here](lockstep_launch.md#who-takes-part); or a list of nodes: the '
+        'others look on', systems=_OF_NODES)
+    leave_out: Tuple[str, ...] = option(list_of(_NODE, _NODES), [], 'nodes that are not started', systems=_LAUNCH)
+    replace: Dict[str, str] = option(map_of(_PROGRAM, _PROGRAM), {}, '`{move_base/move_base: '
+                                     'move_base_abstract/move_base}`: other programs in the place of these',
+                                     systems=_LAUNCH)
+    args: Dict[str, Any] = option(
+        map_of(SCALAR), {}, 'of the launch file or the function; `{NAME}` stands for a factor, for `seed` or '
+        '`replication`', systems=('launch', 'function'))
+    factors: Dict[str, Tuple[Any, ...]] = option(
+        map_of(list_of(SCALAR, 'a list, each a text, a number, true or false', 1, True, MOST_TRIALS)), {},
+        'each a list of texts, numbers, true, false; all combinations run. One that stands in no `args`, `launch` or '
+        '`command` is an error: all its values would be the same system')
+    replications: Replications = option(
+        _REPLICATIONS, 1, 'of each configuration. `{all: 30, robots: {8: 5}}`: trials with that value of the factor '
+        'have fewer (never more)')
+    seed: int = option(number(0, LARGEST_SEED, whole=True), 0, 'replication k (from 0 on) has the seed `seed` + k in '
+                       'every configuration: common random numbers')
+    until: Until = option(
+        mapping_of(Until), {}, '`seconds` (simulated, from the start), `topic` (the first message on it), `idle: true` '
+        '(nobody has anything left to do), or several: whichever comes first. A node with `required="true"` ends a '
+        'trial, too', systems=_OF_NODES)
+    record: Record = option(
+        mapping_of(Record), {}, "`messages`: topics, written to `messages.jsonl`; `files`: patterns (`'*.csv'`) of "
+        'files that nodes leave in their working folder; `hashes: true`: what participants send each other is in the event '
+        'log, as hashes; `motion: false`: robots do not write by which limits they travel (`/log_motion`, true '
+        'otherwise), without which a [replay](replay.md) is not exact, and a first leg counts no distance')
+    metrics: Metrics = option(
+        either(mapping_of(Metrics), (str, lambda name: Metrics(function=name), _FUNCTION)), {}, '`module:function`, or '
+        '`function` and `columns: {NAME: {title, unit, better: lower or higher}}`')
+    primary: str = option(NAME, None, 'the metric that the experiment is about: the report tells it first, tests it by '
+                          'itself, and folds the others')
+    baseline: Dict[str, Any] = option(map_of(SCALAR), {}, '`{algorithm: greedy}`: the value of a factor with which the '
+                                      'report compares each other one')
+    smallest_difference: Dict[str, float] = option(
+        map_of(number(1e-100, 1e100)), {}, '`{makespan: 5.0}`: the smallest difference that counts, per metric, in its '
+        'unit; what is surely smaller is called negligible')
+    at_limit: Dict[str, str] = option(
+        map_of(one_of('lower_bound', 'value')), {}, '`{NAME: lower_bound or value}`: what a metric is of a trial that '
+        '`until: seconds` ended although it might have ended otherwise; '
+        '[else](experiment_report.md#trials-that-the-limit-of-time-ended) it is not compared')
+    report: Tuple[str, ...] = option(
+        either(list_of(_FUNCTION, 'a list of module:function, or one'), (str, lambda name: (name,), _FUNCTION)), [],
+        '`module:function`, or a list: [sections of your own](experiment_report.md#sections-of-your-own) in the report')
+    verify: float = option(number(0, 1), 0, 'the share of trials that run twice')
+    time_limit: float = option(number(1, 1e7), 600, 's, wall, of a run')
+    sleep: str = option(one_of('wall', 'simulated'), 'wall', 'of the [launcher](lockstep_launcher.md)')
+    stored_topics: Tuple[str, ...] = option(
+        list_of(_STORED), [], 'list of `TOPIC`, `NODE=TOPIC`: [what nodes only '
+        'store](lockstep.md#topics-that-nodes-only-store) comes with the next thing that they do', systems=_OF_NODES,
+        is_part=True, parameter='stored_topics')
+    lookahead: float = option(
+        number(1e-6, 1000, or_zero=True), 0, 's, simulated: what nodes tell each other takes so long, and they work at '
+        'once: [windows](lockstep_windows.md)', systems=_OF_NODES, is_part=True, parameter='lookahead')
+    cores: str = option(
+        one_of('auto', 'one', 'all'), None, '`auto`, `one`, `all`: on which [cores](time_master.md#cores) of its '
+        'computer the nodes of a trial run. Where the key is not there, what the launch file sets holds. Events are '
+        'the same either way: a trial does not run again for it', systems=_OF_NODES, parameter='cores', shown='auto')
+    crashes: str = option(
+        one_of(*ends.POLICIES), ends.FAIL, '`fail`: a trial in which a node [crashes](lockstep_launch.md#crashes) has '
+        'failed. `allow`: it is complete, if it comes to its end, and `trial.json` names the crashes')
+
+    @property
+    def system(self) -> str:
+        """Which of SYSTEMS it runs."""
+        return next(key for key in SYSTEMS if getattr(self, key))
+
+    @property
+    def known_metrics(self) -> Dict[str, Metric]:
+        """What is told of the metrics, by name: the built-in ones, then the user's."""
+        own = {name: Metric(one.title or name, one.unit, one.better) for name, one in self.metrics.columns.items()}
+        return {**({} if self.function else BUILT_IN), **own}
+
+    @property
+    def functions(self) -> Dict[str, str]:
+        """The user's functions that it calls, module:function by the key that names them."""
+        named = {'metrics': self.metrics.function, 'function': self.function, 'prepare': self.prepare}
+        return {key: name for key, name in named.items() if name}
+
+    def replications_of(self, configuration: Dict[str, Any]) -> int:
+        """Return how many replications a configuration, {factor: value}, has."""
+        fewer = self.replications.fewer
+        return min([self.replications.all, *(fewer[name][value] for name, value in configuration.items()
+                                             if value in fewer.get(name, {}))])
+

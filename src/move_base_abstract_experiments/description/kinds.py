@@ -1,0 +1,235 @@
+"""What the values of an experiment's file may be: each kind checks one, and describes itself as JSON Schema does.
+
+An error says where, what was got, and what is allowed.
+"""
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+import re
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Tuple, Type, TypeVar
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown, shown_text
+
+Schema = Dict[str, Any]
+T = TypeVar('T')
+OPTION = 'option'  # in the metadata of a dataclass's field
+_PRINTABLE = r'^[^\x00-\x1f\x7f-\x9f]*$'
+_LONGEST_TEXT = 4096
+_LARGEST_WHOLE = 10**18
+
+
+class Kind(NamedTuple):
+    """One kind of value. ``check(where, value)`` returns it as the code has it, or raises a ConfigurationError."""
+
+    check: Callable[[str, Any], Any]
+    schema: Schema
+
+
+class Option(NamedTuple):
+    """One key of a mapping in an experiment's file; all that is known of it.
+
+    ``default``: as a file would have it; None: there is none. ``systems``: what of `launch`, `command` and `function`
+    it is of; empty: all. ``is_part``: whether a trial that has run is another one once this is changed (of
+    the first options that are so, plan.made_of() has a list). ``parameter``:
+    the time master's that gets it, ''. ``says``: for the docs, Markdown. ``shown``: the default in the docs, '': as it
+    is. ``key``: '': as the field. ``field``: of the dataclass.
+    """
+
+    kind: Kind
+    default: Any
+    says: str
+    initial: Any  # the default as the code has it
+    systems: Tuple[str, ...] = ()
+    is_part: bool = False
+    parameter: str = ''
+    shown: str = ''
+    key: str = ''
+    is_required: bool = False
+    field: str = ''
+
+
+def option(kind: Kind, default: Any, says: str, absent: Any = '', **others: Any) -> Any:
+    """Return the field of a dataclass that is an Option; its default is the Option's, or ``absent`` without one."""
+    initial = absent if default is None else kind.check('', default)
+    return dataclasses.field(default_factory=lambda: initial, metadata={
+        OPTION: Option(kind, default, says, initial, **others)})
+
+
+def options_of(cls: Any) -> Dict[str, Option]:
+    """Return the Options of a dataclass by their keys."""
+    found = [field.metadata[OPTION]._replace(field=field.name) for field in dataclasses.fields(cls)
+             if OPTION in field.metadata]
+    return {one.key or one.field: one for one in found}
+
+
+def error(where: str, value: object, allowed: str) -> ConfigurationError:
+    """Return the error of a value that cannot be used."""
+    return ConfigurationError(f'{where}: got {shown(value)}; allowed: {allowed}')
+
+
+def unknown(what: str, name: str, known: Iterable[str]) -> ConfigurationError:
+    """Return the error of a name that is not known, with the known one that is like it."""
+    known = list(known)
+    near = difflib.get_close_matches(name, known, n=1)
+    hint = f'; did you mean {near[0]!r}?' if near else ''
+    return ConfigurationError(f'{what} {shown_text(name)!r} is unknown{hint} (known: {", ".join(known) or "none"})')
+
+
+def text(longest: int = _LONGEST_TEXT) -> Kind:
+    """Return the kind of a text of one line that is not empty."""
+    def check(where: str, value: Any) -> str:
+        if not isinstance(value, str) or not value or len(value) > longest or not value.isprintable():
+            raise error(where, value, f'a text of one line, 1 to {longest} characters')
+        return value
+    return Kind(check, {'type': 'string', 'minLength': 1, 'maxLength': longest, 'pattern': _PRINTABLE})
+
+
+def pattern(expression: str, allowed: str, made: Callable[[str], str] = str) -> Kind:
+    """Return the kind of a text of this form. made: gives it as the code has it."""
+    form = re.compile(f'(?:{expression})\\Z', re.ASCII)
+
+    def check(where: str, value: Any) -> str:
+        if not isinstance(value, str) or not form.match(value):
+            raise error(where, value, allowed)
+        return made(value)
+    return Kind(check, {'type': 'string', 'pattern': f'^(?:{expression})$'})
+
+
+def number(lowest: float, highest: float, whole: bool = False, or_zero: bool = False) -> Kind:
+    """Return the kind of a finite number in lowest..highest; 2.0 is a whole one."""
+    def check(where: str, value: Any) -> float:
+        if whole and isinstance(value, float) and value.is_integer():
+            value = int(value)
+        if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)) or not (
+                lowest <= value <= highest or or_zero and value == 0):
+            raise error(where, value, f'a {"whole " if whole else ""}number in {lowest:g}..{highest:g}'
+                        + (', or 0' if or_zero else ''))
+        return value if whole else float(value)
+    schema = {'type': 'integer' if whole else 'number', 'minimum': lowest, 'maximum': highest}
+    return Kind(check, {'anyOf': [{'type': 'number', 'enum': [0]}, schema]} if or_zero else schema)
+
+
+def one_of(*allowed: str) -> Kind:
+    """Return the kind of a text that is one of some."""
+    def check(where: str, value: Any) -> str:
+        if not isinstance(value, str) or value not in allowed:
+            raise error(where, value, ', '.join(allowed))
+        return value
+    return Kind(check, {'enum': list(allowed)})
+
+
+def _flag(where: str, value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise error(where, value, 'true or false')
+    return value
+
+
+def _scalar(where: str, value: Any) -> Any:
+    if isinstance(value, str) and len(value) <= _LONGEST_TEXT and (value.isprintable() or not value):
+        return value
+    if isinstance(value, bool) or isinstance(value, int) and abs(value) < _LARGEST_WHOLE:
+        return value
+    if isinstance(value, float) and math.isfinite(value):
+        return value
+    raise error(where, value, 'a text, a number, true or false')
+
+
+FLAG = Kind(_flag, {'type': 'boolean'})
+#: what can stand in a table
+SCALAR = Kind(_scalar, {'type': ['string', 'number', 'boolean'], 'maxLength': _LONGEST_TEXT, 'pattern': _PRINTABLE})
+#: the name of a factor or a metric
+NAME = pattern('[A-Za-z][A-Za-z0-9_]{0,63}', 'a letter, then at most 63 letters, digits and underscores')
+
+
+def list_of(kind: Kind, allowed: str = '', least: int = 0, distinct: bool = False, most: int = 10_000) -> Kind:
+    """Return the kind of a list of values of a kind, a tuple in the code. allowed: in words, for errors."""
+    allowed = allowed or f'a list of at most {most} texts'
+
+    def check(where: str, value: Any) -> Tuple[Any, ...]:
+        if not isinstance(value, list) or not least <= len(value) <= most:
+            raise error(where, value, allowed)
+        found = tuple(kind.check(f'{where}[{place}]', one) for place, one in enumerate(value))
+        if distinct and len({(type(one), one) for one in found}) < len(found):
+            raise error(where, value, 'each value once')
+        return found
+    schema = {'type': 'array', 'items': kind.schema, 'maxItems': most, **({'minItems': least} if least else {}),
+              **({'uniqueItems': True} if distinct else {})}
+    return Kind(check, schema)
+
+
+def map_of(kind: Kind, names: Kind = NAME) -> Kind:
+    """Return the kind of a mapping from names to values of a kind."""
+    def check(where: str, value: Any) -> Dict[Any, Any]:
+        if not isinstance(value, dict):
+            raise error(where, value, 'a mapping')
+        return {names.check(where, name): kind.check(f'{where}.{name}', one) for name, one in value.items()}
+    schema = {'type': 'object', 'additionalProperties': kind.schema}
+    return Kind(check, {**schema, 'propertyNames': names.schema} if names is not SCALAR else schema)
+
+
+def mapping_of(cls: Type[Any]) -> Kind:
+    """Return the kind of a mapping that is a dataclass of Options."""
+    return Kind(lambda where, value: read(cls, where, value), schema_of(cls))
+
+
+def either(others: Kind, *kinds: Tuple[type, Callable[[Any], Any], Kind]) -> Kind:
+    """Return the kind of values of several types: of each ``kinds`` says how the code has it; else ``others``."""
+    def check(where: str, value: Any) -> Any:
+        for type_, made, kind in kinds:
+            if isinstance(value, type_):
+                return made(kind.check(where, value))
+        return others.check(where, value)
+    return Kind(check, {'anyOf': [*(kind.schema for _, _, kind in kinds), others.schema]})
+
+
+def or_null(kind: Kind) -> Kind:
+    """Return a kind that takes null, too."""
+    return either(kind, (type(None), lambda _: None, Kind(lambda _where, _value: None, {'type': 'null'})))
+
+
+def read(cls: Type[T], where: str, value: Any, **others: Any) -> T:
+    """Return the dataclass of a mapping of its Options. where: '' of a file. others: fields that are no Options."""
+    options = options_of(cls)
+    name = where or 'the experiment'
+    if not isinstance(value, dict):
+        raise error(name, value, f'a mapping with {", ".join(options)}')
+    for key in value:
+        if not isinstance(key, str):
+            raise error(name, key, 'texts as keys')
+        if key not in options:
+            raise unknown(f'{name}: the key', key, options)
+    for key, one in options.items():
+        if one.is_required and key not in value:
+            raise ConfigurationError(f'{key!r} is missing: {one.says}')
+    return cls(**others, **{options[key].field: options[key].kind.check(f'{where}.{key}' if where else key, given)
+                            for key, given in value.items()})
+
+
+def schema_of(cls: Type[Any]) -> Schema:
+    """Return the schema of a mapping of a dataclass's Options and nothing else."""
+    options = options_of(cls)
+    required = [key for key, one in options.items() if one.is_required]
+    return {'type': 'object', 'additionalProperties': False, 'properties': {
+        key: {**one.kind.schema, 'description': _plain(one.says),
+              **({} if one.default is None else {'default': one.default})} for key, one in options.items()},
+        **({'required': required} if required else {})}
+
+
+def collected(record: Any, is_wanted: Callable[[Option], Any]) -> List[Tuple[Option, Any]]:
+    """Return (Option, value) of all wanted Options of a dataclass, and of those in it, that are not as by default."""
+    found: List[Tuple[Option, Any]] = []
+    for one in options_of(record).values():
+        value = getattr(record, one.field)
+        if dataclasses.is_dataclass(value):
+            found += collected(value, is_wanted)
+        elif is_wanted(one) and value != one.initial:
+            found.append((one, value))
+    return found
+
+
+def _plain(markdown: str) -> str:
+    """Return a text without the marks of Markdown."""
+    return re.sub(r'\[([^\]]*)\]\([^)]*\)', r'\1', markdown).replace('`', '')

@@ -1,0 +1,95 @@
+"""What a trial is made of where it runs, if that sees other files than who has started the experiment.
+
+Another computer, another workspace or another environment of Python finds other programs by the same names. So there it
+is looked up anew what the trial is made of, and compared by content with what the experiment was started with.
+"""
+from __future__ import annotations
+
+import os
+import socket
+import sys
+from functools import lru_cache
+from pathlib import Path
+from typing import Collection, Dict, List, Tuple
+
+from . import ingredients
+from .job import Job
+from .trial import Trial
+
+_WHERE = ('ROS_PACKAGE_PATH', 'CMAKE_PREFIX_PATH', 'PYTHONPATH', 'LD_LIBRARY_PATH', 'PATH')
+_BINARY = b'\x7fELF'
+_MOST_NAMES = 5
+
+
+def view() -> Tuple[str, ...]:
+    """Return what says where programs are found: two processes that see the same have the same."""
+    return (socket.gethostname(), sys.prefix, _own_folder(), *(os.environ.get(name, '') for name in _WHERE))
+
+
+@lru_cache(maxsize=None)
+def _own_folder() -> str:
+    return str(Path(__file__).resolve().parents[1])
+
+
+def parameters(trial: Trial) -> Tuple[Tuple[str, str], ...]:
+    """Return ((name, value), ...) of the parameters of a trial's launch file, without the folders of files."""
+    first = trial.first
+    return ingredients.parameters(first.launch, tuple(first.arguments), trial.experiment.folder) if first.launch else ()
+
+
+def check(job: Job) -> List[str]:
+    """Complain of files that are others here than where the experiment was started; return labels for what is unsure.
+
+    :raises ChangedError: naming the first.
+    """
+    if job.common.view == view():
+        return []
+    ingredients.forget()
+    _check_parameters(job)
+    here = {path: found for path, found in ingredients.of_trial(job.trial).items() if os.sep in path and found}
+    known: Dict[str, List[str]] = {}
+    travels = set(map(os.path.basename, job.common.sources))
+    for path, found, _ in job.files.files:
+        if os.path.basename(path) not in travels:
+            known.setdefault(os.path.basename(path), []).append(found)
+    labels, apart, own = [], set(), set()
+    for path, found in sorted(here.items()):
+        name = os.path.basename(path)
+        if name in travels or found in known.get(name, ()):
+            continue
+        if name not in known:
+            own.add(name)
+        elif _is_binary(path):
+            apart.add(name)
+        else:
+            raise ingredients.ChangedError(f'{path} is another file on {socket.gethostname()} than where the '
+                                           'experiment was started')
+    missing = set(known) - {os.path.basename(path) for path in here}
+    if apart:
+        labels.append(f'built on the worker, so that it is not known whether they are the same: {_listed(apart)}')
+    if own:
+        labels.append(f'of its program only the worker has {_listed(own)} (digest {ingredients.name_of(here)})')
+    if missing:
+        labels.append(f'of its files the worker has no {_listed(missing)}')
+    return labels
+
+
+def _check_parameters(job: Job) -> None:
+    wanted, here = job.parameters, parameters(job.trial)
+    if wanted and wanted != here:
+        name = min(name for name, _ in {*wanted} ^ {*here})
+        raise ingredients.ChangedError(f'the parameter {name} is another one on {socket.gethostname()} than where the '
+                                       'experiment was started')
+
+
+def _is_binary(path: str) -> bool:
+    try:
+        with open(path, 'rb') as stream:
+            return stream.read(len(_BINARY)) == _BINARY
+    except OSError:
+        return False
+
+
+def _listed(names: Collection[str]) -> str:
+    shown = sorted(names)[:_MOST_NAMES]
+    return ', '.join(shown) + (f' and {len(names) - len(shown)} more' if len(names) > len(shown) else '')

@@ -1,0 +1,81 @@
+"""Which trials of an experiment's folder stay when it goes on, and why others run again.
+
+OUT/programs.json    {digest: {file: digest}}: what the trials, each of which names one of these, were made of
+"""
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Dict, List, Optional, TextIO, Union
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.json_files import load_json_mapping
+from move_base_abstract_ros.launching import ends
+
+from ..description import ingredients, plan
+from ..description.ingredients import Made
+from ..description.trial import Trial
+from ..records import Plan, Planned, Result
+from . import outputs
+
+FILE = 'programs.json'
+_FILE_SAYS = "what the experiment's file says of them, or the version of Python,"
+
+
+def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, keep_old: bool,
+            stream: TextIO) -> List[Trial]:
+    """Return the Trials that are to run, and say why those run that were complete.
+
+    With keep_old these stay instead: in ``planned`` is said that they are of another program.
+    """
+    programs, wanted = _read(folder.path), set()
+    old: Dict[str, List[Trial]] = {}
+    for one, entry in zip(chosen, planned.trials):
+        made = ingredients.of_trial(one)
+        name = entry.program = ingredients.name_of(made)
+        programs.setdefault(name, made)
+        was = outputs.read_planned(folder.path, Planned(one.id))
+        if was is None or not was.is_complete or (was.crashes and one.experiment.crashes != ends.ALLOW):
+            wanted.add(one.id)
+        elif was.made_of != entry.made_of:
+            what = _what(programs, was.program, name)
+            old.setdefault(what, []).append(one)
+            if keep_old:
+                entry.made_of, entry.program = was.made_of, was.program
+                entry.kept = f'kept from before: {what} changed since'
+            else:
+                wanted.add(one.id)
+    for what, those in old.items():
+        then = 'are kept, labelled' if keep_old else 'run again (--keep-old keeps them, labelled)'
+        print(f'experiment: {what} changed: {len(those)} trials {then}', file=stream, flush=True)
+    folder.write(FILE, json.dumps(programs, sort_keys=True).encode())
+    return [one for one in chosen if one.id in wanted]
+
+
+def changed_since(output: str, trial: Trial, was: Result) -> str:
+    """Return in words what a Trial is made of that is another one than in ``was``, its trial.json; '' if nothing.
+
+    It ends with 'has' or 'have'.
+    """
+    made = ingredients.of_trial(trial)
+    if was.made_of == plan.made_of(trial, made):
+        return ''
+    name = ingredients.name_of(made)
+    return _what({**_read(output), name: made}, was.program, name)
+
+
+def _what(programs: Dict[str, Made], before: Optional[str], now: str) -> str:
+    """Return in words what has changed from one of the programs to another, with 'has' or 'have'."""
+    if before is None or before not in programs:
+        return 'what they are made of, as it was not recorded, may have'
+    what = ingredients.changed(programs[before], programs[now]) or _FILE_SAYS
+    return what + (' have' if ', ' in what or ' and ' in what else ' has')
+
+
+def _read(folder: Union[str, Path]) -> Dict[str, Made]:
+    try:
+        found = load_json_mapping(os.path.join(folder, FILE))
+    except (FileNotFoundError, ConfigurationError):
+        return {}
+    return {name: made for name, made in found.items() if isinstance(made, dict)}

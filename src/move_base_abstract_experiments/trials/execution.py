@@ -1,0 +1,231 @@
+"""One trial in its own process: the run, the run under another condition, the metrics, and what goes back.
+
+carry_out() leaves an archive in the trial's folder (see bundle.py).
+"""
+from __future__ import annotations
+
+import os
+import re
+import time
+import traceback
+from typing import Dict, List, Optional
+
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.runs import run_difference
+from move_base_abstract_ros.launching import ends
+
+from ..description import ingredients, launch_files, plan, worker_files
+from ..description.job import Job
+from ..records import COMPLETE, DIFFERENT, IDENTICAL, Number, Result
+from . import bundle, functions, metrics, run, run_folders, termination, user_metrics
+from .run_folders import Folders
+
+_ERROR_LINE = re.compile(
+    r'^(?!Traceback|Exception in )\S*(Error|Exception)\b.*|.*\[ *(ERROR|FATAL)\].*|.*\bterminate called\b.*')
+_STAMP = re.compile(r'\x1b\[[0-9;]*m|\[[0-9]+\.[0-9]+(, *[0-9.]+)?\]:? ?')
+_LONGEST_ERROR = 300
+
+
+def result_of(job: Job) -> Result:
+    """Return the Result of a trial of which nothing is known yet."""
+    trial = job.trial
+    return Result(trial.id, trial.configuration, trial.replication, trial.seed, made_of=job.made_of,
+                  program=job.program)
+
+
+def carry_out(job: Job, path: str, problem: Optional[str] = None) -> None:
+    """Run the trial of a Job in an empty folder. ``problem``: why it cannot be run, in a line."""
+    experiment, result, folders = job.trial.experiment, result_of(job), None
+    result.ended_by = termination.ERROR
+    try:
+        _check_version(job)
+        unsure = _check_files(job)
+        if problem is not None:
+            raise ConfigurationError(problem)
+        folders = run_folders.make_folders(os.path.join(path, run_folders.RUN))
+        (_call if experiment.function else _run_first)(job, folders, result)
+        first = dict(result.metrics)  # without those that the user's function adds
+        if experiment.metrics.function:
+            _measure(job, folders, result)
+        if job.trial.verified_by and not (experiment.function and result.labels):  # it says that it would differ
+            _verify(job, path, folders, result, first)
+        _check_files_again(job, result, unsure)
+    except (SimulatorError, OSError) as error:
+        result.error = _first_line(str(error), folders)
+        result.ended_by = getattr(error, 'ended_by', None) or result.ended_by
+    except Exception as error:
+        traceback.print_exc()
+        result.error = _first_line(f'{type(error).__name__}: {error}', folders)
+    if result.is_complete and job.crashed_before:  # it is one of those that came through
+        result.labels = [*result.labels, f'its first attempt failed: {job.crashed_before[0]}']
+        result.repeatable = False
+    if not experiment.function:  # what that looks up, it looks up in a process of its own
+        launch_files.save_programs(path)
+    try:
+        bundle.pack(path, folders, experiment.record.files, result, has_all_logs=not result.is_complete)
+    except Exception as error:
+        traceback.print_exc()
+        result.fail(f'its outputs cannot be packed: {type(error).__name__}: {error}'[:_LONGEST_ERROR])
+        bundle.pack(path, None, (), result, has_all_logs=True)
+
+
+def _check_version(job: Job) -> None:
+    if job.common.version != plan.package_version():
+        raise ConfigurationError(f'move_base_abstract is {plan.package_version()} on this worker, and '
+                                 f'{job.common.version} where the experiment was started; allowed: the same')
+
+
+def _check_files(job: Job) -> List[str]:
+    """Complain of files that are others than when the experiment started; return labels for what is unsure."""
+    ingredients.check(job.files)
+    return worker_files.check(job)
+
+
+def _check_files_again(job: Job, result: Result, unsure: List[str]) -> None:
+    """Complain of files that have changed while the trial ran; add the labels."""
+    result.labels = result.labels + unsure
+    try:
+        ingredients.check(job.files)
+    except ingredients.ChangedError as problem:
+        result.fail(str(problem))
+        raise
+
+
+def _run_first(job: Job, folders: Folders, result: Result) -> None:
+    begin = time.monotonic()
+    ended = run.run(job, folders)
+    result.wall_seconds = round(time.monotonic() - begin, 6)
+    if ended.problem is not None:
+        _judge(job, result, ended.processes, ends.read_log(folders.log), ended.problem)
+    summary = _take_log(folders, result, ended.starts)
+    result.metrics, result.simulated_seconds = dict(summary.metrics), summary.simulated_seconds
+    result.ended_by, result.open_goals = summary.ended_by, summary.open_goals
+    _tell_speed(result)
+    _judge(job, result, ended.processes, summary.log,
+           run.RunError(f'the run was ended by a fault: {summary.reason}') if summary.by_fault else None)
+    result.status = COMPLETE
+
+
+def _judge(job: Job, result: Result, processes: List[ends.Process], log: ends.Log,
+           problem: Optional[SimulatorError] = None) -> None:
+    """Tell how the processes of a run ended.
+
+    :raises RunError: for a problem, and for a crash that the experiment does not allow.
+    """
+    found = ends.judge(processes, log)
+    result.ends, result.crashes = [one.told for one in found], ends.crashes(found)
+    if result.crashes and job.trial.experiment.crashes == ends.FAIL:
+        more = f' (and {len(result.crashes) - 1} more)' if len(result.crashes) > 1 else ''
+        raise run.RunError(result.crashes[0] + more + (f'; {problem}' if problem else ''), termination.CRASH)
+    if problem is not None:
+        raise problem
+
+
+def _take_log(folders: Folders, result: Result, starts: metrics.Starts) -> metrics.Summary:
+    """Tell what the event log of a run says; return its Summary."""
+    summary = metrics.summarise(folders.log, starts)
+    result.repeatable, result.labels, result.events = summary.repeatable, summary.labels, summary.events
+    result.robots, result.log_sha256 = summary.robots, metrics.digest(folders.log)
+    return summary
+
+
+def _tell_speed(result: Result) -> None:
+    if result.simulated_seconds is not None and result.wall_seconds is not None:
+        result.times_real_time = round(result.simulated_seconds / max(result.wall_seconds, 1e-6), 3)
+
+
+def _call(job: Job, folders: Folders, result: Result) -> None:
+    """Run the trial that is a function."""
+    begin = time.monotonic()
+    try:
+        answer = functions.run_trial(job, folders)
+    except functions.DeathError as error:
+        died = ends.Process('the function', False, error.code, was_early=error.code is not None)
+        _judge(job, result, [died], ends.Log(), error)
+        raise
+    result.wall_seconds, result.repeatable = round(time.monotonic() - begin, 6), True
+    log = ends.Log()
+    if os.path.exists(folders.log):
+        summary = _take_log(folders, result, {})
+        result.simulated_seconds, log = summary.simulated_seconds, summary.log
+    if answer.simulated_seconds is not None:
+        result.simulated_seconds = answer.simulated_seconds
+    result.labels, result.metrics = result.labels + answer.labels, dict(answer.metrics)
+    result.ended_by, result.repeatable = termination.RETURNED, result.repeatable and not answer.labels
+    _tell_speed(result)
+    _judge(job, result, [ends.Process(**one) for one in answer.processes], log)
+    result.status = COMPLETE
+
+
+def _measure(job: Job, folders: Folders, result: Result) -> None:
+    """Call the user's function; what is wrong with it is told and stops nothing."""
+    try:
+        result.metrics.update(user_metrics.call(job, folders, result))
+    except functions.FunctionError as problem:
+        result.error = f'metrics {job.trial.experiment.metrics.function}: {problem}'[:_LONGEST_ERROR]
+
+
+def _verify(job: Job, path: str, folders: Folders, result: Result, first: Dict[str, Number]) -> None:
+    """Run once more under another condition, each node started as a program, and compare."""
+    again = run_folders.make_folders(os.path.join(path, 'again'))
+    try:
+        if job.trial.experiment.function:
+            found = functions.again(job, os.path.join(path, 'again', 'job'), again)
+            result.difference = other_metrics(first, found.metrics) or compare(folders, again)
+        else:
+            from move_base_abstract_ros.launching.conditions import CONDITIONS
+            condition = next(one for one in CONDITIONS if one.name == job.trial.verified_by)
+            ended = run.run(job, again, condition)
+            result.difference = compare(folders, again) or _other_end(result, ended, again)
+    except SimulatorError as problem:
+        result.difference = f'the second run did not come to its end: {_first_line(str(problem), again)}'
+    result.verified = IDENTICAL if result.difference is None else DIFFERENT
+    if result.difference is not None:
+        result.difference = f'{job.trial.verified_by}: {result.difference}'
+
+
+def _other_end(result: Result, ended: run.Ended, again: Folders) -> Optional[str]:
+    """Return in which way a second run that went the same way did not end in the same one, or None."""
+    found = ends.crashes(ends.judge(ended.processes, ends.read_log(again.log)))
+    if found != result.crashes:
+        return ' / '.join(', '.join(one) or 'no crash' for one in (result.crashes, found))[:_LONGEST_ERROR]
+    return None if ended.problem is None else str(ended.problem)
+
+
+def other_metrics(first: Dict[str, Number], second: Dict[str, Number]) -> Optional[str]:
+    """Return which of the metrics that a function gave twice is another one, or there once only, or None."""
+    for name in sorted({*first, *second}):
+        values = [one.get(name, 'none') for one in (first, second)]
+        if values[0] != values[1]:
+            return '{}: {!r} / {!r}'.format(name, *values)
+    return None
+
+
+def compare(folders: Folders, again: Folders) -> Optional[str]:
+    """Return where two runs differ, in a line, or None."""
+    if not os.path.exists(folders.log):
+        return None
+    compared = run_difference.compare(folders.log, again.log)
+    if compared.difference is not None:
+        return ' / '.join(run_difference.told_lines(event) if event else 'no more events'
+                          for event in (compared.difference.first, compared.difference.second))[:_LONGEST_ERROR]
+    if compared.bags is not None:
+        return f'the bags of {compared.bags.node} differ (number {compared.bags.number} of them)'
+    if os.path.exists(folders.messages) and metrics.digest(folders.messages) != metrics.digest(again.messages):
+        return f'{run_folders.MESSAGES}: recorded messages differ'
+    return None
+
+
+def _first_line(text: str, folders: Optional[Folders]) -> str:
+    """Return the first line of an error, with the first error line of the nodes' outputs, without wall times."""
+    line = text.strip().splitlines()[0] if text.strip() else 'no text'
+    logs = folders.logs if folders is not None else ''
+    for name in sorted(os.listdir(logs)) if logs else ():
+        path = os.path.join(logs, name)
+        # The master's complains of who has gone.
+        if name.endswith('.txt') and name != 'rosmaster.txt' and bundle.is_plain(path) and os.access(path, os.R_OK):
+            with open(path, encoding='utf-8', errors='replace') as stream:
+                found = next((_STAMP.sub('', one).strip() for one in stream if _ERROR_LINE.match(one)), None)
+            if found and found not in line:  # of a function the error is what it has printed itself
+                return f'{line}; {name[:-len(".txt")]}: {found}'[:_LONGEST_ERROR]
+    return line[:_LONGEST_ERROR]

@@ -1,0 +1,132 @@
+"""What a trial's launch file or command becomes in lockstep: roslaunch's configuration, changed for one run."""
+from __future__ import annotations
+
+import contextlib
+import os
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+
+from move_base_abstract_ros.launching.conditions import Condition
+from move_base_abstract_ros.loopback import PACKAGE
+
+from ..description import kinds, launch_files
+from ..description.experiment import Experiment
+from ..description.job import Job
+from .metrics import Place, Starts
+from .run_folders import Folders
+from .termination import END_NODE
+
+LOG_MOTION, PARTICIPANTS = '/log_motion', '/time_master/participants'
+RECORDER_NODE = '/experiment_recorder'
+BAG_NOTES = 'bags'  # in which nodes name the bags that they write
+START_NOTE = 'started'  # which the time master leaves once time has started
+
+
+class Run(NamedTuple):
+    """One run of a Job. ``condition``: under which it runs once more, None the first time."""
+
+    job: Job
+    folders: Folders
+    condition: Optional[Condition] = None
+
+    @property
+    def experiment(self) -> Experiment:
+        """Whose trial it is."""
+        return self.job.trial.experiment
+
+    @property
+    def is_reversed(self) -> bool:
+        """Whether nodes start one after another, in the reverse order."""
+        return self.condition is not None and '--start-order' in self.condition.options
+
+    def path(self, name: str) -> str:
+        """Return the path of a file of the run's own."""
+        return os.path.join(self.folders.own, name)
+
+
+def plan_of(run: Run) -> Tuple[Any, List[str]]:
+    """Return roslaunch's configuration, changed for lockstep, and the names of who takes part."""
+    from move_base_abstract_ros.launching import plan
+    plan.name_anonymous_ones_alike()
+    trial = run.job.trial
+    config = launch_files.read([(launch_files.find(trial.launch, trial.experiment.folder), trial.arguments)]
+                               if trial.launch else [])
+    _add_own_nodes(config, run)
+    return config, plan.plan_of(config, _wishes(config, run)).participants
+
+
+def _add_own_nodes(config: Any, run: Run) -> None:
+    from roslaunch.core import Node, Param
+    experiment = run.experiment
+    if experiment.record.motion and LOG_MOTION not in config.params:
+        config.params[LOG_MOTION] = Param(LOG_MOTION, True)
+    if experiment.command:  # it is no node of a launch file, which would say who takes part
+        config.params[PARTICIPANTS] = Param(PARTICIPANTS, list(experiment.participants or ()))
+
+    def add(name: str, kind: str, parameters: Dict[str, Any], required: bool) -> None:
+        node = Node(PACKAGE, kind, name=name.lstrip('/'), required=required)
+        node.machine = config.machines['']
+        config.nodes.append(node)
+        for key, value in parameters.items():
+            config.params[f'{name}/{key}'] = Param(f'{name}/{key}', value)
+    if experiment.until.topic:
+        add(END_NODE, 'end_at_message', {'topic': experiment.until.topic}, True)
+    if experiment.record.messages:
+        add(RECORDER_NODE, 'message_recorder', {'topics': list(experiment.record.messages),
+                                                'path': run.folders.messages}, False)
+
+
+def parameters_of(run: Run, start_s: float) -> Dict[str, Any]:
+    """Return the time master's parameters. start_s: when the clock starts [s]."""
+    found: Dict[str, Any] = {'event_log': run.folders.log, 'note_of_start': run.path(START_NOTE)}
+    found.update((one.parameter, list(value) if isinstance(value, tuple) else value)
+                 for one, value in kinds.collected(run.experiment, lambda one: one.parameter))
+    found.update({'speed_limit': run.job.speed_limit} if run.job.speed_limit else {})
+    found.update({'end_at': start_s + run.experiment.until.seconds} if run.experiment.until.seconds else {})
+    return found
+
+
+def _wishes(config: Any, run: Run) -> Any:
+    from move_base_abstract_ros.launching import bags, plan, roles
+    experiment, condition = run.experiment, run.condition
+    start = config.params.get('/time_master/start_time')
+    names = [roles.name_of(node) for node in config.nodes]
+    forced: Tuple[str, ...] = ()
+    kept_out: Tuple[str, ...] = ()
+    if experiment.participants is not None and not experiment.command:
+        forced = experiment.participants
+        kept_out = tuple(name for node, name in zip(config.nodes, names) if not roles.is_time_master(node)
+                         and name not in (*forced, END_NODE, RECORDER_NODE))
+    own_environment: Tuple[Tuple[str, str], ...] = ()
+    with open(run.path(BAG_NOTES), 'xb'):
+        pass
+    if condition is not None and '--own-hash-seed' in condition.options:
+        seed = condition.options[condition.options.index('--own-hash-seed') + 1]
+        own_environment = (('PYTHONHASHSEED', seed),)
+    return plan.Wishes(
+        parameters=parameters_of(run, 1.0 if start is None else start.value),
+        launcher=('--sleep', experiment.sleep, '--seed', str(run.job.trial.seed)), forced=forced, kept_out=kept_out,
+        left_out=experiment.leave_out, is_reversed=run.is_reversed, own_environment=own_environment,
+        replaced=tuple((tuple(old.split('/')), tuple(new.split('/')))
+                       for old, new in sorted(experiment.replace.items())),
+        environment=((bags.VARIABLE, run.path(BAG_NOTES)), *(condition.environment if condition is not None else ())))
+
+
+def starts_of(config: Any) -> Starts:
+    """Return {robot: (x, y)} [m] of the robots that parameters name: of a move_base each, or of a fleet."""
+    found: Starts = {}
+    for key, param in config.params.items():
+        node, _, name = key.rpartition('/')
+        if node.endswith('/move_base'):
+            values = [config.params.get(f'{node}/{one}') for one in ('start_x', 'start_y')]
+            found[node.rpartition('/')[0].strip('/')] = _place([None if one is None else one.value for one in values])
+        elif name == 'robots' and isinstance(param.value, list):
+            found.update((one['name'], _place([one.get('start_x'), one.get('start_y')]))
+                         for one in param.value if isinstance(one, dict) and isinstance(one.get('name'), str))
+    return found
+
+
+def _place(values: List[Any]) -> Place:
+    with contextlib.suppress(TypeError, ValueError):
+        x, y = (0.0 if value is None else float(value) for value in values)
+        return x, y
+    return None

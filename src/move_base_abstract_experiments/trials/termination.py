@@ -1,0 +1,18 @@
+"""Why a trial ended: the codes in `ended_by` of its row in the table.
+
+What a trial measured has another meaning if the limit of simulated time (`until: seconds`) cut it off.
+"""
+from typing import Any, Dict
+
+SECONDS, TOPIC, IDLE, REQUIRED, RETURNED = 'seconds', 'topic', 'idle', 'required', 'returned'
+FAULT, TIME_LIMIT, ERROR, CRASH, OTHER = 'fault', 'time_limit', 'error', 'crash', 'other'
+END_NODE = '/experiment_end'  # stands for until: topic
+
+
+def of_run(end: Dict[str, Any]) -> str:
+    """Return how a run ended by the end record of its event log: of 'required NODE' the node is named."""
+    if end.get('by_fault'):
+        return FAULT
+    if end.get('ended_by') == 'departure':
+        return TOPIC if end.get('node') == END_NODE else f'{REQUIRED} {end.get("node")}'
+    return {'end_at': SECONDS, 'idle': IDLE}.get(end.get('ended_by', ''), OTHER)
