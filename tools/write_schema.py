@@ -1,19 +1,22 @@
 #!/usr/bin/python3
-"""Write config/scenario.schema.json: what a scenario file may hold, for editors that complete and check YAML.
+"""Write the schemas in config/: what scenario and experiment files may hold, for editors that complete and check YAML.
 
-usage: tools/write_schema.py [OUTPUT.json]     (without a name: config/scenario.schema.json)
+usage: tools/write_schema.py
 
-It is made of the tables of the code, as docs/scenario_keys.md is; a unit test holds it to them.
+They are made of the tables of the code, as docs/scenario_keys.md is; unit tests hold them to these.
 """
 import json
 import os
+import sys
 
 import write_scenario_keys
-from output_file import output_file
+from output_file import ROOT
 
 from move_base_abstract.common.parameter_table import SCHEMAS
+from move_base_abstract_experiments.description import spec
 
 FILE = os.path.join('config', 'scenario.schema.json')
+EXPERIMENT_FILE = os.path.join('config', 'experiment.schema.json')
 
 
 def of_parameter(parameter):
@@ -48,6 +51,7 @@ def make_schema():
 
 
 if __name__ == '__main__':
-    made = json.dumps(make_schema(), indent=1) + '\n'
-    with open(output_file(FILE, __doc__), 'w', encoding='utf-8') as output:
-        output.write(made)
+    if len(sys.argv) > 1:
+        sys.exit(__doc__)
+    for name, made in ((FILE, make_schema()), (EXPERIMENT_FILE, spec.schema())):
+        (ROOT / name).write_text(json.dumps(made, indent=1) + '\n', encoding='utf-8')

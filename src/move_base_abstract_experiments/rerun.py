@@ -8,13 +8,14 @@ import sys
 import tarfile
 from typing import List, NamedTuple, Optional, TextIO, Tuple
 
+from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.runs import event_log, run_difference
 from move_base_abstract.runs.event_log import EventLog
 
 from . import records
 from .carrying import jobs, temporary
-from .description import kinds, plan, spec
+from .description import plan, spec
 from .description.job import Job
 from .description.trial import Trial
 from .records import Plan, Result

@@ -11,11 +11,12 @@ import tarfile
 import threading  # noqa: TID251 - of the client, whose threads are Dask's
 from typing import Callable, Iterator, List, Optional, Set, TextIO, Tuple
 
+from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 
 from .carrying import cluster, jobs
 from .carrying.workers import workers_file
-from .description import kinds, launch_files, plan, spec
+from .description import launch_files, plan, spec
 from .description.experiment import Experiment
 from .description.job import Job
 from .description.trial import Trial

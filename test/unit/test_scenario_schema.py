@@ -49,7 +49,8 @@ def test_what_the_code_takes_is_valid(document):
     {'robots': [{**ROBOT, 'count': 0}]}, {'robots': [{**ROBOT, 'max_sped': 1.0}]}, {'defaults': {'max_speed': 'fast'}},
     {'defaults': {'max_speed': -1.0}}, {'defaults': {'use_map': 1}}, {'defaults': {'failure_kind': 'explode'}},
     {'places': [{'name': 'dock', 'capacity': 0}]}, {'zones': [{'name': 'z', 'kapacity': 1}]},
-    {'arrivals': [{'rates': 1.0}]}])
+    {'arrivals': [{'rates': 1.0}]}, {'robots': [{**ROBOT, 'count': 'two'}]}, {'defaults': []}, {'zones': [{}]},
+    {'lanes': 1}, {'robots': [{**ROBOT, 'scan_rate': 'often'}]}])
 def test_what_the_code_refuses_is_not(document):
     with pytest.raises(ConfigurationError):
         make_scenario(document)

@@ -5,18 +5,16 @@ master gets are made of this.
 """
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Iterable, List, Optional, Tuple
 
-from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.lockstep import stored_topics
-from move_base_abstract_ros.launching import ends
-
-from .kinds import (
+from move_base_abstract.common.kinds import (
     FLAG,
     NAME,
     SCALAR,
     Kind,
+    collected,
     either,
     list_of,
     map_of,
@@ -28,10 +26,12 @@ from .kinds import (
     pattern,
     text,
 )
+from move_base_abstract.lockstep.run_options import OF_NODES, RunOptions
+
 from .metric_names import BUILT_IN, Metric
 
 SYSTEMS = ('launch', 'command', 'function')  # one of them is run
-_LAUNCH, _OF_NODES = ('launch',), ('launch', 'command')
+_LAUNCH = ('launch',)
 ALL = 'all'
 MOST_TRIALS = 1_000_000
 LONGEST_S = 1e9  # simulated, of a trial
@@ -40,15 +40,13 @@ OWN_COLUMNS = ('id', 'replication', 'seed', 'status', 'simulated_seconds', 'wall
                'repeatable', 'labels', 'events', 'log_sha256', 'verified', 'ended_by', 'error')
 
 
+def in_words(systems: Iterable[str]) -> str:
+    """Return some of SYSTEMS in words."""
+    return ' or '.join(f'a {each} file' if each == 'launch' else f'a {each}' for each in systems)
+
+
 def _absolute(name: str) -> str:
     return '/' + name.lstrip('/')
-
-
-def _stored_topic(where: str, value: Any) -> str:
-    try:
-        return stored_topics.checked(text().check(where, value))
-    except ConfigurationError as problem:
-        raise ConfigurationError(f'{where}: {problem}') from None
 
 
 _NAMES = '/?[A-Za-z][A-Za-z0-9_/]{0,255}'
@@ -60,8 +58,6 @@ _FUNCTION = pattern(r'[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*:[A-Za-z_
                     'module:function, such as my_package.metrics:summarise')
 _PROGRAM = pattern('[A-Za-z][A-Za-z0-9_.-]*/[A-Za-z0-9_.-]+', 'PACKAGE/TYPE: PACKAGE/TYPE, such as move_base/move_base')
 _COUNT = number(1, MOST_TRIALS, whole=True)
-_STORED = Kind(_stored_topic, pattern('/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*(=/?[A-Za-z][A-Za-z0-9_]*'
-                                      '(/[A-Za-z0-9_]+)*)?', '').schema)
 
 
 @dataclass(frozen=True)
@@ -78,7 +74,7 @@ class Record:
     """What is kept of a trial beside its event log."""
 
     messages: Tuple[str, ...] = option(list_of(_TOPIC, 'names of topics, such as /idleness'), [], 'topics, written to '
-                                       '`messages.jsonl`', systems=_OF_NODES)
+                                       '`messages.jsonl`', systems=OF_NODES)
     files: Tuple[str, ...] = option(
         list_of(pattern(r'[A-Za-z0-9_.*?\[\]-]{1,100}', 'names of files without a folder, with * and ?, as *.csv')), [],
         "patterns (`'*.csv'`) of files that nodes leave in their working folder")
@@ -102,7 +98,9 @@ class Metrics:
     """The metrics of the user's."""
 
     function: str = option(_FUNCTION, None, 'what gives them')
-    columns: Dict[str, Column] = option(map_of(mapping_of(Column)), {}, 'what they are called')
+    columns: Dict[str, Column] = option(
+        map_of(mapping_of(Column)), {}, '`{NAME: {title, unit, better}}`: what they are called; `better`: `lower` '
+        'or `higher`')
 
 
 @dataclass(frozen=True)
@@ -127,17 +125,17 @@ _REPLICATIONS = Kind(_replications, {'anyOf': [_COUNT.schema, {
 
 
 @dataclass(frozen=True)
-class Experiment:
+class Experiment(RunOptions):
     """An experiment's file, checked. ``folder``: where it lies; relative paths in it start there."""
 
-    folder: str
+    folder: str = ''
     name: str = option(text(100), None, 'the name of the experiment', key='experiment', is_required=True)
     launch: str = option(text(), None, 'a launch file; `$(find PACKAGE)`, or a path from the folder of this file')
     command: Tuple[str, ...] = option(
         list_of(text(), least=1, allowed='at least one word, at most 10000'), None, "instead: a list of words, run "
-        "under the trial's ROS master. It starts its nodes itself, under the [launcher](lockstep_launcher.md): `[rosrun,"
-        " move_base_abstract, lockstep, --seed, '{seed}', my_node.py]`; `participants` must name who takes part",
-        absent=())
+        "under the trial's ROS master. It starts its nodes itself, under the [launcher](lockstep_launcher.md): "
+        "`[rosrun, move_base_abstract, lockstep, --seed, '{seed}', my_node.py]`; `participants` must name who takes "
+        'part', absent=())
     function: str = option(_FUNCTION, None, 'instead: `module:function` that is a trial, '
                            '[below](#trials-that-are-a-function)')
     prepare: str = option(_FUNCTION, None, '`module:function` that each warm process calls once, '
@@ -147,7 +145,7 @@ class Experiment:
     participants: Optional[Tuple[str, ...]] = option(
         either(list_of(_NODE, _ALL_OR_NODES), (str, lambda _: None, pattern(ALL, _ALL_OR_NODES))), ALL,
         '`all`: every rospy and roscpp node, as [here](lockstep_launch.md#who-takes-part); or a list of nodes: the '
-        'others look on', systems=_OF_NODES)
+        'others look on', systems=OF_NODES)
     leave_out: Tuple[str, ...] = option(list_of(_NODE, _NODES), [], 'nodes that are not started', systems=_LAUNCH)
     replace: Dict[str, str] = option(map_of(_PROGRAM, _PROGRAM), {}, '`{move_base/move_base: '
                                      'move_base_abstract/move_base}`: other programs in the place of these',
@@ -165,17 +163,13 @@ class Experiment:
     seed: int = option(number(0, LARGEST_SEED, whole=True), 0, 'replication k (from 0 on) has the seed `seed` + k in '
                        'every configuration: common random numbers')
     until: Until = option(
-        mapping_of(Until), {}, '`seconds` (simulated, from the start), `topic` (the first message on it), `idle: true` '
-        '(nobody has anything left to do), or several: whichever comes first. A node with `required="true"` ends a '
-        'trial, too', systems=_OF_NODES)
+        mapping_of(Until), {}, 'what ends a trial, whichever comes first; a node with `required="true"` ends it, too',
+        systems=OF_NODES)
     record: Record = option(
-        mapping_of(Record), {}, "`messages`: topics, written to `messages.jsonl`; `files`: patterns (`'*.csv'`) of "
-        'files that nodes leave in their working folder; `hashes: true`: what participants send each other is in the event '
-        'log, as hashes; `motion: false`: robots do not write by which limits they travel (`/log_motion`, true '
-        'otherwise), without which a [replay](replay.md) is not exact, and a first leg counts no distance')
+        mapping_of(Record), {}, 'what is kept of a trial beside its event log')
     metrics: Metrics = option(
-        either(mapping_of(Metrics), (str, lambda name: Metrics(function=name), _FUNCTION)), {}, '`module:function`, or '
-        '`function` and `columns: {NAME: {title, unit, better: lower or higher}}`')
+        either(mapping_of(Metrics), (str, lambda name: Metrics(function=name), _FUNCTION)), {},
+        '`module:function` that returns numbers by name, [below](#metrics); or a mapping')
     primary: str = option(NAME, None, 'the metric that the experiment is about: the report tells it first, tests it by '
                           'itself, and folds the others')
     baseline: Dict[str, Any] = option(map_of(SCALAR), {}, '`{algorithm: greedy}`: the value of a factor with which the '
@@ -192,21 +186,11 @@ class Experiment:
         '`module:function`, or a list: [sections of your own](experiment_report.md#sections-of-your-own) in the report')
     verify: float = option(number(0, 1), 0, 'the share of trials that run twice')
     time_limit: float = option(number(1, 1e7), 600, 's, wall, of a run')
-    sleep: str = option(one_of('wall', 'simulated'), 'wall', 'of the [launcher](lockstep_launcher.md)')
-    stored_topics: Tuple[str, ...] = option(
-        list_of(_STORED), [], 'list of `TOPIC`, `NODE=TOPIC`: [what nodes only '
-        'store](lockstep.md#topics-that-nodes-only-store) comes with the next thing that they do', systems=_OF_NODES,
-        is_part=True, parameter='stored_topics')
-    lookahead: float = option(
-        number(1e-6, 1000, or_zero=True), 0, 's, simulated: what nodes tell each other takes so long, and they work at '
-        'once: [windows](lockstep_windows.md)', systems=_OF_NODES, is_part=True, parameter='lookahead')
-    cores: str = option(
-        one_of('auto', 'one', 'all'), None, '`auto`, `one`, `all`: on which [cores](time_master.md#cores) of its '
-        'computer the nodes of a trial run. Where the key is not there, what the launch file sets holds. Events are '
-        'the same either way: a trial does not run again for it', systems=_OF_NODES, parameter='cores', shown='auto')
-    crashes: str = option(
-        one_of(*ends.POLICIES), ends.FAIL, '`fail`: a trial in which a node [crashes](lockstep_launch.md#crashes) has '
-        'failed. `allow`: it is complete, if it comes to its end, and `trial.json` names the crashes')
+
+    @functools.cached_property
+    def later_parts(self) -> List[Dict[str, Any]]:
+        """What makes its trials others, beside what was there from the first, which plan.made_of() has."""
+        return [{one.field: value} for one, value in collected(self, lambda one: one.is_part)]
 
     @property
     def system(self) -> str:

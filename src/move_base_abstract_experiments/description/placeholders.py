@@ -4,7 +4,7 @@ from __future__ import annotations
 import re
 from typing import Any, Dict, Iterable
 
-from . import kinds
+from move_base_abstract.common import kinds
 
 _PLACE = re.compile(r'\{([^{}]*)\}')
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional
 
 from ..records import Plan, Planned
-from . import ingredients, kinds
+from . import ingredients
 from .experiment import Experiment
 from .spec import configurations
 from .trial import Trial
@@ -100,12 +100,13 @@ def made_of(trial: Trial, made: Optional[Dict[str, str]] = None) -> str:
     made = ingredients.of_trial(trial) if made is None else made
     experiment = trial.experiment
     content = [FORMAT, experiment.launch, experiment.command, experiment.participants, experiment.leave_out,
-               sorted(experiment.replace.items()), trial.arguments, dataclasses.astuple(experiment.until),
-               dataclasses.astuple(experiment.record), experiment.metrics.function, experiment.sleep,
+               sorted(experiment.replace.items()), trial.arguments, [*vars(experiment.until).values()],
+               [*vars(experiment.record).values()], experiment.metrics.function, experiment.sleep,
                trial.configuration, trial.replication, trial.seed, trial.verified_by, package_version(),
-               platform.python_version(), [experiment.function, trial.function_arguments] if experiment.function else '',
-               experiment.prepare, ingredients.by_content(made),
-               *({one.field: value} for one, value in kinds.collected(experiment, lambda one: one.is_part))]
+               platform.python_version(),
+               [experiment.function, trial.function_arguments] if experiment.function else '', experiment.prepare,
+               ingredients.by_content(made),
+               *experiment.later_parts]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode('utf-8', 'surrogateescape')).hexdigest()
 
 

@@ -10,11 +10,12 @@ import math
 import os
 from typing import Any, Dict, Iterable, List, Optional, Tuple
 
+from move_base_abstract.common import kinds
 from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.common.errors import ConfigurationError
 
-from . import kinds, placeholders
-from .experiment import MOST_TRIALS, OWN_COLUMNS, SYSTEMS, Experiment
+from . import placeholders
+from .experiment import MOST_TRIALS, OWN_COLUMNS, SYSTEMS, Experiment, in_words
 from .metric_names import BUILT_IN
 
 #: why a system has not what others have
@@ -89,8 +90,7 @@ def _check_system(record: Any, system: str, where: str = '') -> None:
     for key, one in kinds.options_of(record).items():
         value = getattr(record, one.field)
         if one.systems and system not in one.systems and value != one.initial:
-            of = ' or '.join(f'a {each} file' if each == 'launch' else f'a {each}' for each in one.systems)
-            raise ConfigurationError(f"'{where}{key}' is of {of}{_WITHOUT[system]}")
+            raise ConfigurationError(f"'{where}{key}' is of {in_words(one.systems)}{_WITHOUT[system]}")
         if dataclasses.is_dataclass(value):
             _check_system(value, system, f'{where}{key}.')
 

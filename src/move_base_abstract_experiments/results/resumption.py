@@ -11,7 +11,7 @@ from typing import Dict, List, Optional, TextIO, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.json_files import load_json_mapping
-from move_base_abstract_ros.launching import ends
+from move_base_abstract.lockstep.run_options import ALLOW
 
 from ..description import ingredients, plan
 from ..description.ingredients import Made
@@ -36,7 +36,7 @@ def missing(chosen: List[Trial], folder: outputs.OutputFolder, planned: Plan, ke
         name = entry.program = ingredients.name_of(made)
         programs.setdefault(name, made)
         was = outputs.read_planned(folder.path, Planned(one.id))
-        if was is None or not was.is_complete or (was.crashes and one.experiment.crashes != ends.ALLOW):
+        if was is None or not was.is_complete or (was.crashes and one.experiment.crashes != ALLOW):
             wanted.add(one.id)
         elif was.made_of != entry.made_of:
             what = _what(programs, was.program, name)

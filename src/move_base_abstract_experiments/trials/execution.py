@@ -11,6 +11,7 @@ import traceback
 from typing import Dict, List, Optional
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.runs import run_difference
 from move_base_abstract_ros.launching import ends
 
@@ -114,7 +115,7 @@ def _judge(job: Job, result: Result, processes: List[ends.Process], log: ends.Lo
     """
     found = ends.judge(processes, log)
     result.ends, result.crashes = [one.told for one in found], ends.crashes(found)
-    if result.crashes and job.trial.experiment.crashes == ends.FAIL:
+    if result.crashes and job.trial.experiment.crashes == FAIL:
         more = f' (and {len(result.crashes) - 1} more)' if len(result.crashes) > 1 else ''
         raise run.RunError(result.crashes[0] + more + (f'; {problem}' if problem else ''), termination.CRASH)
     if problem is not None:

@@ -5,10 +5,11 @@ import contextlib
 import os
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
+from move_base_abstract.common import kinds
 from move_base_abstract_ros.launching.conditions import Condition
 from move_base_abstract_ros.loopback import PACKAGE
 
-from ..description import kinds, launch_files
+from ..description import launch_files
 from ..description.experiment import Experiment
 from ..description.job import Job
 from .metrics import Place, Starts
@@ -78,8 +79,7 @@ def _add_own_nodes(config: Any, run: Run) -> None:
 def parameters_of(run: Run, start_s: float) -> Dict[str, Any]:
     """Return the time master's parameters. start_s: when the clock starts [s]."""
     found: Dict[str, Any] = {'event_log': run.folders.log, 'note_of_start': run.path(START_NOTE)}
-    found.update((one.parameter, list(value) if isinstance(value, tuple) else value)
-                 for one, value in kinds.collected(run.experiment, lambda one: one.parameter))
+    found.update(kinds.parameters_of(run.experiment))
     found.update({'speed_limit': run.job.speed_limit} if run.job.speed_limit else {})
     found.update({'end_at': start_s + run.experiment.until.seconds} if run.experiment.until.seconds else {})
     return found

@@ -19,8 +19,6 @@ from ..lockstep.failing.failures import ASKED, UNASKED, UNCAUGHT, words_of
 from ..replacing.replaced import replace
 
 TIME_MASTER = '/time_master'
-FAIL, ALLOW = 'fail', 'allow'
-POLICIES = (FAIL, ALLOW)  # what a crash does to a run: it fails, or it is told only
 KINDS = (UNCAUGHT, UNASKED, ASKED)  # of the events by which runs are judged
 LINE = 'lockstep_launch: crash: '  # begins the line that lockstep_launch says of each
 LAST_LINES = 12  # that are kept of what a process has printed

@@ -16,10 +16,11 @@ import os
 import sys
 from contextlib import contextmanager, nullcontext
 
-from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common import kinds
+from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
-from move_base_abstract.lockstep import stored_topics
+from move_base_abstract.lockstep.run_options import FAIL, RunOptions
 
 from ..launching import ends, light_imports, warm_client
 from ..process.process_end import leave
@@ -69,8 +70,6 @@ def _parse(words):
     parser.add_argument('--log-messages', action='store_true', help='messages and calls are events too')
     parser.add_argument('--speed-limit', type=_factor, default=None, metavar='F',
                         help='at most so many simulated seconds per wall second')
-    parser.add_argument('--cores', choices=('auto', 'one', 'all'), default=None,
-                        help='that the nodes run on (default: what is measured to be faster)')
     parser.add_argument('--end-when-idle', action='store_true', help='end when nobody has anything left to do')
     parser.add_argument('--use-master', action='store_true', help='use the ROS master of ROS_MASTER_URI, no own one')
     # From `verify`: conditions that must not matter.
@@ -94,26 +93,18 @@ def add_plan_options(parser):
     parser.add_argument('--replace', action='append', default=[], type=_kinds, metavar='PACKAGE/TYPE=PACKAGE/TYPE',
                         help='start nodes of another kind in the place of these, under their names')
     parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
-    parser.add_argument('--sleep', choices=('wall', 'simulated'), default='wall',
-                        help='what sleeps of the wall clock take (default: %(default)s, while simulated time stands)')
-    parser.add_argument('--lookahead', type=_lookahead, default=0.0, metavar='S',
-                        help='all takes so long [s, simulated] from one participant to another (default: no time)')
-    parser.add_argument('--stored-topic', action='append', default=[], type=_stored, metavar='[NODE=]TOPIC',
-                        help='what is heard there is handed over with the next thing that a node does')
     parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
-    parser.add_argument('--crashes', choices=ends.POLICIES, default=ends.FAIL,
-                        help='whether a node that crashes makes a failure of the run (default: %(default)s)')
+    kinds.add_arguments(parser, RunOptions)
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
 
 
 def words_of(options):
     """Return the words of a command line that say what add_plan_options has read, without the files."""
-    words = ['--sleep', options.sleep, '--seed', str(options.seed), '--crashes', options.crashes]
+    words = ['--seed', str(options.seed), *kinds.words_of(kinds.of_arguments(RunOptions, options))]
     words += ['--until', repr(options.until)] if options.until else []
-    words += ['--lookahead', repr(options.lookahead)] if options.lookahead else []
     words += ['--no-respawn'] if options.no_respawn else []
     for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
-                          ('--leave-out', options.leave_out), ('--stored-topic', options.stored_topic)):
+                          ('--leave-out', options.leave_out)):
         words += [word for name in names for word in (option, name)]
     for old, new in options.replace:
         words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(new))]
@@ -140,8 +131,9 @@ def files_of(parser, words):
 def wishes_of(options, parameters, **others):
     """Return what the options ask of a plan; ``parameters``: of the time master."""
     from ..launching.plan import Wishes
-    given = {'end_at': options.until, 'lookahead': options.lookahead, 'stored_topics': options.stored_topic}
-    return Wishes(parameters=dict({key: value for key, value in given.items() if value}, **parameters),
+    given = {**({'end_at': options.until} if options.until else {}),
+             **kinds.parameters_of(kinds.of_arguments(RunOptions, options))}
+    return Wishes(parameters={**given, **parameters},
                   launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
                   kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
                   replaced=tuple(options.replace), with_respawned=options.no_respawn, **others)
@@ -156,7 +148,7 @@ def _run(options, files, warm):
         plan.name_anonymous_ones_alike()
     parameters = {key: value for key, value in (
         ('event_log', options.event_log and os.path.abspath(options.event_log)), ('speed_limit', options.speed_limit),
-        ('cores', options.cores), ('message_bytes', options.message_bytes),
+        ('message_bytes', options.message_bytes),
         ('log_messages', options.log_messages or None),
         ('end_when_idle', options.end_when_idle or None)) if value is not None}
     seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)
@@ -188,7 +180,7 @@ def _conclude(parent, policy):
         for line in end.last_lines:
             print('    ' + shown_text(line), file=sys.stderr)
     sys.stderr.flush()
-    return _CRASHED if crashed and policy == ends.FAIL and not parent.code else parent.code
+    return _CRASHED if crashed and policy == FAIL and not parent.code else parent.code
 
 
 def _tell_bags(made, found):
@@ -243,23 +235,6 @@ def _factor(text):
     if not (0.01 <= value <= 1e6 or value == 0.0) or math.isnan(value):
         raise argparse.ArgumentTypeError('must be 0.01 to 1e6, or 0 for no limit, got {}'.format(shown(text)))
     return value
-
-
-def _lookahead(text):
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not (1e-6 <= value <= 1000.0 or value == 0.0):
-        raise argparse.ArgumentTypeError('must be 1e-6 to 1000 s, or 0 for none, got {}'.format(shown(text)))
-    return value
-
-
-def _stored(text):
-    try:
-        return stored_topics.checked(text)
-    except ConfigurationError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _name(text):

@@ -1,17 +1,19 @@
-"""What the values of an experiment's file may be: each kind checks one, and describes itself as JSON Schema does.
+"""Options that are written once: what their values may be, as a check, as JSON Schema and as words of a command line.
 
-An error says where, what was got, and what is allowed.
+An Option is a field of a dataclass. Files are read, schemas made, pages of the docs written and command lines parsed by
+it. An error says where, what was got, and what is allowed.
 """
 from __future__ import annotations
 
+import argparse
 import dataclasses
 import difflib
 import math
 import re
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Tuple, Type, TypeVar
 
-from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.shown import shown, shown_text
+from .errors import ConfigurationError
+from .shown import shown, shown_text
 
 Schema = Dict[str, Any]
 T = TypeVar('T')
@@ -22,33 +24,42 @@ _LARGEST_WHOLE = 10**18
 
 
 class Kind(NamedTuple):
-    """One kind of value. ``check(where, value)`` returns it as the code has it, or raises a ConfigurationError."""
+    """One kind of value. ``check(where, value)`` returns it as the code has it, or raises a ConfigurationError.
+
+    ``of_word``: makes of a word of a command line what a file would have, or raises a ValueError.
+    """
 
     check: Callable[[str, Any], Any]
     schema: Schema
+    of_word: Callable[[str], Any] = str
 
 
 class Option(NamedTuple):
-    """One key of a mapping in an experiment's file; all that is known of it.
+    """One key of a mapping in a file, or one option of a command line; all that is known of it.
 
-    ``default``: as a file would have it; None: there is none. ``systems``: what of `launch`, `command` and `function`
-    it is of; empty: all. ``is_part``: whether a trial that has run is another one once this is changed (of
-    the first options that are so, plan.made_of() has a list). ``parameter``:
-    the time master's that gets it, ''. ``says``: for the docs, Markdown. ``shown``: the default in the docs, '': as it
-    is. ``key``: '': as the field. ``field``: of the dataclass.
+    ``default``: as a file would have it; None: there is none. ``says``: one sentence, Markdown. ``initial``: the
+    default as the code has it. ``systems``: what an experiment must run to have it; empty: anything. ``is_part``:
+    whether a trial that has run is another one once this is changed. ``parameter``: the time master's that gets it, or
+    ''. ``flag``: on a command line, if not the field's name; of a list one for each of its values. ``key``: in a file,
+    if not the field's name. ``field``: of the dataclass.
     """
 
     kind: Kind
     default: Any
     says: str
-    initial: Any  # the default as the code has it
+    initial: Any
     systems: Tuple[str, ...] = ()
     is_part: bool = False
     parameter: str = ''
-    shown: str = ''
+    flag: str = ''
     key: str = ''
     is_required: bool = False
     field: str = ''
+
+    @property
+    def plain(self) -> str:
+        """What it says, without the marks of Markdown."""
+        return re.sub(r'\[([^\]]*)\]\([^)]*\)', r'\1', self.says).replace('`', '')
 
 
 def option(kind: Kind, default: Any, says: str, absent: Any = '', **others: Any) -> Any:
@@ -59,15 +70,16 @@ def option(kind: Kind, default: Any, says: str, absent: Any = '', **others: Any)
 
 
 def options_of(cls: Any) -> Dict[str, Option]:
-    """Return the Options of a dataclass by their keys."""
-    found = [field.metadata[OPTION]._replace(field=field.name) for field in dataclasses.fields(cls)
-             if OPTION in field.metadata]
+    """Return the Options of a dataclass by their keys: its own, then those of its base."""
+    own = vars(cls if isinstance(cls, type) else type(cls)).get('__annotations__', {})
+    fields = sorted(dataclasses.fields(cls), key=lambda one: one.name not in own)
+    found = [one.metadata[OPTION]._replace(field=one.name) for one in fields if OPTION in one.metadata]
     return {one.key or one.field: one for one in found}
 
 
 def error(where: str, value: object, allowed: str) -> ConfigurationError:
     """Return the error of a value that cannot be used."""
-    return ConfigurationError(f'{where}: got {shown(value)}; allowed: {allowed}')
+    return ConfigurationError(f'{where}: got {shown(value)}; allowed: {allowed}'.lstrip(': '))
 
 
 def unknown(what: str, name: str, known: Iterable[str]) -> ConfigurationError:
@@ -109,7 +121,8 @@ def number(lowest: float, highest: float, whole: bool = False, or_zero: bool = F
                         + (', or 0' if or_zero else ''))
         return value if whole else float(value)
     schema = {'type': 'integer' if whole else 'number', 'minimum': lowest, 'maximum': highest}
-    return Kind(check, {'anyOf': [{'type': 'number', 'enum': [0]}, schema]} if or_zero else schema)
+    return Kind(check, {'anyOf': [{'type': 'number', 'enum': [0]}, schema]} if or_zero else schema,
+                int if whole else float)
 
 
 def one_of(*allowed: str) -> Kind:
@@ -193,7 +206,7 @@ def or_null(kind: Kind) -> Kind:
 def read(cls: Type[T], where: str, value: Any, **others: Any) -> T:
     """Return the dataclass of a mapping of its Options. where: '' of a file. others: fields that are no Options."""
     options = options_of(cls)
-    name = where or 'the experiment'
+    name = where or 'the file'
     if not isinstance(value, dict):
         raise error(name, value, f'a mapping with {", ".join(options)}')
     for key in value:
@@ -203,7 +216,7 @@ def read(cls: Type[T], where: str, value: Any, **others: Any) -> T:
             raise unknown(f'{name}: the key', key, options)
     for key, one in options.items():
         if one.is_required and key not in value:
-            raise ConfigurationError(f'{key!r} is missing: {one.says}')
+            raise ConfigurationError(f'{key!r} is missing: {one.plain}')
     return cls(**others, **{options[key].field: options[key].kind.check(f'{where}.{key}' if where else key, given)
                             for key, given in value.items()})
 
@@ -213,7 +226,7 @@ def schema_of(cls: Type[Any]) -> Schema:
     options = options_of(cls)
     required = [key for key, one in options.items() if one.is_required]
     return {'type': 'object', 'additionalProperties': False, 'properties': {
-        key: {**one.kind.schema, 'description': _plain(one.says),
+        key: {**one.kind.schema, 'description': one.plain,
               **({} if one.default is None else {'default': one.default})} for key, one in options.items()},
         **({'required': required} if required else {})}
 
@@ -230,6 +243,46 @@ def collected(record: Any, is_wanted: Callable[[Option], Any]) -> List[Tuple[Opt
     return found
 
 
-def _plain(markdown: str) -> str:
-    """Return a text without the marks of Markdown."""
-    return re.sub(r'\[([^\]]*)\]\([^)]*\)', r'\1', markdown).replace('`', '')
+def parameters_of(record: Any) -> Dict[str, Any]:
+    """Return {parameter: value} of the time master, of all Options that are not as by default."""
+    return {one.parameter: list(value) if isinstance(value, tuple) else value
+            for one, value in collected(record, lambda one: one.parameter)}
+
+
+def add_arguments(parser: argparse.ArgumentParser, cls: Type[Any]) -> None:
+    """Have a command line take the Options of a dataclass; of_arguments() returns it."""
+    for one in options_of(cls).values():
+        how: Dict[str, Any] = {'choices': one.kind.schema['enum']} if 'enum' in one.kind.schema else {
+            'type': _of_word(one), 'metavar': 'X'}
+        how.update({'action': 'append', 'default': []} if _is_list(one) else {'default': one.initial})
+        parser.add_argument(_flag_of(one), dest=one.field, help=one.plain.replace('%', '%%') + (
+            '' if one.default in (None, [], 0) else f' (default: {one.default})'), **how)
+
+
+def of_arguments(cls: Type[T], found: argparse.Namespace) -> T:
+    """Return the dataclass of a command line that add_arguments() was asked for."""
+    return cls(**{one.field: tuple(value) if isinstance(value, list) else value
+                  for one in options_of(cls).values() for value in [getattr(found, one.field)]})
+
+
+def words_of(record: Any) -> List[str]:
+    """Return the words of a command line that say the same as a dataclass of Options."""
+    return [word for one, value in collected(record, bool) for each in (value if _is_list(one) else (value,))
+            for word in (_flag_of(one), str(each))]
+
+
+def _is_list(one: Option) -> bool:
+    return isinstance(one.initial, tuple)
+
+
+def _flag_of(one: Option) -> str:
+    return '--' + (one.flag or one.field).replace('_', '-')
+
+
+def _of_word(one: Option) -> Callable[[str], Any]:
+    def convert(word: str) -> Any:
+        try:
+            return one.kind.check('', [word])[0] if _is_list(one) else one.kind.check('', one.kind.of_word(word))
+        except (ConfigurationError, ValueError) as problem:
+            raise argparse.ArgumentTypeError(str(problem)) from None
+    return convert

@@ -1,0 +1,50 @@
+"""Options of a run that stand in an experiment's file as well as on the command lines of lockstep_launch and verify.
+
+Who adds one adds a field here: all three read it by that, the time master gets its ``parameter``, the schema and the
+table in docs/experiments.md say what it ``says``.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Tuple
+
+from ..common.errors import ConfigurationError
+from ..common.kinds import Kind, list_of, number, one_of, option, pattern
+from . import stored_topics
+
+OF_NODES = ('launch', 'command')  # what has nodes, of an experiment's systems
+FAIL, ALLOW = 'fail', 'allow'  # what a crash does to a run: it fails, or it is told only
+
+
+def _stored_topic(where: str, value: Any) -> str:
+    try:
+        return stored_topics.checked(value)
+    except ConfigurationError as problem:
+        raise ConfigurationError(f'{where}: {problem}'.lstrip(': ')) from None
+
+
+_STORED = Kind(_stored_topic, pattern('/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*(=/?[A-Za-z][A-Za-z0-9_]*'
+                                      '(/[A-Za-z0-9_]+)*)?', '').schema)
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How a system runs in lockstep."""
+
+    sleep: str = option(
+        one_of('wall', 'simulated'), 'wall', 'what sleeps of the wall clock take in [programs](lockstep_launcher.md): '
+        '`wall`, while simulated time stands')
+    stored_topics: Tuple[str, ...] = option(
+        list_of(_STORED), [], '`TOPIC` or `NODE=TOPIC`: [what nodes only store](lockstep.md#topics-that-nodes-only-'
+        'store) comes with the next thing that they do', systems=OF_NODES, is_part=True, parameter='stored_topics',
+        flag='stored_topic')
+    lookahead: float = option(
+        number(1e-6, 1000, or_zero=True), 0, 's, simulated: what nodes tell each other takes so long, and they work at '
+        'once ([windows](lockstep_windows.md)); 0: no time', systems=OF_NODES, is_part=True, parameter='lookahead')
+    cores: str = option(
+        one_of('auto', 'one', 'all'), None, 'on which [cores](time_master.md#cores) of its computer the nodes run: '
+        '`auto`: what is measured to be faster, as where neither this nor the launch file says it. Events are the same '
+        'either way', systems=OF_NODES, parameter='cores')
+    crashes: str = option(
+        one_of(FAIL, ALLOW), FAIL, 'whether a run in which a node [crashes](lockstep_launch.md#crashes) has '
+        'failed (`fail`), or is only told of (`allow`) if it comes to its end')
