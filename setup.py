@@ -10,7 +10,7 @@ DATA = {'move_base_abstract': ['py.typed'],
         'move_base_abstract_replay': ['templates/*'],
         'move_base_abstract_ros': ['lockstep/programs/follow/*.py'],
         'soil_mapping': ['data/*.npy', 'data/*.csv', 'data/README.md', '*.txt']}
-PLAIN = ('move_base_abstract', 'move_base_abstract_replay')  # packages without ROS
+PLAIN = ('move_base_abstract', 'move_base_abstract_experiments', 'move_base_abstract_replay')  # without ROS
 
 
 def for_catkin():
@@ -28,7 +28,7 @@ def for_pip():
         'packages': [name for name in find_packages('src') if name.split('.')[0] in PLAIN],
         'package_dir': {'': 'src'}, 'package_data': {name: DATA[name] for name in PLAIN}, 'python_requires': '>=3.8',
         'install_requires': ['PyYAML', 'Jinja2', 'Pillow', 'networkx', 'numpy'],
-        'extras_require': {'processes': ['simpy']}}
+        'extras_require': {'processes': ['simpy'], 'experiments': ['distributed', 'matplotlib', 'pandas', 'scipy']}}
 
 
 setup(**(for_pip() if 'MOVE_BASE_ABSTRACT_FOR_PIP' in os.environ else for_catkin()))

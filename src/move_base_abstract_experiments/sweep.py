@@ -14,7 +14,7 @@ from typing import Callable, Iterator, List, Optional, Set, TextIO, Tuple
 from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 
-from .carrying import cluster, jobs
+from .carrying import cluster, jobs, warm_ros
 from .carrying.workers import workers_file
 from .description import launch_files, plan, spec
 from .description.experiment import Experiment
@@ -57,6 +57,8 @@ def check(experiment: Experiment, chosen: List[Trial]) -> None:
 
     :raises ConfigurationError: naming it.
     """
+    if not (experiment.function or warm_ros.is_there()):
+        raise ConfigurationError(f"'{experiment.system}' needs ROS, which is not here; without it trials are functions")
     with _asked_functions(experiment) as complain:
         seen: Set[Tuple[str, ...]] = set()
         for one in chosen if experiment.launch else ():

@@ -1,4 +1,5 @@
 """pip installs the plain part, on a computer without ROS."""
+import csv
 import os
 import subprocess
 import sys
@@ -9,18 +10,34 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-# What is of ROS cannot be imported, as on a computer that has none.
-WITHOUT_ROS = """
-import runpy, sys
+# What is of ROS cannot be imported in any process, as on a computer that has none.
+NO_ROS = """
+import sys
 class NoRos:
     def find_spec(self, name, path=None, target=None):
-        if name.split('.')[0] in ('rospy', 'roslib', 'rosgraph', 'genpy', 'genmsg', 'catkin', 'actionlib'):
+        if name.split('.')[0] in ('rospy', 'roslib', 'rosgraph', 'rospkg', 'roslaunch', 'genpy', 'genmsg', 'catkin',
+                                  'actionlib'):
             raise ImportError(name + ': there is no ROS')
 sys.meta_path.insert(0, NoRos())
-import move_base_abstract
-print(move_base_abstract.__file__)
-sys.argv[:] = sys.argv[1:]
-runpy.run_path(sys.argv[0], run_name='__main__')
+"""
+MODEL = """
+from move_base_abstract import Fleet, make_scenario
+def run(trial):
+    robots = [{'name': 'bot', 'max_speed': trial.args['speed']}]
+    fleet = Fleet(make_scenario({'seed': trial.seed, 'robots': robots}))
+    fleet.send('bot', 3.0, 4.0)
+    fleet.run(until=60.0)
+    fleet.write_log(trial.event_log)
+    return {'cost': trial.args['speed'] * 2}
+"""
+EXPERIMENT = """
+experiment: a model
+function: model:run
+args: {speed: '{speed}'}
+factors: {speed: [0.5, 1.0]}
+replications: 2
+verify: 1
+metrics: {columns: {cost: {unit: s, better: lower}}}
 """
 
 
@@ -33,7 +50,8 @@ def python(tmp_path_factory):
     # What this test's own Python has, in an environment of its own perhaps, comes after what is installed here.
     own = subprocess.run([python, '-c', 'import sysconfig; print(sysconfig.get_path("purelib"))'], check=True,
                          stdout=subprocess.PIPE, universal_newlines=True).stdout.strip()
-    (Path(own) / 'tests_own.pth').write_text(sysconfig.get_path('purelib') + '\n')
+    (Path(own) / 'tests_own.pth').write_text(sysconfig.get_path('purelib') + '\nimport no_ros\n')
+    (Path(own) / 'no_ros.py').write_text(NO_ROS)
     sources = tmp_path_factory.mktemp('sources') / 'sources'
     subprocess.run(['git', 'clone', '-q', str(ROOT), str(sources)], check=True)
     # The working tree, with what is not committed yet: pip leaves build/ and *.egg-info where it builds.
@@ -56,10 +74,9 @@ def output_of(python, *words):
 
 def test_an_example_runs_without_ros(python):
     executable, folder = python
-    out = output_of(executable, '-c', WITHOUT_ROS, ROOT / 'examples' / 'plain' / 'patrol.py')
-    path, *lines = out.splitlines()
-    assert Path(path).is_relative_to(folder) if hasattr(Path, 'is_relative_to') else path.startswith(str(folder))
-    assert lines[-1].startswith('60 s: a ')
+    path = output_of(executable, '-c', 'import move_base_abstract; print(move_base_abstract.__file__)')
+    assert path.startswith(str(folder))
+    assert output_of(executable, ROOT / 'examples' / 'plain' / 'patrol.py').splitlines()[-1].startswith('60 s: a ')
 
 
 def test_a_log_is_compared_and_replayed_without_ros(python, tmp_path):
@@ -75,8 +92,43 @@ import runpy, sys
 sys.argv[:] = ['replay', 'run.jsonl', '-o', 'run.html']
 runpy.run_module('move_base_abstract_replay', run_name='__main__')
 """)
-    subprocess.run([executable, '-c', WITHOUT_ROS, str(program)], cwd=tmp_path, check=True, env=plain_environment())
+    subprocess.run([executable, str(program)], cwd=tmp_path, check=True, env=plain_environment())
     assert 'bot' in (tmp_path / 'run.html').read_text()
+
+
+@pytest.fixture(scope='module')
+def experiment(python, tmp_path_factory):
+    """The folder of an experiment of functions that has run, and how its command line is called."""
+    folder = tmp_path_factory.mktemp('experiment')
+    (folder / 'model.py').write_text(MODEL)
+    (folder / 'model.yaml').write_text(EXPERIMENT)
+
+    def call(*words):
+        return subprocess.run([python[0], '-m', 'move_base_abstract_experiments', *map(str, words)], cwd=folder,
+                              env=plain_environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              universal_newlines=True, check=False)
+    done = call('run', 'model.yaml', '-o', 'out', '--workers', '1')
+    assert done.returncode == 0, done.stdout
+    return folder, call
+
+
+def test_an_experiment_of_functions_runs_without_ros(experiment):
+    folder, call = experiment
+    with open(folder / 'out' / 'trials.csv', newline='') as stream:
+        rows = list(csv.DictReader(stream))
+    assert [(row['status'], row['verified'], row['ended_by'], row['cost'], row['events'] > '0') for row in rows] == [
+        ('complete', 'identical', 'returned', cost, True) for cost in ('1.0', '2.0') * 2]
+    assert 'a model' in (folder / 'out' / 'report.html').read_text()
+    again = call('run', 'model.yaml', '-o', 'out', '--workers', '1')
+    assert (again.returncode, '4 of 4 trials are complete already' in again.stdout) == (0, True), again.stdout
+    assert 'the same trial' in call('rerun', 'out', '1').stdout
+
+
+def test_what_needs_ros_says_so(experiment):
+    folder, call = experiment
+    (folder / 'launch.yaml').write_text('{experiment: x, launch: x.launch}')
+    done = call('run', 'launch.yaml', '-o', 'other')
+    assert (done.returncode, "'launch' needs ROS" in done.stdout) == (2, True), done.stdout
 
 
 def test_metadata_names_what_is_needed(python):

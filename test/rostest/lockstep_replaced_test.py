@@ -19,7 +19,7 @@ class ReplacedTest(unittest.TestCase):
     def setUpClass(cls):
         cls.launched = run_programs({'probe': None}, until=5.0, commands={'probe': [sys.executable, PROBE, 'probe']})
         cls.told = json.loads(next(line for line in cls.launched.printed('probe') if line.startswith('{"changed"')))
-        where = [replaced.LOCKSTEP, replaced.OR_FUNCTION, replaced.THREADS, replaced.LAUNCHER, replaced.LOOPS,
+        where = [replaced.LOCKSTEP, replaced.THREADS, replaced.LAUNCHER, replaced.LOOPS,
                  replaced.NODES, replaced.FUTURES]
         where += [replaced.OLD_LOOPS] if sys.version_info < (3, 11) else []
         where += [replaced.NEW_LOOPS] if sys.version_info >= (3, 12) else []

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from move_base_abstract_ros.launching import ends  # noqa: TID251 - it knows no ROS
-from move_base_abstract_ros.launching.ends import Process  # noqa: TID251
+from move_base_abstract.runs import ends
+from move_base_abstract.runs.ends import Process
 from move_base_abstract_ros.launching.watched_process import Watched  # noqa: TID251
 
 SHUT_DOWN = ('Traceback (most recent call last):', 'rospy.exceptions.ROSInterruptException: rospy shutdown')

@@ -8,7 +8,7 @@ SOURCE = str(Path(__file__).resolve().parents[2] / 'src')
 
 def run(text):
     done = subprocess.run([sys.executable, '-c', 'import os, signal, sys\nsys.path.insert(0, {!r})\n'
-                           'from move_base_abstract_experiments.trials import processes\n'.format(SOURCE) + text],
+                           'from move_base_abstract.common import processes\n'.format(SOURCE) + text],
                           stdout=subprocess.PIPE, timeout=60, check=True)
     return done.stdout.decode().split()
 

@@ -10,9 +10,10 @@ from move_base_abstract_ros.replacing import replaced  # noqa: TID251 (knows no 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 SOURCES = os.path.join(ROOT, 'src')
 FOREIGN = re.compile(r'(rospy|actionlib|rosgraph|roslib|threading|time|queue|uuid|logging|sys|os|socket|random)(\.|$)')
-#: what a program is started with is set, not replaced; the rospy ones are what it reads of that when it is imported
+#: what a program is started with is set, not replaced, and so is the hook of a trial's own process; the rospy ones are
+#: what it reads of that when it is imported
 VALUES = ('sys.argv', 'sys.stdout', 'sys.__stdout__', 'sys.stderr', 'sys.__stderr__',
-          'rospy.names._mappings', 'rospy.names._caller_namespace', 'rospy.names._caller_id')
+          'threading.excepthook', 'rospy.names._mappings', 'rospy.names._caller_namespace', 'rospy.names._caller_id')
 
 
 @pytest.fixture

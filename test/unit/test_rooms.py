@@ -13,8 +13,8 @@ MOST_MODULES = 25  # in Python and in C++, where a header and its source are one
 LOWEST = {'move_base_abstract': 'common'}
 MAY_IMPORT = {
     'move_base_abstract': {
-        'common': '', 'engine': '', 'runs': '', 'supervision': '', 'lockstep': '', 'motion': 'engine', 'maps': 'motion',
-        'goals': 'engine motion maps', 'faults': 'engine maps goals', 'energy': 'engine goals',
+        'common': '', 'engine': '', 'lockstep': '', 'runs': 'lockstep', 'supervision': '', 'motion': 'engine',
+        'maps': 'motion', 'goals': 'engine motion maps', 'faults': 'engine maps goals', 'energy': 'engine goals',
         'traffic': 'engine motion maps goals', 'encounters': 'engine motion maps goals',
         'sensing': 'engine motion maps', 'tasks': 'engine motion goals runs',
         'config': 'motion maps goals faults energy sensing', 'scenario': 'config motion traffic tasks',
@@ -36,11 +36,11 @@ MAY_IMPORT = {
         'participation': 'ros_master exchange failing waiting',
         'program': 'code programs ros_master failing machine waiting participation'},
     'move_base_abstract_experiments': {
-        'description': '', 'records': '', 'report': 'records', 'trials': 'description',
-        'carrying': 'description trials',
-        'results': 'records description trials carrying', 'sweep': 'description trials carrying results report',
+        'records': '', 'description': 'records', 'report': 'records', 'trials': 'records description',
+        'carrying': 'description trials', 'results': 'records description trials carrying',
+        'sweep': 'records description trials carrying results report',
         'rerun': 'records description trials carrying results',
-        'command': 'description trials results report sweep rerun'},
+        'command': 'description trials results report sweep rerun', '__main__': 'command'},
     'soil_mapping': {
         'config': '', 'seeds': '', 'stopwatch': '', 'environment': '', 'interpolation': '',
         'ground_truth': 'config seeds interpolation', 'mission': 'config seeds stopwatch interpolation',

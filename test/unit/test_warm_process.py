@@ -8,7 +8,8 @@ import textwrap
 
 import pytest
 
-from move_base_abstract_ros.launching import processes, warm_client  # noqa: TID251 (knows no ROS)
+from move_base_abstract.common import processes
+from move_base_abstract_ros.launching import warm_client  # noqa: TID251 (knows no ROS)
 
 RELAY = '#!{}\nfrom move_base_abstract_ros.nodes import start\n\nstart("lockstep_launcher")\n'
 PROBE = """

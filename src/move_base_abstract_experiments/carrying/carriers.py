@@ -9,7 +9,7 @@ import pickle
 import select
 import socket
 
-from move_base_abstract_ros.launching import processes
+from move_base_abstract.common import processes
 
 _MOST_TRIALS = 1000  # of one process; then another one takes its place, so that what it may keep never grows
 _DONE = b'd'

@@ -13,14 +13,14 @@ import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the 
 from typing import Any, List, Optional, Tuple
 
 from move_base_abstract.common.errors import SimulatorError
-from move_base_abstract_ros.launching.warm_nodes import interpreter_of
+from move_base_abstract.common.processes import interpreter_of
 
 from ..description import ingredients, plan, worker_files
 from ..description.experiment import Experiment
 from ..description.job import Common, Job
 from ..description.trial import Trial
 from ..trials import bundle, functions
-from . import spool
+from . import spool, warm_ros
 
 _END_S = 10.0  # wall
 _BESIDE_S = 300.0  # wall, that a trial may take beside its runs: metrics, packing
@@ -54,13 +54,12 @@ class WarmProcess:
     """A warm process and the connection to it; for one thread at a time."""
 
     def __init__(self) -> None:
-        from move_base_abstract_ros.loopback import find_executable
         own, other = socket.socketpair()
         # A pipe that nobody reads would stop it when it is full.
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 - it is there as long as this
         with other:
             os.set_inheritable(other.fileno(), True)
-            python = _python(interpreter_of(find_executable('lockstep')))
+            python = _python(interpreter_of(warm_ros.launcher()) if warm_ros.is_there() else '')
             environment = {name: value for name, value in os.environ.items() if name not in (
                 'ROS_HOSTNAME', 'ROS_NAMESPACE')}
             self._process = subprocess.Popen(

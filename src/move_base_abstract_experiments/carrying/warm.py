@@ -20,12 +20,12 @@ import signal
 import socket
 import sys
 
+from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_ros.launching import look_ups, processes, warm_nodes
 
 from ..description import launch_files
 from ..trials import functions, run_folders
-from . import carriers, temporary
+from . import carriers, temporary, warm_ros
 
 _HASH_SEED = 'PYTHONHASHSEED'
 READY = b'ready\n'
@@ -33,24 +33,16 @@ READY = b'ready\n'
 
 def main(words):
     """Serve until the socket is closed."""
-    from move_base_abstract_ros.lockstep.programs import address_layout, native_library
-    from move_base_abstract_ros.replacing import replaced
-    is_new = address_layout.choose(os.environ)
-    is_new = is_new or _HASH_SEED not in os.environ or any(os.environ.get(name) != value for name, value in
-                                                           warm_nodes.ONE_THREAD.items())
-    if (is_new or not native_library.is_loaded()) and native_library.preload(os.environ) or is_new:
+    is_new = _HASH_SEED not in os.environ or any(os.environ.get(name) != value
+                                                 for name, value in processes.ONE_THREAD.items())
+    if (warm_ros.prepare(os.environ, is_new) if warm_ros.is_there() else is_new):
         # Once: with one order of sets, one layout of memory and one library in front of libc, as the launcher does it.
         os.environ.setdefault(_HASH_SEED, '0')
-        os.environ.update(warm_nodes.ONE_THREAD)
+        os.environ.update(processes.ONE_THREAD)
         os.execv(sys.executable, [sys.executable, '-m', __spec__.name, *words])
     processes.keep_memory()
-    for name in warm_nodes.MODULES:
-        importlib.import_module(name)
+    warm_ros.import_all() if warm_ros.is_there() else importlib.import_module('numpy')
     from ..trials import execution  # noqa: F401 - for the forks
-    launch_files.core()
-    look_ups.remember()
-    replaced.look_up()
-    warm_nodes.log_settings()
     _share()
     processes.assert_one_thread()
     processes.adopt_orphans()

@@ -7,11 +7,12 @@ import os
 
 from rosgraph.names import ns_join
 
+from move_base_abstract.common import processes
 from move_base_abstract_ros import loopback
-from move_base_abstract_ros.launching import processes, ros_master, warm_nodes
+from move_base_abstract_ros.launching import ros_master, warm_nodes
 from move_base_abstract_ros.loopback import Child, Loopback, LoopbackError
 
-ended = []  # fields of launching.ends.Process: nodes that had ended when their Loopback was closed
+ended = []  # fields of runs.ends.Process: nodes that had ended when their Loopback was closed
 
 
 @functools.lru_cache(maxsize=None)

@@ -11,7 +11,6 @@ import xml.etree.ElementTree
 from functools import lru_cache
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_ros.launching.look_ups import programs
 
 NAME = 'programs.json'
 _FIND = re.compile(r'\$\(find ([A-Za-z][\w-]*)\)')
@@ -87,6 +86,7 @@ def with_includes(path):
 
 def save_programs(folder):
     """Write what was found into a trial's folder, for the warm process."""
+    from move_base_abstract_ros.launching.look_ups import programs
     with open(os.path.join(folder, NAME), 'w', encoding='utf-8') as stream:
         json.dump([[*key, path] for key, path in programs.items()], stream)
 
@@ -95,6 +95,7 @@ def load_programs(folder):
     """Take what a trial has found."""
     try:
         with open(os.path.join(folder, NAME), encoding='utf-8') as stream:
+            from move_base_abstract_ros.launching.look_ups import programs
             programs.update({(package, kind): path for package, kind, path in json.load(stream)})
     except (OSError, ValueError):
         pass  # a trial that ended before that

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import hashlib
+import importlib.metadata
 import json
 import math
 import os
@@ -89,7 +90,10 @@ def package_version() -> str:
             if file.is_file():
                 found = re.search(r'<version>\s*([^<\s]+)\s*</version>', file.read_text(encoding='utf-8'))
                 return found.group(1) if found else 'unknown'
-    return 'unknown'
+    try:
+        return importlib.metadata.version('move_base_abstract')  # installed by pip
+    except importlib.metadata.PackageNotFoundError:
+        return 'unknown'
 
 
 def made_of(trial: Trial, made: Optional[Dict[str, str]] = None) -> str:

@@ -13,7 +13,7 @@ import subprocess
 import sys
 from functools import lru_cache
 
-from move_base_abstract_ros.launching.warm_nodes import interpreter_of
+from move_base_abstract.common.processes import interpreter_of
 
 _SYSTEM = ('/usr/', '/lib/', '/lib64/', '/opt/ros/', '/bin/', '/sbin/', os.path.dirname(os.__file__) + os.sep)
 _RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space

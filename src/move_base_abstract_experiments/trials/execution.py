@@ -8,18 +8,21 @@ import os
 import re
 import time
 import traceback
-from typing import Dict, List, Optional
+from typing import TYPE_CHECKING, Dict, List, Optional
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.lockstep.run_options import FAIL
-from move_base_abstract.runs import run_difference
-from move_base_abstract_ros.launching import ends
+from move_base_abstract.runs import ends, run_difference
 
 from ..description import ingredients, launch_files, plan, worker_files
 from ..description.job import Job
 from ..records import COMPLETE, DIFFERENT, IDENTICAL, Number, Result
-from . import bundle, functions, metrics, run, run_folders, termination, user_metrics
+from . import bundle, functions, metrics, run_folders, termination, user_metrics
 from .run_folders import Folders
+from .termination import RunError
+
+if TYPE_CHECKING:
+    from . import run
 
 _ERROR_LINE = re.compile(
     r'^(?!Traceback|Exception in )\S*(Error|Exception)\b.*|.*\[ *(ERROR|FATAL)\].*|.*\bterminate called\b.*')
@@ -93,6 +96,7 @@ def _check_files_again(job: Job, result: Result, unsure: List[str]) -> None:
 
 
 def _run_first(job: Job, folders: Folders, result: Result) -> None:
+    from . import run  # which needs ROS
     begin = time.monotonic()
     ended = run.run(job, folders)
     result.wall_seconds = round(time.monotonic() - begin, 6)
@@ -103,7 +107,7 @@ def _run_first(job: Job, folders: Folders, result: Result) -> None:
     result.ended_by, result.open_goals = summary.ended_by, summary.open_goals
     _tell_speed(result)
     _judge(job, result, ended.processes, summary.log,
-           run.RunError(f'the run was ended by a fault: {summary.reason}') if summary.by_fault else None)
+           RunError(f'the run was ended by a fault: {summary.reason}') if summary.by_fault else None)
     result.status = COMPLETE
 
 
@@ -117,7 +121,7 @@ def _judge(job: Job, result: Result, processes: List[ends.Process], log: ends.Lo
     result.ends, result.crashes = [one.told for one in found], ends.crashes(found)
     if result.crashes and job.trial.experiment.crashes == FAIL:
         more = f' (and {len(result.crashes) - 1} more)' if len(result.crashes) > 1 else ''
-        raise run.RunError(result.crashes[0] + more + (f'; {problem}' if problem else ''), termination.CRASH)
+        raise RunError(result.crashes[0] + more + (f'; {problem}' if problem else ''), termination.CRASH)
     if problem is not None:
         raise problem
 
@@ -175,6 +179,8 @@ def _verify(job: Job, path: str, folders: Folders, result: Result, first: Dict[s
             result.difference = other_metrics(first, found.metrics) or compare(folders, again)
         else:
             from move_base_abstract_ros.launching.conditions import CONDITIONS
+
+            from . import run
             condition = next(one for one in CONDITIONS if one.name == job.trial.verified_by)
             ended = run.run(job, again, condition)
             result.difference = compare(folders, again) or _other_end(result, ended, again)

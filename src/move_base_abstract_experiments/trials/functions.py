@@ -18,13 +18,16 @@ import re
 import select
 import signal
 import sys
+import threading  # noqa: TID251 - the program's own may start some
 import time
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional
 
+from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.shown import shown
-from move_base_abstract_ros.launching import ends, processes
+from move_base_abstract.lockstep.failures import words_of
+from move_base_abstract.runs import ends
 
 from ..description.experiment import OWN_COLUMNS, Experiment
 from ..description.job import Job
@@ -228,7 +231,7 @@ def run_trial(job: Job, folders: run_folders.Folders) -> Returned:
 
     def work() -> Returned:
         trial = FunctionTrial(job.trial, folders)
-        uncaught = ends.note_threads()
+        uncaught = _note_threads()
         _seed(trial.seed)
         metrics = checked(load(experiment.function, job.modules)(trial), experiment.factors, ())
         return Returned(metrics, [str(one)[:_LONGEST_LABEL] for one in trial.labels[:_MOST_LABELS]],
@@ -236,6 +239,19 @@ def run_trial(job: Job, folders: run_folders.Folders) -> Returned:
                         [{'node': 'the function', 'takes_part': False, 'code': 0, 'shown': uncaught},
                          *getattr(sys.modules.get(_LOOPBACK), 'ended', [])])
     return Returned(*call(work, experiment.time_limit, os.path.join(folders.logs, OUTPUT), folders.files))
+
+
+def _note_threads() -> List[str]:
+    """Return a list to which the exceptions that nobody catches in this process's threads are added from now on."""
+    noted: List[str] = []
+    show = threading.excepthook
+
+    def note(about: Any) -> None:
+        if about.exc_type is not SystemExit:
+            noted.append(f'{about.exc_type.__name__} in {words_of(about.thread)}')
+        show(about)
+    threading.excepthook = note
+    return noted
 
 
 def _seed(seed: int) -> None:

@@ -15,10 +15,9 @@ import sys
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from move_base_abstract.motion.geometry import share_along
-from move_base_abstract.runs import event_log
+from move_base_abstract.runs import ends, event_log
 from move_base_abstract.runs.event_log import Event, EventLog, EventLogError
 from move_base_abstract.runs.run_difference import MESSAGES
-from move_base_abstract_ros.launching import ends
 
 from . import termination
 from .validity import Validity

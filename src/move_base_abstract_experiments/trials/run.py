@@ -15,8 +15,9 @@ import signal
 import time
 from typing import Any, Dict, List, NamedTuple, Optional, Set, Tuple
 
-from move_base_abstract.common.errors import SimulatorError
-from move_base_abstract_ros.launching import ends, processes, ros_master, warm_nodes
+from move_base_abstract.common import processes
+from move_base_abstract.runs import ends
+from move_base_abstract_ros.launching import ros_master, warm_nodes
 from move_base_abstract_ros.launching.conditions import Condition
 from move_base_abstract_ros.loopback import PACKAGE
 
@@ -25,6 +26,7 @@ from . import run_plan, termination
 from .metrics import Starts
 from .run_folders import Folders
 from .run_plan import Run
+from .termination import RunError
 
 Statuses = Dict[int, int]  # {pid: as os.waitpid() gives it}
 _END_RECORD_BYTES = 1 << 16  # a log's last line is shorter
@@ -37,14 +39,6 @@ _NODE_FILE = re.compile(r'[^\w.-]+', re.ASCII)
 _WITHOUT_LAST_WORDS = tuple((PACKAGE, kind) for kind in (
     'move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver', 'end_at_message',
     'message_recorder'))
-
-
-class RunError(SimulatorError):
-    """A run that could not be started, or did not come to its end. ``ended_by``: of termination, or None."""
-
-    def __init__(self, text: str, ended_by: Optional[str] = None) -> None:
-        super().__init__(text)
-        self.ended_by = ended_by
 
 
 class Ended(NamedTuple):
@@ -95,7 +89,7 @@ def _enter(folders: Folders) -> None:
     for name in ('ROS_HOSTNAME', 'ROS_NAMESPACE'):
         os.environ.pop(name, None)
     os.environ.update(ROS_IP='127.0.0.1', ROS_LOG_DIR=folders.logs, ROS_HOME=folders.files,
-                      PYTHONUNBUFFERED='1', ROSCONSOLE_STDOUT_LINE_BUFFERED='1', **warm_nodes.ONE_THREAD)
+                      PYTHONUNBUFFERED='1', ROSCONSOLE_STDOUT_LINE_BUFFERED='1', **processes.ONE_THREAD)
 
 
 def _tell_bags(run: Run) -> None:

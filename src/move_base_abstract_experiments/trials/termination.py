@@ -2,11 +2,21 @@
 
 What a trial measured has another meaning if the limit of simulated time (`until: seconds`) cut it off.
 """
-from typing import Any, Dict
+from typing import Any, Dict, Optional
+
+from move_base_abstract.common.errors import SimulatorError
 
 SECONDS, TOPIC, IDLE, REQUIRED, RETURNED = 'seconds', 'topic', 'idle', 'required', 'returned'
 FAULT, TIME_LIMIT, ERROR, CRASH, OTHER = 'fault', 'time_limit', 'error', 'crash', 'other'
 END_NODE = '/experiment_end'  # stands for until: topic
+
+
+class RunError(SimulatorError):
+    """A run that could not be started, or did not come to its end. ``ended_by``: one of the codes, or None."""
+
+    def __init__(self, text: str, ended_by: Optional[str] = None) -> None:
+        super().__init__(text)
+        self.ended_by = ended_by
 
 
 def of_run(end: Dict[str, Any]) -> str:

@@ -13,12 +13,12 @@ from roslaunch import substitution_args
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.runs import event_log
+from move_base_abstract.runs.ends import TIME_MASTER
 
 from ..lockstep.participation import report_delays
 from ..lockstep.programs import binary, recorders
 from ..loopback import PACKAGE, find_executable
 from . import core_file, roles
-from .ends import TIME_MASTER
 
 _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # of a run with another order, wall
 _NOT_COVERED = TIME_MASTER + '/not_covered'

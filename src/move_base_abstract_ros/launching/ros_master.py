@@ -6,9 +6,8 @@ import sys
 import time
 import xmlrpc.client
 
+from move_base_abstract.common import processes
 from move_base_abstract.common.errors import SimulatorError
-
-from . import processes
 
 _START_S = 20.0  # wall
 _ALIVE_S = 0.5  # wall

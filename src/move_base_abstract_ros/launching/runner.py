@@ -8,7 +8,9 @@ import roslaunch.nodeprocess
 import roslaunch.parent
 from roslaunch.core import is_machine_local
 
-from . import ends, roles
+from move_base_abstract.runs import ends
+
+from . import roles
 from .plan import TIME_MASTER
 from .sleeps import Sleeps
 from .watched_process import Watched

@@ -10,11 +10,11 @@ import time
 from typing import NamedTuple
 
 from move_base_abstract.common.own_files import OutputError
-from move_base_abstract.runs import event_log, run_difference
+from move_base_abstract.runs import ends, event_log, run_difference
 from move_base_abstract.runs.event_log import EventLog, EventLogError
 
 from ..loopback import find_executable
-from . import difference_report, ends
+from . import difference_report
 from .conditions import CONDITIONS, every_core_busy, limit_for
 
 IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED, CRASHED = 0, 1, 2, 3, 4, 5

@@ -7,8 +7,10 @@ import socket
 import subprocess
 import sys
 
+from move_base_abstract.common import processes
+
 from ..lockstep.programs import native_library
-from . import processes, request, warm_nodes
+from . import request
 
 _CODE = ('import sys; sys.path[0] = {!r}; from move_base_abstract_ros.launching.warm_process import main; '
          'become = main({}, {!r}, {}); become and become()')
@@ -27,7 +29,7 @@ class WarmClient:
         ours, its = socket.socketpair()
         ours.settimeout(_ANSWER_S)
         code = _CODE.format(folder, its.fileno(), os.path.join(folder, 'lockstep'), has_master)
-        environment = {'PYTHONHASHSEED': '0', **os.environ, **warm_nodes.ONE_THREAD}
+        environment = {'PYTHONHASHSEED': '0', **os.environ, **processes.ONE_THREAD}
         native_library.preload(environment)
         try:
             self._process = subprocess.Popen([sys.executable, '-c', code, _SPACE], env=environment,
@@ -64,7 +66,7 @@ class WarmClient:
         """Whether it is worth asking: a Python program of this package, and nothing that roslaunch complains of."""
         streams = how['stdout'], how['stderr']
         return (os.path.dirname(words[0]) == self._folder and os.access(words[0], os.X_OK)
-                and warm_nodes.interpreter_of(words[0]) and os.path.isdir(how['cwd'])
+                and processes.interpreter_of(words[0]) and os.path.isdir(how['cwd'])
                 and all(stream is None or hasattr(stream, 'fileno') for stream in streams))
 
     def _answer(self, asked=None):

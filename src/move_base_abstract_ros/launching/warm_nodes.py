@@ -13,7 +13,7 @@ import sys
 import tempfile
 import types
 
-from . import processes
+from move_base_abstract.common import processes
 
 _FIXED = ('PYTHON', 'LD_', 'MALLOC_', 'GLIBC_', 'OMP_', 'OPENBLAS_', 'MKL_', 'BLIS_', 'NUMEXPR_', 'LC_', 'LANG', 'TZ',
           'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT')
@@ -22,8 +22,6 @@ _LOG_SETTINGS = 'ROS_PYTHON_LOG_CONFIG_FILE'
 _NODES = 'move_base_abstract_ros.nodes'
 _OWN_NODE = re.compile(rb"^start\('(\w+)'\)", re.MULTILINE)
 _LARGEST = 1 << 20  # bytes of a script that are looked at
-#: set for all nodes of a trial, warm or not: trials run side by side, and sums do not depend on the number of cores
-ONE_THREAD = {'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}
 #: what is imported before the fork: messages and libraries of others, and our own nodes
 MODULES = ('rospy', 'actionlib', 'actionlib_msgs.msg', 'dynamic_reconfigure.server', 'geometry_msgs.msg',
            'move_base_msgs.msg', 'nav_msgs.msg', 'numpy', 'std_msgs.msg', 'std_srvs.srv', 'tf2_msgs.msg', 'tf2_ros',
@@ -52,19 +50,19 @@ def is_fit(words, environment, launcher, own_folder):
     if is_own and os.path.dirname(words[0]) != own_folder:
         return False
     # Own nodes may run in an environment over their Python (venv) as well; what others run is left to their own.
-    python = interpreter_of(words[0])
+    python = processes.interpreter_of(words[0])
     if python != sys.executable and not (python and os.path.realpath(python) == os.path.realpath(sys.executable) and (
             is_own or sys.prefix == sys.base_prefix)):
         return False
     if getattr(sys.flags, 'safe_path', False) or not is_own and _is_shadowed(words[1:]):
         return False
-    if any(environment.get(name, '1') != '1' for name in ONE_THREAD):
+    if any(environment.get(name, '1') != '1' for name in processes.ONE_THREAD):
         return False
     # Own nodes do not depend on it, and have none unless somebody asks; then it is that.
     own_seed = os.environ.get(_HASH_SEED, '')
     return environment.get(_HASH_SEED, own_seed) == own_seed and all(
         environment.get(name) == os.environ.get(name) for name in {*environment, *os.environ}
-        if name.startswith(_FIXED) and name not in (_HASH_SEED, 'PYTHONUNBUFFERED', *ONE_THREAD))
+        if name.startswith(_FIXED) and name not in (_HASH_SEED, 'PYTHONUNBUFFERED', *processes.ONE_THREAD))
 
 
 def _is_shadowed(words):
@@ -95,17 +93,6 @@ def _import_for(text, is_own):
     for name in names:
         with contextlib.suppress(Exception):  # the node itself will say it
             importlib.import_module(name)
-
-
-def interpreter_of(path):
-    """Return the Python in the first line of a script, or '' if it is no Python script."""
-    try:
-        with open(path, 'rb') as stream:
-            first = stream.readline(500)
-    except OSError:
-        return ''
-    words = first[2:].split() if first.startswith(b'#!') else []
-    return os.fsdecode(words[-1]) if words and b'python' in words[-1] and b'/' in words[-1] else ''
 
 
 @functools.lru_cache(maxsize=None)

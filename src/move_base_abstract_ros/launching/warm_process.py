@@ -12,8 +12,10 @@ import select
 import socket
 import sys
 
+from move_base_abstract.common import processes
+
 from ..lockstep.programs import address_layout, native_library
-from . import processes, request, ros_master
+from . import request, ros_master
 
 _NODES = ('rospy', 'move_base_abstract_ros.lockstep.program', 'move_base_abstract_ros.nodes.lockstep_launcher')
 _NAME = 'lockstep_launch: the warm process, which Python nodes are forked from'

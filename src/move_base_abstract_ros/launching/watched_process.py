@@ -4,7 +4,7 @@ import os
 import sys
 import threading
 
-from . import ends
+from move_base_abstract.runs import ends
 
 _LONGEST = 1 << 16  # bytes of a line that are looked at
 _END_S = 1.0  # wall, in which the last lines of a process that has ended come in

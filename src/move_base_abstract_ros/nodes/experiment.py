@@ -3,8 +3,5 @@
 
 def main():
     """Run the command line and exit with its code."""
-    import sys
-
-    from move_base_abstract_experiments.command import main as command
-    from move_base_abstract_experiments.trials import processes
-    processes.finish(command(sys.argv[1:]))
+    from move_base_abstract_experiments.__main__ import run
+    run()

@@ -21,8 +21,9 @@ from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep.run_options import FAIL, RunOptions
+from move_base_abstract.runs import ends
 
-from ..launching import ends, light_imports, warm_client
+from ..launching import light_imports, warm_client
 from ..process.process_end import leave
 
 _CANNOT, _CRASHED = 2, 3

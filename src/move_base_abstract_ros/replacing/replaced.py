@@ -24,7 +24,6 @@ ALWAYS, START = 'each node of this package', 'a node of this package, while its 
 NODES = 'each node of this package, and each program by the launcher, when it starts'
 ROBOTS = 'move_base and fleet'
 LOCKSTEP, THREADS = 'lockstep.join', 'lockstep.join, unless own_threads=False'
-OR_FUNCTION = 'lockstep.join, or a trial of an experiment that is a function'
 LAUNCHER = 'the launcher of unmodified programs'
 OLD_LAUNCHER = 'the launcher of unmodified programs, before Python 3.11'
 NEW_LAUNCHER = 'the launcher of unmodified programs, from Python 3.13 on'
@@ -134,7 +133,7 @@ _ROWS = (
     Row('multiprocessing.pool.IMapUnorderedIterator._set', POOLS, _UNASKED),
     Row('multiprocessing.pool.IMapIterator.next', POOLS, _UNASKED),
     Row('multiprocessing.pool.IMapIterator.__next__', POOLS, _UNASKED),
-    Row('threading.excepthook', OR_FUNCTION, _UNCAUGHT),
+    Row('threading.excepthook', LOCKSTEP, _UNCAUGHT),
     Row('sys.unraisablehook', LOCKSTEP, _UNCAUGHT),
     Row('threading._shutdown', LOCKSTEP, 'has the process leave in its last round'),
     Row('sys.excepthook', LOCKSTEP,

@@ -12,7 +12,7 @@ def main():
     if sys.argv[1:] == ['setup']:  # before anything that needs what it installs
         sys.exit(environment.main([str(environment.of_the_user())]))
     find_python(sys.argv)
-    from move_base_abstract_experiments.trials import processes
+    from move_base_abstract.common import processes
     with processes.importing():
         from soil_mapping.study.command import main as command
     processes.finish(command())

@@ -10,9 +10,9 @@ import sys
 import time
 from pathlib import Path
 
+from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.shown import shown_text
-from move_base_abstract_experiments.trials import processes
 from soil_mapping import environment
 from soil_mapping.config import Crs, TrialConfig
 

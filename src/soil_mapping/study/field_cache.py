@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 
-from move_base_abstract_experiments.trials import processes
+from move_base_abstract.common import processes
 from soil_mapping.ground_truth.field import DrawnField, load_field
 from soil_mapping.ground_truth.inputs import inputs_of
 

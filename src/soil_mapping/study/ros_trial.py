@@ -3,8 +3,8 @@
 import signal
 import time
 
+from move_base_abstract.common import processes
 from move_base_abstract_experiments.carrying.warm_loopback import WarmLoopback
-from move_base_abstract_experiments.trials import processes
 from soil_mapping.mission.sampling import start_places
 from soil_mapping.results.result import collect
 from soil_mapping.stopwatch import Stopwatch

@@ -12,9 +12,9 @@ import sys
 import traceback
 from dataclasses import replace
 
+from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.own_files import whole_file
-from move_base_abstract_experiments.trials import processes
 from soil_mapping.config import TrialConfig
 from soil_mapping.results.provenance import machine, versions
 from soil_mapping.results.trial_folder import TrialFolder, write_files

@@ -301,7 +301,7 @@ def test_a_folder_without_a_study_is_an_error_that_says_what_makes_one(tmp_path,
 AHEAD = """
 import os, signal, sys
 sys.path.insert(0, {source!r})
-from move_base_abstract_experiments.trials import processes
+from move_base_abstract.common import processes
 from soil_mapping.config import TrialConfig
 from soil_mapping.study import field_cache
 field = field_cache.truth_of(TrialConfig(field='synthetic:3'))

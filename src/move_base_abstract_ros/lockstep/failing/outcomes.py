@@ -3,17 +3,18 @@
 Such an exception waits in its future until somebody asks; if nobody does, Python says nothing, or says it when the
 future is gone. Most are asked for later: when a round is over in which one still waits, the event log says
 ``unasked``, and ``asked`` as soon as somebody has. What nobody has asked for when the run is over, nobody has caught
-(``launching.ends``).
+(``runs.ends``).
 """
 import weakref
 from types import SimpleNamespace
 
 import rospy
 
+from move_base_abstract.lockstep.failures import ASKED, UNASKED
+
 from ...replacing.replaced import replace
 from ..code.imports import when_imported
 from . import uncaught
-from .failures import ASKED, UNASKED
 
 _JOB, _TASK = 'a job whose outcome nobody has asked for', 'a task whose outcome nobody has asked for'
 _MOST_OPEN = 1000  # those before them stay told; whether somebody asks for one is not looked at any more

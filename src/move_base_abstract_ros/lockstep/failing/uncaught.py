@@ -1,7 +1,7 @@
 """What nobody catches is told: an exception in a callback, a handler or a thread is an event of the run.
 
 rospy, actionlib and Python itself show such an exception and go on, so that the process's exit code says nothing of it.
-The event log says it (``uncaught``), and with it who judges the run (``launching.ends``). What comes when the node is
+The event log says it (``uncaught``), and with it who judges the run (``runs.ends``). What comes when the node is
 told to end, or the run is over, is no event any more.
 """
 import os
@@ -9,11 +9,11 @@ from types import SimpleNamespace
 
 import rospy
 
+from move_base_abstract.lockstep.failures import UNCAUGHT, words_of
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ...replacing.replaced import replace
 from ..code.own_code import is_library
-from .failures import UNCAUGHT, words_of
 
 _state = SimpleNamespace(participant=None)
 

@@ -7,16 +7,16 @@ that ends with 0 is done. What a process does when the run is over, in its shutd
 Whether a participant went before the end is said by the event log (departures), not by the wall clock: a process may
 take a while to end. Of a process that looks on it is said by who started it.
 """
+from __future__ import annotations
+
 import json
 import re
 import signal
-from typing import NamedTuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Pattern, Sequence, Tuple
 
-from move_base_abstract.runs import event_log
-from move_base_abstract.runs.event_log import EventLog, EventLogError
-
-from ..lockstep.failing.failures import ASKED, UNASKED, UNCAUGHT, words_of
-from ..replacing.replaced import replace
+from ..lockstep.failures import ASKED, UNASKED, UNCAUGHT
+from . import event_log
+from .event_log import Event, EventLog, EventLogError
 
 TIME_MASTER = '/time_master'
 KINDS = (UNCAUGHT, UNASKED, ASKED)  # of the events by which runs are judged
@@ -44,25 +44,25 @@ class Process(NamedTuple):
 
     node: str
     takes_part: bool
-    code: object
+    code: Optional[int]
     was_early: bool = False  # whether it was seen to end while the run went on
     was_told: bool = False  # whether it got a signal of ours
-    printed: tuple = ()  # its last lines
-    shown: tuple = ()  # those lines that show exceptions nobody caught, before the end
+    printed: Tuple[str, ...] = ()  # its last lines
+    shown: Tuple[str, ...] = ()  # those lines that show exceptions nobody caught, before the end
     was_started: bool = True
-    names: tuple = ()  # of the participants that it may be, where that is not ``node``
+    names: Tuple[str, ...] = ()  # of the participants that it may be, where that is not ``node``
     is_shell: bool = False  # whose exit code 0 says nothing of what it has started
 
 
 class Log:
     """What the event log of a run says: who went before its end, and which exceptions nobody caught."""
 
-    def __init__(self):
-        self.departures = {}  # {node: (time_ns, whether it died)}
-        self._uncaught = {}  # {node: {number or None of each: (time_ns, text)}}, the first ones
+    def __init__(self) -> None:
+        self.departures: Dict[str, Tuple[int, bool]] = {}  # {node: (time_ns, whether it died)}
+        self._uncaught: Dict[str, Dict[Optional[int], Tuple[int, str]]] = {}  # by node and number, the first ones
         self.is_whole = False  # whether it has come to its end
 
-    def take(self, event):
+    def take(self, event: Event) -> None:
         """Take an event of one of the KINDS."""
         told, values = self._uncaught.setdefault(event.robot, {}), json.loads(event.values)
         number = values.pop(0) if event.kind != UNCAUGHT else -1 - len(told)  # those of jobs count from 1
@@ -72,18 +72,18 @@ class Log:
             told[number] = event.time_ns, ' in '.join(map(str, values))
 
     @property
-    def uncaught(self):
+    def uncaught(self) -> Dict[str, List[Tuple[int, str]]]:
         """What nobody caught: {node: [(time_ns, text)]}, of each the first ones."""
         return {node: list(told.values()) for node, told in self._uncaught.items() if told}
 
-    def end(self, record):
+    def end(self, record: Dict[str, Any]) -> None:
         """Take the end record."""
         self.is_whole = True
         for one in record.get('departures', []):
             self.departures[one['node']] = (one['time_ns'], one['died'])
 
 
-def read_log(path):
+def read_log(path: str) -> Log:
     """Return the Log of an event log; an empty one if it is not there or has no end."""
     log = Log()
     try:
@@ -103,20 +103,20 @@ class End(NamedTuple):
     """How one process ended. ``crash``: what makes it a crash, in words; None: it is none."""
 
     node: str
-    code: object
-    time_ns: object  # simulated, when it left or died, or when it first caught nothing; None: not before the end
-    uncaught: tuple
-    crash: object
-    last_lines: tuple
+    code: Optional[int]
+    time_ns: Optional[int]  # simulated, when it left or died, or when it first caught nothing; None: not before the end
+    uncaught: Tuple[str, ...]
+    crash: Optional[str]
+    last_lines: Tuple[str, ...]
 
     @property
-    def words(self):
+    def words(self) -> str:
         """The crash in a line."""
         when = '' if self.time_ns is None else ' at {:.9f} s'.format(self.time_ns * 1e-9)
         return '{} crashed{}: {}'.format(self.node, when, self.crash)
 
     @property
-    def told(self):
+    def told(self) -> Dict[str, Any]:
         """All of it as plain values, for trial.json."""
         number = -self.code if self.code is not None and self.code < 0 else None
         return {'node': self.node, 'crashed': self.crash is not None, 'exit_code': None if number else self.code,
@@ -124,7 +124,7 @@ class End(NamedTuple):
                 'at': None if self.time_ns is None else self.time_ns * 1e-9, 'last_lines': list(self.last_lines)}
 
 
-def judge(processes, log):
+def judge(processes: Sequence[Process], log: Log) -> List[End]:
     """Return an End of each Process of a run that is over, in their order, then of those that only the log knows."""
     ends = [_end_of(one, log) for one in processes]
     known = {name for one in processes for name in (one.names[:1] if len(one.names) == 1 else (one.node,))}
@@ -133,12 +133,12 @@ def judge(processes, log):
     return ends
 
 
-def crashes(ends):
+def crashes(ends: Iterable[End]) -> List[str]:
     """Return the crashes among these in words, in order."""
     return [end.words for end in ends if end.crash is not None]
 
 
-def _end_of(process, log):
+def _end_of(process: Process, log: Log) -> End:
     names = process.names or (process.node,)
     time_ns, died = next((log.departures[name] for name in names if name in log.departures), (None, False))
     is_early = time_ns is not None if process.takes_part and log.is_whole else process.was_early
@@ -162,7 +162,7 @@ def _end_of(process, log):
                plain_lines(process) if is_told else ())
 
 
-def _unexpected(process, died):
+def _unexpected(process: Process, died: bool) -> Optional[str]:
     """Return what is unexpected of an end while the run went on, or None."""
     code = process.code
     if code is None or code == 0 and process.is_shell:
@@ -174,17 +174,17 @@ def _unexpected(process, died):
     return described(code)
 
 
-def _is_last_error(kind, printed):
+def _is_last_error(kind: Pattern[str], printed: Sequence[str]) -> bool:
     """Return whether the last exception that is shown in these lines is of a kind: none came of handling it."""
     at = max((number for number, line in enumerate(printed) if kind.match(line)), default=None)
     return at is not None and not any(line.startswith(_TRACEBACK) for line in printed[at:])
 
 
-def _is_ours(code):
+def _is_ours(code: Optional[int]) -> bool:
     return code is not None and (-code in _OURS or code - _BY_SHELL in _OURS)
 
 
-def described(code):
+def described(code: int) -> str:
     """Return an exit code in words."""
     if code < 0:
         return 'ended by {}'.format(signal_name(-code))
@@ -192,7 +192,7 @@ def described(code):
     return 'exit code {}'.format(code) + (' (a shell says so of {})'.format(name) if name.startswith('SIG') else '')
 
 
-def signal_name(number):
+def signal_name(number: int) -> str:
     """Return the name of a signal, its number where it has none."""
     try:
         return signal.Signals(number).name
@@ -200,30 +200,16 @@ def signal_name(number):
         return 'signal {}'.format(number)
 
 
-def shows_uncaught(line):
+def shows_uncaught(line: str) -> bool:
     """Return whether a line that a node has printed shows an exception that nobody caught."""
     return _SHOWN.search(_NOISE.sub('', line)) is not None
 
 
-def note_threads():
-    """Return a list to which the exceptions that nobody catches in this process's threads are added from now on."""
-    noted = []
-
-    def noting(show):
-        def _excepthook(about):
-            if about.exc_type is not SystemExit:
-                noted.append('{} in {}'.format(about.exc_type.__name__, words_of(about.thread)))
-            show(about)
-        return _excepthook
-    replace('threading.excepthook', noting)
-    return noted
-
-
-def plain_lines(process):
+def plain_lines(process: Process) -> Tuple[str, ...]:
     """Return the last lines that a Process has printed, without what differs from run to run."""
     return tuple(_plain(line) for line in process.printed)
 
 
-def _plain(line):
+def _plain(line: str) -> str:
     """Return a line without what differs from run to run, not too long."""
     return _NOISE.sub('', line).rstrip()[:_LONGEST_LINE]

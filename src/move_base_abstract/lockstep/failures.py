@@ -1,4 +1,6 @@
 """How the event log says what went wrong in a program, for who writes it and for who judges a run by it."""
+from __future__ import annotations
+
 import re
 
 UNCAUGHT = 'uncaught'  # kind of the events of exceptions that nobody catches
@@ -6,7 +8,7 @@ UNASKED, ASKED = 'unasked', 'asked'  # of those that wait for somebody who asks 
 _NUMBERED = re.compile(r'(Thread|Dummy)-[0-9]+')
 
 
-def words_of(thread):
+def words_of(thread: object) -> str:
     """Return a thread in words: by its name, unless Python has numbered it, which another run may do otherwise."""
     name = getattr(thread, 'name', '')
     return 'thread {}'.format(name) if name and not _NUMBERED.match(name) else 'a thread'

@@ -3,6 +3,8 @@
 Who calls this has one thread. A child that is forked either becomes another program (exec) or goes on as a Python
 program that has all imported already.
 """
+from __future__ import annotations
+
 import atexit
 import contextlib
 import ctypes
@@ -12,9 +14,10 @@ import os
 import signal
 import subprocess
 import sys
-import threading
-import time
+import threading  # noqa: TID251 - a fork must know whether there are any
+import time  # noqa: TID251 - processes end by the wall clock
 import traceback
+from typing import Any, Callable, Collection, Dict, Iterator, List, Mapping, Optional, Set
 
 PR_SET_PDEATHSIG, PR_SET_NAME, PR_SET_CHILD_SUBREAPER = 1, 15, 36
 _PR_SET_MM, _PR_SET_MM_ARG_END = 35, 9
@@ -26,21 +29,23 @@ _SHORT_POLL_S = 0.005  # wall
 _ARGUMENTS = slice(45, 47)  # in /proc/PID/stat, behind the name: where the command line begins and ends in memory
 _KILL_ROUNDS = 200
 _TASKS = '/proc/self/task'
+#: set for all that a trial runs: trials run side by side, and sums do not depend on the number of cores
+ONE_THREAD = {'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}
 
 
-def assert_one_thread():
+def assert_one_thread() -> None:
     """Raise RuntimeError if this process has a second thread: a fork would leave its locks as they are."""
     count = len(os.listdir(_TASKS)) if os.path.isdir(_TASKS) else threading.active_count()
     if count != 1:
         raise RuntimeError(f'{count} threads at a fork; allowed: one ({[one.name for one in threading.enumerate()]})')
 
 
-def adopt_orphans():
+def adopt_orphans() -> None:
     """Have processes whose parent has gone become children of this one, so that none is left at the end."""
     _LIBC.prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
-def keep_memory():
+def keep_memory() -> None:
     """Have this process, and those that it forks, keep freed memory instead of giving it back each time.
 
     For processes that end soon: numpy's temporary arrays else cost a page fault for each of their pages, again and
@@ -52,7 +57,7 @@ def keep_memory():
 
 
 @contextlib.contextmanager
-def importing():
+def importing() -> Iterator[None]:
     """Search for no garbage meanwhile, nor later in what there is then: what is imported stays."""
     gc.disable()
     try:
@@ -62,14 +67,15 @@ def importing():
         gc.enable()
 
 
-def die_with(parent):
+def die_with(parent: int) -> None:
     """Have the kernel end this process when its parent ends."""
     _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != parent:
         os._exit(1)
 
 
-def fork(body, output=None, cwd=None, new_session=False):
+def fork(body: Callable[[], Any], output: Optional[str] = None, cwd: Optional[str] = None,
+         new_session: bool = False) -> int:
     """Start a child that calls body() and ends with its exit code; return its process id.
 
     ``output``: the path of a file for what it prints. The child leads a process group of its own.
@@ -106,9 +112,9 @@ def fork(body, output=None, cwd=None, new_session=False):
     return pid  # never: finish does not return
 
 
-def execute(words, environment, output, cwd):
+def execute(words: List[str], environment: Mapping[str, str], output: str, cwd: str) -> int:
     """Start a program; return its process id. What cannot be started says so in its output, and ends with 127."""
-    def become():
+    def become() -> None:
         try:
             os.execvpe(words[0], words, environment)
         except OSError as error:
@@ -121,12 +127,12 @@ def execute(words, environment, output, cwd):
 class Forked:
     """What subprocess.Popen says of a process, of a child that was forked or adopted."""
 
-    def __init__(self, pid):
+    def __init__(self, pid: int) -> None:
         self.pid = pid
-        self.returncode = None
+        self.returncode: Optional[int] = None
         self._lock = threading.Lock()
 
-    def poll(self):
+    def poll(self) -> Optional[int]:
         """Return its exit code, of a signal the negative number; None while it runs."""
         with self._lock:
             if self.returncode is None:
@@ -138,17 +144,17 @@ class Forked:
                     self.returncode = code_of(status)
             return self.returncode
 
-    def wait(self, timeout=None):
+    def wait(self, timeout: Optional[float] = None) -> Optional[int]:
         """Return its exit code at its end. :raises subprocess.TimeoutExpired: after so long [s, wall]."""
         deadline = None if timeout is None else time.monotonic() + timeout
         while self.poll() is None:
             if deadline is not None and time.monotonic() > deadline:
-                raise subprocess.TimeoutExpired(f'process {self.pid}', timeout)
+                raise subprocess.TimeoutExpired(f'process {self.pid}', timeout or 0.0)
             time.sleep(_SHORT_POLL_S)
         return self.returncode
 
 
-def show_name(name, *words):
+def show_name(name: str, *words: str) -> None:
     """Have this process shown by this name and these words (`ps`, /proc), as far as there is room for them."""
     _LIBC.prctl(PR_SET_NAME, os.fsencode(name)[:15], 0, 0, 0)
     with open('/proc/self/stat', 'rb') as stream:
@@ -159,33 +165,35 @@ def show_name(name, *words):
     _LIBC.prctl(_PR_SET_MM, _PR_SET_MM_ARG_END, ctypes.c_ulong(begin + len(text) + 1), 0, 0)
 
 
-def renew_outputs(environment):
+def renew_outputs(environment: Mapping[str, str]) -> None:
     """Make sys.stdout and sys.stderr anew for where they lead to now, as Python does at its start."""
     is_buffered = not environment.get('PYTHONUNBUFFERED')
-    sys.stdout = sys.__stdout__ = _output(sys.stdout, 1, is_buffered)
-    sys.stderr = sys.__stderr__ = _output(sys.stderr, 2, is_buffered)
+    for number, name in enumerate(('stdout', 'stderr'), 1):
+        new = _output(getattr(sys, name), number, is_buffered)
+        vars(sys).update({name: new, f'__{name}__': new})
 
 
-def _output(old, number, is_buffered):
-    raw = io.FileIO(number, 'w', closefd=False)
+def _output(old: Any, number: int, is_buffered: bool) -> Any:
+    raw: Any = io.FileIO(number, 'w', closefd=False)
     raw.name = old.name
     is_by_line = is_buffered and (raw.isatty() or (number == 2 and sys.version_info >= (3, 9)))
-    new = io.TextIOWrapper(io.BufferedWriter(raw) if is_buffered else raw, old.encoding, old.errors,
+    new: Any = io.TextIOWrapper(io.BufferedWriter(raw) if is_buffered else raw, old.encoding, old.errors,
                            line_buffering=is_by_line, write_through=not is_buffered)
     new.mode = 'w'
     return new
 
 
-def finish(code):
+def finish(code: int) -> None:
     """End this process as Python itself does it at its end, but for taking all apart, which may take half a second.
 
     A process that was forked from the frames of others cannot return.
     """
-    core = sys.modules.get('rospy.core')
+    core: Any = sys.modules.get('rospy.core')
     if core is not None and not core.is_initialized():
         atexit.unregister(core._ros_atexit)  # of what is no node there is nothing to tell; it would take 0.1 s
+    own_threads: Any = threading
     try:
-        threading._shutdown()
+        own_threads._shutdown()
         atexit._run_exitfuncs()
     except BaseException:
         code = code or 1
@@ -195,7 +203,7 @@ def finish(code):
     os._exit(code)
 
 
-def end(pids, polite, grace, statuses):
+def end(pids: Collection[int], polite: int, grace: float, statuses: Dict[int, int]) -> None:
     """End children and all that they have left: by the signal ``polite``, and by SIGKILL after ``grace`` [s, wall].
 
     Into ``statuses`` go {pid: exit status as of waitpid} of all children that have ended meanwhile.
@@ -208,7 +216,7 @@ def end(pids, polite, grace, statuses):
     await_ends(set(pids) - set(statuses), grace, statuses)
 
 
-def await_ends(waiting, seconds, statuses):
+def await_ends(waiting: Set[int], seconds: float, statuses: Dict[int, int]) -> None:
     """Wait until all of these have ended, at most so long [s, wall]; their statuses go into ``statuses``."""
     deadline = time.monotonic() + seconds
     while waiting - set(statuses):
@@ -220,17 +228,17 @@ def await_ends(waiting, seconds, statuses):
         await_child(min(left, _POLL_S))
 
 
-def await_child(seconds):
+def await_child(seconds: float) -> None:
     """Wait until a child has ended, or so long; SIGCHLD is blocked in this process (block_child_signal)."""
     signal.sigtimedwait({signal.SIGCHLD}, seconds)
 
 
-def block_child_signal():
+def block_child_signal() -> None:
     """Have SIGCHLD wait until it is asked for."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
 
 
-def reap(statuses):
+def reap(statuses: Dict[int, int]) -> bool:
     """Take the statuses of all children that have ended; return whether there was one."""
     found = False
     while True:
@@ -244,7 +252,7 @@ def reap(statuses):
         found = True
 
 
-def end_all_children():
+def end_all_children() -> None:
     """Kill whatever children this process has, adopted ones too, until there is none."""
     for _ in range(_KILL_ROUNDS):
         for pid in _children():
@@ -259,15 +267,15 @@ def end_all_children():
         time.sleep(0.005)
 
 
-def _children():
-    found = []
+def _children() -> List[int]:
+    found: List[int] = []
     for task in os.listdir(_TASKS):
         with contextlib.suppress(OSError), open(f'{_TASKS}/{task}/children') as stream:
             found += [int(word) for word in stream.read().split()]
     return found
 
 
-def signal_group(pid, number):
+def signal_group(pid: int, number: int) -> None:
     """Send a signal to the process group that a child leads, if there is one left. Never to this process's own."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         if os.getpgid(pid) == pid:
@@ -276,12 +284,12 @@ def signal_group(pid, number):
             os.kill(pid, number)
 
 
-def code_of(status):
+def code_of(status: int) -> int:
     """Return the exit code of a status of waitpid; of a signal its negative number."""
     return -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
 
 
-def _take_defaults():
+def _take_defaults() -> None:
     """Have signals as a program has them that was started anew."""
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -290,7 +298,7 @@ def _take_defaults():
     signal.pthread_sigmask(signal.SIG_SETMASK, set())
 
 
-def redirect(output):
+def redirect(output: str) -> None:
     """Have what this process prints go to the end of a file, and nothing be there to read."""
     descriptor = os.open(output, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
     nothing = os.open(os.devnull, os.O_RDONLY)
@@ -298,11 +306,12 @@ def redirect(output):
         os.dup2(source, target)
     os.close(descriptor)
     os.close(nothing)
-    for stream in (sys.stdout, sys.stderr):
+    streams: Any = (sys.stdout, sys.stderr)
+    for stream in streams:
         stream.reconfigure(line_buffering=True, write_through=True)
 
 
-def _code_of(body):
+def _code_of(body: Callable[[], Any]) -> int:
     try:
         body()
     except SystemExit as error:
@@ -311,3 +320,14 @@ def _code_of(body):
         print(error.code, file=sys.stderr)
         return 1
     return 0
+
+
+def interpreter_of(path: str) -> str:
+    """Return the Python in the first line of a script, or '' if it is no Python script."""
+    try:
+        with open(path, 'rb') as stream:
+            first = stream.readline(500)
+    except OSError:
+        return ''
+    words = first[2:].split() if first.startswith(b'#!') else []
+    return os.fsdecode(words[-1]) if words and b'python' in words[-1] and b'/' in words[-1] else ''

@@ -1,0 +1,18 @@
+"""Run any system many times: python3 -m move_base_abstract_experiments run|status|rerun|report.
+
+See docs/experiments.md. Without ROS the trials of an experiment are functions.
+"""
+import sys
+
+from move_base_abstract.common import processes
+
+from .command import main
+
+
+def run():
+    """Run the command line and exit with its code."""
+    processes.finish(main(sys.argv[1:]))
+
+
+if __name__ == '__main__':
+    run()
