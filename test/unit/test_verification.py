@@ -1,19 +1,34 @@
-"""Verify: which runs can be compared with each other."""
+"""Verify: which runs can be compared with each other, and what it is told of a run."""
 from types import SimpleNamespace
 
 import pytest
 
-from move_base_abstract_ros.launching.verification import Verification  # noqa: TID251 - it knows no ROS
+from move_base_abstract_ros.launching import verification  # noqa: TID251 - it knows no ROS
 
 
-@pytest.mark.parametrize('output, crashes, can, said', [
-    ('lockstep_launch: fleets: /fleet, /b\n', [], True, []), ('x\n', [], False, []),
-    ('lockstep_launch: fleets: /fleet\n', ['/fleet_watch crashed at 3.0 s: exit code 1'], True, []),
-    ('lockstep_launch: fleets: /a, /fleet\n', ['/fleet crashed at 3.0 s: exit code 1'], False, [
+@pytest.mark.parametrize('fleets, crashes, can, said', [
+    (['/fleet', '/b'], [], True, []), ([], [], False, []),
+    (['/fleet'], ['/fleet_watch crashed at 3.0 s: exit code 1'], True, []),
+    (['/a', '/fleet'], ['/fleet crashed at 3.0 s: exit code 1'], False, [
         'split: not run: in two processes a fleet has other names, and /fleet crashed at 3.0 s: exit code 1'])])
-def test_a_fleet_that_crashed_is_not_compared_with_one_in_two_processes(tmp_path, output, crashes, can, said):
-    (tmp_path / 'output.txt').write_text(output)
+def test_a_fleet_that_crashed_is_not_compared_with_one_in_two_processes(tmp_path, fleets, crashes, can, said):
     told = []
-    verification = Verification([], str(tmp_path), 1.0, told.append)
-    verification.runs.append(SimpleNamespace(output=str(tmp_path / 'output.txt'), crashes=crashes))
-    assert (verification._can_split(), told) == (can, said)
+    run = verification.Verification([], str(tmp_path), 1.0, told.append)
+    run.runs.append(SimpleNamespace(fleets=fleets, crashes=crashes))
+    assert (run._can_split(), told) == (can, said)
+
+
+def test_bags_are_numbered_by_their_nodes():
+    assert verification._by_number([['/a', 'x'], ['/b', 'y'], ['/a', 'z: 1\n']]) == {
+        ('/a', 1): 'x', ('/b', 1): 'y', ('/a', 2): 'z: 1\n'}
+
+
+def test_a_run_that_says_nothing_has_nothing(tmp_path):
+    assert verification._outcome(str(tmp_path / 'outcome.json')) == {'bags': [], 'fleets': [], 'crashes': []}
+
+
+def test_what_a_run_says_for_programs_is_read_once_and_gone(tmp_path):
+    path = tmp_path / 'outcome.json'
+    path.write_text('{"bags": [], "fleets": ["/fleet"], "crashes": []}')
+    assert verification._outcome(str(path)) == {'bags': [], 'fleets': ['/fleet'], 'crashes': []}
+    assert not path.exists()

@@ -20,7 +20,6 @@ from .event_log import Event, EventLog, EventLogError
 
 TIME_MASTER = '/time_master'
 KINDS = (UNCAUGHT, UNASKED, ASKED)  # of the events by which runs are judged
-LINE = 'lockstep_launch: crash: '  # begins the line that lockstep_launch says of each
 LAST_LINES = 12  # that are kept of what a process has printed
 _MOST_UNCAUGHT = 20  # kept of a node
 _LONGEST_LINE = 500

@@ -1,7 +1,7 @@
 """Run one launch file under several conditions and look for the first difference."""
 import contextlib
+import json
 import os
-import re
 import shutil
 import signal
 import subprocess
@@ -10,7 +10,7 @@ import time
 from typing import NamedTuple
 
 from move_base_abstract.common.own_files import OutputError
-from move_base_abstract.runs import ends, event_log, run_difference
+from move_base_abstract.runs import event_log, run_difference
 from move_base_abstract.runs.event_log import EventLog, EventLogError
 
 from ..loopback import find_executable
@@ -21,8 +21,6 @@ IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED, CRASHED = 0, 1, 2, 3, 4, 5
 _GRACE_S = 60.0  # wall, from the polite signal to SIGKILL: roslaunch ends its nodes meanwhile
 _OUTPUT_LINES = 15
 _MOST_BAG_BYTES = 1 << 30  # of the first run's bags that are kept, to be compared with the others' message by message
-_FLEETS = 'lockstep_launch: fleets: '
-_BAG = re.compile(r'lockstep_launch: bag of (\S+): (.*)')
 
 
 class Run(NamedTuple):
@@ -36,6 +34,7 @@ class Run(NamedTuple):
     message_bytes: str  # path of a file with what participants have sent each other
     bags: dict  # {(node, number of its bag from 1 on): path}
     crashes: list  # of its nodes, in words; they are allowed
+    fleets: list  # names of those that could be in several processes
 
     @property
     def labels(self):
@@ -83,7 +82,7 @@ class Verification:
 
     def _can_split(self):
         """Return whether the first run's fleets may run in two processes each, and be compared with it."""
-        fleets = _fleets(self.runs[0].output)
+        fleets = self.runs[0].fleets
         crashed = [crash for crash in self.runs[0].crashes if crash.partition(' ')[0] in fleets]
         if crashed:
             self._say('split: not run: in two processes a fleet has other names, and {}'.format(crashed[0]))
@@ -96,9 +95,9 @@ class Verification:
         except OSError as error:
             raise OutputError('{}: cannot be made: {}'.format(folder, error.strerror)) from None
         log, output = os.path.join(folder, 'events.jsonl'), os.path.join(folder, 'output.txt')
-        message_bytes = os.path.join(folder, 'messages.bin')
+        message_bytes, outcome = os.path.join(folder, 'messages.bin'), os.path.join(folder, 'outcome.json')
         command = [find_executable('lockstep_launch'), '--event-log', log, '--log-messages', '--message-bytes',
-                   message_bytes, '--end-when-idle', *condition.options]
+                   message_bytes, '--outcome', outcome, '--end-when-idle', *condition.options]
         if condition.is_limited:
             simulated = _simulated(self.runs[0].log) if self.runs else 0.0
             command += ['--speed-limit', '{:.9g}'.format(limit_for(simulated))]
@@ -108,7 +107,8 @@ class Verification:
         with every_core_busy() if condition.is_busy else contextlib.nullcontext():
             code = self._wait(command + self._words, environment, output)
         wall = time.monotonic() - begin
-        crashes = _crashes(output)
+        said = _outcome(outcome)
+        crashes = said['crashes']
         if code != 0 and crashes:
             raise Unfinished("nodes crashed in the run '{}', so that nothing can be said of it; --crashes allow "
                              'compares such runs, too:\n{}\nall that the nodes have said: {}'.format(
@@ -117,7 +117,8 @@ class Verification:
             how = 'could not be started' if code == CANNOT else 'did not come to its end (exit code {})'.format(code)
             raise Unfinished("the run '{}' {}; its last lines:\n{}\nall of them: {}".format(
                 condition.name, how, _last_lines(output), output), CANNOT if code == CANNOT else UNFINISHED)
-        return Run(condition, log, output, _read_end(log), wall, message_bytes, _bags(output), crashes)
+        return Run(condition, log, output, _read_end(log), wall, message_bytes, _by_number(said['bags']), crashes,
+                   said['fleets'])
 
     def _wait(self, command, environment, output):
         with open(output, 'wb') as stream:
@@ -186,14 +187,20 @@ class Verification:
             number, 's' * (number > 1), ' but for ' + without if without else '') if number else ''
 
 
-def _bags(output):
-    """Return {(node, number): path} of the bags of a run, as lockstep_launch has said it."""
+def _outcome(path):
+    """Return what lockstep_launch says of a run: its bags, fleets and crashes; nothing if it says nothing."""
+    with contextlib.suppress(FileNotFoundError), open(path, encoding='utf-8') as stream:
+        os.unlink(path)  # this run's lockstep_launch has made it, for nobody else
+        return json.load(stream)
+    return {'bags': [], 'fleets': [], 'crashes': []}
+
+
+def _by_number(bags):
+    """Return {(node, number of its bag from 1 on): path} of [node, path]."""
     counts, found = {}, {}
-    for line in difference_report.lines_of(output):
-        said = _BAG.match(line)
-        if said:
-            counts[said.group(1)] = counts.get(said.group(1), 0) + 1
-            found[said.group(1), counts[said.group(1)]] = said.group(2)
+    for node, path in bags:
+        counts[node] = counts.get(node, 0) + 1
+        found[node, counts[node]] = path
     return found
 
 
@@ -245,18 +252,6 @@ def _simulated(path):
     return 0.0 if first is None else (last - first) * 1e-9
 
 
-def _crashes(path):
-    """Return what lockstep_launch has said of crashes, in words."""
-    return [line[len(ends.LINE):] for line in difference_report.lines_of(path) if line.startswith(ends.LINE)]
-
-
 def _last_lines(path):
     lines = list(difference_report.lines_of(path))[-_OUTPUT_LINES:]
     return '\n'.join('    ' + line for line in lines) or '    (it printed nothing)'
-
-
-def _fleets(path):
-    """Return the names of the fleets of a run that could be in several processes."""
-    said = (line for line in difference_report.lines_of(path) if line.startswith(_FLEETS))
-    return [name for line in said for name in line[len(_FLEETS):].split(', ')]
-

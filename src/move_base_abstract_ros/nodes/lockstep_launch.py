@@ -11,6 +11,7 @@ but a node crashed.
 """
 import argparse
 import atexit
+import json
 import math
 import os
 import sys
@@ -21,7 +22,6 @@ from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep.run_options import FAIL, RunOptions
-from move_base_abstract.runs import ends
 
 from ..launching import light_imports, warm_client
 from ..process.process_end import leave
@@ -73,7 +73,8 @@ def _parse(words):
                         help='at most so many simulated seconds per wall second')
     parser.add_argument('--end-when-idle', action='store_true', help='end when nobody has anything left to do')
     parser.add_argument('--use-master', action='store_true', help='use the ROS master of ROS_MASTER_URI, no own one')
-    # From `verify`: conditions that must not matter.
+    # From `verify`: what came out, for programs; conditions that must not matter.
+    parser.add_argument('--outcome', default=None, help=argparse.SUPPRESS)
     parser.add_argument('--own-hash-seed', type=int, default=None, help=argparse.SUPPRESS)
     parser.add_argument('--message-bytes', default=None, help=argparse.SUPPRESS)
     parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
@@ -169,19 +170,23 @@ def _run(options, files, warm):
             parent = runner.Parent(run_id, made, log, warm, show_summary=False)
             parent.start()
             parent.spin()
-            _tell_bags(made, bags.written(notes))
-            return _conclude(parent, options.crashes)
+            return _conclude(parent, made, bags.written(notes), options)
 
 
-def _conclude(parent, policy):
-    """Tell of crashes; return the exit code."""
+def _conclude(parent, made, found, options):
+    """Tell of bags and crashes; return the exit code."""
+    _tell_bags(made, found)
     crashed = [end for end in parent.ends() if end.crash is not None]
+    if options.outcome:
+        with open(options.outcome, 'x', encoding='utf-8') as stream:
+            json.dump({'bags': [[bag.node, bag.path] for bag in found], 'fleets': list(map(shown_text, made.fleets)),
+                       'crashes': [shown_text(end.words) for end in crashed]}, stream)
     for end in crashed:
-        print(ends.LINE + shown_text(end.words), file=sys.stderr)
+        print('lockstep_launch: crash: ' + shown_text(end.words), file=sys.stderr)
         for line in end.last_lines:
             print('    ' + shown_text(line), file=sys.stderr)
     sys.stderr.flush()
-    return _CRASHED if crashed and policy == FAIL and not parent.code else parent.code
+    return _CRASHED if crashed and options.crashes == FAIL and not parent.code else parent.code
 
 
 def _tell_bags(made, found):
