@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import difflib
+import functools
 import math
 import re
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Tuple, Type, TypeVar
@@ -70,8 +71,13 @@ def option(kind: Kind, default: Any, says: str, absent: Any = '', **others: Any)
 
 
 def options_of(cls: Any) -> Dict[str, Option]:
-    """Return the Options of a dataclass by their keys: its own, then those of its base."""
-    own = vars(cls if isinstance(cls, type) else type(cls)).get('__annotations__', {})
+    """Return the Options of a dataclass, or of one's class, by their keys: its own, then those of its base."""
+    return _options_of(cls if isinstance(cls, type) else type(cls))
+
+
+@functools.lru_cache(maxsize=None)
+def _options_of(cls: Any) -> Dict[str, Option]:
+    own = vars(cls).get('__annotations__', {})
     fields = sorted(dataclasses.fields(cls), key=lambda one: one.name not in own)
     found = [one.metadata[OPTION]._replace(field=one.name) for one in fields if OPTION in one.metadata]
     return {one.key or one.field: one for one in found}

@@ -3,12 +3,15 @@
 The parameters of ROS's core need two programs each time (`rosversion`), and where a node's program is needs a walk
 through all packages: together several times as long as the rest.
 """
+from __future__ import annotations
+
 import copy
 import json
 import os
 import re
 import xml.etree.ElementTree
 from functools import lru_cache
+from typing import Any, Iterable, List, Match, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError
 
@@ -18,13 +21,13 @@ _MOST_INCLUDED = 1000
 
 
 @lru_cache(maxsize=None)
-def core():
+def core() -> Any:
     """Return roslaunch's configuration of ROS's core alone; asked for in the warm process, it is there for all."""
     import roslaunch.config
     return roslaunch.config.load_config_default([], None, verbose=False, assign_machines=False)
 
 
-def read(files):
+def read(files: Iterable[Tuple[str, Iterable[str]]]) -> Any:
     """Return roslaunch's configuration of files, [(path, [ARG:=VALUE])]. :raises ConfigurationError: as it says it."""
     from roslaunch.core import RLException
     from roslaunch.loader import LoadException
@@ -41,16 +44,16 @@ def read(files):
     return config
 
 
-def find(text, folder):
+def find(text: str, folder: str) -> str:
     """Return the path of a launch file: $(find PACKAGE) stands for a package, a relative path begins at the folder.
 
     :raises ConfigurationError: if there is no such package or file.
     """
     import rospkg
 
-    def replaced(found):
+    def replaced(found: Match[str]) -> str:
         try:
-            return rospkg.RosPack().get_path(found.group(1))
+            return str(rospkg.RosPack().get_path(found.group(1)))
         except rospkg.ResourceNotFound:
             raise ConfigurationError(f"launch: the package '{found.group(1)}' is not found here; is its workspace "
                                      'sourced?') from None
@@ -60,12 +63,13 @@ def find(text, folder):
     return path
 
 
-def with_includes(path):
+def with_includes(path: str) -> List[str]:
     """Return the paths of a launch file and of all files that it includes or loads, in the order of their finding.
 
     Of names that hang on arguments nothing can be said here: they are left out.
     """
-    found, waiting = [], [os.path.abspath(path)]
+    found: List[str] = []
+    waiting = [os.path.abspath(path)]
     while waiting and len(found) < _MOST_INCLUDED:
         here = waiting.pop(0)
         if here in found:
@@ -75,8 +79,8 @@ def with_includes(path):
             nodes = list(xml.etree.ElementTree.parse(here).iter())
         except (OSError, xml.etree.ElementTree.ParseError):
             continue  # no launch file, or one that the check complains of
-        names = [node.get('file') for node in nodes if node.tag in ('include', 'rosparam') and node.get('file')]
-        for name in names:
+        names = [node.get('file', '') for node in nodes if node.tag in ('include', 'rosparam')]
+        for name in filter(None, names):
             try:
                 waiting.append(find(name.replace('$(dirname)', os.path.dirname(here)), os.path.dirname(here)))
             except ConfigurationError:
@@ -84,14 +88,14 @@ def with_includes(path):
     return found
 
 
-def save_programs(folder):
+def save_programs(folder: str) -> None:
     """Write what was found into a trial's folder, for the warm process."""
     from move_base_abstract_ros.launching.look_ups import programs
     with open(os.path.join(folder, NAME), 'w', encoding='utf-8') as stream:
         json.dump([[*key, path] for key, path in programs.items()], stream)
 
 
-def load_programs(folder):
+def load_programs(folder: str) -> None:
     """Take what a trial has found."""
     try:
         with open(os.path.join(folder, NAME), encoding='utf-8') as stream:

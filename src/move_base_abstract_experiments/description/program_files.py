@@ -5,6 +5,8 @@ the program itself: a system that is updated is another matter than a program th
 loads by a name that it computes (plugins) is not seen, but for the other modules of a Python package of which it
 imports one.
 """
+from __future__ import annotations
+
 import ast
 import os
 import re
@@ -12,6 +14,7 @@ import shutil
 import subprocess
 import sys
 from functools import lru_cache
+from typing import Any, Collection, List, Optional, Sequence, Set, Tuple, Type
 
 from move_base_abstract.common.processes import interpreter_of
 
@@ -25,12 +28,12 @@ _MOST_BYTES = 4 << 20  # of a source that is looked into
 _LDD_S = 20.0  # wall
 
 
-def is_of_system(path):
+def is_of_system(path: str) -> bool:
     """Return whether a file is of the system, ROS's distribution or Python's library."""
     return os.path.realpath(path).startswith(_SYSTEM) and '/usr/local/' not in path
 
 
-def files_of(path, folders=()):
+def files_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
     """Return the real paths of the files that the program at a path is made of. folders: where its modules may lie."""
     found = {os.path.realpath(path)}
     with _Quiet(), open(path, 'rb') as stream:
@@ -46,7 +49,7 @@ def files_of(path, folders=()):
     return found
 
 
-def linked_libraries(paths):
+def linked_libraries(paths: Collection[str]) -> Set[str]:
     """Return the libraries that binaries load when they start, but for those of the system."""
     ldd = shutil.which('ldd')
     if not ldd or not paths:
@@ -59,9 +62,10 @@ def linked_libraries(paths):
     return {os.path.realpath(one) for one in _LINKED.findall(said.decode('utf-8', 'replace')) if not is_of_system(one)}
 
 
-def modules_of(path, folders=()):
+def modules_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
     """Return the files of the modules that a script or module imports, and of what these import in turn."""
-    found, waiting = set(), [os.path.realpath(path)]
+    found: Set[str] = set()
+    waiting = [os.path.realpath(path)]
     places = [os.path.dirname(os.path.realpath(path)), *folders, *python_path()]
     while waiting and len(found) < _MOST_FILES:
         here = waiting.pop()
@@ -78,14 +82,14 @@ def modules_of(path, folders=()):
     return found
 
 
-def python_path():
+def python_path() -> List[str]:
     """Return the folders in which programs of users find modules, but for those of the system."""
     given = [*os.environ.get('PYTHONPATH', '').split(os.pathsep), *sys.path]
     return [one for one in dict.fromkeys(given) if one and os.path.isdir(one) and not is_of_system(one + os.sep)]
 
 
 @lru_cache(maxsize=None)
-def _imported(path):
+def _imported(path: str) -> Tuple[str, ...]:
     """Return the first parts of the names that a module imports; '' for a module of its own package."""
     names = []
     with _Quiet(), open(path, 'rb') as stream:
@@ -104,7 +108,7 @@ def _imported(path):
 
 
 @lru_cache(maxsize=None)
-def files_of_module(place, name):
+def files_of_module(place: str, name: str) -> Tuple[str, ...]:
     """Return the files of a module in a folder; of a package all modules, as some are imported by computed names."""
     single, package = os.path.join(place, name + '.py'), os.path.join(place, name)
     if not name or not os.path.isdir(package):
@@ -127,14 +131,14 @@ def files_of_module(place, name):
 class _Quiet:
     """Takes what cannot be read, or is no text of a program, as nothing."""
 
-    def __enter__(self):
+    def __enter__(self) -> _Quiet:
         return self
 
-    def __exit__(self, kind, *_others):
+    def __exit__(self, kind: Optional[Type[BaseException]], *_others: Any) -> bool:
         return kind is not None and issubclass(kind, (OSError, ValueError, SyntaxError, RecursionError, MemoryError))
 
 
-def forget():
+def forget() -> None:
     """Look at files anew; in one process they are looked at once."""
     _imported.cache_clear()
     files_of_module.cache_clear()

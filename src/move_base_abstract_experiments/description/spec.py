@@ -67,7 +67,7 @@ def schema() -> Dict[str, Any]:
 
 def _refused(cls: Any, system: str) -> Dict[str, Any]:
     """Return the schemas of what is not of a system: its default alone."""
-    found = {}
+    found: Dict[str, Any] = {}
     for key, one in kinds.options_of(cls).items():
         inner = _refused(type(one.initial), system) if dataclasses.is_dataclass(one.initial) else {}
         if one.systems and system not in one.systems:
