@@ -3,13 +3,18 @@
 Each function runs in a process of its own, as functions.call() forks it, and all that it has started ends with that. So
 nothing of one trial is left for the next one, and a fork for each trial is saved.
 """
+from __future__ import annotations
+
 import contextlib
 import os
 import pickle
 import select
 import socket
+from typing import Optional, Tuple
 
 from move_base_abstract.common import processes
+
+from ..description.job import Job
 
 _MOST_TRIALS = 1000  # of one process; then another one takes its place, so that what it may keep never grows
 _DONE = b'd'
@@ -18,68 +23,68 @@ _DONE = b'd'
 class Carrier:
     """Runs jobs in such a process, which it starts when there is none. descriptors: to be closed in it."""
 
-    def __init__(self, descriptors):
+    def __init__(self, descriptors: Tuple[int, ...]) -> None:
         self._descriptors = descriptors
-        self._pid = None
-        self._socket = None
+        self._child: Optional[Tuple[int, socket.socket]] = None  # its process id, and the connection to it
         self._count = 0
 
-    def run(self, job, path, problem, client, wake):
-        """Carry out a job as trial.carry_out(); return 0, the exit code of the process if it died, or None.
+    def run(self, job: Job, path: str, problem: Optional[str], client: socket.socket, wake: int) -> Optional[int]:
+        """Carry out a job as execution.carry_out(); return 0, the exit code of the process if it died, or None.
 
         None: the socket ``client`` was closed meanwhile; the process still runs then. wake: a descriptor that can be
         read when a child has ended.
         """
         if self._count >= _MOST_TRIALS:
             self.end()
-        if self._pid is None:
-            self._start()
+        pid, connection = self._child = self._child or self._start()
         self._count += 1
         with contextlib.suppress(OSError):  # it has died before
-            self._socket.sendall(pickle.dumps((job, path, problem)))
+            connection.sendall(pickle.dumps((job, path, problem)))
         while True:
-            ready, _, _ = select.select([client, self._socket, wake], [], [])
-            if self._socket in ready and _received(self._socket) == _DONE:
+            ready, _, _ = select.select([client, connection, wake], [], [])
+            if connection in ready and _received(connection) == _DONE:
                 return 0
             if client in ready:  # nobody says anything meanwhile: it is closed
                 return None
             drain(wake)
-            found, status = os.waitpid(self._pid, 0 if self._socket in ready else os.WNOHANG)
+            found, status = os.waitpid(pid, 0 if connection in ready else os.WNOHANG)
             if found:
-                self._socket.close()
-                self._pid = None
+                connection.close()
+                self._child = None
                 return processes.code_of(status)
 
-    def end(self):
+    def end(self) -> None:
         """End the process, if there is one; between two trials it has no child."""
-        if self._pid is not None:
-            self._socket.close()
-            os.waitpid(self._pid, 0)
-            self._pid = None
+        if self._child is not None:
+            pid, connection = self._child
+            connection.close()
+            os.waitpid(pid, 0)
+            self._child = None
 
-    def _start(self):
+    def _start(self) -> Tuple[int, socket.socket]:
         own, other = socket.socketpair()
         with other:
             descriptors = (*self._descriptors, own.fileno())
-            self._pid = processes.fork(lambda: _carry_on(other, descriptors), new_session=True)
-        self._socket, self._count = own, 0
+            pid = processes.fork(lambda: _carry_on(other, descriptors), new_session=True)
+        self._count = 0
+        return pid, own
 
 
-def drain(wake):
+def drain(wake: int) -> None:
     """Read all that a pipe which does not block holds."""
     with contextlib.suppress(BlockingIOError):
         while os.read(wake, 512):
             pass
 
 
-def _received(connection):
+def _received(connection: socket.socket) -> bytes:
     try:
         return connection.recv(1)
     except OSError:
         return b''
 
 
-def _carry_on(asked, descriptors):
+def _carry_on(asked: socket.socket, descriptors: Tuple[int, ...]) -> None:
     """Carry out what is asked for until nobody can ask any more."""
     from ..trials import execution
     for descriptor in descriptors:

@@ -4,6 +4,8 @@ Short trials go in batches. A worker that dies costs the trial that it was runni
 bounded number of times. A trial that fails runs once more; then its failure is recorded. Only as many trials are under
 way as keep the workers busy, so that the memory of all who take part does not grow with the number of trials.
 """
+from __future__ import annotations
+
 import collections
 import contextlib
 import multiprocessing
@@ -15,7 +17,20 @@ import sys
 import time
 import warnings
 from multiprocessing import resource_tracker
-from typing import NamedTuple
+from typing import (
+    Any,
+    Callable,
+    ContextManager,
+    Deque,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
 from move_base_abstract.common.errors import SimulatorError
 
@@ -39,7 +54,7 @@ class ClusterError(SimulatorError):
 
 
 @contextlib.contextmanager
-def connected(workers, scheduler, has_dashboard=False):
+def connected(workers: int, scheduler: Any, has_dashboard: bool = False) -> Iterator[Tuple[Any, Workers]]:
     """Give (a Client, its Workers) of a cluster of ``workers`` processes here, or of the scheduler at an address.
 
     has_dashboard: of a cluster here. Whoever has an account on this computer can look at it.
@@ -50,7 +65,7 @@ def connected(workers, scheduler, has_dashboard=False):
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise ClusterError(f'{error.name} is not installed for {sys.executable}; Debian has it as '
-                           'python3-distributed (make deps)') from None
+                           'python3-distributed (make deps), pip as the extra [experiments]') from None
     _configure(dask, has_dashboard)
     own = shared = None
     with contextlib.ExitStack() as stack:
@@ -74,7 +89,7 @@ def connected(workers, scheduler, has_dashboard=False):
         yield client, Workers(client, own, workers, spool=shared)
 
 
-def _configure(dask, has_dashboard):
+def _configure(dask: Any, has_dashboard: bool) -> None:
     warnings.filterwarnings('ignore', module='distributed')
     dask.config.set({'distributed.logging.distributed': 'critical', 'distributed.comm.timeouts.connect': _CONNECT_S,
                      'distributed.scheduler.allowed-failures': LOSSES,
@@ -92,7 +107,7 @@ def _configure(dask, has_dashboard):
 
 
 @contextlib.contextmanager
-def _ctrl_c_is_ours():
+def _ctrl_c_is_ours() -> Iterator[None]:
     """Have threads and processes that are started meanwhile not see Ctrl-C: who asked for all of them ends them."""
     resource_tracker.ensure_running()  # started by the first child, it would take the block off again
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -102,7 +117,7 @@ def _ctrl_c_is_ours():
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _quiet():
+def _quiet() -> None:
     import logging
     for name in ('distributed', 'distributed.nanny', 'distributed.worker', 'distributed.scheduler',
                  'distributed.client', 'distributed.core', 'distributed.utils', 'tornado.application', 'bokeh',
@@ -110,12 +125,12 @@ def _quiet():
         logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
-def _close(what):
+def _close(what: Any) -> None:
     with contextlib.suppress(Exception):
         what.close(timeout=10)
 
 
-def _close_all(cluster):
+def _close_all(cluster: Any) -> None:
     """Close a cluster of this computer; end the workers that closing has not ended, as they are stopped, say.
 
     Python would wait for them at its end, and Dask, which would once more wait for their answers, start others.
@@ -146,24 +161,26 @@ class Runner:
     is called for those of one batch.
     """
 
-    def __init__(self, client, watch, done, again, look, together=contextlib.nullcontext):
+    def __init__(self, client: Any, watch: Workers, done: Callable[..., None],
+                 again: Callable[[Optional[bytes], Job], Optional[Job]], look: Callable[[Runner], None],
+                 together: Callable[[], ContextManager[Any]] = contextlib.nullcontext) -> None:
         self._client = client
         self._watch = watch
         self._done = done
         self._again = again
         self._look = look
         self._together = together
-        self._ended = queue.SimpleQueue()
-        self._running = {}  # key: (Pieces, future)
-        self._returned = collections.deque()  # Pieces that run again, or were not begun
+        self._ended: Any = queue.SimpleQueue()  # of keys
+        self._running: Dict[str, Tuple[List[_Piece], Any]] = {}  # by keys; with their futures
+        self._returned: Deque[_Piece] = collections.deque()  # Pieces that run again, or were not begun
         self._sizes = batches.Sizes()
         self._left = 0
         self._count = 0
         self.workers = 0
 
-    def run(self, waiting, count):
+    def run(self, all_jobs: Iterable[Job], count: int) -> None:
         """Run all jobs of an iterable, which are so many. Whatever ends it, no trial of it is under way afterwards."""
-        waiting, self._left = iter(waiting), count
+        waiting, self._left = iter(all_jobs), count
         last_look = 0.0
         try:
             self._fill(waiting)
@@ -179,21 +196,21 @@ class Runner:
             self._stop()
 
     @property
-    def under_way(self):
+    def under_way(self) -> int:
         """The number of trials that were handed over and have not come back."""
         return sum(len(pieces) for pieces, _ in self._running.values())
 
-    def _fill(self, waiting):
+    def _fill(self, waiting: Iterator[Job]) -> None:
         while len(self._running) < AHEAD * max(1, self.workers):
             pieces = self._next(waiting)
             if not pieces:
                 return
             self._submit(pieces)
 
-    def _next(self, waiting):
+    def _next(self, waiting: Iterator[Job]) -> List[_Piece]:
         """Return the Pieces of the next batch."""
         size = self._sizes.size(self._left + len(self._returned), self.workers)
-        pieces = []
+        pieces: List[_Piece] = []
         while len(pieces) < size:
             if self._returned:
                 if self._returned[0].is_alone:
@@ -207,7 +224,7 @@ class Runner:
             pieces.append(_Piece(job))
         return pieces
 
-    def _submit(self, pieces):
+    def _submit(self, pieces: List[_Piece]) -> None:
         self._count += 1
         key = key_of(self._count, [one.job.trial.id for one in pieces])
         notes = self._notes(key)
@@ -216,14 +233,16 @@ class Runner:
         self._running[key] = (pieces, future)
         future.add_done_callback(lambda one: self._ended.put(one.key))
 
-    def _notes(self, key):
+    def _notes(self, key: str) -> Optional[spool.Notes]:
         return spool.Notes(os.path.join(self._watch.spool, key)) if self._watch.spool else None
 
-    def _take(self, key):
-        pieces, future = self._running.pop(key, ((), None))
-        if future is None:
+    def _take(self, key: str) -> None:
+        if key not in self._running:
             return
-        notes, error = self._notes(key), None
+        pieces, future = self._running.pop(key)
+        notes = self._notes(key)
+        error: Optional[Exception] = None
+        answers: Sequence[Optional[Tuple[Any, ...]]]
         try:
             seconds, ran, answers = future.result(timeout=_CONNECT_S)
         except Exception as problem:  # KilledWorker, CancelledError, a worker that dies while it answers
@@ -245,12 +264,12 @@ class Runner:
         if notes:
             notes.remove(len(pieces))
 
-    def _found(self, pieces, notes):
+    def _found(self, pieces: List[_Piece], notes: Optional[spool.Notes]) -> List[Optional[Tuple[Any, ...]]]:
         """Return, of a batch without an answer, the Answer of each trial whose outputs are there, else None."""
         found = [notes is not None and notes.has(number) for number in range(len(pieces))]
-        return [batches.Answer('', None, None) if is_there else None for is_there in found]
+        return [tuple(batches.Answer('', None, None)) if is_there else None for is_there in found]
 
-    def _end(self, piece, answer, notes, number):
+    def _end(self, piece: _Piece, answer: batches.Answer, notes: Optional[spool.Notes], number: int) -> None:
         """Take the Answer of a Piece."""
         if answer.is_lost:
             self._lost(piece, answer.problem)
@@ -262,7 +281,7 @@ class Runner:
         else:
             self._done(piece.job, answer.worker, outputs, answer.problem, piece.attempts)
 
-    def _lost(self, piece, error):
+    def _lost(self, piece: _Piece, error: object) -> None:
         if piece.losses < LOSSES:
             self._returned.append(piece._replace(losses=piece.losses + 1, is_alone=True))
             return
@@ -271,7 +290,7 @@ class Runner:
         self._done(piece.job, '', None, f'its workers were lost {piece.losses + 1} times; the last time: '
                    f'{kind}{text[0] if text else ""}', piece.attempts)
 
-    def _stop(self):
+    def _stop(self) -> None:
         if self._running:
             with contextlib.suppress(Exception):
                 self._client.cancel([future for _, future in self._running.values()], force=True)

@@ -3,11 +3,14 @@
 A process that is killed leaves its folder. Only a folder that carries our mark, is this user's and that nobody has
 locked is ever removed.
 """
+from __future__ import annotations
+
 import contextlib
 import glob
 import os
 import shutil
 import tempfile
+from typing import Iterator, List
 
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.own_files import MARKER, FolderKind
@@ -16,7 +19,7 @@ KIND = FolderKind('temporary folder')
 
 
 @contextlib.contextmanager
-def folder(prefix):
+def folder(prefix: str) -> Iterator[str]:
     """Give a new folder, whose name begins with the prefix, in the system's folder for such; remove it at the end.
 
     Those by the prefix that killed processes have left are removed first.
@@ -31,7 +34,7 @@ def folder(prefix):
         os.close(marker)
 
 
-def remove_left(prefix):
+def remove_left(prefix: str) -> List[str]:
     """Remove the folders by the prefix that killed processes have left; return their paths."""
     removed = []
     for path in sorted(glob.glob(os.path.join(glob.escape(tempfile.gettempdir()), glob.escape(prefix) + '*'))):

@@ -9,6 +9,8 @@ has ended in whatever way, the trial is ended and its folder removed.
 Trials that are a function share the process that carries them out: none of their own code runs in it, as each function
 has a process of its own.
 """
+from __future__ import annotations
+
 import gc
 import importlib
 import json
@@ -19,11 +21,13 @@ import shutil
 import signal
 import socket
 import sys
+from typing import Dict, List, Optional, Tuple
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError
 
 from ..description import launch_files
+from ..description.job import Job
 from ..trials import functions, run_folders
 from . import carriers, temporary, warm_ros
 
@@ -31,7 +35,7 @@ _HASH_SEED = 'PYTHONHASHSEED'
 READY = b'ready\n'
 
 
-def main(words):
+def main(words: List[str]) -> None:
     """Serve until the socket is closed."""
     is_new = _HASH_SEED not in os.environ or any(os.environ.get(name) != value
                                                  for name, value in processes.ONE_THREAD.items())
@@ -54,14 +58,16 @@ def main(words):
             processes.end_all_children()
 
 
-def _serve(client, folder):
+def _serve(client: socket.socket, folder: str) -> None:
     wake, woken = os.pipe()
     os.set_blocking(wake, False)
     os.set_blocking(woken, False)
     signal.signal(signal.SIGCHLD, lambda _number, _frame: None)
     signal.set_wakeup_fd(woken, warn_on_full_buffer=False)
     client.sendall(READY)
-    count, problems, path = 0, {}, None
+    count = 0
+    problems: Dict[str, Optional[str]] = {}
+    path: Optional[str] = None
     descriptors = (client.fileno(), wake, woken)
     carrier = carriers.Carrier(descriptors)
     with client.makefile('rb') as requests:
@@ -87,7 +93,7 @@ def _serve(client, folder):
                 path = None
 
 
-def _is_emptied(path):
+def _is_emptied(path: str) -> bool:
     """Empty a trial's folder for the next one; return whether it is as a new one."""
     shutil.rmtree(os.path.join(path, 'again'), ignore_errors=True)
     for name in os.listdir(path):
@@ -96,7 +102,8 @@ def _is_emptied(path):
     return run_folders.empty_again(os.path.join(path, run_folders.RUN))
 
 
-def _run(job, path, problem, carrier, client, descriptors):
+def _run(job: Job, path: str, problem: Optional[str], carrier: carriers.Carrier, client: socket.socket,
+         descriptors: Tuple[int, ...]) -> Optional[int]:
     """Return the exit code of the process that has carried out a job, or None if the worker has gone."""
     if job.trial.experiment.function:
         code = carrier.run(job, path, problem, client, descriptors[1])
@@ -110,7 +117,7 @@ def _run(job, path, problem, carrier, client, descriptors):
     return code
 
 
-def _prepare(job, problems):
+def _prepare(job: Job, problems: Dict[str, Optional[str]]) -> Optional[str]:
     """Call the function that a job wants called in this process, once; return what is wrong with it, or None."""
     if not job.prepared:
         return None
@@ -125,20 +132,20 @@ def _prepare(job, problems):
     return problems[key]
 
 
-def _share():
+def _share() -> None:
     """Have no collection in a fork touch, and so copy, what there is now."""
     gc.collect()
     gc.freeze()
 
 
-def _carry_out(job, path, problem, descriptors):
+def _carry_out(job: Job, path: str, problem: Optional[str], descriptors: Tuple[int, ...]) -> None:
     from ..trials import execution
     for descriptor in descriptors:
         os.close(descriptor)
     execution.carry_out(job, path, problem)
 
 
-def _await(pid, client, wake):
+def _await(pid: int, client: socket.socket, wake: int) -> Optional[int]:
     """Return the exit code of the trial's process, or None if the worker has gone."""
     while True:
         ready, _, _ = select.select([client, wake], [], [])

@@ -2,6 +2,8 @@
 
 This process has one thread until all are started: before rospy.init_node. The kernel ends what it has forked with it.
 """
+from __future__ import annotations
+
 import functools
 import os
 

@@ -1,32 +1,35 @@
 """What a warm process has of ROS. Where that is not installed, trials that are functions run all the same."""
+from __future__ import annotations
+
 import importlib
 import importlib.util
+from typing import MutableMapping
 
 from ..description import launch_files
 
 
-def is_there():
+def is_there() -> bool:
     """Return whether ROS is, and with it this package's shell around it."""
     return all(importlib.util.find_spec(name) for name in ('move_base_abstract_ros', 'rospy'))
 
 
-def launcher():
+def launcher() -> str:
     """Return the path of our launcher."""
     from move_base_abstract_ros.loopback import find_executable
-    return find_executable('lockstep')
+    return str(find_executable('lockstep'))
 
 
-def prepare(environment, is_new):
+def prepare(environment: MutableMapping[str, str], is_new: bool) -> bool:
     """Write into the environment what only a new Python takes from it; return whether there has to be one.
 
     is_new: whether there has to be one in any case.
     """
     from move_base_abstract_ros.lockstep.programs import address_layout, native_library
     is_new = address_layout.choose(environment) or is_new
-    return (is_new or not native_library.is_loaded()) and native_library.preload(environment) or is_new
+    return bool((is_new or not native_library.is_loaded()) and native_library.preload(environment) or is_new)
 
 
-def import_all():
+def import_all() -> None:
     """Import and look up what the processes of trials need."""
     from move_base_abstract_ros.launching import look_ups, warm_nodes
     from move_base_abstract_ros.replacing import replaced

@@ -4,13 +4,15 @@ A worker is heard several times a second. One that is stopped, or hangs, keeps i
 and does not come back in time is given up by Dask, and nobody starts another. Silence counts only while this process
 itself is awake: after a computer has slept nobody is at fault.
 """
+from __future__ import annotations
+
 import contextlib
 import json
 import math
 import os
 import signal
 import time
-from typing import NamedTuple
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.json_files import load_json_mapping
@@ -35,7 +37,7 @@ class Worker(NamedTuple):
     """One worker, for people."""
 
     name: str
-    trials: tuple  # ids of those that it has, or of the first of a batch: the first runs, the others wait
+    trials: Tuple[str, ...]  # ids of those that it has, or of the first of a batch: the first runs, the others wait
     silent_s: float  # wall
 
 
@@ -45,19 +47,21 @@ class Workers:
     :param clock: returns wall seconds. :param spool: a folder that the client and all workers see, or None.
     """
 
-    def __init__(self, client, cluster, wanted, clock=time.monotonic, spool=None):
+    def __init__(self, client: Any, cluster: Any, wanted: int, clock: Callable[[], float] = time.monotonic,
+                 spool: Optional[str] = None) -> None:
         self._client = client
         self._cluster = cluster
         self._wanted = wanted
         self._clock = clock
-        self._last_look = None
+        self._last_look: Optional[float] = None
         self._without_s = 0.0
-        self._silent = {}  # address: (when the scheduler last heard it, for how long nothing new was heard)
-        self._ended = set()
-        self.known = ()
+        #: of addresses: when the scheduler last heard it, for how long nothing new was heard
+        self._silent: Dict[str, Tuple[Any, float]] = {}
+        self._ended: Set[str] = set()
+        self.known: Tuple[Worker, ...] = ()
         self.spool = spool
 
-    def look(self):
+    def look(self) -> int:
         """Return how many threads of workers are heard; ``known`` has a Worker for each.
 
         :raises NoWorkerError: if there has been none for a minute.
@@ -79,26 +83,26 @@ class Workers:
             self._replace([address for address in known if address not in heard], len(known))
         return sum(known[address].get('nthreads', 1) for address in heard)
 
-    def _ask(self):
+    def _ask(self) -> Tuple[Dict[str, Any], Dict[str, Any]]:
         """Return ({address: what the scheduler knows of a worker}, {address: keys of its tasks})."""
         with contextlib.suppress(Exception):  # whatever it raises, nobody was heard
             known = self._client.sync(self._client.scheduler.identity, callback_timeout=_ANSWER_S)['workers']
             return known, self._client.sync(self._client.scheduler.processing, workers=None, callback_timeout=_ANSWER_S)
         return {}, {}
 
-    def _heard(self, address, about, passed):
+    def _heard(self, address: str, about: Dict[str, Any], passed: float) -> Tuple[Any, float]:
         last, silent = self._silent.get(address, (None, 0.0))
         return (last, silent + passed) if about.get('last_seen') == last else (about.get('last_seen'), 0.0)
 
-    def _name(self, address, about):
+    def _name(self, address: str, about: Dict[str, Any]) -> str:
         pid = self._pid(address)
         return f'{about.get("name", "")} (process {pid})' if pid else f'{about.get("name", "")} ({address})'
 
-    def _pid(self, address):
+    def _pid(self, address: str) -> Optional[int]:
         nannies = list(self._cluster.workers.values()) if self._cluster is not None else ()
         return next((one.pid for one in nannies if getattr(one, 'worker_address', None) == address), None)
 
-    def _replace(self, silent, count):
+    def _replace(self, silent: List[str], count: int) -> None:
         """End workers here that are silent; Dask starts others in their place, and is asked to if it does not."""
         for address in silent:
             pid = self._pid(address)
@@ -110,12 +114,12 @@ class Workers:
                 self._cluster.scale(self._wanted)
 
 
-def key_of(number, names):
+def key_of(number: int, names: Sequence[str]) -> str:
     """Return the key of a task of Dask that runs trials. All begin alike: Dask keeps something for each beginning."""
     return f'trials-{os.getpid()}-{number}-{len(names) - 1}-{names[0]}'
 
 
-def _trials_of(key):
+def _trials_of(key: object) -> str:
     """Return which trials the task of a key runs, for people: '0007-abcdef and 15 more'."""
     words = str(key).split('-', 4)
     if len(words) < 5:
@@ -124,14 +128,14 @@ def _trials_of(key):
 
 
 @contextlib.contextmanager
-def workers_file(folder):
+def workers_file(folder: Any) -> Iterator[Callable[..., None]]:
     """Give a function that writes Workers into an OutputFolder, now and then; at the end it is written that none is.
 
     That is for `experiment status`.
     """
     last = [-math.inf]
 
-    def tell(told, is_due=False):
+    def tell(told: Sequence[Worker], is_due: bool = False) -> None:
         if is_due or time.monotonic() - last[0] > _TELL_S:
             last[0] = time.monotonic()
             folder.write(FILE, (json.dumps({'format': 1, 'told_at': time.time(), 'workers': [
@@ -142,7 +146,7 @@ def workers_file(folder):
         tell((), True)
 
 
-def lines(folder, now):
+def lines(folder: str, now: float) -> Iterator[str]:
     """Yield what is told of the workers of an experiment that runs: a line each. now: as of time.time() [s].
 
     :raises ConfigurationError: if the file cannot be understood.
@@ -167,9 +171,9 @@ def lines(folder, now):
                + (f'; not heard for {silent:.0f} s' if is_silent else ''))
 
 
-def _end(pid):
+def _end(pid: int) -> None:
     """Kill a process; have its children, which may be stopped as well, go on: they then see that it has gone."""
-    children = []
+    children: List[int] = []
     with contextlib.suppress(OSError):
         for task in os.listdir(_TASKS.format(pid)):
             with open(f'{_TASKS.format(pid)}/{task}/children') as stream:
