@@ -1,9 +1,9 @@
 """Which files a program is made of: itself, the Python modules that it imports, the libraries that it links.
 
 Found by reading, without running anything but ldd. What the system has put into its own folders counts only where it is
-the program itself: a system that is updated is another matter than a program that its user has changed. Of what pip has
-installed the list that it keeps stands for the files: it has their digests. What a program loads by a name that it computes (plugins) is not seen, but for the other modules of a Python package of which it
-imports one.
+the program itself: a system that is updated is another matter than a program that its user has changed. Of what pip
+has installed the list that it keeps stands for the files: it has their digests. What a program loads by a name that it
+computes (plugins) is not seen, but for the other modules of a Python package of which it imports one.
 """
 from __future__ import annotations
 
