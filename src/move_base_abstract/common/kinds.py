@@ -288,7 +288,11 @@ def _flag_of(one: Option) -> str:
 def _of_word(one: Option) -> Callable[[str], Any]:
     def convert(word: str) -> Any:
         try:
-            return one.kind.check('', [word])[0] if _is_list(one) else one.kind.check('', one.kind.of_word(word))
-        except (ConfigurationError, ValueError) as problem:
+            value: Any = one.kind.of_word(word)
+        except ValueError:
+            value = word  # which the check refuses, and says what is allowed
+        try:
+            return one.kind.check('', [word])[0] if _is_list(one) else one.kind.check('', value)
+        except ConfigurationError as problem:
             raise argparse.ArgumentTypeError(str(problem)) from None
     return convert
