@@ -6,6 +6,7 @@ GUARD [s, wall] only ends a test that would never end.
 import csv
 import json
 import os
+import pathlib
 import re
 import shutil
 import signal
@@ -14,12 +15,14 @@ import sys
 import tempfile
 import time
 import unittest
+from unittest import mock
 
 import rostest
 from busy_cores import busy
 
 from move_base_abstract_ros import loopback
 from move_base_abstract_ros.loopback import find_executable
+from soil_mapping.study import ros_trial
 
 GUARD = 120.0
 MISSION = ['--budget', '120', '--seed', '3', '--no-pictures']
@@ -93,6 +96,20 @@ class Trials(unittest.TestCase):
         self.assertGreater(time.monotonic() - began, 120.0 / LIMIT)
         self.assertLess(about['speed_up']['moving'], 1.05 * LIMIT)
         self.assertEqual((events, log), self.plain[:2])
+
+    def test_a_time_master_that_ends_by_itself_is_not_cut(self):
+        path = pathlib.Path(self.path('own_end.jsonl'))
+        master = mock.Mock()
+        master.process.poll.side_effect = lambda: path.touch() if master.process.poll.call_count == 3 else None
+        ros_trial.end_nodes([master], None, path)
+        self.assertEqual(master.signal.mock_calls, [mock.call(signal.SIGKILL)])
+
+    def test_a_time_master_that_does_not_end_is_told_to(self):
+        path = pathlib.Path(self.path('told_end.jsonl'))
+        master = mock.Mock(**{'process.poll.return_value': None, 'signal.side_effect': lambda _number: path.touch()})
+        with mock.patch.object(ros_trial, 'OWN_END_S', 0.0):
+            ros_trial.end_nodes([master], None, path)
+        self.assertEqual(master.signal.mock_calls, [mock.call(signal.SIGTERM), mock.call(signal.SIGKILL)])
 
     def test_another_seed_makes_another_trial(self):
         self.assertNotEqual(self.trial('other', '--seed', '4')[0], self.plain[0])

@@ -1,5 +1,6 @@
 """One trial on ROS: a master of its own, time master, fleet and task server as children, the coordinator here."""
 
+import math
 import signal
 import time
 
@@ -14,6 +15,7 @@ from .field_cache import truth_of
 NODE = 'soil_coordinator'
 TASK = 'take_sample'
 POLL_S = 0.002  # wall
+OWN_END_S = 10.0  # wall
 POSE_TOPIC = 'base_pose_ground_truth'
 
 
@@ -36,7 +38,7 @@ def run_ros_trial(spec, folder, event_log, bag=False, over=lambda: None):
                                                  recorder.wait_until_connected if bag else lambda: None)
         over()
         ros_mission.leave()
-        _end(nodes, recorder, event_log if spec.clock != 'scaled' else None)
+        end_nodes(nodes, recorder, event_log if spec.clock != 'scaled' else None)
     seconds = dict(stopwatch.seconds, start_up=run.began - began, mission=run.wall_s,
                    end=time.perf_counter() - run.ended)
     inner = sum(seconds.get(name, 0.0) for name in ('kriging', 'allocation', 'maps'))
@@ -80,14 +82,21 @@ def _clock(spec, event_log):
             'speed_limit': float(spec.limit), 'event_log': str(event_log)}
 
 
-def _end(nodes, recorder, event_log):
-    """Let bag and event log be written to their ends; the rest has nothing to say, and a second can be saved."""
+def end_nodes(nodes, recorder, event_log):
+    """Let bag and event log be written to their ends; the rest has nothing to say, and a second can be saved.
+
+    The time master comes first in ``nodes``. It ends by itself once the coordinator has left. A signal could overtake
+    the coordinator's last words, and would cut the run: it gets one only if it does not end.
+    """
     if recorder is not None:
         recorder.close()
     if event_log is not None:
-        nodes[0].signal(signal.SIGTERM)
+        deadline = time.monotonic() + OWN_END_S
         # It gets its name when it is complete; roscpp's own end takes a third of a second after that.
         while not event_log.exists() and nodes[0].process.poll() is None:
+            if time.monotonic() > deadline:
+                nodes[0].signal(signal.SIGTERM)
+                deadline = math.inf
             time.sleep(POLL_S)
     for node in nodes:
         node.signal(signal.SIGKILL)
