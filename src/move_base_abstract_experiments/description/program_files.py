@@ -2,20 +2,20 @@
 
 Found by reading, without running anything but ldd. What the system has put into its own folders counts only where it is
 the program itself: a system that is updated is another matter than a program that its user has changed. Of what pip
-has installed the list that it keeps stands for the files: it has their digests. What a program loads by a name that it
-computes (plugins) is not seen, but for the other modules of a Python package of which it imports one.
+has installed in a virtual environment the files count that the program itself imports: what these import in turn is
+thousands of files of others. What a program loads by a name that it computes (plugins) is not seen, but for the other
+modules of a Python package of which it imports one.
 """
 from __future__ import annotations
 
 import ast
-import glob
 import os
 import re
 import shutil
 import subprocess
 import sys
 from functools import lru_cache
-from typing import Any, Collection, Dict, List, Optional, Sequence, Set, Tuple, Type
+from typing import Any, Collection, List, Optional, Sequence, Set, Tuple, Type
 
 from move_base_abstract.common.processes import interpreter_of
 
@@ -27,7 +27,7 @@ _IMPORTERS = ('import_module', '__import__')
 _MOST_FILES = 5000
 _MOST_BYTES = 4 << 20  # of a source that is looked into
 _LDD_S = 20.0  # wall
-_SITE_PACKAGES = ('site-packages', 'dist-packages')
+_BY_PIP = f'{os.sep}site-packages{os.sep}'
 
 
 def is_of_system(path: str) -> bool:
@@ -75,7 +75,7 @@ def modules_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
             continue
         found.add(here)
         beside = os.path.dirname(here)
-        for name in _imported(here):
+        for name in () if _BY_PIP in here else _imported(here):
             for place in (beside, *places) if beside not in places else places:
                 files = files_of_module(place, name)
                 if files:
@@ -111,14 +111,7 @@ def _imported(path: str) -> Tuple[str, ...]:
 
 @lru_cache(maxsize=None)
 def files_of_module(place: str, name: str) -> Tuple[str, ...]:
-    """Return the files of a module in a folder; of a package all modules, as some are imported by computed names.
-
-    Of one that pip has installed there: the list of files that pip has left, which is not looked into any further.
-    """
-    if os.path.basename(place) in _SITE_PACKAGES:
-        listed = _installed(place).get(name)
-        if listed is not None:
-            return (listed,)
+    """Return the files of a module in a folder; of a package all modules, as some are imported by computed names."""
     single, package = os.path.join(place, name + '.py'), os.path.join(place, name)
     if not name or not os.path.isdir(package):
         return (os.path.realpath(single),) if name and os.path.isfile(single) else ()
@@ -135,20 +128,6 @@ def files_of_module(place: str, name: str) -> Tuple[str, ...]:
             if len(found) > _MOST_FILES:
                 break
     return tuple(found)
-
-
-@lru_cache(maxsize=None)
-def _installed(place: str) -> Dict[str, str]:
-    """Return {module: the RECORD of the distribution that has brought it} of a folder into which pip installs."""
-    found: Dict[str, str] = {}
-    for record in sorted(glob.glob(os.path.join(glob.escape(place), '*.dist-info', 'RECORD'))):
-        with _Quiet(), open(record, encoding='utf-8') as stream:
-            for line in stream:
-                first, inner, _ = line.partition(',')[0].partition('/')
-                name = first if inner else first[:-len('.py')] if first.endswith('.py') else ''
-                if name.isidentifier():
-                    found.setdefault(name, os.path.realpath(record))
-    return found
 
 
 class _Quiet:
