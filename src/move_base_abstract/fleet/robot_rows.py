@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from ..engine.stream import Stream
     from ..motion.robot import Robot
 
-_WRITTEN = tuple(kind for kind in vars(events).values() if hasattr(kind, 'row'))
+_OTHER_ROWS = tuple(kind for kind in vars(events).values() if hasattr(kind, 'row'))
 
 
 def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_motion: bool = False) -> None:
@@ -21,11 +21,15 @@ def write(stream: Stream, name: str, take: Callable[[events.Row], object], with_
     def hear(event: Any) -> None:
         take(event.row())
 
+    def plain(kind: str) -> Callable[[Any], object]:
+        return lambda event: take((event[0], event[1], kind, *event[2:]))
+
     def departed(event: Departed) -> None:
         take(event.row())
         if event.corners:
             take(event.route())
-    stream.subscribe(name, {**{kind: hear for kind in _WRITTEN if with_motion or kind is not MotionSet},
+    stream.subscribe(name, {**{event: plain(kind) for event, kind in events.PLAIN_ROWS.items()},
+                            **{event: hear for event in _OTHER_ROWS if with_motion or event is not MotionSet},
                             Departed: departed})
 
 

@@ -2,7 +2,7 @@
 
 They are tuples with names, not frozen dataclasses, which take twice as long to be made: three come with each goal. Each
 has the instant [ns] and the robot's name first. Poses are those of the global frame [m, rad]. ``row()`` is that of
-the event log, see :class:`.trace.TraceEntry`; what has none is not written down.
+the event log, see :class:`.trace.TraceEntry`; PLAIN_ROWS says which need none. What has neither is not written down.
 """
 from __future__ import annotations
 
@@ -162,20 +162,12 @@ class Failed(NamedTuple):
     kind: str
     cause: str
 
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'failed', self.kind, self.cause)
-
 
 class Repaired(NamedTuple):
     """The robot that had failed is as before."""
 
     time_ns: int
     robot: str
-
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'repaired')
 
 
 #: what a ChargePassed is about
@@ -189,10 +181,6 @@ class ChargePassed(NamedTuple):
     robot: str
     level: float
     what: str
-
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'battery', self.level, self.what)
 
 
 class Charging(NamedTuple):
@@ -240,10 +228,6 @@ class Meets(NamedTuple):
     robot: str
     radius: float
 
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'meets', self.radius)
-
 
 class Encounter(NamedTuple):
     """The robot meets ``other``: how, how near they will come [m], for how long it has to stand [s]."""
@@ -255,10 +239,6 @@ class Encounter(NamedTuple):
     nearest: float
     seconds: float
 
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'encounter', self.other, self.kind, self.nearest, self.seconds)
-
 
 class Entered(NamedTuple):
     """The robot has got a place in an area."""
@@ -267,10 +247,6 @@ class Entered(NamedTuple):
     robot: str
     area: str
 
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'entered', self.area)
-
 
 class Left(NamedTuple):
     """The robot has given its place in an area back."""
@@ -278,10 +254,6 @@ class Left(NamedTuple):
     time_ns: int
     robot: str
     area: str
-
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'left', self.area)
 
 
 class Deadlock(NamedTuple):
@@ -304,10 +276,6 @@ class TaskWaits(NamedTuple):
     goal_id: str
     place: str
 
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'waiting_began', self.goal_id, self.place)
-
 
 class TaskWaited(NamedTuple):
     """A task waits no more."""
@@ -317,10 +285,6 @@ class TaskWaited(NamedTuple):
     goal_id: str
     place: str
 
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'waiting_ended', self.goal_id, self.place)
-
 
 class TaskBegan(NamedTuple):
     """Work on a task begins, which will take ``duration_ns`` [ns]."""
@@ -329,10 +293,6 @@ class TaskBegan(NamedTuple):
     robot: str
     goal_id: str
     duration_ns: int
-
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'task_began', self.goal_id, self.duration_ns)
 
 
 class TaskEnded(NamedTuple):
@@ -378,3 +338,9 @@ class MotionSet(NamedTuple):
 def motion_of(robot: Robot, now_ns: int) -> MotionSet:
     """Return the event that ``robot`` travels as it does from ``now_ns`` [ns] on."""
     return MotionSet(now_ns, robot.name, robot.pose_at(now_ns), robot.limits, robot.tolerances)
+
+
+#: of the events whose fields are their rows, the kinds of these rows
+PLAIN_ROWS = {
+    Failed: 'failed', Repaired: 'repaired', ChargePassed: 'battery', Entered: 'entered', Left: 'left', Meets: 'meets',
+    Encounter: 'encounter', TaskWaits: 'waiting_began', TaskWaited: 'waiting_ended', TaskBegan: 'task_began'}
