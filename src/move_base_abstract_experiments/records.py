@@ -28,13 +28,19 @@ _KINDS = {dict: 'a mapping', list: 'a list', str: 'a text', int: 'a whole number
 
 
 @dataclass
-class Planned:
-    """A trial in plan.json. ``kept``: of an old program, and why it is kept all the same; None: it is not."""
+class Numbered:
+    """Which trial it is about."""
 
     id: str
     configuration: Dict[str, Any] = field(default_factory=dict)
     replication: int = 0
     seed: int = 0
+
+
+@dataclass
+class Planned(Numbered):
+    """A trial in plan.json. ``kept``: of an old program, and why it is kept all the same; None: it is not."""
+
     made_of: Optional[str] = None
     program: Optional[str] = None
     kept: Optional[str] = None
@@ -65,13 +71,9 @@ class Plan:
 
 
 @dataclass
-class Result:
+class Result(Numbered):
     """trial.json: what became of a trial. Durations in s."""
 
-    id: str
-    configuration: Dict[str, Any] = field(default_factory=dict)
-    replication: int = 0
-    seed: int = 0
     status: str = FAILED
     error: Optional[str] = None
     metrics: Dict[str, Number] = field(default_factory=dict)
