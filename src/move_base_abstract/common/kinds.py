@@ -116,15 +116,17 @@ def pattern(expression: str, allowed: str, made: Callable[[str], str] = str) -> 
     return Kind(check, {'type': 'string', 'pattern': f'^(?:{expression})$'})
 
 
-def number(lowest: float, highest: float, whole: bool = False, or_zero: bool = False) -> Kind:
-    """Return the kind of a finite number in lowest..highest; 2.0 is a whole one."""
+def number(lowest: float, highest: float, whole: bool = False, or_zero: bool = False, unit: str = '') -> Kind:
+    """Return the kind of a finite number in lowest..highest; 2.0 is a whole one. unit: for errors, 's, simulated'."""
+    allowed = f'a {"whole " if whole else ""}number in {lowest:g}..{highest:g}' + (f' [{unit}]' if unit else '') + (
+        ', or 0' if or_zero else '')
+
     def check(where: str, value: Any) -> float:
         if whole and isinstance(value, float) and value.is_integer():
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)) or not (
                 lowest <= value <= highest or or_zero and value == 0):
-            raise error(where, value, f'a {"whole " if whole else ""}number in {lowest:g}..{highest:g}'
-                        + (', or 0' if or_zero else ''))
+            raise error(where, value, allowed)
         return value if whole else float(value)
     schema = {'type': 'integer' if whole else 'number', 'minimum': lowest, 'maximum': highest}
     return Kind(check, {'anyOf': [{'type': 'number', 'enum': [0]}, schema]} if or_zero else schema,

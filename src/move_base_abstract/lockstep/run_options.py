@@ -32,19 +32,20 @@ class RunOptions:
     """How a system runs in lockstep."""
 
     sleep: str = option(
-        one_of('wall', 'simulated'), 'wall', 'what sleeps of the wall clock take in [programs](lockstep_launcher.md): '
-        '`wall`, while simulated time stands')
+        one_of('wall', 'simulated'), 'wall', 'which time a sleep of the wall clock (`time.sleep`) takes in '
+        '[programs](lockstep_launcher.md): `wall`, while simulated time stands, or `simulated`')
     stored_topics: Tuple[str, ...] = option(
         list_of(_STORED), [], '`TOPIC` or `NODE=TOPIC`: [what nodes only store](lockstep.md#topics-that-nodes-only-'
         'store) comes with the next thing that they do', systems=OF_NODES, is_part=True, parameter='stored_topics',
         flag='stored_topic')
     lookahead: float = option(
-        number(1e-6, 1000, or_zero=True), 0, 's, simulated: what nodes tell each other takes so long, and they work at '
-        'once ([windows](lockstep_windows.md)); 0: no time', systems=OF_NODES, is_part=True, parameter='lookahead')
+        number(1e-6, 1000, or_zero=True, unit='s, simulated'), 0, 's, simulated: what nodes tell each other takes so '
+        'long, and they work at once ([windows](lockstep_windows.md)); 0: no time', systems=OF_NODES, is_part=True,
+        parameter='lookahead')
     cores: str = option(
-        one_of('auto', 'one', 'all'), None, 'on which [cores](time_master.md#cores) of its computer the nodes run: '
-        '`auto`: what is measured to be faster, as where neither this nor the launch file says it. Events are the same '
-        'either way', systems=OF_NODES, parameter='cores')
+        one_of('auto', 'one', 'all'), None, 'on which [cores](time_master.md#cores) of its computer the nodes run. '
+        '`auto`: on one or on all, whichever the time master finds to be faster; that is the default, too, where the '
+        'launch file sets none. Events are the same in each case', systems=OF_NODES, parameter='cores')
     crashes: str = option(
-        one_of(FAIL, ALLOW), FAIL, 'whether a run in which a node [crashes](lockstep_launch.md#crashes) has '
-        'failed (`fail`), or is only told of (`allow`) if it comes to its end')
+        one_of(FAIL, ALLOW), FAIL, 'what becomes of a run in which a node [crashes](lockstep_launch.md#crashes): it '
+        'has failed (`fail`), or the crash is reported, and the run counts if it comes to its end (`allow`)')

@@ -64,7 +64,8 @@ _COUNT = number(1, MOST_TRIALS, whole=True)
 class Until:
     """What ends a trial, whichever comes first; besides, the end of a node that the launch file calls required."""
 
-    seconds: float = option(number(1e-6, LONGEST_S), None, 's, simulated, from the start', absent=0.0)
+    seconds: float = option(number(1e-6, LONGEST_S, unit='s, simulated'), None, 's, simulated, from the start',
+                            absent=0.0)
     topic: str = option(_TOPIC, None, 'the first message on it')
     idle: bool = option(FLAG, False, 'when nobody has anything left to do', parameter='end_when_idle')
 
@@ -97,7 +98,7 @@ class Column:
 class Metrics:
     """The metrics of the user's."""
 
-    function: str = option(_FUNCTION, None, 'what gives them')
+    function: str = option(_FUNCTION, None, '`module:function` that returns them')
     columns: Dict[str, Column] = option(
         map_of(mapping_of(Column)), {}, '`{NAME: {title, unit, better}}`: what they are called; `better`: `lower` '
         'or `higher`')
@@ -185,7 +186,7 @@ class Experiment(RunOptions):
         either(list_of(_FUNCTION, 'a list of module:function, or one'), (str, lambda name: (name,), _FUNCTION)), [],
         '`module:function`, or a list: [sections of your own](experiment_report.md#sections-of-your-own) in the report')
     verify: float = option(number(0, 1), 0, 'the share of trials that run twice')
-    time_limit: float = option(number(1, 1e7), 600, 's, wall, of a run')
+    time_limit: float = option(number(1, 1e7, unit='s, wall'), 600, 's, wall: how long a run may take')
 
     @functools.cached_property
     def later_parts(self) -> List[Dict[str, Any]]:
