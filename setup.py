@@ -28,7 +28,8 @@ def for_pip():
         'packages': [name for name in find_packages('src') if name.split('.')[0] in PLAIN],
         'package_dir': {'': 'src'}, 'package_data': {name: DATA[name] for name in PLAIN}, 'python_requires': '>=3.8',
         'install_requires': ['PyYAML', 'Jinja2', 'Pillow', 'networkx', 'numpy'],
-        'extras_require': {'processes': ['simpy'], 'experiments': ['distributed', 'matplotlib', 'pandas', 'scipy']}}
+        'extras_require': {'processes': ['simpy'],
+                           'experiments': ['cryptography', 'distributed', 'matplotlib', 'pandas', 'scipy']}}
 
 
 setup(**(for_pip() if 'MOVE_BASE_ABSTRACT_FOR_PIP' in os.environ else for_catkin()))

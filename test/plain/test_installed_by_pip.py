@@ -137,3 +137,13 @@ def test_metadata_names_what_is_needed(python):
     assert 'Requires: ' in shown and 'PyYAML' in shown
     assert 'ros' not in shown.split('Requires: ')[1].splitlines()[0].lower()
     assert sys.version_info >= (3, 8)
+
+
+def test_pip_brings_for_experiments_what_debian_does(python):
+    """Tornado comes with distributed, where pip installs that."""
+    wanted = {line.strip().replace('python3-', '') for line in (ROOT / 'tools' / 'apt' / 'experiment.txt').open()
+              if line.startswith('python3-')} - {'tornado'}
+    brought = output_of(python[0], '-c', "import importlib.metadata as m; print(*m.requires('move_base_abstract'), "
+                        "sep='\\n')").splitlines()
+    names = {line.split(';')[0].strip().lower() for line in brought if 'extra' not in line or 'experiments' in line}
+    assert wanted <= names
