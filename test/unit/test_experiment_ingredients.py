@@ -1,10 +1,12 @@
 """What a trial is made of: whatever of it changes, complete trials are no longer taken as the new program's."""
 import dataclasses
+import importlib.util
 import io
 import json
 import os
 import shutil
 import subprocess
+import sys
 
 import pytest
 
@@ -288,3 +290,25 @@ def test_of_what_pip_has_installed_the_files_count_but_not_what_they_import(tmp_
     monkeypatch.syspath_prepend(str(site))
     wanted = {str(program), *(str(site / name) for name in ('solver/__init__.py', 'solver/core.py', 'lonely.py'))}
     assert program_files.files_of(str(program)) == wanted
+
+
+def test_what_only_a_finder_knows_counts(tmp_path, monkeypatch):
+    """As of `pip install -e`, which maps a package's name to a folder that may be called otherwise."""
+    package, program = tmp_path / 'mine' / 'sources', tmp_path / 'program' / 'main.py'
+    for folder in (package, program.parent):
+        folder.mkdir(parents=True)
+    (package / '__init__.py').write_text('')
+    program.write_text('import mine_e, os, no_such_module\n')
+
+    class Finder:
+        """Knows one package, and fails for another one."""
+
+        @staticmethod
+        def find_spec(name, _path=None, _target=None):
+            if name == 'no_such_module':
+                raise ImportError(name)
+            return importlib.util.spec_from_file_location(
+                name, package / '__init__.py', submodule_search_locations=[str(package)]) if name == 'mine_e' else None
+    monkeypatch.setattr(sys, 'meta_path', [*sys.meta_path, Finder])
+    program_files.forget()
+    assert program_files.files_of(str(program)) == {str(program), str(package / '__init__.py')}

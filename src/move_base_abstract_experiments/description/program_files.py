@@ -2,13 +2,14 @@
 
 Found by reading, without running anything but ldd. What the system has put into its own folders counts only where it is
 the program itself: a system that is updated is another matter than a program that its user has changed. Of what pip
-has installed in a virtual environment the files count that the program itself imports: what these import in turn is
-thousands of files of others. What a program loads by a name that it computes (plugins) is not seen, but for the other
-modules of a Python package of which it imports one.
+has installed (``site-packages``) the packages count that the program and its own modules import. What these import in
+turn is thousands of files of others. What a program loads by a name that it computes (plugins) is not seen, but for
+the other modules of a Python package of which it imports one.
 """
 from __future__ import annotations
 
 import ast
+import importlib.util
 import os
 import re
 import shutil
@@ -79,8 +80,10 @@ def modules_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
             for place in (beside, *places) if beside not in places else places:
                 files = files_of_module(place, name)
                 if files:
-                    waiting += [one for one in files if one not in found]
                     break
+            else:
+                files = _elsewhere(name)
+            waiting += [one for one in files if one not in found]
     return found
 
 
@@ -88,6 +91,17 @@ def python_path() -> List[str]:
     """Return the folders in which programs of users find modules, but for those of the system."""
     given = [*os.environ.get('PYTHONPATH', '').split(os.pathsep), *sys.path]
     return [one for one in dict.fromkeys(given) if one and os.path.isdir(one) and not is_of_system(one + os.sep)]
+
+
+@lru_cache(maxsize=None)
+def _elsewhere(name: str) -> Tuple[str, ...]:
+    """Return the files of a module that is in no folder of Python's path: `pip install -e` has a finder for it."""
+    spec = None
+    with _Quiet():
+        spec = importlib.util.find_spec(name) if name else None  # of a first part: nothing is imported
+    inside = list(spec.submodule_search_locations or ()) if spec else []
+    place = inside[0] if inside else os.path.splitext(spec.origin or '')[0] if spec else ''
+    return files_of_module(*os.path.split(place)) if os.path.isabs(place) and not is_of_system(place) else ()
 
 
 @lru_cache(maxsize=None)
@@ -131,16 +145,18 @@ def files_of_module(place: str, name: str) -> Tuple[str, ...]:
 
 
 class _Quiet:
-    """Takes what cannot be read, or is no text of a program, as nothing."""
+    """Takes what cannot be read or found, or is no text of a program, as nothing."""
 
     def __enter__(self) -> _Quiet:
         return self
 
     def __exit__(self, kind: Optional[Type[BaseException]], *_others: Any) -> bool:
-        return kind is not None and issubclass(kind, (OSError, ValueError, SyntaxError, RecursionError, MemoryError))
+        return kind is not None and issubclass(kind, (
+            OSError, ValueError, SyntaxError, RecursionError, MemoryError, ImportError))
 
 
 def forget() -> None:
     """Look at files anew; in one process they are looked at once."""
     _imported.cache_clear()
+    _elsewhere.cache_clear()
     files_of_module.cache_clear()

@@ -15,7 +15,7 @@ from .field_cache import truth_of
 NODE = 'soil_coordinator'
 TASK = 'take_sample'
 POLL_S = 0.002  # wall
-OWN_END_S = 10.0  # wall
+OWN_END_S = 10.0  # wall; for the time master's end by itself
 POSE_TOPIC = 'base_pose_ground_truth'
 
 
