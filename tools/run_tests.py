@@ -100,7 +100,7 @@ def run_step(step, running):
     """Run one step to its end or its limit; print one line; add a failure where its results lack one."""
     step.folder.mkdir(parents=True)
     started = time.monotonic()
-    problem = _run_command(step, running)
+    problem, cpu = _run_command(step, running)
     cases = test_summary.read_cases(step.folder)
     if problem is None and not cases:
         problem = 'it left no result'
@@ -110,23 +110,36 @@ def run_step(step, running):
         failed = True
     seconds = time.monotonic() - started
     note = f'  ({problem})' if problem else ''
-    print(f'{"FAIL" if failed else "ok  "}  {step.name:<36} {len(cases):4d} tests {seconds:6.1f} s{note}', flush=True)
+    print(f'{"FAIL" if failed else "ok  "}  {step.name:<36} {len(cases):4d} tests {seconds:6.1f} s, {cpu:5.1f} s of CPU'
+          f'{note}', flush=True)
 
 
 def _run_command(step, running):
-    """Return None, or what went wrong in a few words; the process is in the list while it runs."""
+    """Return None, or what went wrong in a few words, and CPU seconds; the process is in the list while it runs."""
     with open(step.folder / test_summary.LOG_NAME, 'wb') as log:
         process = subprocess.Popen([str(word) for word in step.command], cwd=ROOT, stdin=subprocess.DEVNULL,
                                    stdout=log, stderr=subprocess.STDOUT)
         running.append(process)
         try:
-            code = process.wait(timeout=LIMIT_S)
-        except subprocess.TimeoutExpired:
-            _stop(process)
-            return f'still running after {LIMIT_S:.0f} s'
+            has_ended = _wait_for_end(process)
+            cpu = sum(psutil.Process(process.pid).cpu_times()[:4])  # its own, and that of those it has waited for
+            if not has_ended:
+                _stop(process)
+                return f'still running after {LIMIT_S:.0f} s', cpu
+            code = process.wait()
         finally:
             running.remove(process)
-    return f'exit code {code}' if code else None
+    return f'exit code {code}' if code else None, cpu
+
+
+def _wait_for_end(process):
+    """Return whether the process ends within the limit; it is left for its parent to reap."""
+    limit = time.monotonic() + LIMIT_S
+    while os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is None:
+        if time.monotonic() > limit:
+            return False
+        time.sleep(0.05)
+    return True
 
 
 def _stop(process):

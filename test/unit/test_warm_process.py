@@ -176,11 +176,13 @@ def test_without_the_warm_process_programs_are_started(folder, own_warm):
 def test_what_it_has_started_goes_on_without_it_and_its_status_comes(folder, own_warm):
     os.mkfifo(str(folder / 'user' / 'gate'))
     words = script(folder, """
-        open('gate').read()
+        open('gate').readline()
         raise SystemExit(5)""")
     process = own_warm.popen(words, cwd=str(folder / 'user'), stdout=None, stderr=None, close_fds=True,
                          env=environment_of(folder), preexec_fn=os.setsid)
-    with open(str(folder / 'user' / 'gate'), 'w'):  # when it has opened it too
+    # Opened for both ways, it waits for nobody who may be dead.
+    with open(str(folder / 'user' / 'gate'), 'r+b', buffering=0) as gate:
         own_warm.close()
         assert process.poll() is None
-    assert process.wait(60) == 5
+        gate.write(b'\n')
+        assert process.wait(60) == 5
