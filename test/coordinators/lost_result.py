@@ -28,15 +28,14 @@ class Coordinator:
         self.client.wait_for_server()
         self.open = [10.0, 20.0]
         self.place = None
-        self.is_finished = False
         rospy.Subscriber('urgent', Float64, self.on_urgent)
 
-    def begin(self):
-        """Send the robot to the next place."""
-        if self.open:
-            self.send(self.open.pop(0))
-        else:
-            self.is_finished = True
+    def run(self):
+        """Send the robot round until all places are visited."""
+        while self.open or self.place is not None:
+            if self.place is None:
+                self.send(self.open.pop(0))
+            rospy.sleep(0.5)
 
     def send(self, place):
         """Send the robot to a place."""
@@ -45,12 +44,13 @@ class Coordinator:
 
     def on_urgent(self, message):
         """Go there first, and to the present place later."""
-        self.open.insert(0, self.place)
+        if self.place is not None:
+            self.open.insert(0, self.place)
         self.send(message.data)
 
     def on_done(self, _state, _result):
         """Go on."""
-        self.begin()
+        self.place = None
 
 
 class CorrectCoordinator(Coordinator):
@@ -74,7 +74,7 @@ class CorrectCoordinator(Coordinator):
         if handle.get_goal_status() == GoalStatus.SUCCEEDED and place in self.open:
             self.open.remove(place)
         if place == self.place:
-            self.begin()
+            self.place = None
 
 
 def main():
@@ -82,9 +82,7 @@ def main():
     rospy.init_node('coordinator')
     coordinator = CorrectCoordinator() if rospy.get_param('~correct') else Coordinator()
     finished = rospy.Publisher('finished', Empty, queue_size=1, latch=True)
-    coordinator.begin()
-    while not coordinator.is_finished:
-        rospy.sleep(1.0)
+    coordinator.run()
     finished.publish()
     rospy.sleep(1.0)
 
