@@ -1,0 +1,36 @@
+// Sells eight tasks by auction, each open for 0.2 s. ~correct: its twin.
+// The bug: a bid that comes when its auction has closed is looked up among those that are open.
+#include <geometry_msgs/Point.h>
+#include <move_base_abstract/lockstep_participant.h>
+#include <ros/ros.h>
+#include <std_msgs/Int32.h>
+
+#include <map>
+
+namespace lockstep = move_base_abstract::lockstep;
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "coordinator");
+  const bool correct = ros::NodeHandle("~").param("correct", false);
+  lockstep::Participant participant;
+  std::map<int, std::map<double, int>> open;  // bidders by price, of each auction
+  const auto auctions = participant.advertise<std_msgs::Int32>("auctions");
+  const auto bids =
+      participant.subscribe<geometry_msgs::Point>("bids", [&](const geometry_msgs::Point& bid) {
+        const int auction = static_cast<int>(bid.x);
+        if (!correct || open.count(auction) > 0) {
+          open.at(auction)[bid.z] = static_cast<int>(bid.y);
+        }
+      });
+  for (int number = 1; number <= 8; ++number) {
+    participant.sleep(ros::Duration(5.0));
+    std_msgs::Int32 auction;
+    auction.data = number;
+    open[number];
+    auctions.publish(auction);
+    participant.sleep(ros::Duration(0.2));
+    open.erase(number);
+  }
+  participant.sleep(ros::Duration(5.0));
+  return 0;
+}
