@@ -3,8 +3,10 @@
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
 
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "lockstep/chaos/chaos.h"
 #include "clock/scaled_clock.h"
 #include "connections.h"
 #include "interruption.h"
@@ -20,6 +22,9 @@
 
 namespace move_base_abstract {
 
+/** @return "chaos seed 7 with delays up to 0.05 s"; '' without. */
+std::string chaosText(const LockstepSettings& settings);
+
 /** @brief A run of the event-driven clock, without what becomes of it: each field has its own
  * rules.
  */
@@ -33,6 +38,7 @@ struct LockstepRun {
   void addCarrier(std::unique_ptr<Carrier> carrier);
 
   const LockstepSettings settings;
+  chaos::Decisions decisions;
   LockstepRounds rounds;
   RoundLog log;
   Carriage carriage;
@@ -46,6 +52,10 @@ struct LockstepRun {
   RunLabels labels;
   ParameterBook parameters;
   Interruption interruption;
+  std::unique_ptr<chaos::Order> order;  // of equal events; none: the stated one
+
+ private:
+  void beChaotic();
 };
 
 }  // namespace move_base_abstract

@@ -76,6 +76,8 @@ class LockstepSession {
   /** @return log lines since the last call, by time, round and (rank, sub, name, number). */
   std::vector<LockstepLogEntry> takeLog() { return run_.log.take(); }
   std::vector<LockstepMessage> takeMessages() { return run_.messages.take(); }
+  /** @return what chaos has decided otherwise than the stated order since the last call. */
+  std::vector<chaos::Decision> takeDecisions() { return run_.decisions.take(); }
   /** @return what the ROS master is to be told before the output of the latest poll() is sent. */
   std::vector<ParameterChange> takeParameters() { return run_.parameters.take(); }
   /** @brief Somebody who takes no part has set or deleted a parameter of ROS. */

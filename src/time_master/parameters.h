@@ -17,6 +17,7 @@
 
 #include "clock/shown_text.h"
 #include "clock/time_master.h"
+#include "lockstep/chaos/decisions.h"
 #include "lockstep/core_choice.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/routing/stored_topics.h"
@@ -237,7 +238,7 @@ struct NodeParameters {
   CoresWish cores = CoresWish::kAuto;
   std::string event_log;           // path, .jsonl or .csv; '': none
   bool event_log_of_ends = false;  // nothing in it but the end, and what says how nodes fared
-  std::string message_bytes, note_of_start;  // paths of new files; '': none
+  std::string message_bytes, note_of_start, chaos_decisions;  // paths of new files; '': none
 };
 
 /** @return the least number of seconds that is not before @p time [ns] when it is turned back. */
@@ -302,6 +303,28 @@ inline void readTopics(ParameterReader& reader, LockstepSettings& lockstep) {
   reader.read("keep_unread", lockstep.keep_unread);
 }
 
+inline void readChaos(ParameterReader& reader, NodeParameters& parameters) {
+  LockstepSettings& lockstep = parameters.lockstep;
+  int seed = 0;
+  reader.read("chaos_seed", seed);
+  checkRange("chaos_seed", seed, 0.0, std::numeric_limits<int>::max(), "");
+  lockstep.chaos_seed = static_cast<std::uint32_t>(seed);
+  reader.read("chaos_delay", lockstep.chaos_delay);
+  checkRange("chaos_delay", lockstep.chaos_delay, 0.0, 1000.0, " s");
+  std::vector<std::string> only;
+  reader.read("chaos_only", only);
+  for (const std::string& name : only) {
+    lockstep.chaos_only += (lockstep.chaos_only.empty() ? "" : ",") + name;
+  }
+  chaos::decisionsOf(lockstep.chaos_only);
+  reader.read("chaos_decisions", parameters.chaos_decisions);
+  lockstep.keeps_decisions = !parameters.chaos_decisions.empty();
+  if (seed != 0 && !parameters.in_lockstep) {
+    throw std::invalid_argument("chaos_seed must be 0 in mode scaled, where events have no stated "
+                                "order; got " + std::to_string(seed));
+  }
+}
+
 inline void readCores(ParameterReader& reader, NodeParameters& parameters) {
   reader.choose("cores",
                 {{"auto", CoresWish::kAuto},
@@ -352,6 +375,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("lockstep_secret_file", secret_file);
   lockstep.secret = runSecret(secret, secret_file);
   readTopics(reader, lockstep);
+  readChaos(reader, parameters);
   lockstep.participants = absoluteNames("participants", lockstep.participants);
   checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
   if (lockstep.limit != 0.0) {
