@@ -62,8 +62,7 @@ void LockstepRun::beChaotic() {
                    [this](MemberId id, std::uint32_t number) {
                      return std::string(router.topicName(id, number));
                    }});
-  rounds.setArrange(
-      [this](MemberId id, std::vector<Mail>& mail) { order->arrangeMail(id, mail); });
+  rounds.setArrange([this](MemberId id, std::vector<Mail>& mail) { order->arrangeMail(id, mail); });
   if (settings.chaos_delay != 0.0) {
     addCarrier(std::make_unique<chaos::Delays>(decisions, toNanoseconds(settings.chaos_delay)));
   }
@@ -74,7 +73,8 @@ void LockstepRun::beChaotic() {
 void LockstepRun::addCarrier(std::unique_ptr<Carrier> carrier) {
   if (rounds.hasWindows()) {
     throw std::invalid_argument(
-        "delays of single messages must be without a lookahead, which delays all alike: got one of " +
+        "delays of single messages must be without a lookahead, which delays all alike: got one "
+        "of " +
         numberText(settings.lookahead) + " s");
   }
   carriage.add(std::move(carrier));

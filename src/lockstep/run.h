@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "lockstep/chaos/chaos.h"
 #include "clock/scaled_clock.h"
 #include "connections.h"
 #include "interruption.h"
 #include "labels.h"
+#include "lockstep/chaos/chaos.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/rounds/settings.h"
 #include "lockstep/routing/router.h"

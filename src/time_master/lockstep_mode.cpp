@@ -36,11 +36,10 @@ LockstepSettings sessionSettings(const NodeParameters& parameters, Nanoseconds b
 
 /** @return what the event log's head says of chaos: its seed, and the bound of its delays [s]. */
 std::string headOf(const LockstepSettings& settings) {
-  return settings.chaos_seed == 0
-             ? ""
-             : "\"chaos\":{\"seed\":" + std::to_string(settings.chaos_seed) +
-                   ",\"delay\":" + text(settings.chaos_delay) +
-                   (settings.chaos_only.empty() ? "" : ",\"some\":true") + "}";
+  return settings.chaos_seed == 0 ? ""
+                                  : "\"chaos\":{\"seed\":" + std::to_string(settings.chaos_seed) +
+                                        ",\"delay\":" + text(settings.chaos_delay) +
+                                        (settings.chaos_only.empty() ? "" : ",\"some\":true") + "}";
 }
 
 void log(const LockstepMessage& message) {
@@ -86,9 +85,8 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
   if (!parameters.event_log.empty()) {
     const auto start = static_cast<Nanoseconds>(std::llround(settings.start_time * 1e9));
     try {
-      event_log_ =
-          std::make_unique<EventLogWriter>(parameters.event_log, start, settings.stored_topics,
-                                           headOf(settings));
+      event_log_ = std::make_unique<EventLogWriter>(parameters.event_log, start,
+                                                    settings.stored_topics, headOf(settings));
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("event_log " + std::string(error.what()));
     }
@@ -168,8 +166,8 @@ void LockstepMode::writeDecisions() {
   }
   const std::string part = path + ".part";
   std::FILE* const file = std::fopen(part.c_str(), "wxe");
-  const bool good = file != nullptr &&
-                    std::fwrite(text.data(), 1, text.size(), file) == text.size();
+  const bool good =
+      file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
   if ((file != nullptr && std::fclose(file) != 0) || !good ||
       std::rename(part.c_str(), path.c_str()) != 0) {
     ROS_ERROR("chaos_decisions %s: %s", path.c_str(), std::strerror(errno));

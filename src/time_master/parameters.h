@@ -320,8 +320,10 @@ inline void readChaos(ParameterReader& reader, NodeParameters& parameters) {
   reader.read("chaos_decisions", parameters.chaos_decisions);
   lockstep.keeps_decisions = !parameters.chaos_decisions.empty();
   if (seed != 0 && !parameters.in_lockstep) {
-    throw std::invalid_argument("chaos_seed must be 0 in mode scaled, where events have no stated "
-                                "order; got " + std::to_string(seed));
+    throw std::invalid_argument(
+        "chaos_seed must be 0 in mode scaled, where events have no stated "
+        "order; got " +
+        std::to_string(seed));
   }
 }
 

@@ -1,4 +1,5 @@
-// Another legal order of equal events: what must stay, whatever the seed, and that a seed is one run.
+// Another legal order of equal events: what must stay, whatever the seed, and that a seed is one
+// run.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -112,7 +113,8 @@ struct Program : Stage {
   std::map<ConnectionId, std::vector<Nanoseconds>> at;
 };
 
-/** @return what came over each connection of @p heard, in its order: "deliver 12 1", "publisher". */
+/** @return what came over each connection of @p heard, in its order: "deliver 12 1", "publisher".
+ */
 std::map<std::string, Texts> byLink(const Texts& heard) {
   std::map<std::string, Texts> links;
   for (const std::string& item : heard) {
@@ -215,8 +217,9 @@ TEST(Chaos, RefusesWhatCannotBe) {
   settings.lookahead = 0.1;
   EXPECT_NE(refusal([&] { LockstepSession session(settings, 0); }).find("chaos_seed must be 0"),
             std::string::npos);
-  EXPECT_NE(refusal([] { LockstepSession session(chaotic(0, 0.1), 0); }).find("without a chaos_seed"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal([] { LockstepSession session(chaotic(0, 0.1), 0); }).find("without a chaos_seed"),
+      std::string::npos);
 }
 
 TEST(Chaos, ItsRuleCanBeBroken) {

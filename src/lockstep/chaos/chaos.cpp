@@ -68,8 +68,7 @@ void keepPosted(const std::vector<Mail>& posted, std::vector<Mail>& sorted) {
 
 // ---- order -----------------------------------------------------------------------------------
 
-void Order::arrangeTurns(std::vector<MemberId>& ids,
-                         const std::function<bool(MemberId)>& matters) {
+void Order::arrangeTurns(std::vector<MemberId>& ids, const std::function<bool(MemberId)>& matters) {
   are_turns_moved_ = false;
   std::vector<MemberId> placed;
   for (const MemberId id : ids) {

@@ -26,8 +26,7 @@ std::optional<std::set<std::uint64_t>> decisionsOf(const std::string& text) {
   while (begin <= text.size()) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const std::string name = text.substr(begin, end - begin);
-    if (name.size() != kDigits ||
-        name.find_first_not_of("0123456789abcdef") != std::string::npos) {
+    if (name.size() != kDigits || name.find_first_not_of("0123456789abcdef") != std::string::npos) {
       throw std::invalid_argument(
           "chaos_only must be names of decisions, 12 hexadecimal digits each, with commas between "
           "them, or none; got '" +

@@ -222,7 +222,7 @@ class MessageRouter {
   Place place_;
   Trace trace_;
   StoredTopics stored_;
-  Carriage* carriage_ = nullptr;  // null: all arrives at once
+  Carriage* carriage_ = nullptr;              // null: all arrives at once
   std::set<std::string, std::less<>> texts_;  // names, types and definitions, kept for good
   std::unordered_map<std::string_view, std::string_view> definitions_;  // by md5
   std::map<MemberId, Participant> participants_;

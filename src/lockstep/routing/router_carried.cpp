@@ -37,9 +37,15 @@ wire::CallStatus statusOf(const wire::GrantItem& item) {
 
 Held heldOf(const Passage& passage, std::uint64_t number, const wire::GrantItem& item,
             std::string_view bytes) {
-  Held held{passage.kind, passage.sender, passage.receiver,
-            number,       passage.name,   passage.type,
-            std::string(passage.sender_name), std::make_shared<const std::string>(bytes), item};
+  Held held{passage.kind,
+            passage.sender,
+            passage.receiver,
+            number,
+            passage.name,
+            passage.type,
+            std::string(passage.sender_name),
+            std::make_shared<const std::string>(bytes),
+            item};
   held.item = pointedAt(item, *held.bytes);
   return held;
 }
@@ -50,8 +56,15 @@ Held heldOf(const Passage& passage, std::uint64_t number, const wire::GrantItem&
 
 Passage MessageRouter::passage(Passage::Kind kind, const Action& by, MemberId receiver,
                                std::string_view name, std::string_view bytes) const {
-  return {kind, by.sender, receiver, participants_.at(by.sender).name,
-          participants_.at(receiver).name, name, {}, bytes.size(), false};
+  return {kind,
+          by.sender,
+          receiver,
+          participants_.at(by.sender).name,
+          participants_.at(receiver).name,
+          name,
+          {},
+          bytes.size(),
+          false};
 }
 
 bool MessageRouter::arrivesAtOnce(const Action& by, const wire::Send& item, const Topic& topic,
@@ -145,8 +158,16 @@ void MessageRouter::arriveOne(const Held& held) {
 
 void MessageRouter::traceHeld(const Held& held, std::string_view lost) {
   if (trace_) {
-    trace_({held.kind, place_(held.sender, router::kFirstSub, held.number), held.name, held.sender,
-            {held.receiver}, statusOf(held.item), *held.bytes, held.type, lost, held.sender_name});
+    trace_({held.kind,
+            place_(held.sender, router::kFirstSub, held.number),
+            held.name,
+            held.sender,
+            {held.receiver},
+            statusOf(held.item),
+            *held.bytes,
+            held.type,
+            lost,
+            held.sender_name});
   }
 }
 
@@ -177,8 +198,7 @@ void MessageRouter::dropMessages(const Topic& topic, MemberId sender, MemberId r
 void MessageRouter::dropCalls(std::string_view service, MemberId server) {
   drop(
       [=](const Held& held) {
-        return held.kind == Passage::Kind::kCall && held.name == service &&
-               held.receiver == server;
+        return held.kind == Passage::Kind::kCall && held.name == service && held.receiver == server;
       },
       kNoServer);
 }

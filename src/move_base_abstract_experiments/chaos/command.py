@@ -122,17 +122,20 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
 def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:
     """Shrink what failed, say it, and write the file that runs it again."""
     assert found.failure is not None
+    shrunk = found
     if found.chosen.seed == 0:
         _say(f'it fails in the stated order, without chaos: {found.failure.text}')
-        shrunk = found
     else:
-        _say(f'seed {found.chosen.seed} fails ({found.failure.name}); {len(found.decisions)} decisions, which are '
-             'as few as possible next')
+        _say(f'seed {found.chosen.seed} fails ({found.failure.name}) with {_counted(found.decisions)}; now as '
+             'few as possible')
         before = runs.count
         shrunk = runs.shrunk(found)
-        assert shrunk.failure is not None
+        if shrunk.failure is None:
+            raise ConfigurationError(f'the run of seed {found.chosen.seed} does not fail again: it is not repeatable; '
+                                     f'`verify` says why. It failed: {found.failure.text}')
         _say(f'failed: {shrunk.failure.text}')
-        _say(f'because of {len(shrunk.decisions)} decisions, found in {runs.count - before} runs:')
+        _say(f'because of {_counted(shrunk.decisions)}, found in {runs.count - before} runs:')
+    assert shrunk.failure is not None
     made.only = [decision['name'] for decision in shrunk.decisions]
     made.failure, made.text, made.sha256 = shrunk.failure.name, shrunk.failure.text, shrunk.digest
     made.happened = [_said(decision) for decision in shrunk.decisions]
@@ -141,6 +144,10 @@ def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:
     replay_file.write(output, made)
     _say(f'run it again: rosrun move_base_abstract chaos --replay {output}')
     return FAILED
+
+
+def _counted(decisions: Sequence[Any]) -> str:
+    return f"{len(decisions)} decision{'s' * (len(decisions) != 1)}"
 
 
 def _said(decision: Dict[str, Any]) -> str:

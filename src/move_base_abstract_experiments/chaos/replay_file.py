@@ -6,10 +6,12 @@ import re
 from dataclasses import dataclass, field
 from typing import Any, Dict, List
 
+from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract.common.own_files import check_file, whole_file
 from move_base_abstract.common.shown import shown
+from move_base_abstract.lockstep.run_options import ALLOW, RunOptions
 
 FORMAT = 1
 _NAME = re.compile('[0-9a-f]{12}')
@@ -31,11 +33,16 @@ class Replay:
 
     @property
     def words(self) -> List[str]:
-        """The options of lockstep_launch, without the launch file."""
-        if not self.seed:
-            return []
-        words = ['--chaos-seed', str(self.seed)] + (['--chaos-delay', repr(self.delay)] if self.delay else [])
-        return words + [word for name in self.only or ['none'] for word in ('--chaos-only', name)]
+        """The options of lockstep_launch, without the launch file; a crash is compared, too.
+
+        :raises ConfigurationError: if they are none.
+        """
+        others = {key: value for key, value in self.document.items() if key not in ('leave_out', 'until', 'seed')}
+        chaos = {'chaos_seed': self.seed, 'chaos_delay': self.delay, 'chaos_only': self.only or ['none']}
+        words = kinds.words_of(kinds.read(RunOptions, '', {**others, 'crashes': ALLOW, **(chaos if self.seed else {})}))
+        words += [word for name in self.document.get('leave_out', ()) for word in ('--leave-out', str(name))]
+        words += ['--until', repr(1.0 + float(self.document['until']))] if 'until' in self.document else []
+        return words + ['--seed', str(self.document.get('seed', 0))]
 
 
 def write(path: str, replay: Replay) -> None:

@@ -98,19 +98,19 @@ class Runs:
         return next(self.each([chosen]))
 
     def shrunk(self, found: Told) -> Told:
-        """Return a run of as few of the decisions of ``found`` as still fail in the same way."""
-        assert found.failure is not None
-        best = [found]
+        """Return a run of as few of the decisions of ``found`` as still fail in the same way.
 
+        :raises ConfigurationError: if they do not when they run again.
+        """
+        assert found.failure is not None
         def first_failing(candidates: List[List[str]]) -> Optional[Tuple[int, List[str]]]:
             told = self.each(Chosen(found.chosen.seed, tuple(names)) for names in candidates)
             for number, one in enumerate(told):
                 if one.failure is not None and one.failure.name == found.failure.name:
-                    best[0] = one
                     return number, [decision['name'] for decision in one.decisions]
             return None
-        shrinking.ddmin([decision['name'] for decision in found.decisions], first_failing)
-        return best[0]
+        left = shrinking.ddmin([decision['name'] for decision in found.decisions], first_failing)
+        return self.one(Chosen(found.chosen.seed, tuple(left)))
 
     def _run(self, chosen: Chosen) -> Told:
         warm = self._idle.get()
