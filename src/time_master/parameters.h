@@ -15,9 +15,10 @@
 #include <string>
 #include <vector>
 
+#include "chaos_parameters.h"
+#include "clock/list_of_texts.h"
 #include "clock/shown_text.h"
 #include "clock/time_master.h"
-#include "lockstep/chaos/decisions.h"
 #include "lockstep/core_choice.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/routing/stored_topics.h"
@@ -28,33 +29,6 @@ namespace move_base_abstract {
 /** @brief Hz, wall: of /clock in lockstep, where only onlookers hear it. */
 constexpr double kLockstepClockRate = 200.0;
 constexpr double kUsualGap = 0.25;  // wall s; a loop of the node takes 0.1
-
-/** @return the texts of "[a, 'b', "c"]"; nothing if @p text is no such list. */
-inline std::optional<std::vector<std::string>> listOfTexts(const std::string& text) {
-  const auto trimmed = [](const std::string& part) {
-    const std::size_t begin = part.find_first_not_of(" \t\n");
-    return begin == std::string::npos
-               ? std::string()
-               : part.substr(begin, part.find_last_not_of(" \t\n") - begin + 1);
-  };
-  const std::string whole = trimmed(text);
-  if (whole.size() < 2 || whole.front() != '[' || whole.back() != ']') {
-    return std::nullopt;
-  }
-  std::vector<std::string> texts;
-  std::istringstream parts(whole.substr(1, whole.size() - 2));
-  for (std::string part; std::getline(parts, part, ',');) {
-    std::string one = trimmed(part);
-    if (one.size() >= 2 && one.front() == one.back() && (one[0] == '\'' || one[0] == '"')) {
-      one = one.substr(1, one.size() - 2);
-    }
-    if (one.empty() || one.find_first_of("[]{}'\"") != std::string::npos) {
-      return std::nullopt;
-    }
-    texts.push_back(one);
-  }
-  return texts;
-}
 
 /** @brief Typed look-ups below one namespace; remembers which keys it knows. */
 class ParameterReader {
@@ -303,30 +277,6 @@ inline void readTopics(ParameterReader& reader, LockstepSettings& lockstep) {
   reader.read("keep_unread", lockstep.keep_unread);
 }
 
-inline void readChaos(ParameterReader& reader, NodeParameters& parameters) {
-  LockstepSettings& lockstep = parameters.lockstep;
-  int seed = 0;
-  reader.read("chaos_seed", seed);
-  checkRange("chaos_seed", seed, 0.0, std::numeric_limits<int>::max(), "");
-  lockstep.chaos_seed = static_cast<std::uint32_t>(seed);
-  reader.read("chaos_delay", lockstep.chaos_delay);
-  checkRange("chaos_delay", lockstep.chaos_delay, 0.0, 1000.0, " s");
-  std::vector<std::string> only;
-  reader.read("chaos_only", only);
-  for (const std::string& name : only) {
-    lockstep.chaos_only += (lockstep.chaos_only.empty() ? "" : ",") + name;
-  }
-  chaos::decisionsOf(lockstep.chaos_only);
-  reader.read("chaos_decisions", parameters.chaos_decisions);
-  lockstep.keeps_decisions = !parameters.chaos_decisions.empty();
-  if (seed != 0 && !parameters.in_lockstep) {
-    throw std::invalid_argument(
-        "chaos_seed must be 0 in mode scaled, where events have no stated "
-        "order; got " +
-        std::to_string(seed));
-  }
-}
-
 inline void readCores(ParameterReader& reader, NodeParameters& parameters) {
   reader.choose("cores",
                 {{"auto", CoresWish::kAuto},
@@ -377,7 +327,6 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("lockstep_secret_file", secret_file);
   lockstep.secret = runSecret(secret, secret_file);
   readTopics(reader, lockstep);
-  readChaos(reader, parameters);
   lockstep.participants = absoluteNames("participants", lockstep.participants);
   checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
   if (lockstep.limit != 0.0) {
@@ -416,6 +365,7 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   TimeMaster(parameters.master, 0);  // checks the others, whatever the mode is now
   readLockstepParameters(reader, parameters);
   readLookahead(reader, parameters);
+  readChaos(reader, parameters.in_lockstep, parameters.lockstep, parameters.chaos_decisions);
   reader.know("lockstep_address");  // our own, of a run that was killed
   reader.warnOfUnknown();
   return parameters;

@@ -274,18 +274,24 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
       receivers.push_back(subscriber.member);
     }
   }
-  if (topic.part == OpenGoals::Part::kResult) {
-    if (later.empty() || std::find(later.begin(), later.end(),
-                                   goals_.clientOf(topic.name, item.payload)) == later.end()) {
-      goals_.answered(topic.name, item.payload);
-    }
-  } else if (topic.part == OpenGoals::Part::kGoal && is_received &&
-             awaitsResults(by.sender, topic.name)) {
-    goals_.sent(by.sender, topic.name, item.payload);
+  if (topic.part != OpenGoals::Part::kNone) {
+    noteGoal(by.sender, topic, item.payload, is_received, later);
   }
   if (!receivers.empty()) {
     trace_({Delivery::Kind::kMessage, order, topic.name, by.sender, std::move(receivers),
             wire::CallStatus::kOk, item.payload, typeOf(topic, by.sender)});
+  }
+}
+
+/** @brief A goal or a result was sent. @param later those that have it later, or never. */
+void MessageRouter::noteGoal(MemberId sender, const Topic& topic, std::string_view payload,
+                             bool is_received, const std::vector<MemberId>& later) {
+  const auto is_client = [&](MemberId id) { return id == goals_.clientOf(topic.name, payload); };
+  if (topic.part == OpenGoals::Part::kGoal && is_received && awaitsResults(sender, topic.name)) {
+    goals_.sent(sender, topic.name, payload);
+  } else if (topic.part == OpenGoals::Part::kResult &&
+             std::none_of(later.begin(), later.end(), is_client)) {
+    goals_.answered(topic.name, payload);
   }
 }
 

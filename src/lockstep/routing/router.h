@@ -191,6 +191,8 @@ class MessageRouter {
   void link(const Action& by, const Topic& topic, const Advertised& publisher,
             const Subscribed& subscriber);
   void tellHearing(const Action& by, const Advertised& publisher, const Subscribed& subscriber);
+  void noteGoal(MemberId sender, const Topic& topic, std::string_view payload, bool is_received,
+                const std::vector<MemberId>& later);
   bool linked(const Topic& topic, MemberId publisher, MemberId subscriber) const;
   std::string_view definitionOf(const wire::Advertise& item);
   bool awaitsResults(MemberId client, std::string_view goal_topic) const;
