@@ -57,7 +57,8 @@ def make_robot_parts(settings, name, index, simulation, stream, client, lookup, 
     simulation.queue.guard(index, navigator.break_off)
     failing = None
     if settings.failures is not None or settings.buggify is not None:
-        failing = Failing(settings.failures or Failures(ABORT), robot, navigator, simulation, Chance(values['seed'], name), stream)
+        failing = Failing(settings.failures or Failures(ABORT), robot, navigator, simulation,
+                          Chance(values['seed'], name), stream)
     buggifying = None
     if settings.buggify is not None:
         buggifying = Buggifying(settings.buggify, robot, navigator, simulation.queue,

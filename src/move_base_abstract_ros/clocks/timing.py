@@ -128,8 +128,8 @@ class LockstepTiming:
 
     What is told at a rate has an instant each time, as long as anybody hears it. ``events_only``: nothing is told at a
     rate unless a parameter of its own says so. ``log_motion``: robots write into the event log by which limits they
-    travel. ``chaos_seed``, ``chaos_only``: those of the run, by which robots with ``buggify`` go wrong. Answers are as of
-    :class:`ScaledTiming`.
+    travel. ``chaos_seed``, ``chaos_only``: those of the run, by which robots with ``buggify`` go wrong. Answers are as
+    of :class:`ScaledTiming`.
     """
 
     def __init__(self, events_only=False, log_motion=False, chaos_seed=0, chaos_only=()):
