@@ -11,7 +11,6 @@ from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.lockstep.run_options import RunOptions
 
-from ..carrying import jobs
 from . import replay_file
 from .replay_file import Replay
 from .runs import Chosen, Runs, Told, document_of
@@ -32,8 +31,6 @@ def main(words: Sequence[str]) -> int:
     except KeyboardInterrupt:
         print('chaos: interrupted', file=sys.stderr)
         return INTERRUPTED
-    finally:
-        jobs.end_all()
 
 
 def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Namespace]:

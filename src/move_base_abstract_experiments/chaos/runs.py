@@ -63,6 +63,7 @@ class Runs:
         # Threads that only wait: nothing is forked in this process.
         self._pool = concurrent.futures.ThreadPoolExecutor(workers)
         self._workers = workers
+        self._is_over = False
         self.count = 0
 
     def __enter__(self) -> Runs:
@@ -70,7 +71,8 @@ class Runs:
 
     def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
                  trace: Optional[TracebackType]) -> None:
-        for warm in self._all:
+        self._is_over = True  # whoever has lost its process now starts no other
+        for warm in list(self._all):
             warm.close()
         self._pool.shutdown()
 
@@ -118,7 +120,7 @@ class Runs:
         try:
             content = warm.run(self._job_of(chosen)) or b''
         except (jobs.TrialError, jobs.WorkerError) as problem:
-            if isinstance(problem, jobs.WorkerError):
+            if isinstance(problem, jobs.WorkerError) and not self._is_over:
                 warm.close()
                 self._all.remove(warm)
                 warm = jobs.WarmProcess()
