@@ -18,7 +18,7 @@ MAY_IMPORT = {
         'traffic': 'engine motion maps goals', 'encounters': 'engine motion maps goals',
         'sensing': 'engine motion maps', 'tasks': 'engine motion goals runs',
         'config': 'motion maps goals faults energy sensing', 'scenario': 'config motion traffic tasks',
-        'mission': 'motion',
+        'mission': 'motion', 'radio': 'motion maps',
         'fleet': 'scenario config sensing tasks traffic encounters energy faults goals maps motion engine runs',
         'processes': 'fleet scenario goals runs'},
     'move_base_abstract_ros': {
