@@ -2,6 +2,7 @@
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
 
+#include <memory>
 #include <vector>
 
 #include "clock/scaled_clock.h"
@@ -27,9 +28,14 @@ struct LockstepRun {
   LockstepRun(const LockstepRun&) = delete;
   LockstepRun& operator=(const LockstepRun&) = delete;
 
+  /** @brief @p carrier carries, after those that were added before. Not with a lookahead.
+   * @throws std::invalid_argument with one. */
+  void addCarrier(std::unique_ptr<Carrier> carrier);
+
   const LockstepSettings settings;
   LockstepRounds rounds;
   RoundLog log;
+  Carriage carriage;
   MessageRouter router;
   Nanoseconds wall;  // the latest
   Connections connections;

@@ -4,8 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "clock/scaled_clock.h"
@@ -36,6 +38,10 @@ class LockstepSession {
   LockstepSession(const LockstepSettings& settings, Nanoseconds wall);
   LockstepSession(const LockstepSession&) = delete;
   LockstepSession& operator=(const LockstepSession&) = delete;
+
+  /** @brief @p carrier says when messages, calls and responses arrive. To be called first.
+   * @throws std::invalid_argument with a lookahead. */
+  void addCarrier(std::unique_ptr<Carrier> carrier) { run_.addCarrier(std::move(carrier)); }
 
   /** @brief A new connection, which has 10 wall seconds to say HELLO. */
   void connect(ConnectionId connection, Nanoseconds wall);

@@ -30,7 +30,10 @@ class Turns {
   /** @brief Who has asked for a parameter that has changed is to be told so with its next grant. */
   void noteChangedParameters();
   /** @brief No mail points into what was applied. */
-  void forgetApplied() { applied_.clear(); }
+  void forgetApplied() {
+    applied_.clear();
+    run_.carriage.forgetArrived();
+  }
 
  private:
   void applyItem(MemberId id, SessionMember& member, const wire::ReportItem& item);
