@@ -84,12 +84,8 @@ Radio::Outcome Radio::attempt(Channel& on, Waiting& message, Nanoseconds now) {
   const Nanoseconds delay =
       between(draw(on.key, message.number, message.attempt, Purpose::kDelay), on.rule->delay_low,
               on.rule->delay_high);
-  Nanoseconds at = addSaturated(on.free, delay);
-  if (on.rule->lost != OnLoss::kDrop) {
-    at = std::max(at, on.latest);
-  }
-  on.latest = at;
-  return {Kind::kArrives, at, nullptr};
+  on.latest = std::max(on.latest, addSaturated(on.free, delay));  // nothing overtakes
+  return {Kind::kArrives, on.latest, nullptr};
 }
 
 Radio::Outcome Radio::fail(Channel& on, Waiting& message, const char* reason, Nanoseconds now) {

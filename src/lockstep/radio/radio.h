@@ -28,7 +28,7 @@ constexpr const char* kBuffer = "buffer";   // too much waits to be sent
 /**
  * @brief Messages between hosts, with range, loss, delay and rate.
  *
- * Each direction of a link sends one message after the other. What chance decides follows from the
+ * Each direction of a link sends one message after the other, and they arrive in this order. What chance decides follows from the
  * seed, the names of the two hosts and the number of the message among those of its direction.
  */
 class Radio {

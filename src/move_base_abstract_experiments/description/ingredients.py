@@ -49,7 +49,7 @@ def of_trial(trial: Trial) -> Made:
     if experiment.launch:
         found.update(_of_launch(first.launch, tuple(first.arguments), experiment.folder, experiment.leave_out,
                                 tuple(sorted(experiment.replace.items()))))
-    paths = {os.path.join(experiment.folder, name) for name in experiment.inputs}
+    paths = {os.path.join(experiment.folder, name) for name in [*experiment.inputs, *trial.network.split()[:1]]}
     for word, after in zip(experiment.command, [*experiment.command[1:], '']):
         paths |= _of_word(word, after, experiment.folder)
     for name in experiment.functions.values():
