@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Offers tasks to robots by radio, one auction after the other for each, until somebody says that the task is done.
 
-It announces a task, takes bids for a second, awards the task to the least one, and waits for the winner's word. Whatever
-gets lost on the way is offered again; after some auctions it gives up. Any of it may come twice, or late.
+It announces a task, takes bids for a second, awards the task to the least one, and waits for the winner's word.
+Whatever gets lost on the way is offered again; after some auctions it gives up. Any of it may come twice, or late.
 
 On /outcome: [tasks done, auctions, mean time from the first announcement to the word that it is done [s]].
 """
@@ -22,7 +22,8 @@ class Auctioneer:
     def __init__(self):
         chance = random.Random(rospy.get_param('~seed', 0))
         size = rospy.get_param('~size', 40.0)
-        self.tasks = [(chance.uniform(0.0, size), chance.uniform(0.0, size)) for _ in range(rospy.get_param('~tasks', 9))]
+        count = rospy.get_param('~tasks', 9)
+        self.tasks = [(chance.uniform(0.0, size), chance.uniform(0.0, size)) for _ in range(count)]
         self.bids, self.taken, self.done = {}, {}, {}
         self.auctions, self.begun = 0, {}
         self.announce = rospy.Publisher('/auction/task', String, queue_size=100)

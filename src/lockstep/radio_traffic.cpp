@@ -63,22 +63,17 @@ void RadioTraffic::move(MemberId id, const wire::Motion& motion, Nanoseconds now
 
 bool RadioTraffic::isWired(std::string_view name) {
   const auto known = wired_.find(name);
-  return known != wired_.end() ? known->second
-                               : wired_
-                                     .emplace(std::string(name),
-                                              radio_.hosts().network().isWired(name))
-                                     .first->second;
+  return known != wired_.end()
+             ? known->second
+             : wired_.emplace(std::string(name), radio_.hosts().network().isWired(name))
+                   .first->second;
 }
 
-/** @brief One of both is on a host, the other is not: what they tell each other is not on the air. */
-void RadioTraffic::labelIfAlone(HostId from, HostId to, const Passage& passage) {
-  if ((from == 0) == (to == 0)) {
-    return;
-  }
-  const std::string_view who = from == 0 ? passage.sender_name : passage.receiver_name;
-  if (labelled_.emplace(std::string(who), true).second) {
-    label_(quote(who) +
-           " is on no host of the network: what it says and hears is not on the radio");
+/** @brief It is on no host, and tells somebody something who is: that is not on the air. Who only
+ * listens, as recorders do, needs no host. */
+void RadioTraffic::labelIfAlone(HostId from, std::string_view sender) {
+  if (from == 0 && labelled_.insert(std::string(sender)).second) {
+    label_(quote(sender) + " is on no host of the network: what it says is not on the radio");
   }
 }
 
@@ -90,7 +85,7 @@ Carried RadioTraffic::carry(const Passage& passage) {
     return {passage.from};
   }
   if (from == 0 || to == 0) {
-    labelIfAlone(from, to, passage);
+    labelIfAlone(from, passage.sender_name);
     return {passage.from};
   }
   Sent sent{passage.order, {from, to}, std::string(passage.name), "["};
@@ -101,8 +96,7 @@ Carried RadioTraffic::carry(const Passage& passage) {
     sent.values += ",";
   }
   sent.values += std::to_string(passage.size) + "," + std::to_string(passage.from) + ",";
-  const Radio::Outcome outcome =
-      radio_.send(from, to, passage.size, ++ticket_, passage.from);
+  const Radio::Outcome outcome = radio_.send(from, to, passage.size, ++ticket_, passage.from);
   if (outcome.kind == Radio::Outcome::Kind::kWaits) {
     waiting_.emplace(ticket_, std::move(sent));
     return {kNever, {}, ticket_};
@@ -135,17 +129,25 @@ std::vector<std::pair<std::uint64_t, Carried>> RadioTraffic::look(Nanoseconds no
   return found;
 }
 
-std::vector<std::pair<Nanoseconds, std::string>> RadioTraffic::changes(Nanoseconds now) {
+std::vector<RadioTraffic::Change> RadioTraffic::changes(Nanoseconds now) {
   settle(now);
   watch_.advance(now);
-  std::vector<std::pair<Nanoseconds, std::string>> lines;
+  std::vector<Change> lines;
   for (const radio::LinkWatch::Change& change : watch_.take()) {
     std::string values = "[";
     appendJson(values, radio_.hosts().name(change.one));
     values += ",";
     appendJson(values, radio_.hosts().name(change.other));
-    lines.emplace_back(change.at, values + (change.is_up ? ",\"up\"]" : ",\"down\"]"));
+    lines.push_back({change.at, "", "link", values + (change.is_up ? ",\"up\"]" : ",\"down\"]")});
     has_news_ = true;
+  }
+  while (told_ < radio_.hosts().count()) {
+    ++told_;
+    if (radio_.hosts().isFixed(told_)) {
+      const radio::Place at = *radio_.hosts().place(told_, now);
+      lines.push_back({now, radio_.hosts().name(told_), "host",
+                       "[" + numberText(at.x) + "," + numberText(at.y) + "]"});
+    }
   }
   return lines;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -60,8 +61,16 @@ class RadioTraffic : public Carrier {
   /** @brief Decide on what has waited. @return by ticket, in the order of the decisions. */
   std::vector<std::pair<std::uint64_t, Carried>> look(Nanoseconds now);
 
-  /** @return lines on links that have come up or gone down up to @p now, with their instants. */
-  std::vector<std::pair<Nanoseconds, std::string>> changes(Nanoseconds now);
+  /** @brief A line for the event log, with its instant. */
+  struct Change {
+    Nanoseconds at;
+    std::string name;    // of a host; '' of a link
+    std::string kind;    // host, or link
+    std::string values;  // a JSON array
+  };
+  /** @return lines on links that have come up or gone down up to @p now, and on fixed hosts that
+   * are new. */
+  std::vector<Change> changes(Nanoseconds now);
   /** @return whether anything is another than at the last call. */
   bool takeNews() { return std::exchange(has_news_, false); }
   std::vector<LinkState> links(Nanoseconds now) const;
@@ -81,7 +90,7 @@ class RadioTraffic : public Carrier {
   void settle(Nanoseconds now);
   radio::HostId hostOf(MemberId id, std::uint32_t sub) const;
   bool isWired(std::string_view name);
-  void labelIfAlone(radio::HostId from, radio::HostId to, const Passage& passage);
+  void labelIfAlone(radio::HostId from, std::string_view sender);
   Carried decided(const Sent& sent, const radio::Radio::Outcome& outcome);
 
   radio::Radio radio_;
@@ -92,10 +101,11 @@ class RadioTraffic : public Carrier {
   std::map<MemberId, radio::HostId> nodes_;
   std::map<std::pair<MemberId, std::uint32_t>, radio::HostId> robots_;  // of participants
   std::map<std::string, bool, std::less<>> wired_;
-  std::map<std::string, bool, std::less<>> labelled_;
+  std::set<std::string> labelled_;
   std::map<std::uint64_t, Sent> waiting_;
   std::map<Ends, Counts> counts_;
   std::uint64_t ticket_ = 0;
+  radio::HostId told_ = 0;  // hosts up to this
   bool has_news_ = true;
 };
 

@@ -48,8 +48,8 @@ void LockstepRun::addRadio() {
     if (!rounds.started()) {
       return lines;  // who has joined first is an affair of the wall clock
     }
-    for (const auto& [at, values] : radio->changes(rounds.now())) {
-      lines.push_back({at, "", "link", values, "", ""});
+    for (RadioTraffic::Change& one : radio->changes(rounds.now())) {
+      lines.push_back({one.at, one.name, one.kind, one.values, "", ""});
     }
     return lines;
   });
@@ -58,7 +58,8 @@ void LockstepRun::addRadio() {
 void LockstepRun::addCarrier(std::unique_ptr<Carrier> carrier) {
   if (rounds.hasWindows()) {
     throw std::invalid_argument(
-        "delays of single messages must be without a lookahead, which delays all alike: got one of " +
+        "delays of single messages must be without a lookahead, which delays all alike: got one "
+        "of " +
         numberText(settings.lookahead) + " s");
   }
   carriage.add(std::move(carrier));

@@ -75,7 +75,8 @@ class LockstepSession {
 
   /** @return log lines since the last call, by time, round and (rank, sub, name, number). */
   std::vector<LockstepLogEntry> takeLog() { return run_.log.take(); }
-  /** @return how the links of the radio are; none if that is as at the last call, or there is none. */
+  /** @return how the links of the radio are; none if that is as at the last call, or there is none.
+   */
   std::vector<LinkState> takeLinks() {
     return run_.radio != nullptr && run_.radio->takeNews() ? run_.radio->links(now())
                                                            : std::vector<LinkState>();

@@ -313,7 +313,8 @@ inline void readNetwork(ParameterReader& reader, NodeParameters& parameters) {
     throw std::invalid_argument("network must be [] in mode scaled, where messages go over ROS");
   }
   if (parameters.lockstep.lookahead != 0.0) {
-    throw std::invalid_argument("network must be [] with a lookahead, where all takes the same time");
+    throw std::invalid_argument(
+        "network must be [] with a lookahead, where all takes the same time");
   }
 }
 

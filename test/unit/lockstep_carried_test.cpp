@@ -79,7 +79,9 @@ struct Carried2 : Stage {
   }
 };
 
-wire::Send news(std::string_view payload, std::uint32_t sub = 0) { return {kNews, sub, 0, payload}; }
+wire::Send news(std::string_view payload, std::uint32_t sub = 0) {
+  return {kNews, sub, 0, payload};
+}
 wire::At at(Nanoseconds seconds) { return {seconds * kOne}; }
 
 TEST(Carried, ArrivesAtItsInstantAsAReasonForALeap) {
@@ -237,7 +239,8 @@ TEST(Carried, NotWithALookahead) {
   EXPECT_NE(refusal([&] { session.addCarrier(after(kOne)); }).find("lookahead"), std::string::npos);
 }
 
-/** @return what /b is handed of mail that is under way until 4 s, and was sent as robots 2 and 1. */
+/** @return what /b is handed of mail that is under way until 4 s, and was sent as robots 2 and 1.
+ */
 TEST(Carried, ItsRuleCanBeBroken) {
   const auto handed = [] {
     Carried2 stage(after(kOne));

@@ -42,7 +42,7 @@ std::string piece(Nanoseconds begin, std::vector<double> numbers) {
 }
 
 TEST(Radio, ADelayOfMessageSizeAndLine) {
-  Two two("delay 20000000 20000000 rate 1000000");  // 20 ms, 1 Mbit/s
+  Two two("delay 20000000 20000000 rate 1000000");                         // 20 ms, 1 Mbit/s
   EXPECT_EQ(two.send(125, kSecond).at, kSecond + 1'000'000 + 20'000'000);  // 1000 bits: 1 ms
   // The next one waits until the first has been sent; not until it has arrived.
   EXPECT_EQ(two.send(1, kSecond).at, kSecond + 1'000'000 + 8'000 + 20'000'000);
@@ -77,9 +77,9 @@ TEST(Radio, HostsWithoutALinkHearNothing) {
 }
 
 TEST(Radio, WallsCostMetres) {
-  const std::vector<std::string> lines = {
-      "host a at 0.5 0.5 /a", "host b at 8.5 0.5 /b", "walls 0 0 1 10 10", "wall 0 2 4 6 7",
-      "link a b range 12 wall 2"};
+  const std::vector<std::string> lines = {"host a at 0.5 0.5 /a", "host b at 8.5 0.5 /b",
+                                          "walls 0 0 1 10 10", "wall 0 2 4 6 7",
+                                          "link a b range 12 wall 2"};
   Radio radio(networkOf(lines));
   const HostId a = radio.hosts().of("/a"), b = radio.hosts().of("/b");
   EXPECT_EQ(radio.hosts().network().walls.between({0.5, 0.5}, {8.5, 0.5}), 2);
@@ -124,9 +124,16 @@ void expectLosses(const std::string& keys, double distance, double probability) 
 
 TEST(Radio, TheLossCurveIsThatOfTheTable) {
   const std::string table = "table 3 50 0 100 0.2 150 1";
-  for (const auto& [distance, probability] : std::vector<std::pair<double, double>>{
-           {0, 0}, {50, 0}, {60, 0.04}, {75, 0.1}, {100, 0.2}, {110, 0.36}, {140, 0.84}, {149, 0.984},
-           {150, 1}, {1000, 1}}) {
+  for (const auto& [distance, probability] : std::vector<std::pair<double, double>>{{0, 0},
+                                                                                    {50, 0},
+                                                                                    {60, 0.04},
+                                                                                    {75, 0.1},
+                                                                                    {100, 0.2},
+                                                                                    {110, 0.36},
+                                                                                    {140, 0.84},
+                                                                                    {149, 0.984},
+                                                                                    {150, 1},
+                                                                                    {1000, 1}}) {
     expectLosses(table, distance, probability);
   }
   expectLosses("loss 0.01", 5.0, 0.01);
@@ -196,8 +203,10 @@ TEST(Radio, ABusyLinkIsAnMD1Queue) {
     double now = 0.0, waits = 0.0;
     constexpr int kCount = 200'000;
     for (int k = 0; k < kCount; ++k) {
-      const double even = (static_cast<double>(draw(99, static_cast<std::uint64_t>(k), 0,
-                                                    Purpose::kDelay) >> 11U) + 0.5) * 0x1p-53;
+      const double even =
+          (static_cast<double>(draw(99, static_cast<std::uint64_t>(k), 0, Purpose::kDelay) >> 11U) +
+           0.5) *
+          0x1p-53;
       now -= std::log(even) * service / load;
       const auto at = static_cast<Nanoseconds>(now * 1e9);
       waits += static_cast<double>(two.send(10, at).at - at) * 1e-9 - service;
@@ -304,8 +313,8 @@ TEST(Radio, LinksComeUpToTheNanosecond) {
 }
 
 TEST(Radio, APieceIsAQuadratic) {
-  const Motion motion(piecesOf(piece(kSecond, {1, 2, 3, 4, 0.5, -1}) +
-                               piece(3 * kSecond, {8, 8, 0, 0, 0, 0})));
+  const Motion motion(
+      piecesOf(piece(kSecond, {1, 2, 3, 4, 0.5, -1}) + piece(3 * kSecond, {8, 8, 0, 0, 0, 0})));
   EXPECT_EQ(motion.at(0).x, 1.0);
   EXPECT_EQ(motion.at(2 * kSecond).x, 4.25);
   EXPECT_EQ(motion.at(2 * kSecond).y, 5.5);
@@ -329,11 +338,27 @@ TEST(Radio, PatternsOfNodes) {
 }
 
 TEST(Radio, LinesThatAreNoneAreRefused) {
-  for (const char* line :
-       {"", "what", "seed", "seed x", "seed 1 2", "host a", "host a on /a", "host a at 1 /a",
-        "link a", "link a b loss 2", "link a b loss -0.1", "link a b delay 2 1", "link a b rate 0",
-        "link a b lost never", "link a b table 1", "link a b table 2 1 0 1 0", "link a b range -1",
-        "walls 0 0 0 1 1", "walls 0 0 1 99999 99999", "wall 0 0 1", "link a b attempts 0"}) {
+  for (const char* line : {"",
+                           "what",
+                           "seed",
+                           "seed x",
+                           "seed 1 2",
+                           "host a",
+                           "host a on /a",
+                           "host a at 1 /a",
+                           "link a",
+                           "link a b loss 2",
+                           "link a b loss -0.1",
+                           "link a b delay 2 1",
+                           "link a b rate 0",
+                           "link a b lost never",
+                           "link a b table 1",
+                           "link a b table 2 1 0 1 0",
+                           "link a b range -1",
+                           "walls 0 0 0 1 1",
+                           "walls 0 0 1 99999 99999",
+                           "wall 0 0 1",
+                           "link a b attempts 0"}) {
     EXPECT_THROW(networkOf({std::string(line)}), std::invalid_argument) << line;
   }
 }

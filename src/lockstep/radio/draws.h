@@ -35,8 +35,8 @@ inline std::uint64_t linkKey(std::uint64_t seed, std::string_view from, std::str
 inline std::uint64_t draw(std::uint64_t link, std::uint64_t number, std::uint32_t attempt,
                           Purpose purpose) {
   const std::uint64_t of_message = stirred(link + kGolden * (number + 1U));
-  return stirred(of_message + kGolden * (4U * std::uint64_t{attempt} +
-                                         static_cast<std::uint64_t>(purpose)));
+  return stirred(of_message +
+                 kGolden * (4U * std::uint64_t{attempt} + static_cast<std::uint64_t>(purpose)));
 }
 
 /** @return whether what happens with @p probability [0, 1] does: in 53 bits, 0 never, 1 always. */

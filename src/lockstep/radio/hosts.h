@@ -39,6 +39,7 @@ class Hosts {
 
   /** @brief The robot of this name moves so from now on. @return the host that goes with it; 0. */
   HostId move(const std::string& robot, std::vector<Piece> pieces);
+  bool isFixed(HostId id) const { return hosts_[id - 1].rule->at.has_value(); }
   /** @return where it is; nothing of one that goes with a robot which has told nothing. */
   std::optional<Place> place(HostId id, Nanoseconds now) const;
   /** @return the instant from which on it stands, as far as it is known. */

@@ -47,8 +47,7 @@ bool LinkWatch::upAt(const Pair& pair, const Link& link, Nanoseconds now) const 
 
 /** @brief Find the next change after @p from, as both hosts move now. */
 void LinkWatch::search(const Pair& pair, Link& link, Nanoseconds from) {
-  const Nanoseconds end =
-      std::max(hosts_.standsFrom(pair.first), hosts_.standsFrom(pair.second));
+  const Nanoseconds end = std::max(hosts_.standsFrom(pair.first), hosts_.standsFrom(pair.second));
   Nanoseconds before = from;
   for (int step = 0; before < end; ++step) {
     if (step == kStepsAtOnce) {

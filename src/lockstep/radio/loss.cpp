@@ -27,8 +27,8 @@ double at(const LossTable& table, double distance) {
 
 double at(const PathLoss& law, double distance, double walls) {
   const double ratio = (distance > law.reference ? distance : law.reference) / law.reference;
-  const double mean = law.power - law.loss_at_reference -
-                      10.0 * law.exponent * decimalLogarithm(ratio) - walls;
+  const double mean =
+      law.power - law.loss_at_reference - 10.0 * law.exponent * decimalLogarithm(ratio) - walls;
   if (law.shadowing == 0.0) {
     return mean < law.sensitivity ? 1.0 : 0.0;
   }

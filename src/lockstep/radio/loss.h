@@ -8,7 +8,8 @@
 
 namespace move_base_abstract::radio {
 
-/** @brief Distances [m], ascending, and the probabilities there; straight between, level outside. */
+/** @brief Distances [m], ascending, and the probabilities there; straight between, level outside.
+ */
 using LossTable = std::vector<std::pair<double, double>>;
 
 /**

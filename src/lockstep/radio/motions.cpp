@@ -59,8 +59,8 @@ std::vector<Piece> piecesOf(std::string_view bytes) {
           "a motion must have finite numbers, and instants that ascend, got others in piece " +
           std::to_string(pieces.size()));
     }
-    pieces.push_back({start, numbers[0], numbers[1], numbers[2], numbers[3], numbers[4],
-                      numbers[5]});
+    pieces.push_back(
+        {start, numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5]});
   }
   return pieces;
 }

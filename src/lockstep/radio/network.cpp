@@ -197,8 +197,9 @@ void readLine(Words& words, Network& network) {
 }  // namespace
 
 bool Network::isWired(std::string_view name) const {
-  return std::any_of(wired.begin(), wired.end(),
-                     [&](const std::string& pattern) { return matched(pattern, name).has_value(); });
+  return std::any_of(wired.begin(), wired.end(), [&](const std::string& pattern) {
+    return matched(pattern, name).has_value();
+  });
 }
 
 Network networkOf(const std::vector<std::string>& lines) {

@@ -17,9 +17,9 @@ namespace move_base_abstract::radio {
 
 /** @brief Which nodes are on a host, and where it is. */
 struct HostRule {
-  std::string name;                 // with a `*`: one host for each text in place of it
-  std::optional<Place> at;          // nothing: where the robot of the host's name is
-  std::vector<std::string> nodes;   // patterns
+  std::string name;                // with a `*`: one host for each text in place of it
+  std::optional<Place> at;         // nothing: where the robot of the host's name is
+  std::vector<std::string> nodes;  // patterns
 };
 
 /** @brief What becomes of a message that does not arrive. */
@@ -31,24 +31,24 @@ enum class OnLoss {
 
 /** @brief How it is between two hosts, in each direction. */
 struct LinkRule {
-  std::string one, other;           // patterns of hosts
-  Nanoseconds delay_low = 0;        // simulated; evenly from this
-  Nanoseconds delay_high = 0;       // to this
+  std::string one, other;      // patterns of hosts
+  Nanoseconds delay_low = 0;   // simulated; evenly from this
+  Nanoseconds delay_high = 0;  // to this
   Loss loss = 0.0;
-  std::int64_t rate = 0;            // bit/s, of each direction; 0: any
-  std::int64_t buffer = 0;          // bytes that may wait to be sent; 0: any
+  std::int64_t rate = 0;                                   // bit/s, of each direction; 0: any
+  std::int64_t buffer = 0;                                 // bytes that may wait to be sent; 0: any
   double range = std::numeric_limits<double>::infinity();  // m
-  double wall = 0.0;                // that a wall costs; of a path loss dB, else m
+  double wall = 0.0;  // that a wall costs; of a path loss dB, else m
   OnLoss lost = OnLoss::kDrop;
   Nanoseconds retry = kNanosecondsPerSecond / 5;  // simulated; from a loss to the first other try
-  std::uint32_t attempts = 8;       // of kRetry; then the message is lost
+  std::uint32_t attempts = 8;                     // of kRetry; then the message is lost
 };
 
 struct Network {
   std::uint64_t seed = 0;
-  std::vector<HostRule> hosts;      // the first that fits is it
-  std::vector<LinkRule> links;      // the same; hosts between which there is none hear nothing
-  std::vector<std::string> wired;   // patterns of topics and services
+  std::vector<HostRule> hosts;     // the first that fits is it
+  std::vector<LinkRule> links;     // the same; hosts between which there is none hear nothing
+  std::vector<std::string> wired;  // patterns of topics and services
   Walls walls;
 
   bool isWired(std::string_view name) const;

@@ -81,9 +81,8 @@ Radio::Outcome Radio::attempt(Channel& on, Waiting& message, Nanoseconds now) {
   if (happens(draw(on.key, message.number, message.attempt, Purpose::kLoss), reach.loss)) {
     return fail(on, message, lost_by::kLoss, on.free);
   }
-  const Nanoseconds delay =
-      between(draw(on.key, message.number, message.attempt, Purpose::kDelay), on.rule->delay_low,
-              on.rule->delay_high);
+  const Nanoseconds delay = between(draw(on.key, message.number, message.attempt, Purpose::kDelay),
+                                    on.rule->delay_low, on.rule->delay_high);
   on.latest = std::max(on.latest, addSaturated(on.free, delay));  // nothing overtakes
   return {Kind::kArrives, on.latest, nullptr};
 }

@@ -28,8 +28,9 @@ constexpr const char* kBuffer = "buffer";   // too much waits to be sent
 /**
  * @brief Messages between hosts, with range, loss, delay and rate.
  *
- * Each direction of a link sends one message after the other, and they arrive in this order. What chance decides follows from the
- * seed, the names of the two hosts and the number of the message among those of its direction.
+ * Each direction of a link sends one message after the other, and they arrive in this order. What
+ * chance decides follows from the seed, the names of the two hosts and the number of the message
+ * among those of its direction.
  */
 class Radio {
  public:
@@ -69,13 +70,13 @@ class Radio {
     HostId from, to;
     const LinkRule* rule;
     std::uint64_t key;
-    std::uint64_t number = 0;    // of the next message
-    Nanoseconds free = 0;        // all before has been sent then
-    Nanoseconds latest = 0;      // arrival
+    std::uint64_t number = 0;  // of the next message
+    Nanoseconds free = 0;      // all before has been sent then
+    Nanoseconds latest = 0;    // arrival
     std::deque<Waiting> waiting;
     std::size_t waiting_bytes = 0;
-    Nanoseconds look = kNever;   // at the first of them
-    bool sleeps = false;         // until one of both moves
+    Nanoseconds look = kNever;  // at the first of them
+    bool sleeps = false;        // until one of both moves
   };
 
   Channel& channel(HostId from, HostId to);

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kNoBorder = std::numeric_limits<double>::infinity();
 
-/** @brief Keep of the way from @p from to @p to, in cells, what lies within 0 to @p size on an axis:
- * shares of the way, from @p begin to @p end. */
+/** @brief Keep of the way from @p from to @p to, in cells, what lies within 0 to @p size on an
+ * axis: shares of the way, from @p begin to @p end. */
 void clip(double from, double to, double size, double& begin, double& end) {
   const double first = from < to ? 0.0 : size;
   if (from == to) {

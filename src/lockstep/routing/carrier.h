@@ -20,11 +20,11 @@ struct Passage {
   MemberId receiver;
   std::string_view sender_name;  // of the nodes
   std::string_view receiver_name;
-  std::string_view name;  // of the topic or service
-  std::string_view type;  // of a message
-  std::size_t size;       // bytes, serialized
-  bool is_latched;        // of a message: its publisher latches
-  MailOrder order = {};   // where it was sent; `sub` is the sender's robot
+  std::string_view name;           // of the topic or service
+  std::string_view type;           // of a message
+  std::size_t size;                // bytes, serialized
+  bool is_latched;                 // of a message: its publisher latches
+  MailOrder order = {};            // where it was sent; `sub` is the sender's robot
   std::uint32_t receiver_sub = 0;  // the receiver's robot, of a fleet
   Nanoseconds from = 0;            // simulated; when it sets out
 };

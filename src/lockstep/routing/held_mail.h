@@ -41,7 +41,8 @@ class HeldMail {
   Nanoseconds nextDue() const { return mail_.empty() ? kNever : mail_.begin()->first.first; }
   /** @return what arrives until @p now, itself included, in its order; it is not held any more. */
   std::vector<Held> take(Nanoseconds now);
-  /** @return what waits with this ticket, which it does not any more; nothing: it has been dropped. */
+  /** @return what waits with this ticket, which it does not any more; nothing: it has been dropped.
+   */
   std::optional<Held> takeWaiting(std::uint64_t ticket);
   /** @return what @p is_meant says, in its order; it is not held any more. */
   std::vector<Held> drop(const std::function<bool(const Held&)>& is_meant);
@@ -50,7 +51,7 @@ class HeldMail {
   bool empty() const { return mail_.empty(); }
 
  private:
-  std::map<std::pair<Nanoseconds, std::uint64_t>, Held> mail_;  // by instant and count
+  std::map<std::pair<Nanoseconds, std::uint64_t>, Held> mail_;              // by instant and count
   std::map<std::uint64_t, std::pair<Nanoseconds, std::uint64_t>> waiting_;  // by ticket
   std::uint64_t count_ = 0;
 };

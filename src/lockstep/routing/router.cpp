@@ -275,18 +275,25 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
       receivers.push_back(subscriber.member);
     }
   }
-  if (topic.part == OpenGoals::Part::kResult) {
-    if (later.empty() || std::find(later.begin(), later.end(),
-                                   goals_.clientOf(topic.name, item.payload)) == later.end()) {
-      goals_.answered(topic.name, item.payload);
-    }
-  } else if (topic.part == OpenGoals::Part::kGoal && is_received &&
-             awaitsResults(by.sender, topic.name)) {
-    goals_.sent(by.sender, topic.name, item.payload);
+  if (topic.part != OpenGoals::Part::kNone) {
+    bookGoal(by.sender, topic, item.payload, later, is_received);
   }
   if (!receivers.empty()) {
     trace_({Delivery::Kind::kMessage, order, topic.name, by.sender, std::move(receivers),
             wire::CallStatus::kOk, item.payload, typeOf(topic, by.sender)});
+  }
+}
+
+/** @brief A goal or a result was sent, which those of @p later do not have as yet. */
+void MessageRouter::bookGoal(MemberId sender, const Topic& topic, std::string_view payload,
+                             const std::vector<MemberId>& later, bool is_received) {
+  if (topic.part == OpenGoals::Part::kResult) {
+    if (later.empty() || std::find(later.begin(), later.end(),
+                                   goals_.clientOf(topic.name, payload)) == later.end()) {
+      goals_.answered(topic.name, payload);
+    }
+  } else if (is_received && awaitsResults(sender, topic.name)) {
+    goals_.sent(sender, topic.name, payload);
   }
 }
 

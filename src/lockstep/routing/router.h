@@ -198,6 +198,8 @@ class MessageRouter {
   void tellHearing(const Action& by, const Advertised& publisher, const Subscribed& subscriber);
   bool linked(const Topic& topic, MemberId publisher, MemberId subscriber) const;
   std::string_view definitionOf(const wire::Advertise& item);
+  void bookGoal(MemberId sender, const Topic& topic, std::string_view payload,
+                const std::vector<MemberId>& later, bool is_received);
   bool awaitsResults(MemberId client, std::string_view goal_topic) const;
   void stopAdvertising(const Action& by, LocalTopic& local);
   void stopSubscribing(const Action& by, LocalTopic& local);
@@ -228,8 +230,8 @@ class MessageRouter {
   Place place_;
   Trace trace_;
   StoredTopics stored_;
-  bool is_lost_ = false;          // what was carried last
-  Carriage* carriage_ = nullptr;  // null: all arrives at once
+  bool is_lost_ = false;                      // what was carried last
+  Carriage* carriage_ = nullptr;              // null: all arrives at once
   std::set<std::string, std::less<>> texts_;  // names, types and definitions, kept for good
   std::unordered_map<std::string_view, std::string_view> definitions_;  // by md5
   std::map<MemberId, Participant> participants_;

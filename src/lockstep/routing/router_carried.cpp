@@ -38,9 +38,15 @@ wire::CallStatus statusOf(const wire::GrantItem& item) {
 
 Held heldOf(const Passage& passage, std::uint64_t number, const wire::GrantItem& item,
             std::string_view bytes) {
-  Held held{passage.kind, passage.sender, passage.receiver,
-            number,       passage.name,   passage.type,
-            std::string(passage.sender_name), std::make_shared<const std::string>(bytes), item};
+  Held held{passage.kind,
+            passage.sender,
+            passage.receiver,
+            number,
+            passage.name,
+            passage.type,
+            std::string(passage.sender_name),
+            std::make_shared<const std::string>(bytes),
+            item};
   held.item = pointedAt(item, *held.bytes);
   return held;
 }
@@ -50,8 +56,8 @@ Held heldOf(const Passage& passage, std::uint64_t number, const wire::GrantItem&
 // ---- setting out -----------------------------------------------------------------------------
 
 Passage MessageRouter::passage(Passage::Kind kind, const Action& by, std::uint32_t sub,
-                               MemberId receiver, std::uint32_t receiver_sub,
-                               std::string_view name, std::string_view bytes) const {
+                               MemberId receiver, std::uint32_t receiver_sub, std::string_view name,
+                               std::string_view bytes) const {
   return {kind,
           by.sender,
           receiver,
@@ -67,9 +73,9 @@ Passage MessageRouter::passage(Passage::Kind kind, const Action& by, std::uint32
 
 bool MessageRouter::arrivesAtOnce(const Action& by, const wire::Send& item, const Topic& topic,
                                   const wire::Deliver& deliver, MemberId receiver) {
-  Passage message = passage(Passage::Kind::kMessage, by, item.sub, receiver,
-                            router::findMember(topic.subscribers, receiver)->sub, topic.name,
-                            item.payload);
+  Passage message =
+      passage(Passage::Kind::kMessage, by, item.sub, receiver,
+              router::findMember(topic.subscribers, receiver)->sub, topic.name, item.payload);
   message.type = typeOf(topic, by.sender);
   message.is_latched = router::findMember(topic.publishers, by.sender)->latched;
   return carry(message, by.number, deliver, item.payload);
@@ -193,8 +199,16 @@ void MessageRouter::arriveOne(const Held& held) {
 
 void MessageRouter::traceHeld(const Held& held, std::string_view lost) {
   if (trace_) {
-    trace_({held.kind, place_(held.sender, router::kFirstSub, held.number), held.name, held.sender,
-            {held.receiver}, statusOf(held.item), *held.bytes, held.type, lost, held.sender_name});
+    trace_({held.kind,
+            place_(held.sender, router::kFirstSub, held.number),
+            held.name,
+            held.sender,
+            {held.receiver},
+            statusOf(held.item),
+            *held.bytes,
+            held.type,
+            lost,
+            held.sender_name});
   }
 }
 
@@ -225,8 +239,7 @@ void MessageRouter::dropMessages(const Topic& topic, MemberId sender, MemberId r
 void MessageRouter::dropCalls(std::string_view service, MemberId server) {
   drop(
       [=](const Held& held) {
-        return held.kind == Passage::Kind::kCall && held.name == service &&
-               held.receiver == server;
+        return held.kind == Passage::Kind::kCall && held.name == service && held.receiver == server;
       },
       kNoServer);
 }

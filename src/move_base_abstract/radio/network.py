@@ -56,8 +56,8 @@ class Host:
 
     nodes: Tuple[str, ...] = option(list_of(_PATTERN, 'a list of names of nodes', least=1), None,
                                     'its nodes: names, `*` for a part of one, `**` for any text', is_required=True)
-    at: Optional[Tuple[float, float]] = option(_PLACE, None, '`robot`: where the robot of the host\'s name is; or '
-                                               '`[x, y]` [m]', is_required=True)
+    at: Optional[Tuple[float, float]] = option(_PLACE, None, "`robot`: where the robot of the host's name is; "
+                                               "or `[x, y]` [m]", is_required=True)
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class Network:
     wired: Tuple[str, ...] = option(
         list_of(_PATTERN, 'a list of names of topics and services'),
         ['/clock', '/tf', '/tf_static', '/map', '/rosout', '/rosout_agg'], 'topics and services that are not on the '
-        'air, as nodes\' names')
+        'air, as names of nodes are written')
     lost: str = option(_LOST, 'drop', 'what becomes of a message that does not arrive: nothing more; `retry`, as TCP '
                        'does; `queue`, until it arrives')
     map: str = option(text(), None, "a map's YAML file, whose walls `walls` counts; from the folder of this file")
@@ -165,7 +165,7 @@ def _filled(value: Any, arguments: Dict[str, str], used: Dict[str, str]) -> Any:
         return value
     name = found.group(1)
     if name not in arguments:
-        raise ConfigurationError(f'$(arg {name}) is not given: {name}:=VALUE behind the file\'s name')
+        raise ConfigurationError(f'$(arg {name}) is not given: {name}:=VALUE behind the name of the file')
     used[name] = arguments[name]
     return load_yaml_text(arguments[name], f'{name}:=')
 
@@ -175,7 +175,8 @@ def _check(network: Network) -> None:
     for name, host in network.hosts.items():
         for place, one in enumerate(host.nodes):
             if '*' in name and not re.search(r'(?<!\*)\*(?!\*)', one):
-                raise error(f'hosts.{name}.nodes[{place}]', one, 'a name with a *, which the one of the host stands for')
+                raise error(f'hosts.{name}.nodes[{place}]', one, 'a name with a *, which the one of the host stands '
+                            'for')
     for place, link in enumerate(network.links):
         where = f'links[{place}]'
         if isinstance(link.delay, Uniform) and link.delay.uniform[0] > link.delay.uniform[1]:

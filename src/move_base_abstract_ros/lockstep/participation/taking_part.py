@@ -33,8 +33,7 @@ class Participant:
     def __init__(self, connection, charge):
         self.scheduler = Scheduler(self)
         self.connection = connection
-        self.rank = 0
-        self.has_radio = False  # between hosts: robots tell how they move
+        self.rank, self.has_radio = 0, False  # has_radio: robots tell how they move
         self._leave_seconds = 0.0  # wall
         self.names = {}
         self.uris = {}
