@@ -8,9 +8,32 @@
 
 namespace move_base_abstract {
 
+namespace {
+
+/** @brief What roscpp programs look at by themselves comes at once with chaos: else its order would
+ * be the stated one. */
+LockstepSettings settingsOf(LockstepSettings settings) {
+  settings.keep_unread = settings.keep_unread && settings.chaos_seed == 0;
+  return settings;
+}
+
+}  // namespace
+
+std::string chaosText(const LockstepSettings& settings) {
+  if (settings.chaos_seed == 0) {
+    return "";
+  }
+  return "chaos seed " + std::to_string(settings.chaos_seed) +
+         (settings.chaos_delay == 0.0
+              ? ""
+              : " with delays up to " + secondsText(toNanoseconds(settings.chaos_delay))) +
+         (settings.chaos_only.empty() ? "" : ", some decisions only");
+}
+
 LockstepRun::LockstepRun(const LockstepSettings& given, Nanoseconds wall_now)
-    : settings(given),
-      rounds(given),
+    : settings(settingsOf(given)),
+      decisions(given.chaos_seed, chaos::decisionsOf(given.chaos_only), given.keeps_decisions),
+      rounds(settings),
       log(rounds, given.keeps_bytes),
       carriage([this]() { return rounds.now(); }),
       router([this](MemberId id, Mail mail) { rounds.post(id, mail); },
@@ -31,12 +54,21 @@ LockstepRun::LockstepRun(const LockstepSettings& given, Nanoseconds wall_now)
   if (!settings.network.empty()) {
     addRadio();
   }
+  if (settings.chaos_seed != 0) {
+    beChaotic();
+  }
 }
 
 /** @brief The radio carries first: what else takes time comes on top. */
 void LockstepRun::addRadio() {
+  radio::Network network = radio::networkOf(settings.network);
+  if (settings.chaos_delay != 0.0 && network.hasWaiting()) {
+    throw std::invalid_argument(
+        "chaos_delay must be 0 with a network in which messages wait (lost: retry or queue), got " +
+        numberText(settings.chaos_delay) + " s");
+  }
   auto carrier = std::make_unique<RadioTraffic>(
-      radio::networkOf(settings.network),
+      std::move(network),
       [this](const RadioTraffic::Line& line) {
         log.add(line.order, {rounds.now(), line.name, line.kind, line.values, "", ""});
       },
@@ -53,6 +85,21 @@ void LockstepRun::addRadio() {
     }
     return lines;
   });
+}
+
+void LockstepRun::beChaotic() {
+  order = std::make_unique<chaos::Order>(
+      decisions, rounds,
+      chaos::Names{[this](MemberId id) { return text.nameOf(id); },
+                   [this](MemberId id, std::uint32_t number) {
+                     return std::string(router.topicName(id, number));
+                   }});
+  rounds.setArrange([this](MemberId id, std::vector<Mail>& mail) { order->arrangeMail(id, mail); });
+  if (settings.chaos_delay != 0.0) {
+    addCarrier(std::make_unique<chaos::Delays>(decisions, toNanoseconds(settings.chaos_delay)));
+  }
+  messages.say(LockstepMessage::Level::kInfo, "the order of equal events is that of " +
+                                                  chaosText(settings) + ", not the stated one");
 }
 
 void LockstepRun::addCarrier(std::unique_ptr<Carrier> carrier) {

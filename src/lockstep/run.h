@@ -3,12 +3,14 @@
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "clock/scaled_clock.h"
 #include "connections.h"
 #include "interruption.h"
 #include "labels.h"
+#include "lockstep/chaos/chaos.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/rounds/settings.h"
 #include "lockstep/routing/router.h"
@@ -20,6 +22,9 @@
 #include "status.h"
 
 namespace move_base_abstract {
+
+/** @return "chaos seed 7 with delays up to 0.05 s"; '' without. */
+std::string chaosText(const LockstepSettings& settings);
 
 /** @brief A run of the event-driven clock, without what becomes of it: each field has its own
  * rules.
@@ -37,6 +42,7 @@ struct LockstepRun {
 
   const LockstepSettings settings;
   RadioTraffic* radio = nullptr;  // one of the carriers; null: there is none
+  chaos::Decisions decisions;
   LockstepRounds rounds;
   RoundLog log;
   Carriage carriage;
@@ -50,6 +56,10 @@ struct LockstepRun {
   RunLabels labels;
   ParameterBook parameters;
   Interruption interruption;
+  std::unique_ptr<chaos::Order> order;  // of equal events; none: the stated one
+
+ private:
+  void beChaotic();
 };
 
 }  // namespace move_base_abstract

@@ -82,6 +82,8 @@ class LockstepSession {
                                                            : std::vector<LinkState>();
   }
   std::vector<LockstepMessage> takeMessages() { return run_.messages.take(); }
+  /** @return what chaos has decided otherwise than the stated order since the last call. */
+  std::vector<chaos::Decision> takeDecisions() { return run_.decisions.take(); }
   /** @return what the ROS master is to be told before the output of the latest poll() is sent. */
   std::vector<ParameterChange> takeParameters() { return run_.parameters.take(); }
   /** @brief Somebody who takes no part has set or deleted a parameter of ROS. */

@@ -202,6 +202,11 @@ bool Network::isWired(std::string_view name) const {
   });
 }
 
+bool Network::hasWaiting() const {
+  return std::any_of(links.begin(), links.end(),
+                     [](const LinkRule& link) { return link.lost != OnLoss::kDrop; });
+}
+
 Network networkOf(const std::vector<std::string>& lines) {
   Network network;
   for (const std::string& line : lines) {

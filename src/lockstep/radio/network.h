@@ -52,6 +52,8 @@ struct Network {
   Walls walls;
 
   bool isWired(std::string_view name) const;
+  /** @return whether what does not arrive may be sent again, on any link. */
+  bool hasWaiting() const;
 };
 
 /**

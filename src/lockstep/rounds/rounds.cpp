@@ -302,8 +302,12 @@ LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member,
   mail_waiting_ -= member.mail.size();
   std::vector<Mail> mail;
   mail.swap(member.mail);
-  std::stable_sort(mail.begin(), mail.end(),
-                   [this](const Mail& a, const Mail& b) { return before(a.order, b.order); });
+  if (arrange_) {
+    arrange_(id, mail);
+  } else {
+    std::stable_sort(mail.begin(), mail.end(),
+                     [this](const Mail& a, const Mail& b) { return before(a.order, b.order); });
+  }
   return {id,
           rounds_,
           time_,

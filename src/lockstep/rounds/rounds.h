@@ -140,6 +140,10 @@ class LockstepRounds {
   };
   /** @brief A reason for time to go on. Not with a lookahead. */
   void setArrivals(Arrivals arrivals) { arrivals_ = std::move(arrivals); }
+  /** @brief Has mail as it was posted, and leaves it as it is to be handled. */
+  using Arrange = std::function<void(MemberId receiver, std::vector<Mail>& mail)>;
+  /** @brief In the place of the stated order. */
+  void setArrange(Arrange arrange) { arrange_ = std::move(arrange); }
 
   // ---- members ----
   void add(MemberId id, const std::string& name, std::int32_t rank, Nanoseconds wall);
@@ -282,6 +286,7 @@ class LockstepRounds {
   LockstepSettings settings_;
   const Nanoseconds lookahead_;
   Arrivals arrivals_;
+  Arrange arrange_;
   std::optional<Nanoseconds> applied_;  // the instant whose turns are being applied
   std::vector<MemberId> posted_;        // to these at that instant
   std::vector<MemberId> kept_;          // have mail of this round that may be kept

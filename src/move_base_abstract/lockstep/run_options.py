@@ -46,6 +46,16 @@ class RunOptions:
         text(), None, "`'FILE [NAME:=VALUE ...]'`: what nodes of different hosts tell each other goes over a "
         "[radio](radio.md), which this file describes; the values are of its `$(arg NAME)`", systems=OF_NODES,
         is_part=True, parameter='network')
+    chaos_seed: int = option(
+        number(0, 2147483647, whole=True), 0, 'equal events come in [another legal order](chaos.md), as this says; 0: '
+        'the stated one', systems=OF_NODES, is_part=True, parameter='chaos_seed')
+    chaos_delay: float = option(
+        number(1e-9, 1000, or_zero=True, unit='s, simulated'), 0, 's, simulated: with a `chaos_seed`, messages are '
+        'under way for up to so long; 0: no time', systems=OF_NODES, is_part=True, parameter='chaos_delay')
+    chaos_only: Tuple[str, ...] = option(
+        list_of(pattern('[0-9a-f]{12}|none', 'names of decisions, 12 hexadecimal digits each, or none')), [],
+        "the decisions of `chaos_seed` that are applied, by the names that `chaos` gives them; `none`: none, `[]`: all",
+        systems=OF_NODES, is_part=True, parameter='chaos_only')
     cores: str = option(
         one_of('auto', 'one', 'all'), None, 'on which [cores](time_master.md#cores) of its computer the nodes run. '
         '`auto`: on one or on all, whichever the time master finds to be faster; that is the default, too, where the '

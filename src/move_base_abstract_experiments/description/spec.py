@@ -109,6 +109,8 @@ def _check_names(experiment: Experiment) -> None:
         raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', where all takes time")
     if experiment.lookahead and experiment.network:
         raise ConfigurationError("'network' must not be with a 'lookahead', where all takes the same time")
+    if experiment.lookahead and experiment.chaos_seed:
+        raise ConfigurationError("'chaos_seed' must be 0 with a 'lookahead', where no events are equal")
 
 
 def _texts(experiment: Experiment) -> List[Tuple[str, Any]]:
