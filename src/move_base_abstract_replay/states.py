@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from move_base_abstract.runs.run_difference import MESSAGES
 
-
 #: of the radio between hosts, which are no names of the timeline
 RADIO = ('radio', 'radio_lost', 'link', 'host')
 

@@ -99,9 +99,6 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
   server_ = std::make_unique<LockstepServer>(
       settings, ros::network::getHost(), parameters.lockstep_port, parameters.cores, listeners());
   ros_master_ = std::make_unique<RosMasterWatch>();
-  if (!settings.network.empty()) {
-    radio_ = std::make_unique<RadioPublisher>();
-  }
   try {
     parameters_of_ros_.listen([this](const std::string& name) {
       server_->with([&](LockstepSession& session) { session.parameterChangedOutside(name); });
@@ -223,9 +220,7 @@ bool LockstepMode::work() {
     }
   }
   const LockstepStatus status = server_->status();
-  if (radio_) {
-    radio_->work(*server_, wall);
-  }
+  radio_.work(*server_, wall);
   sample(wall, status.time);
   updateBystanders(status);
   lookForEnd(status);

@@ -73,7 +73,7 @@ class LockstepMode : public TimeMode {
   ParameterKeeper parameters_of_ros_;
   std::unique_ptr<LockstepServer> server_;
   std::unique_ptr<RosMasterWatch> ros_master_;
-  std::unique_ptr<RadioPublisher> radio_;                         // of a run that has a radio
+  RadioPublisher radio_;
   LockstepPhase phase_ = LockstepPhase::kWaitingForParticipants;  // at the latest look
   std::deque<Sample> samples_;
   std::map<std::string, int> sightings_;  // of nodes that use the clock and do not take part

@@ -32,11 +32,8 @@ RadioLink messageOf(const LinkState& link) {
 
 }  // namespace
 
-RadioPublisher::RadioPublisher()
-    : publisher_(ros::NodeHandle("/time_master").advertise<RadioLinks>("links", 1, true)) {}
-
-void RadioPublisher::work(LockstepServer& server, Nanoseconds wall, bool is_last) {
-  if (wall < due_ && !is_last) {
+void RadioPublisher::work(LockstepServer& server, Nanoseconds wall) {
+  if (wall < due_) {
     return;
   }
   std::vector<LinkState> links;
@@ -51,6 +48,9 @@ void RadioPublisher::work(LockstepServer& server, Nanoseconds wall, bool is_last
   due_ = wall + kGap;
   for (const LinkState& link : links) {
     message.links.push_back(messageOf(link));
+  }
+  if (!publisher_) {
+    publisher_ = ros::NodeHandle("/time_master").advertise<RadioLinks>("links", 1, true);
   }
   publisher_.publish(message);
 }

@@ -9,14 +9,12 @@
 
 namespace move_base_abstract {
 
-/** @brief The latched topic /time_master/links of a run that has a radio. */
+/** @brief The latched topic /time_master/links: there is none in a run without a radio. */
 class RadioPublisher {
  public:
-  RadioPublisher();
-
-  /** @brief Publish, if something has changed and the last message is old enough; in any case if
-   * @p is_last. @p wall is an instant of the wall clock [ns]. */
-  void work(LockstepServer& server, Nanoseconds wall, bool is_last = false);
+  /** @brief Publish, if something has changed and the last message is old enough. @p wall is an
+   * instant of the wall clock [ns]. */
+  void work(LockstepServer& server, Nanoseconds wall);
 
  private:
   ros::Publisher publisher_;

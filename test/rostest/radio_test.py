@@ -8,7 +8,9 @@ import sys
 import tempfile
 import unittest
 
+from move_base_abstract.msg import RadioLink, RadioLinks
 from move_base_abstract_ros.loopback import find_executable
+from move_base_abstract_ros.markers.radio_markers import RadioMarkers
 
 # On the robot's host: it answers calls, and sends the robot away.
 SERVER = """#!/usr/bin/env python3
@@ -104,6 +106,15 @@ class Radio(unittest.TestCase):
         self.assertTrue(all(row['values'][5] > down and row['values'][6] == 'range' for row in lost), lost[0])
         # Request and answer take 20 ms each, from when they are sent.
         self.assertTrue(all(row['values'][6] - row['values'][5] == 20_000_000 for row in calls))
+
+    def test_lines_for_rviz(self):
+        links = RadioLinks(links=[RadioLink('a', 'b', True, 1, 0, True), RadioLink('a', 'c', False, 0, 0, True),
+                                  RadioLink('b', 'c', True, 1, 1, False)])
+        markers = RadioMarkers('map')
+        used, down = markers.of(links).markers
+        self.assertEqual((used.color.g, down.color.r, used.header.frame_id), (0.65, 0.85, 'map'))
+        quiet, _ = markers.of(links).markers
+        self.assertEqual(quiet.color.g, 0.5)
 
     def test_nothing_labels_the_run(self):
         end = json.loads(self.logs[0].splitlines()[-1])['end']

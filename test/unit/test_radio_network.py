@@ -1,11 +1,14 @@
 """A network's file: what the time master is told of it, and what is refused; robots' motions as pieces."""
+import argparse
 import math
 import struct
 from textwrap import indent
 
 import pytest
 
+from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.motion.approach import MotionPhases
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.leg import MotionLimits
@@ -13,6 +16,8 @@ from move_base_abstract.motion.pace import Pace, PacedLeg
 from move_base_abstract.motion.robot import Robot
 from move_base_abstract.radio.motion_pieces import pieces_of
 from move_base_abstract.radio.network import parameter_of
+from move_base_abstract_experiments.trials.radio import Radio
+from move_base_abstract_replay.links import find_links
 
 HOSTS = """
 hosts:
@@ -117,3 +122,34 @@ def test_pieces_of_another_pace_and_of_phases():
     phased = Robot(0, 'r', limits=MotionLimits(0.5, 0.3, 1.0), phases=MotionPhases((0.5, 0.1), 2.0, 0.1, 1.0, 2.0, 0.1))
     leg = phased.depart(Pose2D(3, 4, 1.0), 5)
     assert worst(phased, 5, leg.arrive_ns)[0] < 1e-3
+
+
+def test_metrics_of_the_radio():
+    counted = Radio()
+    assert counted.metrics(10**9) == {}
+    counted.take('link', ['a', 'b', 'down'], 10**9)
+    counted.take('link', ['a', 'b', 'up'], 3 * 10**9)
+    counted.take('link', ['a', 'c', 'up'], 10**9)
+    counted.take('link', ['a', 'c', 'down'], 8 * 10**9)
+    counted.take('radio', ['a', 'b', '/a', '/b', 5, 10**9, 2 * 10**9], 10**9)
+    counted.take('radio', ['a', 'b', '/a', '/b', 5, 10**9, 10**9], 10**9)
+    counted.take('radio_lost', ['a', 'b', '/a', '/b', 5, 10**9, 'loss'], 10**9)
+    counted.take('radio', ['of somebody else'], 10**9)
+    assert counted.metrics(9 * 10**9) == {'radio_messages': 3, 'delivery_ratio': pytest.approx(200 / 3),
+                                          'message_age': 0.5, 'out_of_reach': 1.5}
+
+
+def test_links_of_a_replay():
+    rows = [(1, '', 'link', '["base", "r", "down"]'), (1, 'base', 'host', '[1.5, 2]'),
+            (5, '', 'link', '["base", "r", "up"]'), (1, '', 'link', '["base", "nowhere", "up"]'),
+            (2, '', 'link', '[1]'), (2, 'x', 'host', '["a", null]')]
+    assert find_links(rows, ['q', 'r']) == [
+        {'ends': [{'x': 1.5, 'y': 2}, {'robot': 1}], 'times': [1, 5], 'up': [False, True]}]
+
+
+def test_command_lines_without_a_network():
+    parser = argparse.ArgumentParser()
+    kinds.add_arguments(parser, RunOptions)
+    assert kinds.of_arguments(RunOptions, parser.parse_args([])) == RunOptions()
+    given = kinds.of_arguments(RunOptions, parser.parse_args(['--network', 'n.yaml loss:=1']))
+    assert kinds.words_of(given) == ['--network', 'n.yaml loss:=1']

@@ -29,7 +29,8 @@ MAY_IMPORT = {
         'backends': 'lockstep messages transforms clocks',
         'robot': 'replacing lockstep messages transforms maps markers clocks backends',
         'fleet': 'replacing messages markers robot', 'launching': 'replacing loopback lockstep messages',
-        'nodes': 'replacing loopback process lockstep messages transforms maps clocks backends robot fleet launching'},
+        'nodes': 'replacing loopback process lockstep messages transforms maps markers clocks backends robot fleet '
+                 'launching'},
     'move_base_abstract_ros/lockstep': {
         'code': '', 'programs': '', 'ros_master': '', 'exchange': 'ros_master', 'failing': 'code',
         'machine': 'code programs', 'waiting': 'code ros_master failing',

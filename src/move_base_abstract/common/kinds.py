@@ -262,7 +262,8 @@ def add_arguments(parser: argparse.ArgumentParser, cls: Type[Any]) -> None:
     for one in options_of(cls).values():
         how: Dict[str, Any] = {'choices': one.kind.schema['enum']} if 'enum' in one.kind.schema else {
             'type': _of_word(one), 'metavar': 'X'}
-        how.update({'action': 'append', 'default': []} if _is_list(one) else {'default': one.initial or None})
+        how['default'] = [] if _is_list(one) else one.initial or None  # argparse would check a text, '' too
+        how.update({'action': 'append'} if _is_list(one) else {})
         parser.add_argument(_flag_of(one), dest=one.field, help=one.plain.replace('%', '%%') + (
             '' if one.default in (None, [], 0) else f' (default: {one.default})'), **how)
 

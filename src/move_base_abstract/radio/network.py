@@ -120,7 +120,7 @@ class Network:
     """A network's file, checked."""
 
     hosts: Dict[str, Host] = option(map_of(mapping_of(Host), _HOST), None, '`{NAME: {nodes, at}}`: the first one that '
-                                    'has a node is its host; a `*` in the name is what the first `*` of the node\'s '
+                                    'has a node is its host; a `*` in the name is what the first `*` of its '
                                     'pattern stands for', is_required=True)
     links: Tuple[Link, ...] = option(list_of(mapping_of(Link), 'a list of links'), None, 'between hosts: the first '
                                      'that fits; hosts without any hear nothing of each other', is_required=True)
