@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "clock/json_text.h"
+#include "chaos_parameters.h"
 #include "clock/shown_text.h"
 
 namespace move_base_abstract {
@@ -32,14 +32,6 @@ LockstepSettings sessionSettings(const NodeParameters& parameters, Nanoseconds b
     settings.start_time = secondsNotBefore(begin);
   }
   return settings;
-}
-
-/** @return what the event log's head says of chaos: its seed, and the bound of its delays [s]. */
-std::string headOf(const LockstepSettings& settings) {
-  return settings.chaos_seed == 0 ? ""
-                                  : "\"chaos\":{\"seed\":" + std::to_string(settings.chaos_seed) +
-                                        ",\"delay\":" + text(settings.chaos_delay) +
-                                        (settings.chaos_only.empty() ? "" : ",\"some\":true") + "}";
 }
 
 void log(const LockstepMessage& message) {
@@ -86,7 +78,7 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
     const auto start = static_cast<Nanoseconds>(std::llround(settings.start_time * 1e9));
     try {
       event_log_ = std::make_unique<EventLogWriter>(parameters.event_log, start,
-                                                    settings.stored_topics, headOf(settings));
+                                                    settings.stored_topics, chaosHead(settings));
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("event_log " + std::string(error.what()));
     }
@@ -150,30 +142,6 @@ void LockstepMode::noteStart() const {
   }
 }
 
-/** @brief Leave the file that says what chaos has decided; it is whole, or not there. */
-void LockstepMode::writeDecisions() {
-  const std::string& path = parameters_.chaos_decisions;
-  if (path.empty()) {
-    return;
-  }
-  std::string text;
-  for (const chaos::Decision& one :
-       server_->with([](LockstepSession& session) { return session.takeDecisions(); })) {
-    text += "{\"name\":\"" + one.name + "\",\"time_ns\":" + std::to_string(one.time) +
-            ",\"what\":\"" + one.what + "\",\"says\":";
-    appendJson(text, one.says);
-    text += "}\n";
-  }
-  const std::string part = path + ".part";
-  std::FILE* const file = std::fopen(part.c_str(), "wxe");
-  const bool good =
-      file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  if ((file != nullptr && std::fclose(file) != 0) || !good ||
-      std::rename(part.c_str(), path.c_str()) != 0) {
-    ROS_ERROR("chaos_decisions %s: %s", path.c_str(), std::strerror(errno));
-  }
-}
-
 LockstepMode::~LockstepMode() { finish("the time master ends"); }
 
 bool LockstepMode::finish(const std::string& reason) {
@@ -184,7 +152,13 @@ bool LockstepMode::finish(const std::string& reason) {
   server_->finish(reason);
   parameters_of_ros_.stop();
   logMessages();
-  writeDecisions();
+  if (const std::string& path = parameters_.chaos_decisions; !path.empty()) {
+    const std::string problem = writeDecisions(
+        path, server_->with([](LockstepSession& session) { return session.takeDecisions(); }));
+    if (!problem.empty()) {
+      ROS_ERROR("%s", problem.c_str());
+    }
+  }
   if (ros_master_->gone().empty()) {
     deleteParameter(kAddressParameter);
   }

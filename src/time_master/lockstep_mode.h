@@ -58,7 +58,6 @@ class LockstepMode : public TimeMode {
 
   LockstepServer::Listeners listeners();
   void noteStart() const;
-  void writeDecisions();
   void logMessages();
   void sample(Nanoseconds wall, Nanoseconds time);
   void lookForEnd(const LockstepStatus& status);

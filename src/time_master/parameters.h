@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
+#include "chaos_parameters.h"
 #include "clock/shown_text.h"
 #include "clock/time_master.h"
-#include "lockstep/chaos/decisions.h"
 #include "lockstep/core_choice.h"
 #include "lockstep/radio/network.h"
 #include "lockstep/rounds/rounds.h"
@@ -211,7 +211,6 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("lockstep_secret_file", secret_file);
   lockstep.secret = runSecret(secret, secret_file);
   readTopics(reader, lockstep);
-  readChaos(reader, parameters);
   lockstep.participants = absoluteNames("participants", lockstep.participants);
   checkRange("settle", lockstep.settle, 0.0, 3600.0, " s");
   if (lockstep.limit != 0.0) {

@@ -1,4 +1,5 @@
-// A coordinator with a bug, as users write one: it takes it that the first worker is always heard first.
+// A coordinator with a bug, as users write one: it takes it that the first worker is always heard
+// first.
 #include <ros/ros.h>
 #include <std_msgs/Int32.h>
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A coordinator that works in the stated order only, in Python and in C++: found, shrunk, replayed with the same bytes."""
+"""A coordinator that works in the stated order only, in Python and in C++: found, shrunk, replayed to the byte."""
 import json
 import os
 import subprocess

@@ -76,8 +76,8 @@ def test_a_replay_is_read_as_it_was_written(tmp_path):
     for one in (made(), made(only=[], document={'until': 30.0, 'leave_out': ['/b'], 'sleep': 'simulated', 'seed': 4})):
         replay_file.write(path, one)  # in the place of the one before
         assert replay_file.read(path) == one
-    assert made().words == ['--chaos-seed', '7', '--chaos-delay', '0.05', '--chaos-only', NAMES[1], '--crashes', 'allow',
-                            '--seed', '0']
+    assert made().words == ['--chaos-seed', '7', '--chaos-delay', '0.05', '--chaos-only', NAMES[1],
+                            '--crashes', 'allow', '--seed', '0']
     assert '--chaos-only' in made(only=[]).words and 'none' in made(only=[]).words
     assert not any('chaos' in word for word in made(seed=0).words)
 

@@ -149,8 +149,8 @@ std::uint64_t Order::linkOf(MemberId receiver, const Mail& mail) const {
   if (const auto* one = std::get_if<wire::Deliver>(&mail.item)) {
     from = mixed({hashOf("message"), hashOf(names_.node(one->sender)),
                   hashOf(names_.topic(receiver, one->topic))});
-  } else if (const auto* one = std::get_if<wire::CallIn>(&mail.item)) {
-    from = mixed({hashOf("call"), hashOf(names_.node(one->caller)), one->service});
+  } else if (const auto* call = std::get_if<wire::CallIn>(&mail.item)) {
+    from = mixed({hashOf("call"), hashOf(names_.node(call->caller)), call->service});
   }
   return mixed({hashOf("order"), hashOf(names_.node(receiver)), from});
 }

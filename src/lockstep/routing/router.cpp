@@ -276,7 +276,7 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
     }
   }
   if (topic.part != OpenGoals::Part::kNone) {
-    bookGoal(by.sender, topic, item.payload, later, is_received);
+    noteGoal(by.sender, topic, item.payload, is_received, later);
   }
   if (!receivers.empty()) {
     trace_({Delivery::Kind::kMessage, order, topic.name, by.sender, std::move(receivers),
@@ -284,16 +284,15 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
   }
 }
 
-/** @brief A goal or a result was sent, which those of @p later do not have as yet. */
-void MessageRouter::bookGoal(MemberId sender, const Topic& topic, std::string_view payload,
-                             const std::vector<MemberId>& later, bool is_received) {
-  if (topic.part == OpenGoals::Part::kResult) {
-    if (later.empty() || std::find(later.begin(), later.end(),
-                                   goals_.clientOf(topic.name, payload)) == later.end()) {
-      goals_.answered(topic.name, payload);
-    }
-  } else if (is_received && awaitsResults(sender, topic.name)) {
+/** @brief A goal or a result was sent. @param later those that have it later, or never. */
+void MessageRouter::noteGoal(MemberId sender, const Topic& topic, std::string_view payload,
+                             bool is_received, const std::vector<MemberId>& later) {
+  const auto is_client = [&](MemberId id) { return id == goals_.clientOf(topic.name, payload); };
+  if (topic.part == OpenGoals::Part::kGoal && is_received && awaitsResults(sender, topic.name)) {
     goals_.sent(sender, topic.name, payload);
+  } else if (topic.part == OpenGoals::Part::kResult &&
+             std::none_of(later.begin(), later.end(), is_client)) {
+    goals_.answered(topic.name, payload);
   }
 }
 

@@ -196,10 +196,10 @@ class MessageRouter {
   void link(const Action& by, const Topic& topic, const Advertised& publisher,
             const Subscribed& subscriber);
   void tellHearing(const Action& by, const Advertised& publisher, const Subscribed& subscriber);
+  void noteGoal(MemberId sender, const Topic& topic, std::string_view payload, bool is_received,
+                const std::vector<MemberId>& later);
   bool linked(const Topic& topic, MemberId publisher, MemberId subscriber) const;
   std::string_view definitionOf(const wire::Advertise& item);
-  void bookGoal(MemberId sender, const Topic& topic, std::string_view payload,
-                const std::vector<MemberId>& later, bool is_received);
   bool awaitsResults(MemberId client, std::string_view goal_topic) const;
   void stopAdvertising(const Action& by, LocalTopic& local);
   void stopSubscribing(const Action& by, LocalTopic& local);

@@ -54,7 +54,7 @@ class RunOptions:
         'under way for up to so long; 0: no time', systems=OF_NODES, is_part=True, parameter='chaos_delay')
     chaos_only: Tuple[str, ...] = option(
         list_of(pattern('[0-9a-f]{12}|none', 'names of decisions, 12 hexadecimal digits each, or none')), [],
-        "the decisions of `chaos_seed` that are applied, by the names that `chaos` gives them; `none`: none, `[]`: all",
+        'the decisions of `chaos_seed` that are applied, by the names that `chaos` gives them; `none`: none, `[]`: all',
         systems=OF_NODES, is_part=True, parameter='chaos_only')
     cores: str = option(
         one_of('auto', 'one', 'all'), None, 'on which [cores](time_master.md#cores) of its computer the nodes run. '

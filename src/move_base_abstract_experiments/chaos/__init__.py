@@ -1,1 +1,1 @@
-"""Chaos: seeds that choose another legal order of equal events, until a property fails; the fewest decisions for that."""
+"""Chaos: seeds that choose other legal orders of equal events, until something fails; the fewest decisions for that."""

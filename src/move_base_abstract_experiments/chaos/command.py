@@ -40,8 +40,8 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
     parser = argparse.ArgumentParser(
         prog='chaos', usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]\n       %(prog)s --replay FILE',
         description='Run a launch file with other legal orders of equal events, until something fails.',
-        epilog='exit codes: 0 nothing failed, 1 something failed (of --replay: it fails again), 2 it cannot be run like '
-        'this, 3 (of --replay) it does not fail any more, 130 interrupted')
+        epilog='exit codes: 0 nothing failed, 1 something failed (of --replay: it fails again), 2 it cannot be run '
+        'like this, 3 (of --replay) it does not fail any more, 130 interrupted')
     parser.add_argument('--seeds', type=_seeds, default=(1, 100), metavar='FIRST:LAST', help='default: 1:100')
     parser.add_argument('--delay', type=_delay, default=0.0, metavar='S',
                         help='messages are under way for up to S simulated seconds; 0: equal events only')

@@ -16,7 +16,7 @@ _DEADLOCK, _LOOP = 'deadlock', 'zero-delay loop'  # how the reasons of such ends
 
 
 class Failure(NamedTuple):
-    """A property that failed. ``name``: the same in each run that fails like this; ``text``: what happened, and when."""
+    """A property that failed. ``name``: the same in each run that fails so; ``text``: what happened, and when."""
 
     name: str
     text: str

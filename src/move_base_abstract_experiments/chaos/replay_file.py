@@ -19,7 +19,7 @@ _NAME = re.compile('[0-9a-f]{12}')
 
 @dataclass
 class Replay:
-    """One failing run. ``launch``: a path, then ARG:=VALUE words; ``document``: further keys of an experiment's file."""
+    """One failing run. ``launch``: a path, then ARG:=VALUE words; ``document``: other keys of an experiment's file."""
 
     launch: List[str]
     seed: int
@@ -37,7 +37,8 @@ class Replay:
 
         :raises ConfigurationError: if they are none.
         """
-        others = {key: value for key, value in self.document.items() if key not in ('leave_out', 'until', 'seed')}
+        given = self.document
+        others = {key: given[key] for key in given if key not in ('leave_out', 'until', 'seed')}
         chaos = {'chaos_seed': self.seed, 'chaos_delay': self.delay, 'chaos_only': self.only or ['none']}
         words = kinds.words_of(kinds.read(RunOptions, '', {**others, 'crashes': ALLOW, **(chaos if self.seed else {})}))
         words += [word for name in self.document.get('leave_out', ()) for word in ('--leave-out', str(name))]
@@ -64,14 +65,15 @@ def read(path: str) -> Replay:
         raise ConfigurationError(f'{path}: is not there') from None
     if content.get('chaos') != FORMAT:
         raise ConfigurationError(f"{path}: is no file of chaos of format {FORMAT}; got {shown(content.get('chaos'))}")
-    kinds = {'launch': list, 'seed': int, 'delay': (int, float), 'only': list, 'failure': str, 'text': str,
-             'document': dict, 'happened': list, 'sha256': str}
-    for key, kind in kinds.items():
+    fields: Dict[str, Any] = {
+        'launch': list, 'seed': int, 'delay': (int, float), 'only': list, 'failure': str, 'text': str,
+        'document': dict, 'happened': list, 'sha256': str}
+    for key, kind in fields.items():
         if not isinstance(content.get(key), kind) or isinstance(content[key], bool):
-            raise ConfigurationError(f'{path}: {key} must be there, as `chaos` writes it; got {shown(content.get(key))}')
+            raise ConfigurationError(f'{path}: {key} must be as `chaos` writes it; got {shown(content.get(key))}')
     for key in ('launch', 'only', 'happened'):
         if not all(isinstance(one, str) for one in content[key]):
             raise ConfigurationError(f'{path}: {key} must be a list of texts; got {shown(content[key])}')
     if not content['launch'] or not all(map(_NAME.fullmatch, content['only'])):
         raise ConfigurationError(f'{path}: launch must name a file, and only must be names of decisions')
-    return Replay(**{key: content[key] for key in kinds})
+    return Replay(**{key: content[key] for key in fields})

@@ -56,7 +56,7 @@ class Runs:
         self._wanted = wanted
         trial, = plan.trials(spec.checked(document, folder))
         self._job = jobs.make_job(trial)
-        self._idle: queue.SimpleQueue[jobs.WarmProcess] = queue.SimpleQueue()
+        self._idle: Any = queue.SimpleQueue()
         self._all = [jobs.WarmProcess() for _ in range(workers)]
         for warm in self._all:
             self._idle.put(warm)
@@ -76,7 +76,7 @@ class Runs:
 
     def each(self, chosen: Iterable[Chosen]) -> Iterator[Told]:
         """Yield what came out of each, in their order; so many at the same time as there are processes."""
-        ahead: List[concurrent.futures.Future[Told]] = []
+        ahead: List[Any] = []  # Futures of Told
         waiting = iter(chosen)
         try:
             while True:
@@ -102,11 +102,12 @@ class Runs:
 
         :raises ConfigurationError: if they do not when they run again.
         """
-        assert found.failure is not None
+        failure = found.failure
+        assert failure is not None
         def first_failing(candidates: List[List[str]]) -> Optional[Tuple[int, List[str]]]:
             told = self.each(Chosen(found.chosen.seed, tuple(names)) for names in candidates)
             for number, one in enumerate(told):
-                if one.failure is not None and one.failure.name == found.failure.name:
+                if one.failure is not None and one.failure.name == failure.name:
                     return number, [decision['name'] for decision in one.decisions]
             return None
         left = shrinking.ddmin([decision['name'] for decision in found.decisions], first_failing)

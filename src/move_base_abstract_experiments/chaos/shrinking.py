@@ -1,5 +1,6 @@
-"""The fewest of some things that still fail: delta debugging, ddmin (Zeller, Hildebrandt: Simplifying and isolating
-failure-inducing input, IEEE Transactions on Software Engineering 28, 2002).
+"""The fewest of some things that still fail: delta debugging, ddmin.
+
+Zeller, Hildebrandt: Simplifying and isolating failure-inducing input. IEEE Trans. on Software Engineering 28, 2002.
 """
 from __future__ import annotations
 
