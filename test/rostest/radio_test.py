@@ -108,8 +108,9 @@ class Radio(unittest.TestCase):
         self.assertTrue(all(row['values'][6] - row['values'][5] == 20_000_000 for row in calls))
 
     def test_lines_for_rviz(self):
-        links = RadioLinks(links=[RadioLink('a', 'b', True, 1, 0, True), RadioLink('a', 'c', False, 0, 0, True),
-                                  RadioLink('b', 'c', True, 1, 1, False)])
+        links = RadioLinks(links=[RadioLink(one='a', other='b', up=True, arrived=1, placed=True),
+                                  RadioLink(one='a', other='c', up=False, placed=True),
+                                  RadioLink(one='b', other='c', up=True, arrived=1, lost=1)])
         markers = RadioMarkers('map')
         used, down = markers.of(links).markers
         self.assertEqual((used.color.g, down.color.r, used.header.frame_id), (0.65, 0.85, 'map'))
