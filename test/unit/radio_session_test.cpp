@@ -128,6 +128,51 @@ TEST(RadioSession, AQueueKeepsItUntilTheRobotComesIntoRange) {
                    "[\"base\",\"robot_1\",\"/base\",\"/robot_1/ear\",1,1000000000,4500000003]"}));
 }
 
+TEST(RadioSession, ACallIsTriedAgainAndFailsThen) {
+  Air air("range 9 lost retry retry 200000000 attempts 2");
+  air.report(1, kNever, {wire::Call{5, 0, "/do", "?"}}, 1);
+  air.report(2, kNever);
+  EXPECT_EQ(air.next(2), Texts());
+  const Texts answers = air.next(1);
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(answers[0].substr(0, 11), "1200000000:");
+  EXPECT_EQ(air.log().back(),
+            "1200000000 /do radio_lost "
+            "[\"base\",\"robot_1\",\"/base\",\"/robot_1/ear\",1,1000000000,\"range\"]");
+}
+
+TEST(RadioSession, WhoLeavesWhileItIsUnderWayGetsNothing) {
+  Air air("delay 500000000 500000000");
+  air.report(1, kNever, {news("x")});
+  air.report(2, kOne + 1);
+  EXPECT_EQ(air.point(2), "1000+0");
+  air.leave(2);
+  EXPECT_EQ(air.session.status().messages, 0U);
+  EXPECT_EQ(air.session.now(), kOne + 1);
+}
+
+TEST(RadioSession, ALatchedMessageIsSentByRadioToWhoComes) {
+  Air air("delay 7 7");
+  air.report(1, kNever, {wire::Send{kNews, 0, air.ids[2], "x"}});
+  air.report(2, kNever);
+  EXPECT_EQ(air.next(2), (Texts{"1000000007: deliver 1 1 x"}));
+}
+
+TEST(RadioSession, DelaysOfChaosComeOnTopWhereNothingWaits) {
+  LockstepSettings settings = Air::on("lost queue", "at 10 0");
+  settings.chaos_seed = 1;
+  settings.chaos_delay = 0.5;
+  EXPECT_NE(refusal([&] { LockstepSession(settings, 0); }).find("chaos_delay must be 0"),
+            std::string::npos);
+  settings.network = Air::on("lost drop", "at 10 0").network;
+  LockstepSession(settings, 0);
+  settings.chaos_seed = 0;
+  settings.chaos_delay = 0.0;
+  settings.lookahead = 0.1;
+  EXPECT_NE(refusal([&] { LockstepSession(settings, 0); }).find("network must be []"),
+            std::string::npos);
+}
+
 TEST(RadioSession, AMotionThatIsNoneEndsItsParticipant) {
   Air air("range 5", "robot");
   air.report(2, kNever, {wire::Motion{0, "robot_1", "none"}});

@@ -31,12 +31,14 @@ void LinkWatch::meet(Nanoseconds now) {
 }
 
 void LinkWatch::moved(HostId host, Nanoseconds now) {
-  for (auto& [pair, link] : links_) {
-    if (pair.first == host || pair.second == host) {
-      if (upAt(pair, link, now) != link.is_up) {
-        change(pair, link, now);
+  for (HostId other = 1; other <= met_; ++other) {
+    const Pair pair = std::minmax(host, other);
+    const auto found = links_.find(pair);
+    if (found != links_.end()) {
+      if (upAt(pair, found->second, now) != found->second.is_up) {
+        change(pair, found->second, now);
       }
-      search(pair, link, now);
+      search(pair, found->second, now);
     }
   }
 }

@@ -237,6 +237,21 @@ def parameter_of(given: str, folder: str = '') -> List[str]:
     return lines_of(read_network(path, arguments), os.path.dirname(path))
 
 
+def files_of(given: str, folder: str) -> List[str]:
+    """Return the paths of the files of 'FILE [NAME:=VALUE ...]': its own, and those of its map; as far as they say."""
+    found = [os.path.join(folder, name) for name in given.split()[:1]]
+    try:
+        document = load_yaml_file(found[0]) if found else {}
+        whole = document.get('network', document)
+        if isinstance(whole, dict) and isinstance(whole.get('map'), str):
+            found.append(os.path.join(os.path.dirname(found[0]), whole['map']))
+            from ..maps.map_files import read_description
+            found.append(read_description(found[1]).image)
+    except (ConfigurationError, AttributeError):
+        pass  # who reads it for a run complains
+    return found
+
+
 def resolve(parameters: Dict[str, Any], folder: str = '') -> Dict[str, Any]:
     """Return the time master's parameters with what a network's file says in place of its name."""
     given = parameters.get(PARAMETER)
