@@ -16,13 +16,13 @@
 #include <vector>
 
 #include "chaos_parameters.h"
+#include "clock/list_of_texts.h"
 #include "clock/shown_text.h"
 #include "clock/time_master.h"
 #include "lockstep/core_choice.h"
 #include "lockstep/radio/network.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/routing/stored_topics.h"
-#include "parameter_reader.h"
 #include "participant/run_secret.h"
 
 namespace move_base_abstract {
@@ -30,6 +30,162 @@ namespace move_base_abstract {
 /** @brief Hz, wall: of /clock in lockstep, where only onlookers hear it. */
 constexpr double kLockstepClockRate = 200.0;
 constexpr double kUsualGap = 0.25;  // wall s; a loop of the node takes 0.1
+
+/** @brief Typed look-ups below one namespace; remembers which keys it knows. */
+class ParameterReader {
+ public:
+  explicit ParameterReader(const ros::NodeHandle& node) : node_(node) {}
+
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  void read(const std::string& key, double& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() == XmlRpc::XmlRpcValue::TypeInt) {
+      value = static_cast<int>(raw);
+    } else if (raw.getType() == XmlRpc::XmlRpcValue::TypeDouble) {
+      value = static_cast<double>(raw);
+    } else {
+      refuse(key, "a number", raw);
+    }
+  }
+
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  void read(const std::string& key, bool& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeBoolean) {
+      refuse(key, "true or false", raw);
+    }
+    value = static_cast<bool>(raw);
+  }
+
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  void read(const std::string& key, int& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeInt) {
+      refuse(key, "a whole number", raw);
+    }
+    value = static_cast<int>(raw);
+  }
+
+  /** @brief Replace @p value by the parameter, if set. @throws std::invalid_argument */
+  void read(const std::string& key, std::string& value) {
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeString) {
+      refuse(key, "a text", raw);
+    }
+    value = static_cast<std::string>(raw);
+  }
+
+  /**
+   * @brief Replace @p value by the parameter, if set. @throws std::invalid_argument
+   *
+   * A text "[a, b]" is a list too: roscpp takes what a command line gives (_key:="[a, b]") for one.
+   */
+  void read(const std::string& key, std::vector<std::string>& value) {
+    const char* const wanted = "a list of texts, such as [a, b]";
+    XmlRpc::XmlRpcValue raw;
+    if (!find(key, raw)) {
+      return;
+    }
+    if (raw.getType() == XmlRpc::XmlRpcValue::TypeString) {
+      const auto parsed = listOfTexts(static_cast<std::string>(raw));
+      if (!parsed) {
+        refuse(key, wanted, raw);
+      }
+      value = *parsed;
+      return;
+    }
+    if (raw.getType() != XmlRpc::XmlRpcValue::TypeArray) {
+      refuse(key, wanted, raw);
+    }
+    value.clear();
+    for (int index = 0; index < raw.size(); ++index) {
+      if (raw[index].getType() != XmlRpc::XmlRpcValue::TypeString) {
+        refuse(key, wanted, raw);
+      }
+      value.push_back(static_cast<std::string>(raw[index]));
+    }
+  }
+
+  /** @brief Replace @p value by what @p choices has for the parameter's text, if that is set. */
+  template <typename Value>
+  void choose(const std::string& key, const std::map<std::string, Value>& choices, Value& value) {
+    std::string chosen;
+    for (const auto& choice : choices) {
+      chosen = choice.second == value ? choice.first : chosen;
+    }
+    read(key, chosen);
+    const auto found = choices.find(chosen);
+    if (found == choices.end()) {
+      std::string allowed;
+      for (const auto& choice : choices) {
+        allowed += (allowed.empty() ? "" : " or ") + choice.first;
+      }
+      throw std::invalid_argument(key + " must be " + allowed + ", got '" + chosen + "'");
+    }
+    value = found->second;
+  }
+
+  /** @brief Where the list came as a text, have others find a list. */
+  void replaceText(const std::string& key, const std::vector<std::string>& list) {
+    XmlRpc::XmlRpcValue raw;
+    if (find(key, raw) && raw.getType() == XmlRpc::XmlRpcValue::TypeString) {
+      XmlRpc::XmlRpcValue value;
+      value.setSize(static_cast<int>(list.size()));
+      for (std::size_t index = 0; index < list.size(); ++index) {
+        value[static_cast<int>(index)] = list[index];
+      }
+      node_.setParam(key, value);
+    }
+  }
+
+  /** @brief A parameter of this name is not unknown. */
+  void know(const std::string& key) { known_.insert(key); }
+
+  /** @brief Log a warning for each parameter of this namespace that was not asked for. */
+  void warnOfUnknown() const {
+    std::vector<std::string> names;
+    ros::param::getParamNames(names);
+    const std::string prefix = node_.getNamespace() + "/";
+    std::string known;
+    for (const std::string& key : known_) {
+      known += (known.empty() ? "" : ", ") + key;
+    }
+    for (const std::string& name : names) {
+      if (name.rfind(prefix, 0) == 0 && known_.count(name.substr(prefix.size())) == 0) {
+        ROS_WARN("parameter %s is unknown and ignored; known are: %s", name.c_str(), known.c_str());
+      }
+    }
+  }
+
+ private:
+  bool find(const std::string& key, XmlRpc::XmlRpcValue& raw) {
+    known_.insert(key);
+    return node_.getParam(key, raw);
+  }
+
+  [[noreturn]] void refuse(const std::string& key, const char* wanted, XmlRpc::XmlRpcValue& raw) {
+    std::ostringstream got;
+    raw.write(got);
+    throw std::invalid_argument(
+        key + " must be " + wanted + ", got '" + shown(got.str()) + "'" +
+        (raw.getType() == XmlRpc::XmlRpcValue::TypeString ? " (text)" : ""));
+  }
+
+  ros::NodeHandle node_;
+  std::set<std::string> known_;
+};
 
 /** @return topics that participants leave to ROS's own connections; checked, and made a list. */
 inline std::vector<std::string> readExcludedTopics(ParameterReader& reader) {
@@ -124,40 +280,13 @@ inline void readTopics(ParameterReader& reader, LockstepSettings& lockstep) {
 
 inline void readNetwork(ParameterReader& reader, NodeParameters& parameters) {
   reader.read("network", parameters.lockstep.network);
-  if (parameters.lockstep.network.empty()) {
-    return;
-  }
   radio::networkOf(parameters.lockstep.network);  // which complains of what is none
-  if (!parameters.in_lockstep) {
+  if (!parameters.lockstep.network.empty() && !parameters.in_lockstep) {
     throw std::invalid_argument("network must be [] in mode scaled, where messages go over ROS");
   }
-  if (parameters.lockstep.lookahead != 0.0) {
+  if (!parameters.lockstep.network.empty() && parameters.lockstep.lookahead != 0.0) {
     throw std::invalid_argument(
         "network must be [] with a lookahead, where all takes the same time");
-  }
-}
-
-inline void readChaos(ParameterReader& reader, NodeParameters& parameters) {
-  LockstepSettings& lockstep = parameters.lockstep;
-  int seed = 0;
-  reader.read("chaos_seed", seed);
-  checkRange("chaos_seed", seed, 0.0, std::numeric_limits<int>::max(), "");
-  lockstep.chaos_seed = static_cast<std::uint32_t>(seed);
-  reader.read("chaos_delay", lockstep.chaos_delay);
-  checkRange("chaos_delay", lockstep.chaos_delay, 0.0, 1000.0, " s");
-  std::vector<std::string> only;
-  reader.read("chaos_only", only);
-  for (const std::string& name : only) {
-    lockstep.chaos_only += (lockstep.chaos_only.empty() ? "" : ",") + name;
-  }
-  chaos::decisionsOf(lockstep.chaos_only);
-  reader.read("chaos_decisions", parameters.chaos_decisions);
-  lockstep.keeps_decisions = !parameters.chaos_decisions.empty();
-  if (seed != 0 && !parameters.in_lockstep) {
-    throw std::invalid_argument(
-        "chaos_seed must be 0 in mode scaled, where events have no stated "
-        "order; got " +
-        std::to_string(seed));
   }
 }
 
@@ -250,6 +379,7 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   readLockstepParameters(reader, parameters);
   readLookahead(reader, parameters);
   readNetwork(reader, parameters);
+  readChaos(reader, parameters.in_lockstep, parameters.lockstep, parameters.chaos_decisions);
   reader.know("lockstep_address");  // our own, of a run that was killed
   reader.warnOfUnknown();
   return parameters;
