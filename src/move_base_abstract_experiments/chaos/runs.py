@@ -135,8 +135,9 @@ class Runs:
             log, decisions = member(LOG), member('files-' + DECISIONS)
         if log is None and result.error and not result.crashes:
             raise ConfigurationError(result.error)
-        failure = failures.of_run(failures.seen(result, log), self._wanted)
-        return Told(chosen, failure, [json.loads(line) for line in (decisions or b'').splitlines()],
+        seen = failures.seen(result, log)
+        made = [*[json.loads(line) for line in (decisions or b'').splitlines()], *failures.buggified(seen)]
+        return Told(chosen, failures.of_run(seen, self._wanted), sorted(made, key=lambda one: int(one['time_ns'])),
                     hashlib.sha256(log).hexdigest() if log is not None else '')
 
     def _job_of(self, chosen: Chosen) -> Job:
