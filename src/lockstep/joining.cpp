@@ -64,6 +64,9 @@ void Joining::greet(ConnectionId id, const wire::Hello& hello) {
   member.node_uri = hello.node_uri;
   run_.rounds.add(own, member.name, rankOf(hello), run_.wall);
   run_.router.add(own, member.name);
+  if (run_.radio != nullptr) {
+    run_.radio->join(own, member.name);
+  }
   label(hello.name, hello.rank_declared);
   introduce(own, encodeWelcome(own, hello, run_.settings));
   run_.messages.say(

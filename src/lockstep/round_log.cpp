@@ -65,7 +65,16 @@ void RoundLog::add(const MessageRouter::Delivery& delivery, const NameOf& name_o
                      keeps_bytes ? std::string(delivery.bytes) : ""}});
 }
 
+void RoundLog::addBefore() {
+  if (before_) {
+    for (LockstepLogEntry& line : before_()) {
+      log_.push_back(std::move(line));
+    }
+  }
+}
+
 void RoundLog::closeRound() {
+  addBefore();
   std::stable_sort(round_.begin(), round_.end(), [this](const Line& a, const Line& b) {
     if (rounds_.before(a.order, b.order)) {
       return true;
@@ -79,6 +88,9 @@ void RoundLog::closeRound() {
   round_.clear();
 }
 
-std::vector<LockstepLogEntry> RoundLog::take() { return std::exchange(log_, {}); }
+std::vector<LockstepLogEntry> RoundLog::take() {
+  addBefore();  // time may have gone on without a round
+  return std::exchange(log_, {});
+}
 
 }  // namespace move_base_abstract

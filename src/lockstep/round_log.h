@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "clock/scaled_clock.h"
@@ -39,6 +40,14 @@ class RoundLog {
   void add(const MailOrder& order, const wire::Log& log);
   /** @brief A message, call or response between participants. */
   void add(const MessageRouter::Delivery& delivery, const NameOf& name_of);
+  /** @brief A line about what was sent at @p order. */
+  void add(const MailOrder& order, LockstepLogEntry entry) {
+    round_.push_back({order, std::move(entry)});
+  }
+  /** @brief @p before gives lines up to now that come before those of a round. */
+  void setBefore(std::function<std::vector<LockstepLogEntry>()> before) {
+    before_ = std::move(before);
+  }
   void closeRound();
   /** @brief Forget the lines of the round. */
   void dropRound() { round_.clear(); }
@@ -47,6 +56,8 @@ class RoundLog {
   std::vector<LockstepLogEntry> take();
 
  private:
+  void addBefore();
+
   struct Line {
     MailOrder order;
     LockstepLogEntry entry;
@@ -54,6 +65,7 @@ class RoundLog {
 
   const LockstepRounds& rounds_;
   const bool keeps_bytes_;
+  std::function<std::vector<LockstepLogEntry>()> before_;
   std::vector<Line> round_;
   std::vector<LockstepLogEntry> log_;
 };

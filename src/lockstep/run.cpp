@@ -1,5 +1,6 @@
 #include "run.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -50,9 +51,40 @@ LockstepRun::LockstepRun(const LockstepSettings& given, Nanoseconds wall_now)
   for (const std::string& why : settings.not_covered) {
     labels.addNotRepeatable(why);
   }
+  if (!settings.network.empty()) {
+    addRadio();
+  }
   if (settings.chaos_seed != 0) {
     beChaotic();
   }
+}
+
+/** @brief The radio carries first: what else takes time comes on top. */
+void LockstepRun::addRadio() {
+  radio::Network network = radio::networkOf(settings.network);
+  if (settings.chaos_delay != 0.0 && network.hasWaiting()) {
+    throw std::invalid_argument(
+        "chaos_delay must be 0 with a network in which messages wait (lost: retry or queue), got " +
+        numberText(settings.chaos_delay) + " s");
+  }
+  auto carrier = std::make_unique<RadioTraffic>(
+      std::move(network),
+      [this](const RadioTraffic::Line& line) {
+        log.add(line.order, {rounds.now(), line.name, line.kind, line.values, "", ""});
+      },
+      [this](const std::string& why) { labels.addDegraded(why); });
+  radio = carrier.get();
+  addCarrier(std::move(carrier));
+  log.setBefore([this]() {
+    std::vector<LockstepLogEntry> lines;
+    if (!rounds.started()) {
+      return lines;  // who has joined first is an affair of the wall clock
+    }
+    for (RadioTraffic::Change& one : radio->changes(rounds.now())) {
+      lines.push_back({one.at, one.name, one.kind, one.values, "", ""});
+    }
+    return lines;
+  });
 }
 
 void LockstepRun::beChaotic() {
@@ -79,12 +111,24 @@ void LockstepRun::addCarrier(std::unique_ptr<Carrier> carrier) {
   }
   carriage.add(std::move(carrier));
   router.setCarriage(carriage);
-  rounds.setArrivals({[this]() { return carriage.held.nextDue(); },
+  rounds.setArrivals({[this]() {
+                        const Nanoseconds due = carriage.held.nextDue();
+                        return radio == nullptr ? due : std::min(due, radio->nextLook());
+                      },
                       [this]() {
+                        decideWaiting();
                         router.arrive();
                         log.closeRound();
                         rounds.setOwed(router.goals().count() + router.openCalls());
                       }});
+}
+
+void LockstepRun::decideWaiting() {
+  if (radio != nullptr) {
+    for (const auto& [ticket, carried] : radio->look(rounds.now())) {
+      router.decide(ticket, carried);
+    }
+  }
 }
 
 }  // namespace move_base_abstract

@@ -17,6 +17,7 @@
 #include "member.h"
 #include "message.h"
 #include "parameters.h"
+#include "radio_traffic.h"
 #include "round_log.h"
 #include "status.h"
 
@@ -36,8 +37,11 @@ struct LockstepRun {
   /** @brief @p carrier carries, after those that were added before. Not with a lookahead.
    * @throws std::invalid_argument with one. */
   void addCarrier(std::unique_ptr<Carrier> carrier);
+  void addRadio();
+  void decideWaiting();
 
   const LockstepSettings settings;
+  RadioTraffic* radio = nullptr;  // one of the carriers; null: there is none
   chaos::Decisions decisions;
   LockstepRounds rounds;
   RoundLog log;

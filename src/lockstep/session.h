@@ -75,6 +75,12 @@ class LockstepSession {
 
   /** @return log lines since the last call, by time, round and (rank, sub, name, number). */
   std::vector<LockstepLogEntry> takeLog() { return run_.log.take(); }
+  /** @return how the links of the radio are; none if that is as at the last call, or there is none.
+   */
+  std::vector<LinkState> takeLinks() {
+    return run_.radio != nullptr && run_.radio->takeNews() ? run_.radio->links(now())
+                                                           : std::vector<LinkState>();
+  }
   std::vector<LockstepMessage> takeMessages() { return run_.messages.take(); }
   /** @return what chaos has decided otherwise than the stated order since the last call. */
   std::vector<chaos::Decision> takeDecisions() { return run_.decisions.take(); }

@@ -2,6 +2,7 @@
 #include "turns.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "clock/shown_text.h"
@@ -103,6 +104,8 @@ void Turns::applyItem(MemberId id, SessionMember& member, const wire::ReportItem
     run_.rounds.idle(id, idle->count);
   } else if (const auto* keep = std::get_if<wire::KeepUntil>(&item)) {
     run_.rounds.keepUntil(id, keep->time_ns);
+  } else if (const auto* motion = std::get_if<wire::Motion>(&item)) {
+    applyMotion(id, member, *motion);
   } else {
     if (std::holds_alternative<wire::Hears>(item)) {
       run_.rounds.hurry(id);
@@ -117,6 +120,19 @@ void Turns::applyParameter(const SessionMember& member, const wire::Parameter& i
     throw MessageRouter::BadAction(fault);
   }
   run_.parameters.change(member.name, item);
+}
+
+/** @throws MessageRouter::BadAction unless it is a motion that somebody has asked for. */
+void Turns::applyMotion(MemberId id, const SessionMember& member, const wire::Motion& motion) {
+  if (run_.radio == nullptr) {
+    throw MessageRouter::BadAction(quote(member.name) +
+                                   ": MOTION must be where WELCOME says that there is a radio");
+  }
+  try {
+    run_.radio->move(id, motion, run_.rounds.now());
+  } catch (const std::invalid_argument& error) {
+    throw MessageRouter::BadAction(quote(member.name) + ": " + error.what());
+  }
 }
 
 void Turns::applyNote(SessionMember& member, const wire::Note& note) {

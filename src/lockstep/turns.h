@@ -38,6 +38,7 @@ class Turns {
  private:
   bool changesOthers(MemberId id) const;
   void applyItem(MemberId id, SessionMember& member, const wire::ReportItem& item);
+  void applyMotion(MemberId id, const SessionMember& member, const wire::Motion& motion);
   void applyNote(SessionMember& member, const wire::Note& note);
   void applyParameter(const SessionMember& member, const wire::Parameter& item);
 

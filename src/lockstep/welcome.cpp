@@ -47,6 +47,7 @@ std::string encodeWelcome(MemberId id, const wire::Hello& hello, const LockstepS
   welcome.busy_limit_ns =
       settings.silence_limit > 0.0 ? toNanoseconds(settings.silence_limit) / 5 * 4 : kNever;
   welcome.excluded_topics.assign(excluded.begin(), excluded.end());
+  welcome.radio = !settings.network.empty();
   return wire::encode(wire::MasterFrame(welcome));
 }
 

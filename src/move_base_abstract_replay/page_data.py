@@ -3,6 +3,7 @@ import os
 
 from move_base_abstract.common.shown import shown_text
 
+from .links import find_links
 from .motions import Motions
 from .packed import Packer
 from .states import NAMES, find_timelines
@@ -66,6 +67,7 @@ class Run:
         self._pack_timelines(packer)
         return packer.text({
             'name': self.name, 'begin': recording.begin_ns, 'end': recording.end_ns, 'names': recording.name_of,
+            'links': find_links(recording, [line.name for line in self.timelines if line.is_robot]),
             'kinds': recording.kind_of, 'states': NAMES, 'limits': self.motions.limits,
             'rows': [{'name': timeline.name, 'robot': timeline.is_robot} for timeline in self.timelines]})
 

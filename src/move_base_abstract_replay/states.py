@@ -8,6 +8,9 @@ from typing import NamedTuple
 
 from move_base_abstract.runs.run_difference import MESSAGES
 
+#: of the radio between hosts, which are no names of the timeline
+RADIO = ('radio', 'radio_lost', 'link', 'host')
+
 
 class State(NamedTuple):
     """A state of the timeline: its name, which is shown, and the kinds of events that begin and end it."""
@@ -99,6 +102,8 @@ def find_timelines(recording, robots):
     found = {name: Timeline(name, True) for name in sorted(robots, key=natural)}
     owners, others, nodes = {}, {}, {}
     for time_ns, name, kind, values in recording:
+        if kind in RADIO:
+            continue
         if kind in MESSAGES:
             sender = (json.loads(values) or [''])[0]
             nodes.setdefault(sender, Timeline(sender, False)).ticks.append(time_ns)

@@ -194,6 +194,7 @@ bool LockstepMode::work() {
     }
   }
   const LockstepStatus status = server_->status();
+  radio_.work(*server_, wall);
   sample(wall, status.time);
   updateBystanders(status);
   lookForEnd(status);

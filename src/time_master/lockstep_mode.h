@@ -17,6 +17,7 @@
 #include "message_bytes.h"
 #include "parameter_keeper.h"
 #include "parameters.h"
+#include "radio_publisher.h"
 #include "ros_master_watch.h"
 #include "time_mode.h"
 
@@ -71,6 +72,7 @@ class LockstepMode : public TimeMode {
   ParameterKeeper parameters_of_ros_;
   std::unique_ptr<LockstepServer> server_;
   std::unique_ptr<RosMasterWatch> ros_master_;
+  RadioPublisher radio_;
   LockstepPhase phase_ = LockstepPhase::kWaitingForParticipants;  // at the latest look
   std::deque<Sample> samples_;
   std::map<std::string, int> sightings_;  // of nodes that use the clock and do not take part

@@ -20,6 +20,7 @@
 #include "clock/shown_text.h"
 #include "clock/time_master.h"
 #include "lockstep/core_choice.h"
+#include "lockstep/radio/network.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/routing/stored_topics.h"
 #include "participant/run_secret.h"
@@ -277,6 +278,18 @@ inline void readTopics(ParameterReader& reader, LockstepSettings& lockstep) {
   reader.read("keep_unread", lockstep.keep_unread);
 }
 
+inline void readNetwork(ParameterReader& reader, NodeParameters& parameters) {
+  reader.read("network", parameters.lockstep.network);
+  radio::networkOf(parameters.lockstep.network);  // which complains of what is none
+  if (!parameters.lockstep.network.empty() && !parameters.in_lockstep) {
+    throw std::invalid_argument("network must be [] in mode scaled, where messages go over ROS");
+  }
+  if (!parameters.lockstep.network.empty() && parameters.lockstep.lookahead != 0.0) {
+    throw std::invalid_argument(
+        "network must be [] with a lookahead, where all takes the same time");
+  }
+}
+
 inline void readCores(ParameterReader& reader, NodeParameters& parameters) {
   reader.choose("cores",
                 {{"auto", CoresWish::kAuto},
@@ -365,6 +378,7 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   TimeMaster(parameters.master, 0);  // checks the others, whatever the mode is now
   readLockstepParameters(reader, parameters);
   readLookahead(reader, parameters);
+  readNetwork(reader, parameters);
   readChaos(reader, parameters.in_lockstep, parameters.lockstep, parameters.chaos_decisions);
   reader.know("lockstep_address");  // our own, of a run that was killed
   reader.warnOfUnknown();

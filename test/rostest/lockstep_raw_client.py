@@ -14,7 +14,7 @@ import time
 from typing import NamedTuple
 
 GUARD = 30.0
-PROTOCOL = 7
+PROTOCOL = 8
 NEVER = 2 ** 63 - 1
 
 HELLO, REPORT, KNOCK, LEAVE, STOPPING = 1, 2, 3, 4, 5

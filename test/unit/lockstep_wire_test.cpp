@@ -48,7 +48,8 @@ Report richReport() {
                   Parameter{"/x", true, "<value>1</value>"},
                   Asks{"/y"},
                   Idle{3},
-                  KeepUntil{7}};
+                  KeepUntil{7},
+                  Motion{1, "robot_1", "pieces"}};
   return report;
 }
 
@@ -122,7 +123,7 @@ TEST(Wire, TheOtherFramesComeBack) {
     const std::string bytes = encode(frame);
     EXPECT_EQ(encode(decodeFromParticipant(body(bytes))), bytes);
   }
-  const std::vector<MasterFrame> down{Welcome{3, -1, kNever, 8, {"/clock", ""}},
+  const std::vector<MasterFrame> down{Welcome{3, -1, kNever, 8, {"/clock", ""}, true},
                                       Member{4, "/b", "uri"}, Gone{4}, End{"over"}};
   for (const MasterFrame& frame : down) {
     const std::string bytes = encode(frame);
@@ -174,7 +175,7 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
     return up(frame.substr(4));
   };
   const std::size_t items = 4 + 1 + 8 + 1 + 8 + 4;
-  EXPECT_NE(patched(Unserve{1}, items, '\x15').find("kind of item must be from 1 to 20, got 21"),
+  EXPECT_NE(patched(Unserve{1}, items, '\x16').find("kind of item must be from 1 to 21, got 22"),
             std::string::npos);
   EXPECT_NE(patched(Unserve{1}, items, '\0').find("got 0"), std::string::npos);
   EXPECT_NE(patched(Note{}, items + 1, '\x08').find("NOTE: what must be from 1 to 7, got 8"),

@@ -18,7 +18,7 @@ MAY_IMPORT = {
         'traffic': 'engine motion maps goals', 'encounters': 'engine motion maps goals',
         'sensing': 'engine motion maps', 'tasks': 'engine motion goals runs',
         'config': 'motion maps goals faults energy sensing', 'scenario': 'config motion traffic tasks',
-        'mission': 'motion',
+        'mission': 'motion', 'radio': 'motion maps',
         'fleet': 'scenario config sensing tasks traffic encounters energy faults goals maps motion engine runs',
         'processes': 'fleet scenario goals runs'},
     'move_base_abstract_ros': {
@@ -29,7 +29,8 @@ MAY_IMPORT = {
         'backends': 'lockstep messages transforms clocks',
         'robot': 'replacing lockstep messages transforms maps markers clocks backends',
         'fleet': 'replacing messages markers robot', 'launching': 'replacing loopback lockstep messages',
-        'nodes': 'replacing loopback process lockstep messages transforms maps clocks backends robot fleet launching'},
+        'nodes': 'replacing loopback process lockstep messages transforms maps markers clocks backends robot fleet '
+                 'launching'},
     'move_base_abstract_ros/lockstep': {
         'code': '', 'programs': '', 'ros_master': '', 'exchange': 'ros_master', 'failing': 'code',
         'machine': 'code programs', 'waiting': 'code ros_master failing',

@@ -3,6 +3,7 @@
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_CARRIER_H
 
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 
 #include "clock/scaled_clock.h"
@@ -19,11 +20,13 @@ struct Passage {
   MemberId receiver;
   std::string_view sender_name;  // of the nodes
   std::string_view receiver_name;
-  std::string_view name;  // of the topic or service
-  std::string_view type;  // of a message
-  std::size_t size;       // bytes, serialized
-  bool is_latched;        // of a message: its publisher latches
-  Nanoseconds from = 0;   // simulated; when it sets out
+  std::string_view name;           // of the topic or service
+  std::string_view type;           // of a message
+  std::size_t size;                // bytes, serialized
+  bool is_latched;                 // of a message: its publisher latches
+  MailOrder order = {};            // where it was sent; `sub` is the sender's robot
+  std::uint32_t receiver_sub = 0;  // the receiver's robot, of a fleet
+  Nanoseconds from = 0;            // simulated; when it sets out
 };
 
 /** @brief What becomes of it. */
@@ -32,6 +35,9 @@ struct Carried {
    * by the caller of a service; nobody notices that a message is lost. */
   Nanoseconds due;
   std::string_view lost = {};  // why it does not arrive; '' if it does. A text that stays
+  /** Not 0: it waits, `due` is kNever, and what becomes of it is told later, by this number:
+   * MessageRouter::decide(). No carrier after this one is asked. */
+  std::uint64_t ticket = 0;
 };
 
 /**

@@ -80,6 +80,10 @@ void OpenGoals::answered(std::string_view result_topic, std::string_view result)
   clients_.erase({actionOf(result_topic, kResult), idOf(result)});
 }
 
+void OpenGoals::lost(std::string_view goal_topic, std::string_view goal) {
+  clients_.erase({actionOf(goal_topic, kGoal), idOf(goal)});
+}
+
 MemberId OpenGoals::clientOf(std::string_view result_topic, std::string_view result) const {
   const auto goal = clients_.find({actionOf(result_topic, kResult), idOf(result)});
   return goal == clients_.end() ? 0 : goal->second;

@@ -6,7 +6,11 @@
 namespace move_base_abstract {
 
 void HeldMail::add(Nanoseconds due, Held held) {
-  mail_.emplace(std::pair(due, count_++), std::move(held));
+  const std::pair place(due, count_++);
+  if (held.ticket != 0) {
+    waiting_.emplace(held.ticket, place);
+  }
+  mail_.emplace(place, std::move(held));
 }
 
 std::vector<Held> HeldMail::take(Nanoseconds now) {
@@ -18,10 +22,22 @@ std::vector<Held> HeldMail::take(Nanoseconds now) {
   return taken;
 }
 
+std::optional<Held> HeldMail::takeWaiting(std::uint64_t ticket) {
+  const auto place = waiting_.find(ticket);
+  if (place == waiting_.end()) {
+    return std::nullopt;
+  }
+  auto node = mail_.extract(place->second);
+  waiting_.erase(place);
+  node.mapped().ticket = 0;
+  return std::move(node.mapped());
+}
+
 std::vector<Held> HeldMail::drop(const std::function<bool(const Held&)>& is_meant) {
   std::vector<Held> dropped;
   for (auto held = mail_.begin(); held != mail_.end();) {
     if (is_meant(held->second)) {
+      waiting_.erase(held->second.ticket);
       dropped.push_back(std::move(held->second));
       held = mail_.erase(held);
     } else {
@@ -42,7 +58,7 @@ Carried Carriage::carry(Passage passage) const {
     passage.from = carried.due;
     carried = carrier->carry(passage);
     carried.due = std::max(carried.due, passage.from);
-    if (!carried.lost.empty()) {
+    if (!carried.lost.empty() || carried.ticket != 0) {
       break;
     }
   }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,7 @@ struct Held {
   std::string sender_name;                   // it may have gone when this arrives
   std::shared_ptr<const std::string> bytes;  // that `item` points into
   wire::GrantItem item;
+  std::uint64_t ticket = 0;  // of Carried
 };
 
 /** @brief What is under way, by the instant at which it arrives, then as it was sent. */
@@ -39,6 +41,9 @@ class HeldMail {
   Nanoseconds nextDue() const { return mail_.empty() ? kNever : mail_.begin()->first.first; }
   /** @return what arrives until @p now, itself included, in its order; it is not held any more. */
   std::vector<Held> take(Nanoseconds now);
+  /** @return what waits with this ticket, which it does not any more; nothing: it has been dropped.
+   */
+  std::optional<Held> takeWaiting(std::uint64_t ticket);
   /** @return what @p is_meant says, in its order; it is not held any more. */
   std::vector<Held> drop(const std::function<bool(const Held&)>& is_meant);
   /** @return whether anything is under way to anybody but @p id. */
@@ -46,7 +51,8 @@ class HeldMail {
   bool empty() const { return mail_.empty(); }
 
  private:
-  std::map<std::pair<Nanoseconds, std::uint64_t>, Held> mail_;  // by instant and count
+  std::map<std::pair<Nanoseconds, std::uint64_t>, Held> mail_;              // by instant and count
+  std::map<std::uint64_t, std::pair<Nanoseconds, std::uint64_t>> waiting_;  // by ticket
   std::uint64_t count_ = 0;
 };
 

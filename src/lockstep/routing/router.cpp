@@ -140,7 +140,7 @@ void MessageRouter::stopAdvertising(const Action& by, LocalTopic& local) {
 void MessageRouter::act(const Action& by, const wire::Subscribe& item) {
   LocalTopic& local = declare(by.sender, item.topic, item.name);
   Topic& topic = topics_[local.topic];
-  const Subscribed subscriber{by.sender, item.topic, keep(item.md5),
+  const Subscribed subscriber{by.sender, item.topic, keep(item.md5), item.sub,
                               stored_.has(participant(by.sender).name, topic.name)};
   const auto present = router::findMember(topic.subscribers, by.sender);
   if (present != topic.subscribers.end()) {
@@ -261,12 +261,13 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
         subscriber.hears == wire::Hearing::kNothing || !fit(local.md5, subscriber.md5)) {
       continue;
     }
-    is_received = true;
     const wire::Deliver deliver{subscriber.topic, by.sender, item.payload};
     if (carriage_ != nullptr && !arrivesAtOnce(by, item, topic, deliver, subscriber.member)) {
       later.push_back(subscriber.member);
+      is_received = is_received || !is_lost_;
       continue;
     }
+    is_received = true;
     post_(subscriber.member,
           {order, deliver, router::keepFor(subscriber.hears, subscriber.is_stored)});
     ++messages_;

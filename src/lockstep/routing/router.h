@@ -69,6 +69,8 @@ class MessageRouter {
 
   /** @brief Messages, calls and responses go by way of @p carriage, which outlives this. */
   void setCarriage(Carriage& carriage) { carriage_ = &carriage; }
+  /** @brief What waited with this ticket arrives at an instant, now or later, or is lost. */
+  void decide(std::uint64_t ticket, const Carried& carried);
   /** @brief Post what arrives now of what was under way. */
   void arrive();
 
@@ -112,6 +114,7 @@ class MessageRouter {
     MemberId member;
     std::uint32_t topic;  // the member's own number
     std::string_view md5;
+    std::uint32_t sub;       // its robot's index within a fleet
     bool is_stored = false;  // as the user says
     wire::Hearing hears = wire::Hearing::kAll;
   };
@@ -140,6 +143,7 @@ class MessageRouter {
   struct OpenCall {
     Index service;
     Server server;
+    std::uint32_t sub;  // the caller's robot
   };
   struct Participant {
     std::string name;
@@ -181,6 +185,7 @@ class MessageRouter {
   void act(const Action&, const wire::Asks&) {}
   void act(const Action&, const wire::Idle&) {}
   void act(const Action&, const wire::KeepUntil&) {}
+  void act(const Action&, const wire::Motion&) {}
 
   std::string_view keep(std::string_view text);
   LocalTopic& declare(MemberId id, std::uint32_t number, std::string_view name);
@@ -207,11 +212,12 @@ class MessageRouter {
                      const wire::Deliver& deliver, MemberId receiver);
   bool arrivesAtOnce(const Action& by, const wire::Call& item, const Service& service,
                      const Server& server);
-  bool arrivesAtOnce(const Action& by, const wire::Response& item, const Service& service);
-  Passage passage(Passage::Kind kind, const Action& by, MemberId receiver, std::string_view name,
-                  std::string_view bytes) const;
+  bool arrivesAtOnce(const Action& by, const wire::Response& item, const OpenCall& call);
+  Passage passage(Passage::Kind kind, const Action& by, std::uint32_t sub, MemberId receiver,
+                  std::uint32_t receiver_sub, std::string_view name, std::string_view bytes) const;
   bool carry(const Passage& passage, std::uint64_t number, const wire::GrantItem& item,
              std::string_view bytes, std::uint32_t call = 0);
+  void fail(const Held& held, std::uint32_t call, Nanoseconds due);
   void arriveOne(const Held& held);
   void traceHeld(const Held& held, std::string_view lost);
   void dropMessages(const Topic& topic, MemberId sender, MemberId receiver);
@@ -224,6 +230,7 @@ class MessageRouter {
   Place place_;
   Trace trace_;
   StoredTopics stored_;
+  bool is_lost_ = false;                      // what was carried last
   Carriage* carriage_ = nullptr;              // null: all arrives at once
   std::set<std::string, std::less<>> texts_;  // names, types and definitions, kept for good
   std::unordered_map<std::string_view, std::string_view> definitions_;  // by md5

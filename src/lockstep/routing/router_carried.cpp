@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -54,8 +55,9 @@ Held heldOf(const Passage& passage, std::uint64_t number, const wire::GrantItem&
 
 // ---- setting out -----------------------------------------------------------------------------
 
-Passage MessageRouter::passage(Passage::Kind kind, const Action& by, MemberId receiver,
-                               std::string_view name, std::string_view bytes) const {
+Passage MessageRouter::passage(Passage::Kind kind, const Action& by, std::uint32_t sub,
+                               MemberId receiver, std::uint32_t receiver_sub, std::string_view name,
+                               std::string_view bytes) const {
   return {kind,
           by.sender,
           receiver,
@@ -64,12 +66,16 @@ Passage MessageRouter::passage(Passage::Kind kind, const Action& by, MemberId re
           name,
           {},
           bytes.size(),
-          false};
+          false,
+          place_(by.sender, sub, by.number),
+          receiver_sub};
 }
 
 bool MessageRouter::arrivesAtOnce(const Action& by, const wire::Send& item, const Topic& topic,
                                   const wire::Deliver& deliver, MemberId receiver) {
-  Passage message = passage(Passage::Kind::kMessage, by, receiver, topic.name, item.payload);
+  Passage message =
+      passage(Passage::Kind::kMessage, by, item.sub, receiver,
+              router::findMember(topic.subscribers, receiver)->sub, topic.name, item.payload);
   message.type = typeOf(topic, by.sender);
   message.is_latched = router::findMember(topic.publishers, by.sender)->latched;
   return carry(message, by.number, deliver, item.payload);
@@ -77,15 +83,17 @@ bool MessageRouter::arrivesAtOnce(const Action& by, const wire::Send& item, cons
 
 bool MessageRouter::arrivesAtOnce(const Action& by, const wire::Call& item, const Service& service,
                                   const Server& server) {
-  return carry(passage(Passage::Kind::kCall, by, server.member, service.name, item.request),
+  return carry(passage(Passage::Kind::kCall, by, item.sub, server.member, server.sub, service.name,
+                       item.request),
                by.number, wire::CallIn{server.service, by.sender, item.number, item.request},
                item.request, item.number);
 }
 
 bool MessageRouter::arrivesAtOnce(const Action& by, const wire::Response& item,
-                                  const Service& service) {
+                                  const OpenCall& call) {
   const auto status = item.ok ? wire::CallStatus::kOk : wire::CallStatus::kError;
-  return carry(passage(Passage::Kind::kResponse, by, item.caller, service.name, item.bytes),
+  return carry(passage(Passage::Kind::kResponse, by, call.server.sub, item.caller, call.sub,
+                       services_[call.service].name, item.bytes),
                by.number, wire::Answer{item.number, status, item.bytes}, item.bytes, item.number);
 }
 
@@ -97,33 +105,66 @@ bool MessageRouter::arrivesAtOnce(const Action& by, const wire::Response& item,
 bool MessageRouter::carry(const Passage& passage, std::uint64_t number, const wire::GrantItem& item,
                           std::string_view bytes, std::uint32_t call) {
   const Carried carried = carriage_->carry(passage);
-  if (carried.lost.empty()) {
-    if (carriage_->isLater(carried.due)) {
-      carriage_->held.add(carried.due, heldOf(passage, number, item, bytes));
-      return false;
-    }
+  is_lost_ = !carried.lost.empty();
+  if (!is_lost_ && !carriage_->isLater(carried.due)) {
     return true;
   }
-  traceHeld(heldOf(passage, number, item, bytes), carried.lost);
-  if (passage.kind == Passage::Kind::kMessage) {
-    return false;
+  Held held = heldOf(passage, number, item, bytes);
+  held.ticket = carried.ticket;
+  if (is_lost_) {
+    traceHeld(held, carried.lost);
+    fail(held, call, carried.due);
+  } else {
+    carriage_->held.add(carried.due, std::move(held));
   }
-  const bool is_call = passage.kind == Passage::Kind::kCall;
-  const MemberId caller = is_call ? passage.sender : passage.receiver;
-  const MemberId server = is_call ? passage.receiver : passage.sender;
+  return false;
+}
+
+/** @brief It is lost: of a call or response, its caller is told so. */
+void MessageRouter::fail(const Held& held, std::uint32_t call, Nanoseconds due) {
+  if (held.kind == Passage::Kind::kMessage) {
+    return;
+  }
+  const bool is_call = held.kind == Passage::Kind::kCall;
+  const MemberId caller = is_call ? held.sender : held.receiver;
+  const MemberId server = is_call ? held.receiver : held.sender;
   calls_.erase({caller, call});
   const wire::Answer failed{call, wire::CallStatus::kServerGone, {}};
-  if (carriage_->isLater(carried.due)) {
-    Passage back = passage;
+  if (carriage_->isLater(due)) {
+    Held back = held;
     back.kind = Passage::Kind::kResponse;
     std::tie(back.sender, back.receiver) = std::pair(server, caller);
     back.sender_name = participants_.at(server).name;
-    carriage_->held.add(carried.due, heldOf(back, number, failed, {}));
+    back.bytes = std::make_shared<const std::string>();
+    back.item = failed;
+    carriage_->held.add(due, std::move(back));
   } else {
-    answer(caller, call, failed.status, {}, server, passage.name,
-           place_(passage.sender, router::kFirstSub, number));
+    answer(caller, call, failed.status, {}, server, held.name,
+           place_(held.sender, router::kFirstSub, held.number));
   }
-  return false;
+}
+
+// ---- what waits until its carrier knows more ---------------------------------------------------
+
+void MessageRouter::decide(std::uint64_t ticket, const Carried& carried) {
+  std::optional<Held> held = carriage_->held.takeWaiting(ticket);
+  if (!held) {
+    return;
+  }
+  if (carried.lost.empty()) {
+    carriage_->held.add(carried.due, *std::move(held));
+    return;
+  }
+  traceHeld(*held, carried.lost);
+  if (held->kind == Passage::Kind::kMessage) {
+    if (topics_[topic_numbers_.at(held->name)].part == OpenGoals::Part::kGoal) {
+      goals_.lost(held->name, *held->bytes);
+    }
+    return;
+  }
+  const auto* call = std::get_if<wire::CallIn>(&held->item);
+  fail(*held, call != nullptr ? call->number : std::get<wire::Answer>(held->item).number,
+       carried.due);
 }
 
 // ---- arriving --------------------------------------------------------------------------------

@@ -110,7 +110,7 @@ void MessageRouter::act(const Action& by, const wire::Call& item) {
   }
   const Service& service = services_[known->second];
   const Server& server = service.servers.back();
-  calls_[{by.sender, item.number}] = {known->second, server};
+  calls_[{by.sender, item.number}] = {known->second, server, item.sub};
   if (carriage_ != nullptr && !arrivesAtOnce(by, item, service, server)) {
     return;
   }
@@ -141,7 +141,7 @@ void MessageRouter::act(const Action& by, const wire::Response& item) {
   }
   const OpenCall open = call->second;
   calls_.erase(call);
-  if (carriage_ != nullptr && !arrivesAtOnce(by, item, services_[open.service])) {
+  if (carriage_ != nullptr && !arrivesAtOnce(by, item, open)) {
     return;
   }
   answer(item.caller, item.number, item.ok ? wire::CallStatus::kOk : wire::CallStatus::kError,

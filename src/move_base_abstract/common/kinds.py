@@ -262,14 +262,15 @@ def add_arguments(parser: argparse.ArgumentParser, cls: Type[Any]) -> None:
     for one in options_of(cls).values():
         how: Dict[str, Any] = {'choices': one.kind.schema['enum']} if 'enum' in one.kind.schema else {
             'type': _of_word(one), 'metavar': 'X'}
-        how.update({'action': 'append', 'default': []} if _is_list(one) else {'default': one.initial})
+        how['default'] = [] if _is_list(one) else one.initial or None  # argparse would check a text, '' too
+        how.update({'action': 'append'} if _is_list(one) else {})
         parser.add_argument(_flag_of(one), dest=one.field, help=one.plain.replace('%', '%%') + (
             '' if one.default in (None, [], 0) else f' (default: {one.default})'), **how)
 
 
 def of_arguments(cls: Type[T], found: argparse.Namespace) -> T:
     """Return the dataclass of a command line that add_arguments() was asked for."""
-    return cls(**{one.field: tuple(value) if isinstance(value, list) else value
+    return cls(**{one.field: tuple(value) if isinstance(value, list) else one.initial if value is None else value
                   for one in options_of(cls).values() for value in [getattr(found, one.field)]})
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Tuple
 
 from ..common.errors import ConfigurationError
-from ..common.kinds import Kind, list_of, number, one_of, option, pattern
+from ..common.kinds import Kind, list_of, number, one_of, option, pattern, text
 from . import stored_topics
 
 OF_NODES = ('launch', 'command')  # what has nodes, of an experiment's systems
@@ -42,6 +42,10 @@ class RunOptions:
         number(1e-6, 1000, or_zero=True, unit='s, simulated'), 0, 's, simulated: what nodes tell each other takes so '
         'long, and they work at once ([windows](lockstep_windows.md)); 0: no time', systems=OF_NODES, is_part=True,
         parameter='lookahead')
+    network: str = option(
+        text(), None, "`'FILE [NAME:=VALUE ...]'`: what nodes of different hosts tell each other goes over a "
+        "[radio](radio.md), which this file describes; the values are of its `$(arg NAME)`", systems=OF_NODES,
+        is_part=True, parameter='network')
     chaos_seed: int = option(
         number(0, 2147483647, whole=True), 0, 'equal events come in [another legal order](chaos.md), as this says; 0: '
         'the stated one', systems=OF_NODES, is_part=True, parameter='chaos_seed')

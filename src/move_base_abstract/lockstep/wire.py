@@ -123,7 +123,7 @@ serve, unserve = _item('SERVE'), _item('UNSERVE')
 send, call, response = _item('SEND'), _item('CALL'), _item('RESPONSE')
 log, note, watch, at = _item('LOG'), _item('NOTE'), _item('WATCH'), _item('AT')
 rest, hears, background, idle = _item('REST'), _item('HEARS'), _item('BACKGROUND'), _item('IDLE')
-keep_until = _item('KEEP_UNTIL')
+keep_until, motion = _item('KEEP_UNTIL'), _item('MOTION')
 parameter, asks = _item('PARAMETER'), _item('ASKS')
 
 _hello = _writer('hello', FRAMES['HELLO'].fields)

@@ -14,7 +14,7 @@ from collections import namedtuple
 #: one frame or item: its number on the wire, its name, its fields in their order
 Layout = namedtuple('Layout', 'number name fields')
 
-PROTOCOL = 7
+PROTOCOL = 8
 NEVER = 2 ** 63 - 1
 #: of a frame without its length field [bytes]; what is longer is refused before it is stored
 LARGEST_FRAME = 256 * 1024 * 1024
@@ -58,7 +58,8 @@ MASTER_FRAMES = (
                            'i32 rank',  # the one declared, or that of all who declare none
                            'instant leave_limit_ns',  # wall; for how long, at its end, it waits until all is taken
                            'instant busy_limit_ns',  # wall; who works longer on a grant says where; NEVER: nobody
-                           'texts excluded_topics')),  # that do not go through the time master
+                           'texts excluded_topics',  # that do not go through the time master
+                           'flag radio')),  # there is one between hosts: it asks for MOTION
     Layout(17, 'MEMBER', ('u32 id', 'text name', 'text node_uri')),
     Layout(18, 'GONE', ('u32 id',)),
     Layout(19, 'GRANT', ('u64 round',
@@ -106,6 +107,8 @@ REPORT_ITEMS = (
     Layout(18, 'ASKS', ('text name',)),  # I have asked for this parameter, or for what is below it
     Layout(19, 'IDLE', ('u32 count',)),  # so many of my threads wait without end for work that may come
     Layout(20, 'KEEP_UNTIL', ('instant time_ns',)),  # simulated; from then on what is unread is a reason for a grant
+    Layout(21, 'MOTION', ('u32 sub', 'text robot',  # its name; only where WELCOME says that there is a radio
+                          'bytes pieces')),  # how it moves from now on
 )
 
 #: what a grant contains; `topic` and `service` are the numbers of the participant that gets the grant

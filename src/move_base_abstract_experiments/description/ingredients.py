@@ -21,6 +21,7 @@ from typing import Any, Dict, FrozenSet, Iterable, List, Match, NamedTuple, Opti
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.input_files import open_input
+from move_base_abstract.radio import network
 
 from . import launch_files, program_files
 from .trial import Trial
@@ -50,6 +51,7 @@ def of_trial(trial: Trial) -> Made:
         found.update(_of_launch(first.launch, tuple(first.arguments), experiment.folder, experiment.leave_out,
                                 tuple(sorted(experiment.replace.items()))))
     paths = {os.path.join(experiment.folder, name) for name in experiment.inputs}
+    paths |= set(network.files_of(trial.network, experiment.folder))
     for word, after in zip(experiment.command, [*experiment.command[1:], '']):
         paths |= _of_word(word, after, experiment.folder)
     for name in experiment.functions.values():

@@ -36,5 +36,9 @@ BUILT_IN = {
 OCCASIONAL = {
     'goals_beyond': Metric('Goals outside of what was recorded', '%', 'lower', 'value'),
     'encounters': Metric('Encounters', 'encounters', 'lower', 'lower_bound'),
+    'radio_messages': Metric('Messages between hosts', 'messages', None, 'lower_bound'),
+    'delivery_ratio': Metric('Messages between hosts that arrived', '%', 'higher', 'value'),
+    'message_age': Metric('Age of messages between hosts when they arrive, mean', 's', 'lower', 'value'),
+    'out_of_reach': Metric('Time out of reach, mean of the links', 's', 'lower', 'lower_bound'),
     'encounter_time': Metric('Time stood for other robots, sum of the robots', 's', 'lower', 'lower_bound'),
 }

@@ -58,7 +58,7 @@ def schema() -> Dict[str, Any]:
     refused['command']['participants'] = {'type': 'array'}  # it does not say who takes part
     systems: List[Any] = [{'if': {'required': [system]}, 'then': {'properties': refused[system], **(
         {'required': ['participants']} if system == 'command' else {})}} for system in SYSTEMS]
-    both = {'properties': {'stored_topics': {'maxItems': 0}}}
+    both = {'properties': {'stored_topics': {'maxItems': 0}, 'network': False}}
     windows = {'if': {'properties': {'lookahead': {'exclusiveMinimum': 0}}, 'required': ['lookahead']}, 'then': both}
     return {'$schema': 'http://json-schema.org/draft-07/schema#', 'title': 'an experiment of move_base_abstract',
             **kinds.schema_of(Experiment), 'oneOf': [{'required': [system]} for system in SYSTEMS],
@@ -107,13 +107,16 @@ def _check_names(experiment: Experiment) -> None:
                                  '[/coordinator, /robot_0/move_base]')
     if experiment.lookahead and experiment.stored_topics:
         raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', where all takes time")
+    if experiment.lookahead and experiment.network:
+        raise ConfigurationError("'network' must not be with a 'lookahead', where all takes the same time")
     if experiment.lookahead and experiment.chaos_seed:
         raise ConfigurationError("'chaos_seed' must be 0 with a 'lookahead', where no events are equal")
 
 
 def _texts(experiment: Experiment) -> List[Tuple[str, Any]]:
     """Return (where, text) of all in which {NAME} stands for something."""
-    return [('launch', experiment.launch), *(('args.' + key, value) for key, value in experiment.args.items()),
+    return [('launch', experiment.launch), ('network', experiment.network),
+            *(('args.' + key, value) for key, value in experiment.args.items()),
             *(('command', word) for word in experiment.command)]
 
 

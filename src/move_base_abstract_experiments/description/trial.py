@@ -31,6 +31,11 @@ class Trial:
         return placeholders.filled(self.experiment.launch, self.values)
 
     @property
+    def network(self) -> str:
+        """The network's file with its values, filled in, or ''."""
+        return placeholders.filled(self.experiment.network, self.values)
+
+    @property
     def command(self) -> List[str]:
         """The words of the command, filled in."""
         return [placeholders.filled(word, self.values) for word in self.experiment.command]

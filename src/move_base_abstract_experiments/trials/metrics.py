@@ -19,7 +19,7 @@ from move_base_abstract.runs import ends, event_log
 from move_base_abstract.runs.event_log import Event, EventLog, EventLogError
 from move_base_abstract.runs.run_difference import MESSAGES
 
-from . import termination
+from . import radio, termination
 from .validity import Validity
 
 Place = Optional[Tuple[float, float]]  # (x, y) [m]; None: not known
@@ -133,6 +133,7 @@ class _Tally:
         self._start_ns = self._last_ns = start_ns  # ... when the last goal ended
         self._robots: Dict[str, _Robot] = {}
         self._validity = Validity()
+        self._radio = radio.Radio()
         self._reached = self._failed = self._encounters = 0
         self._stood: Optional[float] = None  # s; None: robots do not meet
 
@@ -141,6 +142,8 @@ class _Tally:
         self._validity.take(event.robot, event.kind, values)
         if event.kind in PLACES and len(values) >= 2 and all(map(_is_number, values)):  # anybody may write such a row
             self._take_place(event, values)
+        elif event.kind in radio.KINDS:
+            self._radio.take(event.kind, values, event.time_ns)
         elif event.kind == 'meets':
             self._stood = self._stood or 0.0
         elif event.kind == 'encounter' and len(values) == 4 and _is_number(values[3]):
@@ -192,7 +195,7 @@ class _Tally:
             'throughput': self._reached * 3600.0 / seconds if seconds > 0.0 else None, **self._validity.metrics()}
         if self._stood is not None:
             found.update(encounters=self._encounters // 2, encounter_time=round(self._stood, 9))
-        return found
+        return {**found, **self._radio.metrics(self._start_ns + round(seconds * _NS_PER_S))}
 
 
 def _is_number(value: Any) -> bool:

@@ -6,6 +6,7 @@ import os
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from move_base_abstract.common import kinds
+from move_base_abstract.radio import network
 from move_base_abstract_ros.launching.conditions import Condition
 from move_base_abstract_ros.loopback import PACKAGE
 
@@ -81,6 +82,8 @@ def parameters_of(run: Run, start_s: float) -> Dict[str, Any]:
     """Return the time master's parameters. start_s: when the clock starts [s]."""
     found: Dict[str, Any] = {'event_log': run.folders.log, 'note_of_start': run.path(START_NOTE)}
     found.update(kinds.parameters_of(run.experiment))
+    if run.experiment.network:
+        found[network.PARAMETER] = network.parameter_of(run.job.trial.network, run.experiment.folder)
     if DECISIONS in run.experiment.record.files and run.experiment.chaos_seed:
         found['chaos_decisions'] = os.path.join(run.folders.files, DECISIONS)
     found.update({'speed_limit': run.job.speed_limit} if run.job.speed_limit else {})

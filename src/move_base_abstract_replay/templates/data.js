@@ -41,6 +41,7 @@ class Run {
     this.limits = about.limits;
     this.states = about.states;
     this.rows = about.rows;
+    this.links = about.links;
     this.robots = about.rows.filter((row) => row.robot).length;
     this.events = this.event_time.length;
     this.legs = new Array(this.robots); // the latest that was asked for
@@ -98,6 +99,16 @@ class Run {
                          : {...evenPose(this.start(motion), this.goal(motion), begin, end, until), motion};
     }
     return {...legPose(this.legOf(robot, motion), until), motion};
+  }
+
+  // Of the links that are up, [[x, y], [x, y]]: both ends, where they are known.
+  linksAt(time, poses) {
+    const place = (end) => (end.robot === undefined ? end : poses[end.robot]);
+    const isUp = ({times, up}) => {
+      const count = upperBound(times, time, 0, times.length);
+      return count > 0 && up[count - 1];
+    };
+    return this.links.filter(isUp).map(({ends}) => ends.map(place)).filter(([one, other]) => one && other);
   }
 
   isUnderWay(motion, time) {

@@ -135,6 +135,7 @@ class MapView {
     else this.drawGrid(context, width, height);
     const poses = [];
     for (let robot = 0; robot < this.run.robots; robot += 1) poses.push(this.run.poseAt(robot, this.player.time));
+    this.drawLinks(context, poses);
     poses.forEach((pose, robot) => pose && this.drawWay(context, robot, pose));
     poses.forEach((pose, robot) => pose && this.drawRobot(context, robot, pose));
     poses.forEach((pose, robot) => pose && this.drawName(context, robot, pose, width));
@@ -169,6 +170,20 @@ class MapView {
       context.lineTo(width, y);
     }
     context.stroke();
+  }
+
+  // The links of the radio that are up.
+  drawLinks(context, poses) {
+    context.strokeStyle = COLOURS.accent;
+    context.lineWidth = 1;
+    context.globalAlpha = 0.35;
+    context.beginPath();
+    for (const [one, other] of this.run.linksAt(this.player.time, poses)) {
+      context.moveTo(this.toX(one.x), this.toY(one.y));
+      context.lineTo(this.toX(other.x), this.toY(other.y));
+    }
+    context.stroke();
+    context.globalAlpha = 1;
   }
 
   colour(robot) {

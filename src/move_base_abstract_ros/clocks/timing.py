@@ -9,6 +9,8 @@ import rospy
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.config.settings import EVENTS_ONLY
 from move_base_abstract.engine.event_queue import NOBODY, PARTICIPANTS
+from move_base_abstract.lockstep import wire
+from move_base_abstract.radio.motion_pieces import pieces_of
 
 from .. import lockstep
 from ..messages import outlets
@@ -108,6 +110,10 @@ class ScaledTiming:
         """Robots are about to be made."""
 
     @staticmethod
+    def tell_motion(_robot, _sub):
+        """Tell nobody how a robot moves: there is no radio."""
+
+    @staticmethod
     def claim_frames(robot, frames):
         """Warn, in the name of ``robot``, if another node publishes one of ``frames`` in tf."""
         tf_watch.claim(robot, frames)
@@ -196,6 +202,16 @@ class LockstepTiming:
     def begin_to_publish():
         """Tell newcomers where all frames are, since no heartbeat does."""
         tf_hub.tell_newcomers()
+
+    @staticmethod
+    def tell_motion(robot, sub):
+        """Tell the time master how the ``robot`` with the index ``sub`` moves, if there is a radio between hosts."""
+        participant = lockstep.participant()
+        if participant is not None and participant.has_radio:
+            def tell(now_ns):
+                participant.add(wire.motion(sub, robot.name, pieces_of(robot, now_ns)))
+            robot.follow(tell)
+            tell(participant.now_ns)
 
     @staticmethod
     def claim_frames(_robot, _frames):

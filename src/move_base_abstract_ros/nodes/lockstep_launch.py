@@ -22,6 +22,7 @@ from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep.run_options import FAIL, RunOptions
+from move_base_abstract.radio import network
 
 from ..launching import light_imports, warm_client
 from ..process.process_end import leave
@@ -134,7 +135,7 @@ def wishes_of(options, parameters, **others):
     """Return what the options ask of a plan; ``parameters``: of the time master."""
     from ..launching.plan import Wishes
     given = {**({'end_at': options.until} if options.until else {}),
-             **kinds.parameters_of(kinds.of_arguments(RunOptions, options))}
+             **network.resolve(kinds.parameters_of(kinds.of_arguments(RunOptions, options)))}
     return Wishes(parameters={**given, **parameters},
                   launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
                   kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),

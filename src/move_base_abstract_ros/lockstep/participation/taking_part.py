@@ -33,7 +33,7 @@ class Participant:
     def __init__(self, connection, charge):
         self.scheduler = Scheduler(self)
         self.connection = connection
-        self.rank = 0
+        self.rank, self.has_radio = 0, False  # has_radio: robots tell how they move
         self._leave_seconds = 0.0  # wall
         self.names = {}
         self.uris = {}
@@ -364,7 +364,7 @@ class Participant:
             reason, as_wished = wire.read_frame(kind, body)
             self._give_up('the time master has ended lockstep: {}'.format(reason), as_wished)
         if kind == wire.WELCOME:
-            number, self.rank, leave_limit_ns, busy_limit_ns, excluded = wire.read_frame(kind, body)
+            number, self.rank, leave_limit_ns, busy_limit_ns, excluded, self.has_radio = wire.read_frame(kind, body)
             silence.watch(self, busy_limit_ns)
             self._leave_seconds = leave_limit_ns * 1e-9
             self.topics.excluded.update(excluded)

@@ -1,0 +1,68 @@
+// When links come up and go down, to the nanosecond, whether anything is sent or not.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_LINK_WATCH_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_LINK_WATCH_H
+
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "hosts.h"
+
+namespace move_base_abstract::radio {
+
+/**
+ * @brief The links between all hosts that are known, and when a message may get through.
+ *
+ * While a host moves its links are looked at every kLookPeriod; where one has changed, the instant
+ * is found by bisection. What comes up and goes down again in between is not seen.
+ */
+class LinkWatch {
+ public:
+  struct Change {
+    Nanoseconds at;  // simulated
+    HostId one, other;
+    bool is_up;
+  };
+
+  explicit LinkWatch(const Hosts& hosts) : hosts_(hosts) {}
+
+  /** @return whether it is up, as of the latest look; false where there is no link. */
+  bool isUp(HostId one, HostId other) const;
+  /** @brief Look at all links of hosts that are new, as of @p now. */
+  void meet(Nanoseconds now);
+  /** @brief A host moves otherwise, from @p now on. @pre advance(now) was before it did */
+  void moved(HostId host, Nanoseconds now);
+  /** @return the next instant at which there may be a change, or a look to be taken. */
+  Nanoseconds next() const { return due_.empty() ? kNever : due_.begin()->first; }
+  /** @brief Find what has changed up to @p now. */
+  void advance(Nanoseconds now);
+  /** @return the changes since the last call, by instant. */
+  std::vector<Change> take();
+
+ private:
+  using Pair = std::pair<HostId, HostId>;  // the smaller number first
+  struct Link {
+    const LinkRule* rule;
+    bool is_up = false;
+    Nanoseconds due = kNever;
+    bool changes = false;  // at `due`; else it is looked for again
+  };
+
+  bool upAt(const Pair& pair, const Link& link, Nanoseconds now) const;
+  void search(const Pair& pair, Link& link, Nanoseconds from);
+  Nanoseconds changeBetween(const Pair& pair, const Link& link, Nanoseconds before,
+                            Nanoseconds after) const;
+  void setDue(const Pair& pair, Link& link, Nanoseconds due, bool changes);
+  void change(const Pair& pair, Link& link, Nanoseconds at);
+
+  const Hosts& hosts_;
+  HostId met_ = 0;
+  std::map<Pair, Link> links_;
+  std::set<std::pair<Nanoseconds, Pair>> due_;
+  std::vector<Change> changes_;
+};
+
+}  // namespace move_base_abstract::radio
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_LINK_WATCH_H

@@ -1,0 +1,5 @@
+"""The radio between hosts as files describe it, and robots' motions as the time master is told them."""
+from ..common.handed_on import handed_on
+
+__getattr__ = handed_on(__name__, {
+    'motion_pieces': 'pieces_of', 'network': 'parameter_of read_network resolve'})

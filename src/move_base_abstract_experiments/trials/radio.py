@@ -1,0 +1,44 @@
+"""The metrics of the radio between hosts, from the rows `radio`, `radio_lost` and `link` of an event log."""
+from __future__ import annotations
+
+from typing import Any, Dict, List, Optional, Tuple
+
+#: what each says stands at src/lockstep/radio_traffic.h, and in docs/radio.md
+KINDS = ('radio', 'radio_lost', 'link')
+_SENT, _AT = 5, 6  # of a row `radio`: instants [ns]
+_NS_PER_S = 1e9
+
+
+class Radio:
+    """What is counted of a run; nothing if it had no radio."""
+
+    def __init__(self) -> None:
+        self._arrived = self._lost = self._age_ns = 0
+        self._links: Dict[Tuple[str, str], Tuple[bool, int]] = {}  # whether it is up, since when [ns]
+        self._down_ns = 0
+
+    def take(self, kind: str, values: List[Any], now_ns: int) -> None:
+        """Count a row of one of KINDS. Anybody may write such a row: one of another form is none."""
+        if kind == 'link' and len(values) == 3 and all(isinstance(one, str) for one in values):
+            self._turn((values[0], values[1]), values[2] == 'up', now_ns)
+        elif kind == 'radio' and len(values) == _AT + 1 and all(type(one) is int for one in values[_SENT:]):
+            self._arrived += 1
+            self._age_ns += values[_AT] - values[_SENT]
+        elif kind == 'radio_lost' and len(values) == _AT + 1:
+            self._lost += 1
+
+    def _turn(self, link: Tuple[str, str], is_up: bool, now_ns: int) -> None:
+        was_up, since_ns = self._links.get(link, (True, now_ns))
+        self._down_ns += 0 if was_up else now_ns - since_ns
+        self._links[link] = is_up, now_ns
+
+    def metrics(self, end_ns: int) -> Dict[str, Optional[float]]:
+        """Return the metrics of the run, which ended at ``end_ns``; {} of one without a radio."""
+        for link, (is_up, _) in list(self._links.items()):
+            self._turn(link, is_up, end_ns)
+        sent = self._arrived + self._lost
+        if not sent and not self._links:
+            return {}
+        return {'radio_messages': sent, 'delivery_ratio': 100.0 * self._arrived / sent if sent else None,
+                'message_age': self._age_ns / self._arrived / _NS_PER_S if self._arrived else None,
+                'out_of_reach': self._down_ns / len(self._links) / _NS_PER_S if self._links else None}

@@ -1,0 +1,155 @@
+"""A network's file: what the time master is told of it, and what is refused; robots' motions as pieces."""
+import argparse
+import math
+import struct
+from textwrap import indent
+
+import pytest
+
+from move_base_abstract.common import kinds
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.lockstep.run_options import RunOptions
+from move_base_abstract.motion.approach import MotionPhases
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.leg import MotionLimits
+from move_base_abstract.motion.pace import Pace, PacedLeg
+from move_base_abstract.motion.robot import Robot
+from move_base_abstract.radio.motion_pieces import pieces_of
+from move_base_abstract.radio.network import parameter_of
+from move_base_abstract_experiments.trials.radio import Radio
+from move_base_abstract_replay.links import find_links
+
+HOSTS = """
+hosts:
+  robot_*: {nodes: [/robot_*/**], at: robot}
+  base: {nodes: [/coordinator, /monitor], at: [0, 1.5]}
+"""
+LINKS = """
+links:
+  - {between: [robot_*, base], delay: 0.02, loss: 0.01, rate: 1000000, range: 150.0}
+  - {between: [robot_*, robot_*], delay: {uniform: [0.005, 0.05]}, loss: {distance: {50: 0.0, 100: 0.2, 150: 1}}}
+"""
+
+
+@pytest.fixture
+def lines(tmp_path):
+    """Return the lines of a network's file with this text."""
+    def made(text, words=''):
+        (tmp_path / 'n.yaml').write_text(text)
+        return parameter_of('n.yaml ' + words, str(tmp_path))
+    return made
+
+
+def test_lines_of_a_network(lines):
+    assert lines('network:\n' + indent('seed: 3\nwired: [/tf]\nlost: retry' + HOSTS + LINKS, '  ')) == [
+        'seed 3', 'host robot_* robot /robot_*/**', 'host base at 0.0 1.5 /coordinator /monitor', 'wired /tf',
+        'link robot_* base delay 20000000 20000000 loss 0.01 rate 1000000 range 150.0 lost retry retry 200000000 '
+        'attempts 8',
+        'link robot_* robot_* delay 5000000 50000000 table 3 50.0 0.0 100.0 0.2 150.0 1.0 lost retry retry 200000000 '
+        'attempts 8']
+
+
+def test_arguments_and_path_loss(lines):
+    text = HOSTS + """
+seed: $(arg seed)
+links: [{between: [base, base], lost: queue, buffer: 10,
+         loss: {path_loss: {power: 20, sensitivity: -80, exponent: 3, shadowing: 6}}}]
+"""
+    found = lines(text, 'seed:=7')
+    assert found[0] == 'seed 7'
+    assert found[-1] == ('link base base delay 0 0 path 20.0 -80.0 3.0 1.0 40.0 6.0 buffer 10 lost queue '
+                         'retry 200000000 attempts 8')
+    with pytest.raises(ConfigurationError, match='arg seed'):
+        lines(text)
+    with pytest.raises(ConfigurationError, match='nothing in it is .*speed'):
+        lines(text, 'seed:=7 speed:=1')
+
+
+def test_walls_of_a_map(lines, tmp_path):
+    (tmp_path / 'm.pgm').write_bytes(b'P5 4 2 255\n' + bytes([254, 0, 0, 254, 0, 254, 254, 0]))
+    (tmp_path / 'm.yaml').write_text('{image: m.pgm, resolution: 0.5, origin: [-1, 2, 0], negate: 0, '
+                                     'occupied_thresh: 0.65, free_thresh: 0.196}')
+    found = lines('map: m.yaml' + HOSTS + 'links: [{between: [base, base], walls: 6}]')
+    assert found[-4:-1] == ['walls -1.0 2.0 0.5 4 2', 'wall 0 0 1 3 4', 'wall 1 1 3']
+    assert ' wall 6.0 ' in found[-1]
+
+
+@pytest.mark.parametrize('text, says', [
+    ('hosts: {}\nlinks: []\nspeed: 1', "unknown; did you mean 'seed'"),
+    ('links: []', "'hosts' is missing"),
+    (HOSTS + 'links: [{between: [a]}]', 'two names of hosts'),
+    (HOSTS + 'links: [{between: [a, b], loss: 2}]', r'links\[0\].loss: got 2; allowed: a number in 0..1'),
+    (HOSTS + 'links: [{between: [a, b], loss: {}}]', "one of 'distance' and 'path_loss'"),
+    (HOSTS + 'links: [{between: [a, b], delay: {uniform: [2, 1]}}]', 'the smaller number first'),
+    (HOSTS + 'links: [{between: [a, b], walls: 2}]', "no 'map'"),
+    ('hosts: {r_*: {nodes: [/r_1/**], at: robot}}\nlinks: []', 'the one of the host stands for'),
+    ('hosts: {r: {nodes: [r_1], at: robot}}\nlinks: []', 'an absolute name'),
+    ('hosts: {r: {nodes: [/r_1], at: here}}\nlinks: []', "'robot', or a place"),
+    ('[1]', 'a mapping with hosts'),
+])
+def test_what_is_refused(lines, text, says):
+    with pytest.raises(ConfigurationError, match=says):
+        lines(text)
+
+
+def place_of(pieces, now_ns):
+    """Return the place that pieces tell, as the time master takes it (src/lockstep/radio/motions.cpp)."""
+    begin, x, y, vx, vy, ax, ay = [one for one in pieces if one[0] <= now_ns][-1]
+    elapsed = (now_ns - begin) / 1e9
+    return x + (vx + 0.5 * ax * elapsed) * elapsed, y + (vy + 0.5 * ay * elapsed) * elapsed
+
+
+def worst(robot, begin_ns, end_ns):
+    """Return how far [m] the pieces are away from the robot at most, and how many there are."""
+    pieces = list(struct.iter_unpack('<q6d', pieces_of(robot, begin_ns)))
+    return max(math.dist(place_of(pieces, now), (robot.pose_at(now).x, robot.pose_at(now).y))
+               for now in range(begin_ns, end_ns, 1_234_567)), len(pieces)
+
+
+@pytest.mark.parametrize('limits', [MotionLimits(0.5), MotionLimits(0.5, 0.3, 1.0), MotionLimits(2.0, 0.1)])
+def test_pieces_are_the_motion_itself(limits):
+    robot = Robot(0, 'r', limits=limits)
+    assert worst(robot, 0, 10**9) == (0.0, 1)
+    leg = robot.depart(Pose2D(3, 4, 1.0), 5, [(1.0, 1.0)])
+    assert worst(robot, 5, leg.arrive_ns + 10**9)[0] < 1e-8
+    assert worst(robot, 10**9, leg.arrive_ns + 10**9)[0] < 1e-8
+
+
+def test_pieces_of_another_pace_and_of_phases():
+    robot = Robot(0, 'r', limits=MotionLimits(0.5, 0.3, 1.0))
+    leg = robot.depart(Pose2D(3, 4, 1.0), 5, (), lambda leg: PacedLeg(leg, Pace(10**8, 1.3)))
+    assert worst(robot, 5, leg.arrive_ns)[0] < 1e-8
+    phased = Robot(0, 'r', limits=MotionLimits(0.5, 0.3, 1.0), phases=MotionPhases((0.5, 0.1), 2.0, 0.1, 1.0, 2.0, 0.1))
+    leg = phased.depart(Pose2D(3, 4, 1.0), 5)
+    assert worst(phased, 5, leg.arrive_ns)[0] < 1e-3
+
+
+def test_metrics_of_the_radio():
+    counted = Radio()
+    assert counted.metrics(10**9) == {}
+    counted.take('link', ['a', 'b', 'down'], 10**9)
+    counted.take('link', ['a', 'b', 'up'], 3 * 10**9)
+    counted.take('link', ['a', 'c', 'up'], 10**9)
+    counted.take('link', ['a', 'c', 'down'], 8 * 10**9)
+    counted.take('radio', ['a', 'b', '/a', '/b', 5, 10**9, 2 * 10**9], 10**9)
+    counted.take('radio', ['a', 'b', '/a', '/b', 5, 10**9, 10**9], 10**9)
+    counted.take('radio_lost', ['a', 'b', '/a', '/b', 5, 10**9, 'loss'], 10**9)
+    counted.take('radio', ['of somebody else'], 10**9)
+    assert counted.metrics(9 * 10**9) == {'radio_messages': 3, 'delivery_ratio': pytest.approx(200 / 3),
+                                          'message_age': 0.5, 'out_of_reach': 1.5}
+
+
+def test_links_of_a_replay():
+    rows = [(1, '', 'link', '["base", "r", "down"]'), (1, 'base', 'host', '[1.5, 2]'),
+            (5, '', 'link', '["base", "r", "up"]'), (1, '', 'link', '["base", "nowhere", "up"]'),
+            (2, '', 'link', '[1]'), (2, 'x', 'host', '["a", null]')]
+    assert find_links(rows, ['q', 'r']) == [
+        {'ends': [{'x': 1.5, 'y': 2}, {'robot': 1}], 'times': [1, 5], 'up': [False, True]}]
+
+
+def test_command_lines_without_a_network():
+    parser = argparse.ArgumentParser()
+    kinds.add_arguments(parser, RunOptions)
+    assert kinds.of_arguments(RunOptions, parser.parse_args([])) == RunOptions()
+    given = kinds.of_arguments(RunOptions, parser.parse_args(['--network', 'n.yaml loss:=1']))
+    assert kinds.words_of(given) == ['--network', 'n.yaml loss:=1']
