@@ -37,7 +37,7 @@ class Broken(NamedTuple):
 
     def told(self) -> Dict[str, Any]:
         """Return all of it as plain values, for files."""
-        return {**self._asdict(), 'details': list(self.details)}
+        return {**self._asdict(), 'details': list(self.details), 'words': self.words()}
 
     def key(self) -> Tuple[str, ...]:
         """Return what it is about: a built-in property in itself, a statement by its node and text."""

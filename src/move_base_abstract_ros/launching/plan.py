@@ -66,8 +66,12 @@ def make_plan(files, wishes):
 
     :raises ConfigurationError: if the files cannot be run like this; :raises roslaunch.core.RLException: its own.
     """
-    config = roslaunch.config.load_config_default(files, None, loader=core_file.Loader(), verbose=False)
-    return plan_of(config, wishes)
+    return plan_of(read(files), wishes)
+
+
+def read(files):
+    """Return roslaunch's configuration of launch files. :raises roslaunch.core.RLException: its own."""
+    return roslaunch.config.load_config_default(files, None, loader=core_file.Loader(), verbose=False)
 
 
 def plan_of(config, wishes):
