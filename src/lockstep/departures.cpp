@@ -134,6 +134,9 @@ void Departures::goOnWithoutSome() {
 
 /** @return whether others have something to do yet, so that it matters when this one leaves. */
 bool Departures::goesOnWithout(MemberId id) const {
+  if (run_.carriage.held.hasForOthers(id)) {
+    return true;
+  }
   return std::any_of(
       run_.rounds.members().begin(), run_.rounds.members().end(), [id](const auto& entry) {
         return entry.first != id && entry.second.present &&

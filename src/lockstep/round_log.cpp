@@ -38,7 +38,9 @@ void RoundLog::add(const MessageRouter::Delivery& delivery, const NameOf& name_o
   }
   std::sort(receivers.begin(), receivers.end(), naturalLess);
   std::string values = "[";
-  appendJson(values, delivery.sender == 0 ? "" : name_of(delivery.sender));
+  appendJson(values, delivery.sender_name.empty() && delivery.sender != 0
+                         ? name_of(delivery.sender)
+                         : std::string(delivery.sender_name));
   for (const std::string& receiver : receivers) {
     values += ",";
     appendJson(values, receiver);
@@ -46,14 +48,21 @@ void RoundLog::add(const MessageRouter::Delivery& delivery, const NameOf& name_o
   if (delivery.kind == Kind::kResponse) {
     values += "," + std::to_string(static_cast<int>(delivery.status));
   }
-  values += "," + std::to_string(delivery.bytes.size()) + ",\"" + hashText(delivery.bytes) + "\"]";
-  const char* kind = delivery.kind == Kind::kMessage ? "message"
-                     : delivery.kind == Kind::kCall  ? "call"
-                                                     : "response";
+  values += "," + std::to_string(delivery.bytes.size()) + ",\"" + hashText(delivery.bytes) + "\"";
+  if (!delivery.lost.empty()) {
+    values += ",";
+    appendJson(values, std::string(delivery.lost));
+  }
+  values += "]";
+  const char* kind = !delivery.lost.empty()            ? "lost"
+                     : delivery.kind == Kind::kMessage ? "message"
+                     : delivery.kind == Kind::kCall    ? "call"
+                                                       : "response";
+  const bool keeps_bytes = keeps_bytes_ && delivery.lost.empty();
   round_.push_back({delivery.order,
                     {rounds_.now(), std::string(delivery.name), kind, std::move(values),
-                     keeps_bytes_ ? std::string(delivery.type) : "",
-                     keeps_bytes_ ? std::string(delivery.bytes) : ""}});
+                     keeps_bytes ? std::string(delivery.type) : "",
+                     keeps_bytes ? std::string(delivery.bytes) : ""}});
 }
 
 void RoundLog::closeRound() {

@@ -2,12 +2,15 @@
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
 
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "clock/scaled_clock.h"
 #include "connections.h"
 #include "interruption.h"
 #include "labels.h"
+#include "lockstep/chaos/chaos.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/rounds/settings.h"
 #include "lockstep/routing/router.h"
@@ -19,6 +22,9 @@
 
 namespace move_base_abstract {
 
+/** @return "chaos seed 7 with delays up to 0.05 s"; '' without. */
+std::string chaosText(const LockstepSettings& settings);
+
 /** @brief A run of the event-driven clock, without what becomes of it: each field has its own
  * rules.
  */
@@ -27,9 +33,15 @@ struct LockstepRun {
   LockstepRun(const LockstepRun&) = delete;
   LockstepRun& operator=(const LockstepRun&) = delete;
 
+  /** @brief @p carrier carries, after those that were added before. Not with a lookahead.
+   * @throws std::invalid_argument with one. */
+  void addCarrier(std::unique_ptr<Carrier> carrier);
+
   const LockstepSettings settings;
+  chaos::Decisions decisions;
   LockstepRounds rounds;
   RoundLog log;
+  Carriage carriage;
   MessageRouter router;
   Nanoseconds wall;  // the latest
   Connections connections;
@@ -40,6 +52,10 @@ struct LockstepRun {
   RunLabels labels;
   ParameterBook parameters;
   Interruption interruption;
+  std::unique_ptr<chaos::Order> order;  // of equal events; none: the stated one
+
+ private:
+  void beChaotic();
 };
 
 }  // namespace move_base_abstract

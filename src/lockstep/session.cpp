@@ -357,6 +357,7 @@ LockstepStatus LockstepSession::status() const {
   status.rounds = run_.rounds.rounds() - run_.rounds.playedRounds();
   status.leaps = run_.rounds.leaps();
   status.messages = run_.router.messages();
+  status.chaos = chaosText(run_.settings);
   return status;
 }
 

@@ -4,8 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "clock/scaled_clock.h"
@@ -36,6 +38,10 @@ class LockstepSession {
   LockstepSession(const LockstepSettings& settings, Nanoseconds wall);
   LockstepSession(const LockstepSession&) = delete;
   LockstepSession& operator=(const LockstepSession&) = delete;
+
+  /** @brief @p carrier says when messages, calls and responses arrive. To be called first.
+   * @throws std::invalid_argument with a lookahead. */
+  void addCarrier(std::unique_ptr<Carrier> carrier) { run_.addCarrier(std::move(carrier)); }
 
   /** @brief A new connection, which has 10 wall seconds to say HELLO. */
   void connect(ConnectionId connection, Nanoseconds wall);
@@ -70,6 +76,8 @@ class LockstepSession {
   /** @return log lines since the last call, by time, round and (rank, sub, name, number). */
   std::vector<LockstepLogEntry> takeLog() { return run_.log.take(); }
   std::vector<LockstepMessage> takeMessages() { return run_.messages.take(); }
+  /** @return what chaos has decided otherwise than the stated order since the last call. */
+  std::vector<chaos::Decision> takeDecisions() { return run_.decisions.take(); }
   /** @return what the ROS master is to be told before the output of the latest poll() is sent. */
   std::vector<ParameterChange> takeParameters() { return run_.parameters.take(); }
   /** @brief Somebody who takes no part has set or deleted a parameter of ROS. */

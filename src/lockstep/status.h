@@ -77,6 +77,7 @@ struct LockstepStatus {
   std::uint64_t rounds;
   std::uint64_t leaps;
   std::uint64_t messages;  // delivered between participants, one for each receiver
+  std::string chaos;       // chaosText()
 };
 
 /** @brief Says what is so, of rounds and their members, which outlive it. */

@@ -20,12 +20,32 @@ void Turns::take(MemberId id, wire::Report report,
   member.turn = {bytes, std::move(report.items)};
 }
 
+/** @return whether @p id changes what others' turns lead to: links, services, parameters. */
+bool Turns::changesOthers(MemberId id) const {
+  const SessionMember& member = run_.members.at(id);
+  return member.departing ||
+         std::any_of(member.turn.items.begin(), member.turn.items.end(), [](const auto& item) {
+           return !std::holds_alternative<wire::Send>(item) &&
+                  !std::holds_alternative<wire::Call>(item) &&
+                  !std::holds_alternative<wire::Response>(item) &&
+                  !std::holds_alternative<wire::Log>(item) &&
+                  !std::holds_alternative<wire::Note>(item) &&
+                  !std::holds_alternative<wire::Rest>(item) &&
+                  !std::holds_alternative<wire::Background>(item) &&
+                  !std::holds_alternative<wire::Idle>(item) &&
+                  !std::holds_alternative<wire::KeepUntil>(item);
+         });
+}
+
 void Turns::apply() {
   if (run_.changed.empty()) {
     return;
   }
   std::vector<MemberId> ids = run_.changed.take();
   std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return run_.rounds.before(a, b); });
+  if (run_.order) {
+    run_.order->arrangeTurns(ids, [this](MemberId id) { return changesOthers(id); });
+  }
   for (const MemberId id : ids) {
     SessionMember& member = run_.members.at(id);
     member.listed = false;

@@ -30,9 +30,13 @@ class Turns {
   /** @brief Who has asked for a parameter that has changed is to be told so with its next grant. */
   void noteChangedParameters();
   /** @brief No mail points into what was applied. */
-  void forgetApplied() { applied_.clear(); }
+  void forgetApplied() {
+    applied_.clear();
+    run_.carriage.forgetArrived();
+  }
 
  private:
+  bool changesOthers(MemberId id) const;
   void applyItem(MemberId id, SessionMember& member, const wire::ReportItem& item);
   void applyNote(SessionMember& member, const wire::Note& note);
   void applyParameter(const SessionMember& member, const wire::Parameter& item);

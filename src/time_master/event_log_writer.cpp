@@ -153,7 +153,8 @@ std::FILE* create(const std::string& path) {
 }  // namespace
 
 EventLogWriter::EventLogWriter(const std::string& path, std::int64_t start_ns,
-                               const std::vector<std::string>& stored_topics)
+                               const std::vector<std::string>& stored_topics,
+                               const std::string& more_of_head)
     : path_(path), csv_(endsWith(path, ".csv")) {
   if (!csv_ && !endsWith(path, ".jsonl")) {
     throw std::invalid_argument("must end in .jsonl or .csv, got '" + path + "'");
@@ -165,6 +166,7 @@ EventLogWriter::EventLogWriter(const std::string& path, std::int64_t start_ns,
     buffer_ += ",\"stored_topics\":";
     appendJsonArray(buffer_, stored_topics);
   }
+  buffer_ += more_of_head.empty() ? "" : "," + more_of_head;
   buffer_ += std::string("}\n") + (csv_ ? "time_ns,robot,kind,values\n" : "");
   flush();
 }

@@ -45,6 +45,7 @@ class EventLogWriter {
 
   /**
    * @param stored_topics what the user says of them; the head says so, where there are any.
+   * @param more_of_head JSON, '"key":value', that the head has, too; '': none.
    *
    * Of what is there under @p path or PATH.part already, only an event log is replaced, and no
    * symbolic link is followed.
@@ -52,7 +53,8 @@ class EventLogWriter {
    * else is there, or if another process writes this log.
    */
   EventLogWriter(const std::string& path, std::int64_t start_ns,
-                 const std::vector<std::string>& stored_topics = {});
+                 const std::vector<std::string>& stored_topics = {},
+                 const std::string& more_of_head = {});
 
   /** @param values a JSON array; what is none is written as an array of one text. */
   void add(std::int64_t time_ns, std::string_view robot, std::string_view kind,

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "chaos_parameters.h"
 #include "clock/shown_text.h"
 
 namespace move_base_abstract {
@@ -76,8 +77,8 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
   if (!parameters.event_log.empty()) {
     const auto start = static_cast<Nanoseconds>(std::llround(settings.start_time * 1e9));
     try {
-      event_log_ =
-          std::make_unique<EventLogWriter>(parameters.event_log, start, settings.stored_topics);
+      event_log_ = std::make_unique<EventLogWriter>(parameters.event_log, start,
+                                                    settings.stored_topics, chaosHead(settings));
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("event_log " + std::string(error.what()));
     }
@@ -151,6 +152,13 @@ bool LockstepMode::finish(const std::string& reason) {
   server_->finish(reason);
   parameters_of_ros_.stop();
   logMessages();
+  if (const std::string& path = parameters_.chaos_decisions; !path.empty()) {
+    const std::string problem = writeDecisions(
+        path, server_->with([](LockstepSession& session) { return session.takeDecisions(); }));
+    if (!problem.empty()) {
+      ROS_ERROR("%s", problem.c_str());
+    }
+  }
   if (ros_master_->gone().empty()) {
     deleteParameter(kAddressParameter);
   }
@@ -312,6 +320,7 @@ void LockstepMode::describe(TimeState& state) {
   state.rounds = status.rounds;
   state.leaps = status.leaps;
   state.messages = status.messages;
+  state.chaos = status.chaos;
   state.cores = server_->cores();
   state.event_log = parameters_.event_log;
   state.event_log_error = event_log_ ? event_log_->error() : "";

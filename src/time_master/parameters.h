@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "chaos_parameters.h"
+#include "clock/list_of_texts.h"
 #include "clock/shown_text.h"
 #include "clock/time_master.h"
 #include "lockstep/core_choice.h"
@@ -27,33 +29,6 @@ namespace move_base_abstract {
 /** @brief Hz, wall: of /clock in lockstep, where only onlookers hear it. */
 constexpr double kLockstepClockRate = 200.0;
 constexpr double kUsualGap = 0.25;  // wall s; a loop of the node takes 0.1
-
-/** @return the texts of "[a, 'b', "c"]"; nothing if @p text is no such list. */
-inline std::optional<std::vector<std::string>> listOfTexts(const std::string& text) {
-  const auto trimmed = [](const std::string& part) {
-    const std::size_t begin = part.find_first_not_of(" \t\n");
-    return begin == std::string::npos
-               ? std::string()
-               : part.substr(begin, part.find_last_not_of(" \t\n") - begin + 1);
-  };
-  const std::string whole = trimmed(text);
-  if (whole.size() < 2 || whole.front() != '[' || whole.back() != ']') {
-    return std::nullopt;
-  }
-  std::vector<std::string> texts;
-  std::istringstream parts(whole.substr(1, whole.size() - 2));
-  for (std::string part; std::getline(parts, part, ',');) {
-    std::string one = trimmed(part);
-    if (one.size() >= 2 && one.front() == one.back() && (one[0] == '\'' || one[0] == '"')) {
-      one = one.substr(1, one.size() - 2);
-    }
-    if (one.empty() || one.find_first_of("[]{}'\"") != std::string::npos) {
-      return std::nullopt;
-    }
-    texts.push_back(one);
-  }
-  return texts;
-}
 
 /** @brief Typed look-ups below one namespace; remembers which keys it knows. */
 class ParameterReader {
@@ -237,7 +212,7 @@ struct NodeParameters {
   CoresWish cores = CoresWish::kAuto;
   std::string event_log;           // path, .jsonl or .csv; '': none
   bool event_log_of_ends = false;  // nothing in it but the end, and what says how nodes fared
-  std::string message_bytes, note_of_start;  // paths of new files; '': none
+  std::string message_bytes, note_of_start, chaos_decisions;  // paths of new files; '': none
 };
 
 /** @return the least number of seconds that is not before @p time [ns] when it is turned back. */
@@ -390,6 +365,7 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
   TimeMaster(parameters.master, 0);  // checks the others, whatever the mode is now
   readLockstepParameters(reader, parameters);
   readLookahead(reader, parameters);
+  readChaos(reader, parameters.in_lockstep, parameters.lockstep, parameters.chaos_decisions);
   reader.know("lockstep_address");  // our own, of a run that was killed
   reader.warnOfUnknown();
   return parameters;

@@ -40,7 +40,8 @@ MAY_IMPORT = {
         'carrying': 'description trials', 'results': 'records description trials carrying',
         'sweep': 'records description trials carrying results report',
         'rerun': 'records description trials carrying results',
-        'command': 'description trials results report sweep rerun', '__main__': 'command'},
+        'command': 'description trials results report sweep rerun', '__main__': 'command',
+        'chaos': 'records description trials carrying results'},
     'soil_mapping': {
         'config': '', 'seeds': '', 'stopwatch': '', 'environment': '', 'interpolation': '',
         'ground_truth': 'config seeds interpolation', 'mission': 'config seeds stopwatch interpolation',

@@ -192,12 +192,17 @@ bool LockstepRounds::isLoop() {
 }
 
 std::vector<LockstepRounds::Grant> LockstepRounds::leap(Nanoseconds wall) {
-  if (!goTo(nextTime(), wall)) {
-    return {};
-  }
   std::vector<MemberId> ids;
-  for (auto due = due_.begin(); due != due_.end() && due->first <= time_; ++due) {
-    ids.push_back(due->second);
+  while (ids.empty()) {  // what arrives may be for nobody, or be only put by
+    if (!goTo(nextTime(), wall)) {
+      return {};
+    }
+    if (nextArrival() <= time_) {
+      ids = arrive();
+    }
+    for (auto due = due_.begin(); due != due_.end() && due->first <= time_; ++due) {
+      ids.push_back(due->second);
+    }
   }
   return grant(std::move(ids), wall);
 }
@@ -297,8 +302,12 @@ LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member,
   mail_waiting_ -= member.mail.size();
   std::vector<Mail> mail;
   mail.swap(member.mail);
-  std::stable_sort(mail.begin(), mail.end(),
-                   [this](const Mail& a, const Mail& b) { return before(a.order, b.order); });
+  if (arrange_) {
+    arrange_(id, mail);
+  } else {
+    std::stable_sort(mail.begin(), mail.end(),
+                     [this](const Mail& a, const Mail& b) { return before(a.order, b.order); });
+  }
   return {id,
           rounds_,
           time_,

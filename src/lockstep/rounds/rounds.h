@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -132,6 +133,18 @@ class LockstepRounds {
   /** @throws std::invalid_argument if a setting is out of its range. */
   explicit LockstepRounds(const LockstepSettings& settings);
 
+  /** @brief What comes from outside of rounds, at instants that are known: mail under way. */
+  struct Arrivals {
+    std::function<Nanoseconds()> next_due;  // kNever: nothing; asked when a round is over
+    std::function<void()> arrive;           // post all that is due by now()
+  };
+  /** @brief A reason for time to go on. Not with a lookahead. */
+  void setArrivals(Arrivals arrivals) { arrivals_ = std::move(arrivals); }
+  /** @brief Has mail as it was posted, and leaves it as it is to be handled. */
+  using Arrange = std::function<void(MemberId receiver, std::vector<Mail>& mail)>;
+  /** @brief In the place of the stated order. */
+  void setArrange(Arrange arrange) { arrange_ = std::move(arrange); }
+
   // ---- members ----
   void add(MemberId id, const std::string& name, std::int32_t rank, Nanoseconds wall);
   /** @brief It will not report any more; until remove() it still counts as a receiver. */
@@ -247,6 +260,8 @@ class LockstepRounds {
   std::vector<Grant> start(Nanoseconds wall);
   std::vector<Grant> nextMicrostep(Nanoseconds wall);
   std::vector<Grant> leap(Nanoseconds wall);
+  std::vector<MemberId> arrive();
+  Nanoseconds nextArrival() const { return arrivals_.next_due ? arrivals_.next_due() : kNever; }
   bool goTo(Nanoseconds next, Nanoseconds wall);
   bool isLoop();
   std::vector<Grant> nextWindow(Nanoseconds wall);
@@ -270,6 +285,8 @@ class LockstepRounds {
 
   LockstepSettings settings_;
   const Nanoseconds lookahead_;
+  Arrivals arrivals_;
+  Arrange arrange_;
   std::optional<Nanoseconds> applied_;  // the instant whose turns are being applied
   std::vector<MemberId> posted_;        // to these at that instant
   std::vector<MemberId> kept_;          // have mail of this round that may be kept

@@ -112,8 +112,12 @@ Nanoseconds LockstepRounds::nextTime() const {
     return windowBegin();
   }
   const auto counts = [this](const auto& due) { return !members_.at(due.second).background; };
-  if (std::none_of(due_.begin(), due_.end(), counts)) {
+  const Nanoseconds arrival = nextArrival();
+  if (arrival == kNever && std::none_of(due_.begin(), due_.end(), counts)) {
     return kNever;
+  }
+  if (due_.empty() || arrival < due_.begin()->first) {
+    return arrival;
   }
   return due_.begin()->first;
 }

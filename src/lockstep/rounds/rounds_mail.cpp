@@ -135,6 +135,26 @@ void LockstepRounds::wakeResting() {
   resting_.clear();
 }
 
+/**
+ * @brief What was under way comes, as a round of its own that nobody is granted: what is kept of it
+ * comes after what was kept before.
+ * @return those to grant for it that are not due anyway.
+ */
+std::vector<MemberId> LockstepRounds::arrive() {
+  ++rounds_;
+  ++played_;
+  arrivals_.arrive();
+  keepPosted();
+  std::vector<MemberId> ids;
+  for (const MemberId id : ready_) {
+    const MemberState* const member = find(id);
+    if (member != nullptr && member->ready && member->next > time_) {
+      ids.push_back(id);
+    }
+  }
+  return ids;
+}
+
 /** @return what had time, in the order in which it would have come. */
 std::string LockstepRounds::takeLater(MemberState& member) {
   std::vector<LaterMail> later;

@@ -47,6 +47,14 @@ LockstepSettings checkedSettings(LockstepSettings settings) {
   if (settings.lookahead != 0.0) {
     checked("lookahead", settings.lookahead, 1e-6, 1000.0, " s (or 0 for none)");
   }
+  if (settings.chaos_seed != 0 && settings.lookahead != 0.0) {
+    refuse("chaos_seed must be 0 with a lookahead, where nothing is equal until it arrives; got " +
+           std::to_string(settings.chaos_seed));
+  }
+  checked("chaos_delay", settings.chaos_delay, 0.0, 1000.0, " s");
+  if (settings.chaos_seed == 0 && (settings.chaos_delay != 0.0 || !settings.chaos_only.empty())) {
+    refuse("chaos_delay and chaos_only must not be given without a chaos_seed other than 0");
+  }
   if (settings.silence_limit != 0.0) {
     checked("silence_limit", settings.silence_limit, 0.001, 86400.0,
             " s of wall time (or 0 for any)");

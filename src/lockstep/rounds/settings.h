@@ -39,6 +39,11 @@ struct LockstepSettings {
   bool keep_unread = true;  // what roscpp programs look at by themselves is; false: for comparing
   std::vector<std::string> not_covered;  // why the log does not say all: labels of the run
   std::string secret;                    // that a HELLO must have; empty: none
+  // Another legal order of equal events, as this says; 0: the stated one. Not with a lookahead.
+  std::uint32_t chaos_seed = 0;
+  double chaos_delay = 0.0;  // s simulated, that messages are under way at most, 0 to 1000
+  std::string chaos_only;    // the decisions that are applied, see chaos::decisionsOf()
+  bool keeps_decisions = false;
 };
 
 /** @return @p settings. @throws std::invalid_argument if one is out of its range. */

@@ -80,6 +80,11 @@ void OpenGoals::answered(std::string_view result_topic, std::string_view result)
   clients_.erase({actionOf(result_topic, kResult), idOf(result)});
 }
 
+MemberId OpenGoals::clientOf(std::string_view result_topic, std::string_view result) const {
+  const auto goal = clients_.find({actionOf(result_topic, kResult), idOf(result)});
+  return goal == clients_.end() ? 0 : goal->second;
+}
+
 void OpenGoals::remove(MemberId client) {
   for (auto goal = clients_.begin(); goal != clients_.end();) {
     goal = goal->second == client ? clients_.erase(goal) : std::next(goal);

@@ -30,6 +30,8 @@ class OpenGoals {
   /** @brief @p client has sent @p goal. Nothing if it has no id, or is no such message. */
   void sent(MemberId client, std::string_view goal_topic, std::string_view goal);
   void answered(std::string_view result_topic, std::string_view result);
+  /** @return who waits for @p result; 0: nobody, as far as is known. */
+  MemberId clientOf(std::string_view result_topic, std::string_view result) const;
   /** @brief @p client has gone: nobody waits for its goals. */
   void remove(MemberId client);
 

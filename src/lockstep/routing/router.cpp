@@ -17,14 +17,6 @@ wire::Hearing toPublishers(wire::Hearing what) {
   return what > wire::Hearing::kAll ? wire::Hearing::kAll : what;
 }
 
-/** @return whether a message to who hears @p what is kept for its next grant. */
-Keep keepFor(wire::Hearing what, bool is_stored) {
-  const Keep keep = what == wire::Hearing::kLater    ? Keep::kLater
-                    : what == wire::Hearing::kUnread ? Keep::kUnread
-                                                     : Keep::kNot;
-  return keep == Keep::kNot && is_stored ? Keep::kStored : keep;
-}
-
 }  // namespace
 
 MessageRouter::MessageRouter(Post post, Place place, Trace trace)
@@ -142,6 +134,7 @@ void MessageRouter::stopAdvertising(const Action& by, LocalTopic& local) {
   }
   topic.publishers.erase(publisher);
   local.advertised = false;
+  dropMessages(topic, by.sender, 0);
 }
 
 void MessageRouter::act(const Action& by, const wire::Subscribe& item) {
@@ -180,6 +173,7 @@ void MessageRouter::stopSubscribing(const Action& by, LocalTopic& local) {
     }
   }
   topic.subscribers.erase(subscriber);
+  dropMessages(topic, 0, by.sender);
 }
 
 void MessageRouter::link(const Action& by, const Topic& topic, const Advertised& publisher,
@@ -260,29 +254,44 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
   }
   const MailOrder order = place_(by.sender, item.sub, by.number);
   std::vector<MemberId> receivers;
+  std::vector<MemberId> later;  // those that have it later, or never
   bool is_received = false;
   for (const Subscribed& subscriber : topic.subscribers) {
     if ((item.target != 0 && item.target != subscriber.member) ||
         subscriber.hears == wire::Hearing::kNothing || !fit(local.md5, subscriber.md5)) {
       continue;
     }
-    post_(subscriber.member, {order, wire::Deliver{subscriber.topic, by.sender, item.payload},
-                              keepFor(subscriber.hears, subscriber.is_stored)});
-    ++messages_;
     is_received = true;
+    const wire::Deliver deliver{subscriber.topic, by.sender, item.payload};
+    if (carriage_ != nullptr && !arrivesAtOnce(by, item, topic, deliver, subscriber.member)) {
+      later.push_back(subscriber.member);
+      continue;
+    }
+    post_(subscriber.member,
+          {order, deliver, router::keepFor(subscriber.hears, subscriber.is_stored)});
+    ++messages_;
     if (trace_) {
       receivers.push_back(subscriber.member);
     }
   }
-  if (topic.part == OpenGoals::Part::kResult) {
-    goals_.answered(topic.name, item.payload);
-  } else if (topic.part == OpenGoals::Part::kGoal && is_received &&
-             awaitsResults(by.sender, topic.name)) {
-    goals_.sent(by.sender, topic.name, item.payload);
+  if (topic.part != OpenGoals::Part::kNone) {
+    noteGoal(by.sender, topic, item.payload, is_received, later);
   }
   if (!receivers.empty()) {
     trace_({Delivery::Kind::kMessage, order, topic.name, by.sender, std::move(receivers),
             wire::CallStatus::kOk, item.payload, typeOf(topic, by.sender)});
+  }
+}
+
+/** @brief A goal or a result was sent. @param later those that have it later, or never. */
+void MessageRouter::noteGoal(MemberId sender, const Topic& topic, std::string_view payload,
+                             bool is_received, const std::vector<MemberId>& later) {
+  const auto is_client = [&](MemberId id) { return id == goals_.clientOf(topic.name, payload); };
+  if (topic.part == OpenGoals::Part::kGoal && is_received && awaitsResults(sender, topic.name)) {
+    goals_.sent(sender, topic.name, payload);
+  } else if (topic.part == OpenGoals::Part::kResult &&
+             std::none_of(later.begin(), later.end(), is_client)) {
+    goals_.answered(topic.name, payload);
   }
 }
 

@@ -13,7 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "carrier.h"
 #include "goals.h"
+#include "held_mail.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/wire/wire.h"
 #include "stored_topics.h"
@@ -39,7 +41,7 @@ class MessageRouter {
 
   /** @brief A message, call or response that found its receivers, for those who keep a log. */
   struct Delivery {
-    enum class Kind { kMessage, kCall, kResponse };
+    using Kind = Passage::Kind;
     Kind kind;
     MailOrder order;
     std::string_view name;  // of the topic or service
@@ -47,7 +49,9 @@ class MessageRouter {
     std::vector<MemberId> receivers;  // of a call that nobody serves: none
     wire::CallStatus status;          // of a response
     std::string_view bytes;
-    std::string_view type = {};  // of a message
+    std::string_view type = {};         // of a message
+    std::string_view lost = {};         // why it does not arrive; '' if it does
+    std::string_view sender_name = {};  // of one that may have gone; else ''
   };
 
   using Post = std::function<void(MemberId receiver, Mail mail)>;
@@ -62,6 +66,11 @@ class MessageRouter {
 
   /** @brief What members hear on these is kept for their next grant. To be called first. */
   void setStored(StoredTopics topics) { stored_ = std::move(topics); }
+
+  /** @brief Messages, calls and responses go by way of @p carriage, which outlives this. */
+  void setCarriage(Carriage& carriage) { carriage_ = &carriage; }
+  /** @brief Post what arrives now of what was under way. */
+  void arrive();
 
   void add(MemberId id, const std::string& name);
 
@@ -182,6 +191,8 @@ class MessageRouter {
   void link(const Action& by, const Topic& topic, const Advertised& publisher,
             const Subscribed& subscriber);
   void tellHearing(const Action& by, const Advertised& publisher, const Subscribed& subscriber);
+  void noteGoal(MemberId sender, const Topic& topic, std::string_view payload, bool is_received,
+                const std::vector<MemberId>& later);
   bool linked(const Topic& topic, MemberId publisher, MemberId subscriber) const;
   std::string_view definitionOf(const wire::Advertise& item);
   bool awaitsResults(MemberId client, std::string_view goal_topic) const;
@@ -191,12 +202,29 @@ class MessageRouter {
   void answer(MemberId caller, std::uint32_t number, wire::CallStatus status,
               std::string_view bytes, MemberId server, std::string_view service,
               const MailOrder& order);
+  // What is carried (router_carried.cpp).
+  bool arrivesAtOnce(const Action& by, const wire::Send& item, const Topic& topic,
+                     const wire::Deliver& deliver, MemberId receiver);
+  bool arrivesAtOnce(const Action& by, const wire::Call& item, const Service& service,
+                     const Server& server);
+  bool arrivesAtOnce(const Action& by, const wire::Response& item, const Service& service);
+  Passage passage(Passage::Kind kind, const Action& by, MemberId receiver, std::string_view name,
+                  std::string_view bytes) const;
+  bool carry(const Passage& passage, std::uint64_t number, const wire::GrantItem& item,
+             std::string_view bytes, std::uint32_t call = 0);
+  void arriveOne(const Held& held);
+  void traceHeld(const Held& held, std::string_view lost);
+  void dropMessages(const Topic& topic, MemberId sender, MemberId receiver);
+  void dropCalls(std::string_view service, MemberId server);
+  void dropCallsOf(MemberId caller);
+  void drop(const std::function<bool(const Held&)>& is_meant, std::string_view why);
   [[noreturn]] void bad(MemberId id, const std::string& text) const;
 
   Post post_;
   Place place_;
   Trace trace_;
   StoredTopics stored_;
+  Carriage* carriage_ = nullptr;              // null: all arrives at once
   std::set<std::string, std::less<>> texts_;  // names, types and definitions, kept for good
   std::unordered_map<std::string_view, std::string_view> definitions_;  // by md5
   std::map<MemberId, Participant> participants_;

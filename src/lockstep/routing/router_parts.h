@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "lockstep/rounds/order.h"
+#include "lockstep/rounds/rounds.h"
+#include "lockstep/wire/wire.h"
 
 namespace move_base_abstract::router {
 
@@ -18,6 +20,14 @@ template <typename Entries>
 auto findMember(Entries& entries, MemberId id) {
   return std::find_if(entries.begin(), entries.end(),
                       [id](const auto& entry) { return entry.member == id; });
+}
+
+/** @return whether a message to who hears @p what is kept for its next grant. */
+inline Keep keepFor(wire::Hearing what, bool is_stored) {
+  const Keep keep = what == wire::Hearing::kLater    ? Keep::kLater
+                    : what == wire::Hearing::kUnread ? Keep::kUnread
+                                                     : Keep::kNot;
+  return keep == Keep::kNot && is_stored ? Keep::kStored : keep;
 }
 
 }  // namespace move_base_abstract::router

@@ -82,6 +82,7 @@ void MessageRouter::stopServing(const Action& by, Index index) {
   if (server != service.servers.end()) {
     service.servers.erase(server);
   }
+  dropCalls(service.name, by.sender);
   const MailOrder order = place_(by.sender, router::kLastSub, by.number);
   for (auto call = calls_.begin(); call != calls_.end();) {
     if (call->second.service == index && call->second.server.member == by.sender) {
@@ -110,6 +111,9 @@ void MessageRouter::act(const Action& by, const wire::Call& item) {
   const Service& service = services_[known->second];
   const Server& server = service.servers.back();
   calls_[{by.sender, item.number}] = {known->second, server};
+  if (carriage_ != nullptr && !arrivesAtOnce(by, item, service, server)) {
+    return;
+  }
   post_(server.member, {order, wire::CallIn{server.service, by.sender, item.number, item.request}});
   if (trace_) {
     trace_({Delivery::Kind::kCall,
@@ -137,6 +141,9 @@ void MessageRouter::act(const Action& by, const wire::Response& item) {
   }
   const OpenCall open = call->second;
   calls_.erase(call);
+  if (carriage_ != nullptr && !arrivesAtOnce(by, item, services_[open.service])) {
+    return;
+  }
   answer(item.caller, item.number, item.ok ? wire::CallStatus::kOk : wire::CallStatus::kError,
          item.bytes, by.sender, services_[open.service].name,
          place_(by.sender, open.server.sub, by.number));
@@ -189,6 +196,7 @@ void MessageRouter::remove(MemberId id, std::uint64_t number) {
   const auto first = calls_.lower_bound({id, 0});
   const auto last = calls_.upper_bound({id, std::numeric_limits<std::uint32_t>::max()});
   calls_.erase(first, last);
+  dropCallsOf(id);
   participants_.erase(id);
 }
 

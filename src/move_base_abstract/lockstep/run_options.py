@@ -42,6 +42,16 @@ class RunOptions:
         number(1e-6, 1000, or_zero=True, unit='s, simulated'), 0, 's, simulated: what nodes tell each other takes so '
         'long, and they work at once ([windows](lockstep_windows.md)); 0: no time', systems=OF_NODES, is_part=True,
         parameter='lookahead')
+    chaos_seed: int = option(
+        number(0, 2147483647, whole=True), 0, 'equal events come in [another legal order](chaos.md), as this says; 0: '
+        'the stated one', systems=OF_NODES, is_part=True, parameter='chaos_seed')
+    chaos_delay: float = option(
+        number(1e-9, 1000, or_zero=True, unit='s, simulated'), 0, 's, simulated: with a `chaos_seed`, messages are '
+        'under way for up to so long; 0: no time', systems=OF_NODES, is_part=True, parameter='chaos_delay')
+    chaos_only: Tuple[str, ...] = option(
+        list_of(pattern('[0-9a-f]{12}|none', 'names of decisions, 12 hexadecimal digits each, or none')), [],
+        'the decisions of `chaos_seed` that are applied, by the names that `chaos` gives them; `none`: none, `[]`: all',
+        systems=OF_NODES, is_part=True, parameter='chaos_only')
     cores: str = option(
         one_of('auto', 'one', 'all'), None, 'on which [cores](time_master.md#cores) of its computer the nodes run. '
         '`auto`: on one or on all, whichever the time master finds to be faster; that is the default, too, where the '
@@ -51,4 +61,4 @@ class RunOptions:
         'has failed (`fail`), or the crash is reported, and the run counts if it comes to its end (`allow`)')
     properties: Tuple[str, ...] = option(
         list_of(one_of(*property_names.NAMES)), [], 'which [properties](properties.md) are looked at when a run is over: '
-        '`all`, or the names of some', systems=OF_NODES, flag='property')
+        '`all`, or the names of some', systems=OF_NODES)

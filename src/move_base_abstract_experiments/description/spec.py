@@ -107,6 +107,8 @@ def _check_names(experiment: Experiment) -> None:
                                  '[/coordinator, /robot_0/move_base]')
     if experiment.lookahead and experiment.stored_topics:
         raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', where all takes time")
+    if experiment.lookahead and experiment.chaos_seed:
+        raise ConfigurationError("'chaos_seed' must be 0 with a 'lookahead', where no events are equal")
 
 
 def _texts(experiment: Experiment) -> List[Tuple[str, Any]]:

@@ -19,6 +19,7 @@ from .termination import END_NODE
 LOG_MOTION, PARTICIPANTS = '/log_motion', '/time_master/participants'
 RECORDER_NODE = '/experiment_recorder'
 BAG_NOTES = 'bags'  # in which nodes name the bags that they write
+DECISIONS = 'chaos_decisions.jsonl'  # the file of what chaos has decided, where record.files names it
 START_NOTE = 'started'  # which the time master leaves once time has started
 
 
@@ -80,6 +81,8 @@ def parameters_of(run: Run, start_s: float) -> Dict[str, Any]:
     """Return the time master's parameters. start_s: when the clock starts [s]."""
     found: Dict[str, Any] = {'event_log': run.folders.log, 'note_of_start': run.path(START_NOTE)}
     found.update(kinds.parameters_of(run.experiment))
+    if DECISIONS in run.experiment.record.files and run.experiment.chaos_seed:
+        found['chaos_decisions'] = os.path.join(run.folders.files, DECISIONS)
     found.update({'speed_limit': run.job.speed_limit} if run.job.speed_limit else {})
     found.update({'end_at': start_s + run.experiment.until.seconds} if run.experiment.until.seconds else {})
     return found

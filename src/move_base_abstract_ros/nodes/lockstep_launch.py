@@ -7,7 +7,7 @@ Nodes that cannot take part are named and left to look on. It has a ROS master o
 otherwise.
 
 Exit codes: 0 the run came to its end, or was ended by a signal; 1 it did not; 2 it cannot be run like this; 3 it did,
-but a node crashed; 4 a property is broken (--check, --property).
+but a node crashed; 4 a property is broken (--check, --properties).
 """
 import argparse
 import atexit

@@ -2,6 +2,7 @@
 
     rosrun move_base_abstract verify [options] FILE [ARG:=VALUE ...]
     rosrun move_base_abstract verify [options] PACKAGE FILE [ARG:=VALUE ...]
+    rosrun move_base_abstract verify [options] --chaos FILE
 
 Runs it in lockstep, as lockstep_launch does: twice as it is, then with every core busy, at a limited speed, with random
 delays, other hash seeds, other addresses, the fleet in two processes. Says `identical`, or the first difference.
@@ -95,9 +96,24 @@ def _parse(words):
                         help='s, wall, that a run may take (default: %(default)g)')
     parser.add_argument('--output', metavar='FOLDER', help='where logs and outputs go: a new or an empty folder '
                         '(default: a temporary one, which stays where something is wrong)')
+    parser.add_argument('--chaos', metavar='FILE', help='verify the run of a file that `chaos` has written')
     options = parser.parse_args(words)
+    if options.chaos is not None:
+        return options, _words_of_chaos(parser, options)
     lockstep_launch.files_of(parser, options.command)
     return options, lockstep_launch.words_of(options) + options.command
+
+
+def _words_of_chaos(parser, options):
+    """Return the words for lockstep_launch of a file of `chaos`, which says all of them."""
+    from move_base_abstract_experiments.chaos import replay_file
+    if options.command:
+        parser.error('--chaos: the file says what is run, got {} besides'.format(shown(' '.join(options.command))))
+    try:
+        made = replay_file.read(options.chaos)
+        return made.words + made.launch
+    except SimulatorError as error:
+        parser.error(str(error))
 
 
 def _count(text):

@@ -115,6 +115,7 @@ def lines(state):
             f'at {_time(state.sim_time)}, microstep {state.microstep}; {state.rounds} rounds, {state.leaps} leaps, '
             f'{state.messages} messages so far; {state.achieved_factor:.4g} times real time lately, '
             f'cores of this computer: {state.cores}',
+            *([f'equal events are in the order of {state.chaos}'] if state.chaos else []),
             *([state.reason] if state.reason else []), *([state.event_log_error] if state.event_log_error else []),
             *_gate_lines(state), *_waiting_lines(state),
             *_participant_lines(state), *_label_lines(state)]

@@ -1,0 +1,42 @@
+// A list of texts as a command line gives it. No ROS, no state.
+#ifndef MOVE_BASE_ABSTRACT_CLOCK_LIST_OF_TEXTS_H
+#define MOVE_BASE_ABSTRACT_CLOCK_LIST_OF_TEXTS_H
+
+#include <cstddef>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace move_base_abstract {
+
+/** @return the texts of "[a, 'b', "c"]"; nothing if @p text is no such list. */
+inline std::optional<std::vector<std::string>> listOfTexts(const std::string& text) {
+  const auto trimmed = [](const std::string& part) {
+    const std::size_t begin = part.find_first_not_of(" \t\n");
+    return begin == std::string::npos
+               ? std::string()
+               : part.substr(begin, part.find_last_not_of(" \t\n") - begin + 1);
+  };
+  const std::string whole = trimmed(text);
+  if (whole.size() < 2 || whole.front() != '[' || whole.back() != ']') {
+    return std::nullopt;
+  }
+  std::vector<std::string> texts;
+  std::istringstream parts(whole.substr(1, whole.size() - 2));
+  for (std::string part; std::getline(parts, part, ',');) {
+    std::string one = trimmed(part);
+    if (one.size() >= 2 && one.front() == one.back() && (one[0] == '\'' || one[0] == '"')) {
+      one = one.substr(1, one.size() - 2);
+    }
+    if (one.empty() || one.find_first_of("[]{}'\"") != std::string::npos) {
+      return std::nullopt;
+    }
+    texts.push_back(one);
+  }
+  return texts;
+}
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_CLOCK_LIST_OF_TEXTS_H

@@ -1,0 +1,93 @@
+"""What is wrong with a run: one Failure, or none. Whoever adds a property adds a function to FINDERS."""
+from __future__ import annotations
+
+import io
+import json
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
+
+from move_base_abstract.lockstep.failures import UNCAUGHT
+from move_base_abstract.properties import statements
+from move_base_abstract.runs.event_log import Event, EventLog
+
+from ..records import Result
+from ..trials import termination
+
+_DEADLOCK, _LOOP = 'deadlock', 'zero-delay loop'  # how the reasons of such ends begin
+
+
+class Failure(NamedTuple):
+    """A property that failed. ``name``: the same in each run that fails so; ``text``: what happened, and when."""
+
+    name: str
+    text: str
+
+
+class Seen(NamedTuple):
+    """What is known of a run. ``events``: those of the kinds that count here; ``end``: the log's end record, or {}."""
+
+    result: Result
+    events: List[Event]
+    end: Dict[str, Any]
+
+
+def seen(result: Result, log: Optional[bytes]) -> Seen:
+    """Return what is known of a run by its event log, as bytes, if it left one."""
+    events: List[Event] = []
+    end: Dict[str, Any] = {}
+    if log is not None:
+        read = EventLog(io.StringIO(log.decode('utf-8', 'surrogateescape'), newline='\n'), 'events.jsonl')
+        events = [event for event in read if event.kind in (statements.ROW, UNCAUGHT)]
+        end = read.end or {}
+    return Seen(result, events, end)
+
+
+def _broken_properties(run: Seen) -> Iterator[Failure]:
+    """Statements of nodes that are broken; the name of one is its text."""
+    for event in run.events:
+        row = statements.read_row(json.loads(event.values)) if event.kind == statements.ROW else None
+        if row is not None and row.outcome == statements.BROKEN:
+            yield Failure(row.text, f'{row.kind}: {row.text}, said by {event.robot}{_at(event.time_ns)}'
+                          + (f': {", ".join(row.details)}' if row.details else ''))
+
+
+def _crashes(run: Seen) -> Iterator[Failure]:
+    """A node ended with an exit code other than 0 or by a signal, or nobody caught an exception in it."""
+    for text in run.result.crashes:
+        yield Failure(f'crash {text.split(" ")[0]}', text)
+
+
+def _standstill(run: Seen) -> Iterator[Failure]:
+    """Nothing happens any more, but somebody waits; or too much happens at one instant."""
+    reason = str(run.end.get('reason', ''))
+    for name in (_DEADLOCK, _LOOP):
+        if reason.startswith(name) or run.result.error and f': {name} at ' in run.result.error:
+            yield Failure(name.replace(' ', '_').replace('-', '_'), reason or str(run.result.error))
+
+
+def _open_goals(run: Seen) -> Iterator[Failure]:
+    """Nobody has anything left to do, and robots have goals."""
+    if run.result.ended_by == termination.IDLE and run.result.open_goals:
+        yield Failure('open_goals', f'nobody had anything left to do, and {run.result.open_goals} goals were open')
+
+
+def _unfinished(run: Seen) -> Iterator[Failure]:
+    """It did not come to its end."""
+    if not run.result.is_complete:
+        yield Failure('unfinished', str(run.result.error))
+
+
+FINDERS: Sequence[Callable[[Seen], Iterator[Failure]]] = (
+    _broken_properties, _crashes, _standstill, _open_goals, _unfinished)
+
+
+def of_run(run: Seen, wanted: Sequence[str] = ()) -> Optional[Failure]:
+    """Return the first Failure of a run. wanted: names, or how they begin; no others count; empty: all do."""
+    for find in FINDERS:
+        for failure in find(run):
+            if not wanted or any(failure.name == name or failure.name.startswith(name + ' ') for name in wanted):
+                return failure
+    return None
+
+
+def _at(time_ns: int) -> str:
+    return f' at {time_ns * 1e-9:.9g} s'

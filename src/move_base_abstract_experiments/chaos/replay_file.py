@@ -1,0 +1,79 @@
+"""The file that runs a failure again: what was run, the seed, the decisions, and what failed."""
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass, field
+from typing import Any, Dict, List
+
+from move_base_abstract.common import kinds
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.json_files import load_json_mapping
+from move_base_abstract.common.own_files import check_file, whole_file
+from move_base_abstract.common.shown import shown
+from move_base_abstract.lockstep.run_options import ALLOW, RunOptions
+
+FORMAT = 1
+_NAME = re.compile('[0-9a-f]{12}')
+
+
+@dataclass
+class Replay:
+    """One failing run. ``launch``: a path, then ARG:=VALUE words; ``document``: other keys of an experiment's file."""
+
+    launch: List[str]
+    seed: int
+    delay: float
+    only: List[str]
+    failure: str
+    text: str
+    document: Dict[str, Any] = field(default_factory=dict)
+    happened: List[str] = field(default_factory=list)
+    sha256: str = ''
+
+    @property
+    def words(self) -> List[str]:
+        """The options of lockstep_launch, without the launch file; a crash is compared, too.
+
+        :raises ConfigurationError: if they are none.
+        """
+        given = self.document
+        others = {key: given[key] for key in given if key not in ('leave_out', 'until', 'seed')}
+        chaos = {'chaos_seed': self.seed, 'chaos_delay': self.delay, 'chaos_only': self.only or ['none']}
+        words = kinds.words_of(kinds.read(RunOptions, '', {**others, 'crashes': ALLOW, **(chaos if self.seed else {})}))
+        words += [word for name in self.document.get('leave_out', ()) for word in ('--leave-out', str(name))]
+        words += ['--until', repr(1.0 + float(self.document['until']))] if 'until' in self.document else []
+        return words + ['--seed', str(self.document.get('seed', 0))]
+
+
+def write(path: str, replay: Replay) -> None:
+    """Write a file of ours, whole, in the place of one of ours at most.
+
+    :raises OutputError, ConfigurationError: if it cannot be written, or something else is there.
+    """
+    check_file(path, lambda start: start.startswith(b'{"chaos": '))
+    with whole_file(path, encoding='utf-8') as stream:
+        text = json.dumps(vars(replay), indent=1)
+        stream.write('{"chaos": %d,%s\n' % (FORMAT, text[1:]))  # so that it is known by its first line
+
+
+def read(path: str) -> Replay:
+    """Return what is in a file. :raises ConfigurationError: naming the file, what is wrong and what is allowed."""
+    try:
+        content = load_json_mapping(path)
+    except FileNotFoundError:
+        raise ConfigurationError(f'{path}: is not there') from None
+    if content.get('chaos') != FORMAT:
+        raise ConfigurationError(f"{path}: is no file of chaos of format {FORMAT}; got {shown(content.get('chaos'))}")
+    fields: Dict[str, Any] = {
+        'launch': list, 'seed': int, 'delay': (int, float), 'only': list, 'failure': str, 'text': str,
+        'document': dict, 'happened': list, 'sha256': str}
+    for key, kind in fields.items():
+        if not isinstance(content.get(key), kind) or isinstance(content[key], bool):
+            raise ConfigurationError(f'{path}: {key} must be as `chaos` writes it; got {shown(content.get(key))}')
+    for key in ('launch', 'only', 'happened'):
+        if not all(isinstance(one, str) for one in content[key]):
+            raise ConfigurationError(f'{path}: {key} must be a list of texts; got {shown(content[key])}')
+    if not content['launch'] or not all(map(_NAME.fullmatch, content['only'])):
+        raise ConfigurationError(f'{path}: launch must name a file, and only must be names of decisions')
+    return Replay(**{key: content[key] for key in fields})

@@ -1,0 +1,148 @@
+"""Runs of one launch file with chaos, each of a seed, on several warm processes."""
+from __future__ import annotations
+
+import concurrent.futures
+import dataclasses
+import hashlib
+import json
+import queue
+from types import TracebackType
+from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type
+
+from move_base_abstract.common.errors import ConfigurationError
+
+from ..carrying import jobs
+from ..description import plan, spec
+from ..description.job import Job
+from ..results import outputs
+from ..trials.run_folders import LOG
+from ..trials.run_plan import DECISIONS
+from . import failures, shrinking
+
+_TIME_LIMIT_S = 120.0  # wall, of a run
+
+
+class Chosen(NamedTuple):
+    """What a run is of. ``only``: the names of the decisions that are applied; None: all."""
+
+    seed: int
+    only: Optional[Tuple[str, ...]] = None
+
+
+class Told(NamedTuple):
+    """What came out. ``decisions``: [{'name', 'time_ns', 'what', 'says'}]; ``digest``: of the event log, or ''."""
+
+    chosen: Chosen
+    failure: Optional[failures.Failure]
+    decisions: List[Dict[str, Any]]
+    digest: str
+    problem: str = ''  # why nothing is known of it
+
+
+def document_of(path: str, arguments: Sequence[str], options: Dict[str, Any]) -> Dict[str, Any]:
+    """Return what an experiment's file would say of a launch file, ARG:=VALUE words and further options."""
+    args = dict(word.split(':=', 1) for word in arguments)
+    until = {'idle': True, **({'seconds': options.pop('until')} if options.get('until') else {})}
+    return {'experiment': 'chaos', 'launch': path, 'args': args, 'until': until, 'time_limit': _TIME_LIMIT_S,
+            'record': {'files': [DECISIONS]}, **options}
+
+
+class Runs:
+    """Warm processes, and what runs on them. ``wanted``: names of the properties that count; empty: all."""
+
+    def __init__(self, document: Dict[str, Any], folder: str, workers: int, delay: float,
+                 wanted: Sequence[str]) -> None:
+        self._delay = delay
+        self._wanted = wanted
+        trial, = plan.trials(spec.checked(document, folder))
+        self._job = jobs.make_job(trial)
+        self._idle: Any = queue.SimpleQueue()
+        self._all = [jobs.WarmProcess() for _ in range(workers)]
+        for warm in self._all:
+            self._idle.put(warm)
+        # Threads that only wait: nothing is forked in this process.
+        self._pool = concurrent.futures.ThreadPoolExecutor(workers)
+        self._workers = workers
+        self.count = 0
+
+    def __enter__(self) -> Runs:
+        return self
+
+    def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
+                 trace: Optional[TracebackType]) -> None:
+        for warm in self._all:
+            warm.close()
+        self._pool.shutdown()
+
+    def each(self, chosen: Iterable[Chosen]) -> Iterator[Told]:
+        """Yield what came out of each, in their order; so many at the same time as there are processes."""
+        ahead: List[Any] = []  # Futures of Told
+        waiting = iter(chosen)
+        try:
+            while True:
+                while len(ahead) < 2 * self._workers:
+                    one = next(waiting, None)
+                    if one is None:
+                        break
+                    ahead.append(self._pool.submit(self._run, one))
+                if not ahead:
+                    return
+                self.count += 1
+                yield ahead.pop(0).result()
+        finally:
+            for future in ahead:
+                future.cancel()
+
+    def one(self, chosen: Chosen) -> Told:
+        """Return what came out of one."""
+        return next(self.each([chosen]))
+
+    def shrunk(self, found: Told) -> Told:
+        """Return a run of as few of the decisions of ``found`` as still fail in the same way.
+
+        :raises ConfigurationError: if they do not when they run again.
+        """
+        failure = found.failure
+        assert failure is not None
+        def first_failing(candidates: List[List[str]]) -> Optional[Tuple[int, List[str]]]:
+            told = self.each(Chosen(found.chosen.seed, tuple(names)) for names in candidates)
+            for number, one in enumerate(told):
+                if one.failure is not None and one.failure.name == failure.name:
+                    return number, [decision['name'] for decision in one.decisions]
+            return None
+        left = shrinking.ddmin([decision['name'] for decision in found.decisions], first_failing)
+        return self.one(Chosen(found.chosen.seed, tuple(left)))
+
+    def _run(self, chosen: Chosen) -> Told:
+        warm = self._idle.get()
+        try:
+            content = warm.run(self._job_of(chosen)) or b''
+        except (jobs.TrialError, jobs.WorkerError) as problem:
+            if isinstance(problem, jobs.WorkerError):
+                warm.close()
+                self._all.remove(warm)
+                warm = jobs.WarmProcess()
+                self._all.append(warm)
+            return Told(chosen, failures.Failure('unfinished', str(problem)), [], '', str(problem))
+        finally:
+            self._idle.put(warm)
+        with outputs.opened(content) as archive:
+            result = outputs.result_in(archive)
+            names = archive.getnames()
+
+            def member(name: str) -> Optional[bytes]:
+                return outputs.opened_member(archive, name).read() if name in names else None
+            log, decisions = member(LOG), member('files-' + DECISIONS)
+        if log is None and result.error and not result.crashes:
+            raise ConfigurationError(result.error)
+        failure = failures.of_run(failures.seen(result, log), self._wanted)
+        return Told(chosen, failure, [json.loads(line) for line in (decisions or b'').splitlines()],
+                    hashlib.sha256(log).hexdigest() if log is not None else '')
+
+    def _job_of(self, chosen: Chosen) -> Job:
+        trial = self._job.trial
+        only = () if chosen.only is None else chosen.only or ('none',)
+        experiment = dataclasses.replace(trial.experiment, chaos_seed=chosen.seed,
+                                         chaos_delay=self._delay if chosen.seed else 0.0,
+                                         chaos_only=only if chosen.seed else ())
+        return dataclasses.replace(self._job, trial=dataclasses.replace(trial, experiment=experiment))

@@ -1,0 +1,35 @@
+"""The fewest of some things that still fail: delta debugging, ddmin.
+
+Zeller, Hildebrandt: Simplifying and isolating failure-inducing input. IEEE Trans. on Software Engineering 28, 2002.
+"""
+from __future__ import annotations
+
+from typing import Callable, List, Optional, Sequence, Tuple
+
+#: of candidates: (which is the first that fails, what of it was there in that run at all), or None
+Try = Callable[[List[List[str]]], Optional[Tuple[int, List[str]]]]
+
+
+def ddmin(names: Sequence[str], first_failing: Try) -> List[str]:
+    """Return some of the names that still fail together, and none of which can be left out alone.
+
+    first_failing: of several candidates the first that fails, in their order, whatever is tried at the same time.
+    """
+    left, parts = list(names), 2
+    while left:
+        parts = min(parts, len(left))
+        chunks = [left[k * len(left) // parts:(k + 1) * len(left) // parts] for k in range(parts)]
+        candidates = chunks if parts > 1 else []
+        others = [[name for name in left if name not in set(chunk)] for chunk in chunks]
+        candidates = candidates + (others if parts != 2 else [])
+        found = first_failing(candidates)
+        if found is not None:
+            number, there = found
+            kept = set(there)
+            left = [name for name in candidates[number] if name in kept]
+            parts = 2 if number < len(chunks) and parts > 1 else max(2, parts - 1)
+        elif parts >= len(left):
+            break
+        else:
+            parts *= 2
+    return left

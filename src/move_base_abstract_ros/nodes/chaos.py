@@ -1,0 +1,9 @@
+"""Find what another order of equal events breaks: rosrun move_base_abstract chaos; see docs/chaos.md."""
+import sys
+
+
+def main():
+    """Run the command line and exit with its code."""
+    from move_base_abstract.common import processes
+    from move_base_abstract_experiments.chaos.command import main as run
+    processes.finish(run(sys.argv[1:]))

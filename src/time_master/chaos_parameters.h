@@ -1,0 +1,52 @@
+// What the time master is told of chaos, and the file that says what was decided. No ROS.
+#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CHAOS_PARAMETERS_H
+#define MOVE_BASE_ABSTRACT_TIME_MASTER_CHAOS_PARAMETERS_H
+
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "lockstep/chaos/decisions.h"
+#include "lockstep/rounds/settings.h"
+
+namespace move_base_abstract {
+
+/**
+ * @brief Read and check them into @p lockstep, and the path of the new file into @p decisions.
+ * @throws std::invalid_argument that begins with the key of the parameter.
+ */
+template <typename Reader>
+void readChaos(Reader& reader, bool in_lockstep, LockstepSettings& lockstep,
+               std::string& decisions) {
+  int seed = 0;
+  reader.read("chaos_seed", seed);
+  if (seed < 0 || (seed != 0 && !in_lockstep)) {
+    throw std::invalid_argument(
+        "chaos_seed must be from 0 to " + std::to_string(std::numeric_limits<int>::max()) +
+        ", and 0 in mode scaled, where events have no stated order; got " + std::to_string(seed));
+  }
+  lockstep.chaos_seed = static_cast<std::uint32_t>(seed);
+  reader.read("chaos_delay", lockstep.chaos_delay);
+  std::vector<std::string> only;
+  reader.read("chaos_only", only);
+  for (const std::string& name : only) {
+    lockstep.chaos_only += (lockstep.chaos_only.empty() ? "" : ",") + name;
+  }
+  reader.read("chaos_decisions", decisions);
+  lockstep.keeps_decisions = !decisions.empty();
+  chaos::decisionsOf(lockstep.chaos_only);
+  if (in_lockstep) {
+    checkedSettings(lockstep);
+  }
+}
+
+/** @return what the event log's head says of chaos, JSON; '' without. */
+std::string chaosHead(const LockstepSettings& settings);
+
+/** @brief Write the new file; it is whole, or not there. @return what went wrong; '': nothing. */
+std::string writeDecisions(const std::string& path, const std::vector<chaos::Decision>& decisions);
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_CHAOS_PARAMETERS_H

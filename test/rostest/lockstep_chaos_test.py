@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""A coordinator that works in the stated order only, in Python and in C++: found, shrunk, replayed to the byte."""
+import json
+import os
+import subprocess
+import sys
+import unittest
+
+import rostest
+from own_folder import OwnFolder
+
+from move_base_abstract_ros.loopback import find_executable
+
+GUARD = 200.0  # s, wall; only ends what would never end
+FILES = {'package.xml': """<package format="2"><name>study_of_others</name><version>1.0.0</version>
+<description>x</description><maintainer email="a@example.org">a</maintainer><license>x</license></package>""",
+         'worker.py': """#!/usr/bin/env python3
+import rospy
+from std_msgs.msg import Int32
+rospy.init_node('worker')
+done = rospy.Publisher('~done', Int32, queue_size=10)
+for task in range(12):
+    rospy.sleep(1.0)
+    done.publish(task)
+""", 'coordinator.py': """#!/usr/bin/env python3
+import rospy
+from std_msgs.msg import Int32
+rospy.init_node('coordinator')
+last = []
+def second(done):
+    if done.data not in last:
+        raise RuntimeError('worker 2 is done with task %d before worker 1' % done.data)
+rospy.Subscriber('/worker_1/done', Int32, lambda done: last.append(done.data))
+rospy.Subscriber('/worker_2/done', Int32, second)
+rospy.spin()
+"""}
+SYSTEM = """<launch>
+<node pkg="study_of_others" type="worker.py" name="worker_1"/>
+<node pkg="study_of_others" type="worker.py" name="worker_2"/>
+<node pkg="{}" type="{}" name="coordinator"/>
+</launch>
+"""
+SAID = "/worker_2's message on /worker_2/done reached /coordinator before /worker_1's message on /worker_1/done, at "
+
+
+class ChaosTest(OwnFolder, unittest.TestCase):
+
+    def setUp(self):
+        super().setUp()
+        for name, text in FILES.items():
+            self.write(name, text, 0o755)
+
+    def run_it(self, program, *words):
+        """Run a program; return its exit code and what it has said."""
+        path = os.pathsep.join([self.folder, os.environ['ROS_PACKAGE_PATH']])
+        done = subprocess.run([find_executable(program), *words], env=dict(os.environ, ROS_PACKAGE_PATH=path),
+                              cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              timeout=GUARD, check=False)
+        return done.returncode, done.stdout
+
+    def test_a_bug_is_found_shrunk_and_replayed(self):
+        for package, kind, crash in (('study_of_others', 'coordinator.py', 'RuntimeError'),
+                                     ('move_base_abstract', 'shim_order', 'exit code 3')):
+            path = self.write('system.launch', SYSTEM.format(package, kind))
+            code, said = self.run_it('chaos', '--seeds', '1:50', '--workers', '1', '--output', 'found.json', path)
+            self.assertEqual(code, 1, said)
+            with open(self.path('found.json')) as stream:
+                found = json.load(stream)
+            self.assertEqual(found['failure'], 'crash /coordinator', said)
+            self.assertIn(crash, found['text'])
+            self.assertEqual(len(found['only']), 1, said)
+            self.assertTrue(found['happened'][0].startswith(SAID), said)
+            self.assertIn(found['happened'][0], said)
+            code, said = self.run_it('chaos', '--replay', 'found.json')
+            self.assertEqual(code, 1, said)
+            self.assertIn('the same bytes as before', said)
+        code, said = self.run_it('verify', '--runs', '2', '--chaos', 'found.json')
+        self.assertIn('identical: 2 runs', said)
+
+    def test_seed_0_and_no_decision_leave_the_same_bytes_as_without(self):
+        path = self.write('system.launch', SYSTEM.format('study_of_others', 'coordinator.py'))
+        logs = []
+        for name, words in (('a', ()), ('b', ('--chaos-seed', '0')),
+                            ('c', ('--chaos-seed', '7', '--chaos-delay', '0.5', '--chaos-only', 'none'))):
+            log = self.path(name + '.jsonl')
+            code, said = self.run_it('lockstep_launch', '--end-when-idle', '--event-log', log, '--log-messages', *words,
+                                     path)
+            self.assertEqual(code, 0, said)
+            with open(log) as stream:
+                logs.append(stream.readlines())
+        self.assertEqual(logs[0], logs[1])
+        self.assertEqual(logs[0][1:], logs[2][1:])
+        self.assertEqual(json.loads(logs[2][0])['chaos'], {'seed': 7, 'delay': 0.5, 'some': True})
+
+
+if __name__ == '__main__':
+    rostest.rosrun('move_base_abstract', 'lockstep_chaos', ChaosTest, sysargs=sys.argv)

@@ -1,0 +1,103 @@
+"""The search for what chaos breaks, without runs: fewest decisions, what counts as a failure, the file that replays."""
+import json
+
+import pytest
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract_experiments.chaos import failures, replay_file, shrinking
+from move_base_abstract_experiments.records import COMPLETE, Result
+
+NAMES = [f'{number:012x}' for number in range(40)]
+
+
+@pytest.mark.parametrize('needed', [[], [7], [0, 39], [3, 4, 31], NAMES[:0]])
+def test_shrinking_leaves_what_is_needed_and_nothing_else(needed):
+    tried = []
+
+    def first_failing(candidates):
+        tried.extend(candidates)
+        wanted = {NAMES[number] for number in needed}
+        return next(((k, one) for k, one in enumerate(candidates) if wanted <= set(one)), None)
+    assert shrinking.ddmin(NAMES, first_failing) == [NAMES[number] for number in needed]
+    assert len(tried) < 200
+
+
+def test_what_was_not_there_in_a_run_that_failed_is_left_out_at_once():
+    def first_failing(candidates):
+        return next(((k, [NAMES[5]]) for k, one in enumerate(candidates) if NAMES[5] in one), None)
+    assert shrinking.ddmin(NAMES, first_failing) == [NAMES[5]]
+
+
+def log(*events, **end):
+    lines = [{'event_log': 1, 'start_ns': 0}, *events,
+             {'end': {'events': len(events), 'repeatable': True, 'not_repeatable_because': [], 'degraded_because': [],
+                      'reason': '', **end}}]
+    return ''.join(json.dumps(line) + '\n' for line in lines).encode()
+
+
+def found(result, *events, wanted=(), **end):
+    failure = failures.of_run(failures.seen(result, log(*events, **end)), wanted)
+    return failure and tuple(failure)
+
+
+def complete(**others):
+    return Result('0000-a', status=COMPLETE, **others)
+
+
+def test_what_fails_a_run():
+    told = {'time_ns': 1500000000, 'robot': '/monitor', 'kind': 'property',
+            'values': ['always', 'one owner', 'broken', 'task=3']}
+    stated = dict(told, values=['always', 'one owner', 'stated'])
+    assert found(complete()) is None
+    assert found(complete(), stated) is None
+    assert found(complete(), stated, told) == ('one owner', 'always: one owner, said by /monitor at 1.5 s: task=3')
+    crash = '/a crashed at 2.000000000 s: exit code 3'
+    assert found(complete(crashes=[crash])) == ('crash /a', crash)
+    assert found(Result('0000-a', error='x'), reason='deadlock at 3 s: who')[0] == 'deadlock'
+    assert found(Result('0000-a', error='x'), reason='zero-delay loop at 3 s: who')[0] == 'zero_delay_loop'
+    assert found(complete(ended_by='idle', open_goals=2))[0] == 'open_goals'
+    assert found(complete(ended_by='required /a', open_goals=2)) is None
+    assert found(Result('0000-a', error='it was not over')) == ('unfinished', 'it was not over')
+    assert failures.of_run(failures.seen(Result('0000-a', error='no log'), None)).name == 'unfinished'
+
+
+def test_only_what_is_wanted_counts():
+    both = complete(crashes=['/a crashed: exit code 3'], ended_by='idle', open_goals=1)
+    assert found(both, wanted=['open_goals'])[0] == 'open_goals'
+    assert found(both, wanted=['crash'])[0] == found(both, wanted=['crash /a'])[0] == 'crash /a'
+    assert found(both, wanted=['cra', 'deadlock']) is None
+
+
+def made(**others):
+    return replay_file.Replay(**{**dict(launch=['/x.launch', 'robots:=3'], seed=7, delay=0.05, only=[NAMES[1]],
+                                        failure='crash /a', text='it crashed', happened=['a before b'], sha256='0'),
+                                 **others})
+
+
+def test_a_replay_is_read_as_it_was_written(tmp_path):
+    path = str(tmp_path / 'chaos.json')
+    for one in (made(), made(only=[], document={'until': 30.0, 'leave_out': ['/b'], 'sleep': 'simulated', 'seed': 4})):
+        replay_file.write(path, one)  # in the place of the one before
+        assert replay_file.read(path) == one
+    assert made().words == ['--chaos-seed', '7', '--chaos-delay', '0.05', '--chaos-only', NAMES[1],
+                            '--crashes', 'allow', '--seed', '0']
+    assert '--chaos-only' in made(only=[]).words and 'none' in made(only=[]).words
+    assert not any('chaos' in word for word in made(seed=0).words)
+
+
+@pytest.mark.parametrize(('change', 'says'), [
+    ({'chaos': 2}, 'format 1'), ({'seed': '7'}, 'seed must be'), ({'only': ['x']}, 'names of decisions'),
+    ({'launch': []}, 'launch must name'), ({'happened': [1]}, 'list of texts')])
+def test_a_file_that_is_none_is_refused(tmp_path, change, says):
+    path = tmp_path / 'chaos.json'
+    path.write_text(json.dumps({'chaos': 1, **vars(made()), **change}))
+    with pytest.raises(ConfigurationError, match=says):
+        replay_file.read(str(path))
+
+
+def test_a_file_of_others_stays(tmp_path):
+    path = tmp_path / 'chaos.json'
+    path.write_text('mine\n')
+    with pytest.raises(ConfigurationError, match='it stays'):
+        replay_file.write(str(path), made())
+    assert path.read_text() == 'mine\n'
