@@ -113,9 +113,8 @@ def _end(pid):
 
 def _reports(item, text, wall_limit):
     if text:
-        found = [item.config.hook.pytest_report_from_serializable(config=item.config, data=one)
+        return [item.config.hook.pytest_report_from_serializable(config=item.config, data=one)
                  for one in json.loads(text)]
-        return found
     from _pytest.reports import TestReport
     why = 'the test was not over after {:g} s of wall time (wall_limit)'.format(wall_limit) if text is None else (
         'the process of the test has died')

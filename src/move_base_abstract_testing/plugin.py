@@ -66,9 +66,9 @@ def lockstep(request):
     node = request.node
     given = {key: value for key, value in _marked(node).items() if key not in OF_TESTS}
     system = Lockstep(node.lockstep_folder, os.path.dirname(str(node.fspath)), getattr(request, 'param', None))
+    if given:
+        system.start(**given)
     try:
-        if given:
-            system.start(**given)
         yield system
     finally:
         broken = system.not_allowed

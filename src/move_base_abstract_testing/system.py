@@ -72,10 +72,11 @@ class System:
             for key, value in settings.parameters.items():
                 config.params[key] = Param(key, value)
             named = plan.TIME_MASTER + '/participants'
-            config.params[named] = Param(named, [*(config.params[named].value if named in config.params else ()), TEST])
+            others = config.params[named].value if named in config.params else ()
+            config.params[named] = Param(named, [*others, TEST])
+            end = {'end_with': [TEST]} if settings.until == DEPARTURE else {'end_when_idle': True}
             return plan.plan_of(config, plan.Wishes(
-                parameters={'event_log': self.log, 'log_messages': settings.log_messages, 'end_when_idle':
-                            settings.until != DEPARTURE, **({'end_with': [TEST]} if settings.until == DEPARTURE else {}),
+                parameters={'event_log': self.log, 'log_messages': settings.log_messages, **end,
                             **settings.time_master},
                 launcher=('--sleep', settings.sleep, '--seed', str(settings.seed)), with_respawned=True))
         except RLException as error:
@@ -95,13 +96,25 @@ class System:
         self._processes.append(_Process(name, pid, takes_part, output, roles.is_shell(node),
                                         roles.has_last_words(node)))
 
-    def problem(self) -> str:
-        """Return why the run cannot begin any more, or ''."""
-        processes.reap(self._statuses)
-        gone = [one for one in self._processes if one.takes_part and one.pid in self._statuses]
-        return '\n'.join(['{} ended ({}) before time started; it printed last:'.format(
-            gone[0].name, ends.described(processes.code_of(self._statuses[gone[0].pid]))),
-            *_last_lines(gone[0].output)]) if gone else ''
+    @contextlib.contextmanager
+    def watched(self) -> Iterator[None]:
+        """Have an error come up meanwhile, in the main thread, if one ends for whom time would wait for ever.
+
+        :raises SimulatorError: that says who, and what it has printed.
+        """
+        def look(*_signal: Any) -> None:
+            processes.reap(self._statuses)
+            gone = [one for one in self._processes if one.takes_part and one.pid in self._statuses]
+            if gone:
+                raise SimulatorError('\n'.join(['{} ended ({}) before time started; it printed last:'.format(
+                    gone[0].name, ends.described(processes.code_of(self._statuses[gone[0].pid]))),
+                    *_last_lines(gone[0].output)]))
+        before = signal.signal(signal.SIGCHLD, look)
+        try:
+            look()
+            yield
+        finally:
+            signal.signal(signal.SIGCHLD, before)
 
     def end(self) -> List[ends.End]:
         """Wait until the time master has written the log, end all; return how processes have ended."""

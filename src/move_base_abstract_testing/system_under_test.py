@@ -1,6 +1,7 @@
 """What a test has in its hands: the fixture ``lockstep``."""
 import os
 import time
+from math import cos, sin
 from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
 import actionlib
@@ -8,6 +9,7 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 
+from move_base_abstract.common import processes
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.properties import Broken, Judgement, Run, judgement_on
 from move_base_abstract_ros import lockstep
@@ -79,15 +81,16 @@ class Lockstep:
         self._settings = settings_of(given, self._base)
         if self.chaos_seed is not None:
             self._settings.time_master = {**self._settings.time_master, 'chaos_seed': self.chaos_seed}
-        self._system = System(self._settings, self.folder)
-        problem = self._system.problem()
-        if problem:
-            raise SimulatorError(problem)
-        rospy_start.prepare()
-        rospy.init_node(TEST.strip('/'), argv=[], disable_signals=True, disable_rosout=True)
-        self._joined = lockstep.join()
-        if self._joined is None:
-            raise SimulatorError('lockstep: the time master is not in lockstep')
+        try:
+            self._system = System(self._settings, self.folder)
+            rospy_start.prepare()
+            rospy.init_node(TEST.strip('/'), argv=[], disable_signals=True, disable_rosout=True)
+            with self._system.watched():
+                self._joined = lockstep.join()
+        except BaseException:
+            self._system = None
+            processes.end_all_children()
+            raise
 
     @property
     def time(self) -> float:
@@ -117,7 +120,6 @@ class Lockstep:
 
     def send_goal(self, robot: str, x: float, y: float, yaw: float = 0.0, frame: str = 'map') -> Goal:
         """Send a goal [m, rad] to a robot, and return it; it is under way then. See Goal."""
-        from math import cos, sin
         if robot not in self._clients:
             client = self._clients[robot] = actionlib.ActionClient('/{}/move_base'.format(robot), MoveBaseAction)
             if not client.wait_for_server(rospy.Duration(60.0)):

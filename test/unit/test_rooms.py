@@ -13,7 +13,8 @@ MOST_MODULES = 25  # in Python and in C++, where a header and its source are one
 LOWEST = {'move_base_abstract': 'common'}
 MAY_IMPORT = {
     'move_base_abstract': {
-        'common': '', 'engine': '', 'lockstep': '', 'runs': 'lockstep', 'properties': 'lockstep runs', 'supervision': '', 'motion': 'engine',
+        'common': '', 'engine': '', 'lockstep': '', 'runs': 'lockstep', 'properties': 'lockstep runs',
+        'supervision': '', 'motion': 'engine',
         'maps': 'motion', 'goals': 'engine motion maps', 'faults': 'engine maps goals', 'energy': 'engine goals',
         'traffic': 'engine motion maps goals', 'encounters': 'engine motion maps goals',
         'sensing': 'engine motion maps', 'tasks': 'engine motion goals runs',

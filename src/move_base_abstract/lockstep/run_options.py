@@ -60,5 +60,5 @@ class RunOptions:
         one_of(FAIL, ALLOW), FAIL, 'what becomes of a run in which a node [crashes](lockstep_launch.md#crashes): it '
         'has failed (`fail`), or the crash is reported, and the run counts if it comes to its end (`allow`)')
     properties: Tuple[str, ...] = option(
-        list_of(one_of(*property_names.NAMES)), [], 'which [properties](properties.md) are looked at when a run is over: '
-        '`all`, or the names of some', systems=OF_NODES)
+        list_of(one_of(*property_names.NAMES)), [], 'which [properties](properties.md) are looked at when a run is '
+        'over: `all`, or the names of some', systems=OF_NODES)

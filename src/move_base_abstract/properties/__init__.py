@@ -1,6 +1,6 @@
 """What must hold in a run: what nodes state, and what holds in every good run; which of it a run has broken.
 
-    from move_base_abstract.properties import always, never_again, sometimes
+For nodes: ``from move_base_abstract.properties import always, never_again, sometimes``.
 """
 from ..common.handed_on import handed_on
 

@@ -1,4 +1,4 @@
-"""What nodes state about a run: always, sometimes, never again; and the rows of the event log that say what came of it.
+"""What nodes state about a run (always, sometimes, never again), and rows of the event log that say what came of it.
 
 A row is an event of kind ROW of the node: the kind of statement, its text, what came of it, then details as 'key=value':
 
@@ -44,8 +44,8 @@ class Statements:
     def take(self, kind: str, condition: object, text: str, details: Mapping[str, Any]) -> Sequence[List[str]]:
         """Return the values of the rows that are news, in order; mostly none.
 
-        ``kind``: of KINDS. ALWAYS is broken when it does not hold, SOMETIMES is held when it does, NEVER_AGAIN is broken
-        when it becomes true for the second time.
+        ``kind``: of KINDS. ALWAYS is broken when it does not hold, SOMETIMES is held when it does, NEVER_AGAIN is
+        broken when it becomes true for the second time.
 
         :raises StatementError: for another kind, or a text that is none or empty.
         """

@@ -10,13 +10,14 @@ statement is a warning in the node's log, and nothing else happens.
 from __future__ import annotations
 
 import logging
+from types import SimpleNamespace
 from typing import Any, Callable, List, Optional
 
 from ..lockstep.property_names import ALWAYS, NEVER_AGAIN, SOMETIMES
 from .statements import BROKEN, Statements
 
 _made = Statements()
-_tell: Optional[Callable[[List[str]], object]] = None  # takes the values of a row
+_state = SimpleNamespace(tell=None)  # takes the values of a row
 
 
 def always(condition: object, text: str, /, **details: Any) -> None:
@@ -41,13 +42,12 @@ def never_again(condition: object, text: str, /, **details: Any) -> None:
 
 def tell_to(tell: Optional[Callable[[List[str]], object]]) -> None:
     """Have ``tell`` get the values of each row from now on; None: nobody."""
-    global _tell
-    _tell = tell
+    _state.tell = tell
 
 
 def _take(kind: str, condition: object, text: str, details: Any) -> None:
     for row in _made.take(kind, condition, text, details):
-        if _tell is not None:
-            _tell(row)
+        if _state.tell is not None:
+            _state.tell(row)
         elif row[2] == BROKEN:  # rospy's own logger, which Python's default one stands in for where there is no rospy
             logging.getLogger('rosout').warning('broken: %s: %s', kind, ', '.join([row[1], *row[3:]]))

@@ -1,6 +1,7 @@
 """A test of rostest that runs a launch file in lockstep to its end and checks its properties.
 
-    <test pkg="move_base_abstract" type="run_checked" test-name="mission" time-limit="120" args="$(find my_study)/launch/system.launch robots:=3"/>
+    <test pkg="move_base_abstract" type="run_checked" test-name="mission" time-limit="120"
+          args="$(find my_study)/launch/system.launch robots:=3"/>
 
 Arguments are those of lockstep_launch. The run has a ROS master of its own, and a time limit that is rostest's. Its
 result file has a case for the run's end, for each property that is built in, and for each statement that was made.
@@ -53,7 +54,8 @@ def _run(words):
         if os.path.exists(outcome):
             with open(outcome, encoding='utf-8') as stream:
                 told = json.load(stream)['properties']
-    ended = '' if process.returncode in (_GOOD, _BROKEN) else 'the run did not come to its end (exit code {}):\n{}'.format(
+    is_over = process.returncode in (_GOOD, _BROKEN)
+    ended = '' if is_over else 'the run did not come to its end (exit code {}):\n{}'.format(
         process.returncode, '\n'.join(map(shown_text, last)))
     return {'the run comes to its end': ended, **_cases(told)}
 
