@@ -1,6 +1,6 @@
 """What nodes state about a run (always, sometimes, never again), and rows of the event log that say what came of it.
 
-A row is an event of kind ROW of the node: the kind of statement, its text, what came of it, then details as 'key=value':
+A row is an event of kind ROW of the node: kind of statement, text, what came of it, then details as 'key=value':
 
     {"time_ns":41300000000,"robot":"/coordinator","kind":"property","values":["always","one owner","broken","task=7"]}
 

@@ -9,7 +9,7 @@ import rospy
 from move_base_abstract.common.parameter_table import Parameter, checked, integer
 from move_base_abstract.lockstep.charge import make_charge
 from move_base_abstract.lockstep.wire import MAX_RANK
-from move_base_abstract.properties import stating, statements
+from move_base_abstract.properties import statements, stating
 
 from ...replacing import replaced
 from ..exchange.access import connect, is_lockstep
