@@ -54,7 +54,7 @@ def all_steps():
                                        'parameters_at_start_test')]
     steps += [_pytest('unit', ROOT / 'test' / 'unit', VENV_PYTHON)]
     steps += [_pytest('plain', ROOT / 'test' / 'plain', PLAIN_PYTHON)]
-    steps += [_pytest(name, ROOT / 'test' / name) for name in ('export', 'browser')]
+    steps += [_pytest(name, ROOT / 'test' / name) for name in ('export', 'browser', 'plugin')]
     steps += [_rostest(path) for path in sorted((ROOT / 'test' / 'rostest').glob('*.test'))]
     return [*steps, _pytest('install', ROOT / 'test' / 'install')]
 

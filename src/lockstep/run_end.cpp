@@ -6,6 +6,16 @@
 #include "clock/number_text.h"
 
 namespace move_base_abstract {
+namespace {
+
+/** @return what a run stood in that is ended now, of ended_by. */
+const char* standstillCode(LockstepPhase phase) {
+  return phase == LockstepPhase::kDeadlock        ? ended_by::kDeadlock
+         : phase == LockstepPhase::kZeroDelayLoop ? ended_by::kZeroDelayLoop
+                                                  : ended_by::kOther;
+}
+
+}  // namespace
 
 void RunEnd::endAsWished(const std::string& reason, const char* code) {
   if (!run_.rounds.ended()) {
@@ -19,6 +29,7 @@ void RunEnd::end(const std::string& reason) {
   if (run_.rounds.ended()) {
     return;
   }
+  code_ = code_ == ended_by::kOther ? standstillCode(run_.rounds.phase(run_.wall)) : code_;
   run_.rounds.end();
   reason_ = reason;
   run_.interruption.finish();  // time has stood since then: it matters to nobody who went first

@@ -238,7 +238,7 @@ void LockstepSession::handleStandstill(const LockstepRounds::Event& event) {
   run_.messages.say(event.kind == Kind::kDeadlock ? LockstepMessage::Level::kWarn
                                                   : LockstepMessage::Level::kError,
                     end_.reason());
-  if (run_.settings.end_when_idle && event.kind == Kind::kDeadlock) {
+  if (run_.settings.end_when_idle) {
     end_.end(end_.reason());
   }
 }

@@ -24,6 +24,8 @@ namespace ended_by {
 constexpr const char* kEndAt = "end_at";         // the setting
 constexpr const char* kIdle = "idle";            // nobody had anything left to do
 constexpr const char* kDeparture = "departure";  // of a node that end_with names
+constexpr const char* kDeadlock = "deadlock";    // ... and somebody waited for what was owed to it
+constexpr const char* kZeroDelayLoop = "zero_delay_loop";  // it stood in one
 constexpr const char* kOther = "other";
 }  // namespace ended_by
 

@@ -91,6 +91,7 @@ class Result(Numbered):
     open_goals: Optional[int] = None
     crashes: List[str] = field(default_factory=list)
     ends: List[Any] = field(default_factory=list)
+    properties: Dict[str, Any] = field(default_factory=dict)
     made_of: Optional[str] = None
     program: Optional[str] = None
     worker: Optional[str] = ''

@@ -13,6 +13,7 @@ from typing import Callable, Iterator, List, Optional, Set, TextIO, Tuple
 
 from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.shown import shown_text
 
 from .carrying import cluster, jobs, warm_ros
 from .carrying.workers import workers_file
@@ -199,5 +200,7 @@ def _tell(folder: outputs.OutputFolder, told: tables.Summary, stream: TextIO) ->
         print(f'  failed: {one.id}: {one.error}', file=stream)
     for one in told.different:
         print(f'  different: {one.id}: {one.difference}', file=stream)
+    for line in told.properties.lines():
+        print(f'  {shown_text(line)}', file=stream)
     print(f'table: {os.path.join(str(folder.path), "trials.csv")}', file=stream, flush=True)
     return total - told.complete + told.different_count

@@ -244,7 +244,8 @@ class OutsideTest(unittest.TestCase):
         listed = [name for name in listed if not name.startswith('_ZNSt') or hasattr(library, name)]
         told = subprocess.run(['nm', '-D', '--defined-only', find_shim(os.environ)], check=True, text=True,
                               stdout=subprocess.PIPE).stdout
-        self.assertEqual(sorted(line.split()[-1] for line in told.splitlines()), sorted(listed))
+        ours = ['move_base_abstract_log_row']  # which the header for statements asks for
+        self.assertEqual(sorted(line.split()[-1] for line in told.splitlines()), sorted(listed + ours))
 
     def test_a_program_says_what_was_found_and_what_fits(self):
         with Loopback() as ros:

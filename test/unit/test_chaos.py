@@ -45,9 +45,12 @@ def complete(**others):
 
 
 def test_what_fails_a_run():
-    told = {'time_ns': 1500000000, 'robot': '/monitor', 'kind': 'property', 'values': ['one owner', {'task': 3}]}
+    told = {'time_ns': 1500000000, 'robot': '/monitor', 'kind': 'property',
+            'values': ['always', 'one owner', 'broken', 'task=3']}
+    stated = dict(told, values=['always', 'one owner', 'stated'])
     assert found(complete()) is None
-    assert found(complete(), told) == ('one owner', 'one owner, said by /monitor at 1.5 s: [{"task": 3}]')
+    assert found(complete(), stated) is None
+    assert found(complete(), stated, told) == ('one owner', 'always: one owner, said by /monitor at 1.5 s: task=3')
     crash = '/a crashed at 2.000000000 s: exit code 3'
     assert found(complete(crashes=[crash])) == ('crash /a', crash)
     assert found(Result('0000-a', error='x'), reason='deadlock at 3 s: who')[0] == 'deadlock'

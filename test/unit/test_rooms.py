@@ -13,7 +13,8 @@ MOST_MODULES = 25  # in Python and in C++, where a header and its source are one
 LOWEST = {'move_base_abstract': 'common'}
 MAY_IMPORT = {
     'move_base_abstract': {
-        'common': '', 'engine': '', 'lockstep': '', 'runs': 'lockstep', 'supervision': '', 'motion': 'engine',
+        'common': '', 'engine': '', 'lockstep': '', 'runs': 'lockstep', 'properties': 'lockstep runs',
+        'supervision': '', 'motion': 'engine',
         'maps': 'motion', 'goals': 'engine motion maps', 'faults': 'engine maps goals', 'energy': 'engine goals',
         'traffic': 'engine motion maps goals', 'encounters': 'engine motion maps goals',
         'sensing': 'engine motion maps', 'tasks': 'engine motion goals runs',
@@ -53,7 +54,7 @@ MAY_IMPORT = {
         'nodes': 'environment ros study'}}
 OF_THE_CORE = {  # what these rooms of ROS may know of the core: nothing of robots
     'replacing': 'common', 'loopback': '', 'time_master_client': 'srv msg',
-    'process': 'common', 'lockstep': 'common lockstep'}
+    'process': 'common', 'lockstep': 'common lockstep properties'}
 
 
 def imports_of(path):

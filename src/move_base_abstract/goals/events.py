@@ -248,6 +248,15 @@ class Entered(NamedTuple):
     area: str
 
 
+class Places(NamedTuple):
+    """The area has room for so many robots; told once, of the first robot that gets a place there, before that."""
+
+    time_ns: int
+    robot: str
+    area: str
+    capacity: int
+
+
 class Left(NamedTuple):
     """The robot has given its place in an area back."""
 
@@ -342,5 +351,6 @@ def motion_of(robot: Robot, now_ns: int) -> MotionSet:
 
 #: of the events whose fields are their rows, the kinds of these rows
 PLAIN_ROWS = {
-    Failed: 'failed', Repaired: 'repaired', ChargePassed: 'battery', Entered: 'entered', Left: 'left', Meets: 'meets',
-    Encounter: 'encounter', TaskWaits: 'waiting_began', TaskWaited: 'waiting_ended', TaskBegan: 'task_began'}
+    Failed: 'failed', Repaired: 'repaired', ChargePassed: 'battery', Places: 'places', Entered: 'entered',
+    Left: 'left', Meets: 'meets', Encounter: 'encounter', TaskWaits: 'waiting_began', TaskWaited: 'waiting_ended',
+    TaskBegan: 'task_began'}

@@ -10,7 +10,7 @@ from typing import Any, Tuple
 
 from ..common.errors import ConfigurationError
 from ..common.kinds import Kind, list_of, number, one_of, option, pattern, text
-from . import stored_topics
+from . import property_names, stored_topics
 
 OF_NODES = ('launch', 'command')  # what has nodes, of an experiment's systems
 FAIL, ALLOW = 'fail', 'allow'  # what a crash does to a run: it fails, or it is told only
@@ -63,3 +63,6 @@ class RunOptions:
     crashes: str = option(
         one_of(FAIL, ALLOW), FAIL, 'what becomes of a run in which a node [crashes](lockstep_launch.md#crashes): it '
         'has failed (`fail`), or the crash is reported, and the run counts if it comes to its end (`allow`)')
+    properties: Tuple[str, ...] = option(
+        list_of(one_of(*property_names.NAMES)), [], 'which [properties](properties.md) are looked at when a run is '
+        'over: `all`, or the names of some', systems=OF_NODES)

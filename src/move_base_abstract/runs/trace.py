@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import Any, Iterable, Iterator, NamedTuple, Tuple
 
 #: of what happens to robots, see :class:`TraceEntry`
-KINDS = ('departed', 'route', 'stands', 'ended', 'entered', 'left', 'deadlock', 'held', 'released', 'failed',
+KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'held', 'released', 'failed',
          'repaired', 'battery', 'charging_began', 'charging_ended', 'motion', 'waiting_began', 'waiting_ended',
          'task_began', 'task_ended', 'meets', 'encounter', 'recorded', 'beyond')
 
@@ -14,6 +14,7 @@ class TraceEntry(NamedTuple):
 
     Kinds and values: ``departed`` (x, y, yaw of the goal), ``stands`` (x, y, yaw), ``ended`` (goal id, state, text);
     ``route`` (x, y, x, y, ...), behind ``departed``: the corners of a way that has any;
+    ``places`` (area, how many), before the first ``entered`` of an area with room for some robots only;
     ``entered`` (area) and ``left`` (area): it got a place in a zone or on a lane, or gave it back; ``deadlock`` (robot,
     area, ...): it closed a circle of waiting;
     ``held`` (reason, ...): for which reasons the robot is held, whenever these change, and ``released`` ();

@@ -29,6 +29,7 @@ class Area:
         self.capacity = capacity
         self.outline = outline
         self.is_closed = False
+        self.is_told = False  # for how many it has room
         self._state: Optional[AreaState] = None
         self.queue: List[Request] = []  # in their order
         self.holders: Dict[Traveller, bool] = {}  # in the order in which they came

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence,
 
 from ..common.errors import ConfigurationError
 from ..common.shown import shown_text
-from ..goals.events import Abandoned, BrokenOff, Deadlock, Entered, Left, Stands, Warned
+from ..goals.events import Abandoned, BrokenOff, Deadlock, Entered, Left, Places, Stands, Warned
 from ..goals.outcome import NO_CONTROL
 from ..maps.lane_map import LaneMap
 from .area import Area, Request
@@ -349,6 +349,9 @@ class Traveller:
         for area in areas:
             self.held[area] = area.holders[self] = True
             self._traffic.changed(area)
+            if area.capacity is not None and not area.is_told:
+                area.is_told = True
+                self._tell(Places(now_ns, self.name, area.name, area.capacity))
             self._tell(Entered(now_ns, self.name, area.name))
 
     def _give_back(self, areas: Sequence[Area], now_ns: int) -> None:

@@ -7,12 +7,12 @@ from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Se
 
 from move_base_abstract.faults.buggify import CAUSE
 from move_base_abstract.lockstep.failures import UNCAUGHT
+from move_base_abstract.properties import statements
 from move_base_abstract.runs.event_log import Event, EventLog
 
 from ..records import Result
 from ..trials import termination
 
-PROPERTY = 'property'  # the kind of the event that says that a property of the user's is broken
 _FAILED = 'failed'  # the kind of the event of a robot that fails, also on purpose: buggify
 _BUGGIFIED = {'abort': 'gave its goal up', 'stall': 'stood still for a while', 'silent': 'said nothing for a while'}
 _DEADLOCK, _LOOP = 'deadlock', 'zero-delay loop'  # how the reasons of such ends begin
@@ -39,7 +39,7 @@ def seen(result: Result, log: Optional[bytes]) -> Seen:
     end: Dict[str, Any] = {}
     if log is not None:
         read = EventLog(io.StringIO(log.decode('utf-8', 'surrogateescape'), newline='\n'), 'events.jsonl')
-        events = [event for event in read if event.kind in (PROPERTY, UNCAUGHT, _FAILED)]
+        events = [event for event in read if event.kind in (statements.ROW, UNCAUGHT, _FAILED)]
         end = read.end or {}
     return Seen(result, events, end)
 
@@ -54,13 +54,12 @@ def buggified(run: Seen) -> Iterator[Dict[str, Any]]:
 
 
 def _broken_properties(run: Seen) -> Iterator[Failure]:
-    """Of the user's properties: events of the kind 'property' whose values begin with the name."""
+    """Statements of nodes that are broken; the name of one is its text."""
     for event in run.events:
-        if event.kind == PROPERTY:
-            values = json.loads(event.values)
-            name = str(values[0]) if values else event.robot
-            yield Failure(name, f'{name}, said by {event.robot}{_at(event.time_ns)}'
-                          + (f': {json.dumps(values[1:])}' if values[1:] else ''))
+        row = statements.read_row(json.loads(event.values)) if event.kind == statements.ROW else None
+        if row is not None and row.outcome == statements.BROKEN:
+            yield Failure(row.text, f'{row.kind}: {row.text}, said by {event.robot}{_at(event.time_ns)}'
+                          + (f': {", ".join(row.details)}' if row.details else ''))
 
 
 def _crashes(run: Seen) -> Iterator[Failure]:

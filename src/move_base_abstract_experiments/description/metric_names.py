@@ -34,6 +34,7 @@ BUILT_IN = {
 }
 #: of trials in which something of the kind can be
 OCCASIONAL = {
+    'broken_properties': Metric('Broken properties', 'properties', 'lower', 'lower_bound'),
     'goals_beyond': Metric('Goals outside of what was recorded', '%', 'lower', 'value'),
     'encounters': Metric('Encounters', 'encounters', 'lower', 'lower_bound'),
     'radio_messages': Metric('Messages between hosts', 'messages', None, 'lower_bound'),

@@ -6,6 +6,7 @@ from typing import Iterator, List, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown_text
+from move_base_abstract.properties import Gathering
 
 from .. import records
 from ..carrying import workers
@@ -31,6 +32,11 @@ def lines(path: str) -> Iterator[str]:
                         ('a node crashed in {} trials', sum(bool(one.crashes) for one in found))):
         if count:
             yield what.format(count)
+    gathered = Gathering()
+    for one in found:
+        if one.properties:
+            gathered.take(one.id, one.seed, one.properties)
+    yield from _first([_line(line) for line in gathered.lines()])
     yield from _first([f'failed: {one.id} {shown_text(one.configuration)} replication {one.replication}: '
                        f'{_line(one.error)}' for one in failed])
     try:

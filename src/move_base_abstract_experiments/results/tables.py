@@ -13,6 +13,9 @@ import sys
 from pathlib import Path
 from typing import Any, Iterable, Iterator, List, Optional, Sequence
 
+from move_base_abstract.lockstep.property_names import SOMETIMES
+from move_base_abstract.properties import Gathering
+
 from ..description.metric_names import OCCASIONAL, Metric
 from ..records import DIFFERENT, FORMAT, IDENTICAL, Plan, Result
 from . import outputs
@@ -33,6 +36,7 @@ class Summary:
         self.failed: List[Result] = []  # the first MOST_TOLD of each
         self.different: List[Result] = []
         self.failed_count = self.different_count = 0
+        self.properties = Gathering()
 
     def take(self, result: Optional[Result]) -> None:
         """Take the Result of a trial; None: it has not run."""
@@ -40,6 +44,8 @@ class Summary:
             self.missing += 1
             return
         self.complete += result.is_complete
+        if result.properties:
+            self.properties.take(result.id, result.seed, result.properties)
         self.identical += result.verified == IDENTICAL
         if not result.is_complete:
             self.failed_count += 1
@@ -120,9 +126,18 @@ def write(folder: outputs.OutputFolder, plan: Plan) -> Summary:
     for name in metrics:
         plan.metrics.setdefault(name, OCCASIONAL.get(name, Metric(name)).described())
     folder.write_pieces('plan.json', plan_text(plan))
+    if rows.summary.properties.runs:
+        folder.write('properties.csv', _properties(rows.summary.properties))
     if table is not None:
         _write_parquet(folder, columns(plan, metrics), table)
     return rows.summary
+
+
+def _properties(told: Gathering) -> bytes:
+    """Return properties.csv: a row for each that is broken in some trial, or never held in any."""
+    names = ('property', 'node', 'text', 'runs', 'first_run', 'first_seed', 'first_instant_ns')
+    return csv_text([names, *([row[name] for name in names] for row in told.rows),
+                     *((SOMETIMES, node, text, told.runs, '', None, None) for node, text in told.never_held())])
 
 
 def _first_metrics(folder: outputs.OutputFolder, plan: Plan) -> List[str]:

@@ -4,6 +4,7 @@ carry_out() leaves an archive in the trial's folder (see bundle.py).
 """
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import time
@@ -12,7 +13,8 @@ from typing import TYPE_CHECKING, Dict, List, Optional
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.lockstep.run_options import FAIL
-from move_base_abstract.runs import ends, run_difference
+from move_base_abstract.properties import Run, judgement_on
+from move_base_abstract.runs import ends, event_log, run_difference
 
 from ..description import ingredients, launch_files, plan, worker_files
 from ..description.job import Job
@@ -100,15 +102,28 @@ def _run_first(job: Job, folders: Folders, result: Result) -> None:
     begin = time.monotonic()
     ended = run.run(job, folders)
     result.wall_seconds = round(time.monotonic() - begin, 6)
+    _look_at_properties(job, result, ended.processes, folders)
     if ended.problem is not None:
         _judge(job, result, ended.processes, ends.read_log(folders.log), ended.problem)
     summary = _take_log(folders, result, ended.starts)
-    result.metrics, result.simulated_seconds = dict(summary.metrics), summary.simulated_seconds
+    result.metrics, result.simulated_seconds = {**summary.metrics, **result.metrics}, summary.simulated_seconds
     result.ended_by, result.open_goals = summary.ended_by, summary.open_goals
     _tell_speed(result)
     _judge(job, result, ended.processes, summary.log,
            RunError(f'the run was ended by a fault: {summary.reason}') if summary.by_fault else None)
     result.status = COMPLETE
+
+
+def _look_at_properties(job: Job, result: Result, processes: List[ends.Process], folders: Folders) -> None:
+    """Tell which of the properties that the experiment asks for the run has broken, if it has an event log."""
+    names = job.trial.experiment.properties
+    if not names:
+        return
+    with contextlib.suppress(OSError, event_log.EventLogError):
+        found = ends.judge(processes, ends.read_log(folders.log))
+        judged = judgement_on(Run(folders.log, found))
+        judged = judged._replace(broken=judged.chosen(names))
+        result.properties, result.metrics['broken_properties'] = judged.told(), len(judged.broken)
 
 
 def _judge(job: Job, result: Result, processes: List[ends.Process], log: ends.Log,

@@ -19,7 +19,6 @@ from move_base_abstract.common import processes
 from move_base_abstract.runs import ends
 from move_base_abstract_ros.launching import ros_master, warm_nodes
 from move_base_abstract_ros.launching.conditions import Condition
-from move_base_abstract_ros.loopback import PACKAGE
 
 from ..description.job import Job
 from . import run_plan, termination
@@ -35,10 +34,6 @@ _OWN_END_S = 6.0  # wall, that participants may take to end by themselves once t
 _LOOK_S = 0.02  # wall
 _BEFORE_START_S = 5.0  # wall, that the time master may take to be asked
 _NODE_FILE = re.compile(r'[^\w.-]+', re.ASCII)
-#: this package's own nodes that are done when the run is over: what they know is in the event log, or written already
-_WITHOUT_LAST_WORDS = tuple((PACKAGE, kind) for kind in (
-    'move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver', 'end_at_message',
-    'message_recorder'))
 
 
 class Ended(NamedTuple):
@@ -125,7 +120,7 @@ def _start_all(config: Any, taking: List[str], uri: str, run: Run, statuses: Sta
         pid, _ = warm_nodes.start(words, setup_env(node, node.machine, uri), output, cwd, launcher,
                                   os.path.dirname(launcher), run.job.is_warm and run.condition is None)
         started.append(_Process(name, pid, name in taking, bool(node.required), output,
-                                (node.package, node.type) not in _WITHOUT_LAST_WORDS, is_shell=roles.is_shell(node)))
+                                roles.has_last_words(node), is_shell=roles.is_shell(node)))
         if run.is_reversed and name in taking:
             ros_master.await_registered(uri, pid, name, statuses)
     command = run.job.trial.command

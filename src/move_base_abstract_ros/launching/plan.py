@@ -66,8 +66,12 @@ def make_plan(files, wishes):
 
     :raises ConfigurationError: if the files cannot be run like this; :raises roslaunch.core.RLException: its own.
     """
-    config = roslaunch.config.load_config_default(files, None, loader=core_file.Loader(), verbose=False)
-    return plan_of(config, wishes)
+    return plan_of(read(files), wishes)
+
+
+def read(files):
+    """Return roslaunch's configuration of launch files. :raises roslaunch.core.RLException: its own."""
+    return roslaunch.config.load_config_default(files, None, loader=core_file.Loader(), verbose=False)
 
 
 def plan_of(config, wishes):
@@ -104,8 +108,11 @@ def scripts_of(plan):
 
 
 @contextlib.contextmanager
-def log_of_run(plan):
-    """Give the path of the event log of a Plan's run; if there is to be none, of one for a while that tells of ends."""
+def log_of_run(plan, is_whole=False):
+    """Give the path of the event log of a Plan's run; if there is to be none, of one for a while that tells of ends.
+
+    ``is_whole``: or of all.
+    """
     asked = _value(plan.config, TIME_MASTER + '/event_log', '')
     if asked:
         yield os.path.join(rospkg.get_ros_home(), asked)
@@ -113,7 +120,7 @@ def log_of_run(plan):
     with tempfile.TemporaryDirectory(prefix='move_base_abstract_ends_') as folder:
         path = os.path.join(folder, 'ends.jsonl')
         _set(plan.config, TIME_MASTER + '/event_log', path)
-        _set(plan.config, TIME_MASTER + '/event_log_of_ends', True)
+        _set(plan.config, TIME_MASTER + '/event_log_of_ends', not is_whole)
         yield path
 
 

@@ -12,7 +12,10 @@ from ..loopback import PACKAGE
 from . import programs
 
 _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver', 'soil_coordinator',
-              'end_at_message', 'message_recorder')
+              'end_at_message', 'message_recorder', 'property_monitor')
+#: own nodes that are done when the run is over: what they know is in the event log, or written already
+_WITHOUT_LAST_WORDS = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver',
+                       'end_at_message', 'message_recorder', 'property_monitor')
 _LOOK_ON = {
     'nodelet': 'nodelets are not followed', 'rviz': 'it only shows',
     'rqt_gui': 'it only shows', 'image_view': 'it only shows', 'plotjuggler': 'it only shows'}
@@ -109,6 +112,11 @@ def _outside(node, with_respawned):
     if words and os.path.basename(words[0]) in _DEBUGGERS:
         return "it runs under '{}'".format(words[0])
     return None
+
+
+def has_last_words(node):
+    """Return whether a roslaunch Node may have something to do once the run is over, and is not to be killed then."""
+    return not (node.package == PACKAGE and node.type in _WITHOUT_LAST_WORDS)
 
 
 def is_shell(node):

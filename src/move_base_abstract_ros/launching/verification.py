@@ -18,6 +18,7 @@ from . import difference_report
 from .conditions import CONDITIONS, every_core_busy, limit_for
 
 IDENTICAL, DIFFERENT, CANNOT, UNFINISHED, LABELLED, CRASHED = 0, 1, 2, 3, 4, 5
+_BROKEN = 4  # exit code of lockstep_launch: the run has come to its end
 _GRACE_S = 60.0  # wall, from the polite signal to SIGKILL: roslaunch ends its nodes meanwhile
 _OUTPUT_LINES = 15
 _MOST_BAG_BYTES = 1 << 30  # of the first run's bags that are kept, to be compared with the others' message by message
@@ -113,7 +114,7 @@ class Verification:
             raise Unfinished("nodes crashed in the run '{}', so that nothing can be said of it; --crashes allow "
                              'compares such runs, too:\n{}\nall that the nodes have said: {}'.format(
                                  condition.name, '\n'.join('    ' + one for one in crashes), output), CRASHED)
-        if code != 0:
+        if code not in (0, _BROKEN):
             how = 'could not be started' if code == CANNOT else 'did not come to its end (exit code {})'.format(code)
             raise Unfinished("the run '{}' {}; its last lines:\n{}\nall of them: {}".format(
                 condition.name, how, _last_lines(output), output), CANNOT if code == CANNOT else UNFINISHED)

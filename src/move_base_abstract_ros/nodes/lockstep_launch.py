@@ -7,7 +7,7 @@ Nodes that cannot take part are named and left to look on. It has a ROS master o
 otherwise.
 
 Exit codes: 0 the run came to its end, or was ended by a signal; 1 it did not; 2 it cannot be run like this; 3 it did,
-but a node crashed.
+but a node crashed; 4 a property is broken (--check, --properties).
 """
 import argparse
 import atexit
@@ -22,12 +22,13 @@ from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep.run_options import FAIL, RunOptions
+from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
 
 from ..launching import light_imports, warm_client
 from ..process.process_end import leave
 
-_CANNOT, _CRASHED = 2, 3
+_CANNOT, _CRASHED, _BROKEN = 2, 3, 4
 
 
 def main(words=None):
@@ -66,13 +67,16 @@ def _parse(words):
     parser = argparse.ArgumentParser(
         prog='lockstep_launch', description='Run an unchanged launch file in lockstep.',
         usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
-        epilog='exit codes: 0 the run came to its end, 1 it did not, 2 it cannot be run like this, 3 a node crashed')
+        epilog='exit codes: 0 the run came to its end, 1 it did not, 2 it cannot be run like this, 3 a node crashed, '
+               '4 a property is broken')
     add_plan_options(parser)
     parser.add_argument('--event-log', metavar='PATH', help="file for the run's events, .jsonl or .csv")
     parser.add_argument('--log-messages', action='store_true', help='messages and calls are events too')
     parser.add_argument('--speed-limit', type=_factor, default=None, metavar='F',
                         help='at most so many simulated seconds per wall second')
     parser.add_argument('--end-when-idle', action='store_true', help='end when nobody has anything left to do')
+    parser.add_argument('--check', action='store_true',
+                        help='look at all properties when the run is over, which it is when nobody has anything to do')
     parser.add_argument('--use-master', action='store_true', help='use the ROS master of ROS_MASTER_URI, no own one')
     # From `verify`: what came out, for programs; conditions that must not matter.
     parser.add_argument('--outcome', default=None, help=argparse.SUPPRESS)
@@ -153,7 +157,7 @@ def _run(options, files, warm):
         ('event_log', options.event_log and os.path.abspath(options.event_log)), ('speed_limit', options.speed_limit),
         ('message_bytes', options.message_bytes),
         ('log_messages', options.log_messages or None),
-        ('end_when_idle', options.end_when_idle or None)) if value is not None}
+        ('end_when_idle', options.end_when_idle or options.check or None)) if value is not None}
     seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)
     with nullcontext() if options.list else temporary_folder(_say) as folder, bags.notes() as notes:
         environment = ((bags.VARIABLE, notes), *((('TMPDIR', folder),) if folder else ()))
@@ -167,26 +171,37 @@ def _run(options, files, warm):
             warm.prepare(plan.scripts_of(made))
         run_id = rlutil.get_or_generate_uuid(None, False)
         configure_logging(run_id)
-        with plan.log_of_run(made) as log:
+        with plan.log_of_run(made, options.check or options.properties) as log:
             parent = runner.Parent(run_id, made, log, warm, show_summary=False)
             parent.start()
             parent.spin()
-            return _conclude(parent, made, bags.written(notes), options)
+            return _conclude(parent, made, bags.written(notes), log, options)
 
 
-def _conclude(parent, made, found, options):
-    """Tell of bags and crashes; return the exit code."""
+def _conclude(parent, made, found, log, options):
+    """Tell of bags, crashes and broken properties; return the exit code. ``log``: path of the event log."""
     _tell_bags(made, found)
-    crashed = [end for end in parent.ends() if end.crash is not None]
+    ends = parent.ends()
+    crashed = [end for end in ends if end.crash is not None]
+    names = ('all',) if options.check else tuple(options.properties)
+    judged = judgement_on(Run(log, ends)) if names else Judgement((), {})
+    broken = judged.chosen(names)
     if options.outcome:
         with open(options.outcome, 'x', encoding='utf-8') as stream:
             json.dump({'bags': [[bag.node, bag.path] for bag in found], 'fleets': list(map(shown_text, made.fleets)),
-                       'crashes': [shown_text(end.words) for end in crashed]}, stream)
+                       'crashes': [shown_text(end.words) for end in crashed], 'properties': judged.told()}, stream)
     for end in crashed:
         print('lockstep_launch: crash: ' + shown_text(end.words), file=sys.stderr)
         for line in end.last_lines:
             print('    ' + shown_text(line), file=sys.stderr)
+    for one in broken:
+        print('lockstep_launch: broken: ' + shown_text(one.words()), file=sys.stderr)
+    for node, text in judged.never_held() if names else ():
+        print('lockstep_launch: never held in this run: sometimes: {}: {}'.format(*map(shown_text, (node, text))))
+    sys.stdout.flush()
     sys.stderr.flush()
+    if broken:
+        return _BROKEN
     return _CRASHED if crashed and options.crashes == FAIL and not parent.code else parent.code
 
 

@@ -9,6 +9,7 @@ import rospy
 from move_base_abstract.common.parameter_table import Parameter, checked, integer
 from move_base_abstract.lockstep.charge import make_charge
 from move_base_abstract.lockstep.wire import MAX_RANK
+from move_base_abstract.properties import statements, stating
 
 from ...replacing import replaced
 from ..exchange.access import connect, is_lockstep
@@ -70,6 +71,7 @@ def take_part(name, uri, rank, own_threads=True):
     threads.install(joining, own_threads)
     uncaught.install(joining)
     outcomes.install(joining)
+    stating.tell_to(lambda row: joining.log(name, statements.ROW, row))
     finish.install(joining)
     fork.install(joining)
     _follow_master_calls(joining, own_threads)

@@ -1,0 +1,9 @@
+"""What must hold in a run: what nodes state, and what holds in every good run; which of it a run has broken.
+
+For nodes: ``from move_base_abstract.properties import always, never_again, sometimes``.
+"""
+from ..common.handed_on import handed_on
+
+__getattr__ = handed_on(__name__, {
+    'stating': 'always never_again sometimes', 'statements': 'Statements',
+    'judgement': 'Broken Judgement Run judge judgement_on', 'gathering': 'Gathering'})

@@ -1,0 +1,54 @@
+"""What many runs have broken, property by property: in how many of them, and where first."""
+from __future__ import annotations
+
+from typing import Any, Dict, Iterator, List, Tuple
+
+from ..lockstep.property_names import BUILT_IN, SOMETIMES
+from .statements import HELD
+
+
+class Gathering:
+    """Takes what runs have broken, one after the other. ``runs``: how many there were.
+
+    ``rows``: of each property that is broken in some run: property, node, text and details (of the first break), runs
+    (how many have broken it), first_run, first_seed, first_instant_ns.
+    """
+
+    def __init__(self) -> None:
+        self.runs = 0
+        self._rows: Dict[Tuple[str, ...], Dict[str, Any]] = {}
+        self._held: Dict[Tuple[str, str], bool] = {}
+
+    def take(self, name: str, seed: int, told: Dict[str, Any]) -> None:
+        """Take the next run: its name, its seed, and what ``Judgement.told()`` says of it."""
+        self.runs += 1
+        seen = set()
+        for one in told['broken']:
+            is_built_in = one['property'] in BUILT_IN
+            key = (one['property'],) if is_built_in else (one['property'], one['node'], one['text'])
+            row = self._rows.setdefault(key, {
+                **one, 'runs': 0, 'first_run': name, 'first_seed': seed, 'first_instant_ns': one['instant_ns']})
+            row['runs'] += key not in seen
+            seen.add(key)
+        for node, kind, text, outcome in told['statements']:
+            if kind == SOMETIMES:
+                self._held[node, text] = self._held.get((node, text), False) or outcome == HELD
+
+    @property
+    def rows(self) -> List[Dict[str, Any]]:
+        """Those that are broken, in the order in which they were first."""
+        return list(self._rows.values())
+
+    def never_held(self) -> List[Tuple[str, str]]:
+        """Return (node, text) of each ``sometimes`` that has held in no run."""
+        return [key for key, has in self._held.items() if not has]
+
+    def lines(self) -> Iterator[str]:
+        """Yield all of it in lines."""
+        for row in self.rows:
+            at = '' if row['first_instant_ns'] is None else ' at {:.9f} s'.format(row['first_instant_ns'] * 1e-9)
+            yield 'broken in {} of {} runs, first in {} (seed {}){}: {}: {}: {}'.format(
+                row['runs'], self.runs, row['first_run'], row['first_seed'], at, row['property'], row['node'],
+                row['text'])
+        for node, text in self.never_held():
+            yield 'held in none of {} runs: {}: {}: {}'.format(self.runs, SOMETIMES, node, text)

@@ -1,0 +1,127 @@
+"""Which properties a run has broken, as its event log and the ends of its processes say.
+
+Those that are built in hold in every good run, whatever it is about: see BUILT_IN of
+:mod:`..lockstep.property_names`. Those of the nodes are their
+:mod:`.statements`. What a log cannot show breaks nothing: a run that was ended at an instant may have goals open.
+"""
+from __future__ import annotations
+
+import json
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+
+from ..lockstep.property_names import ALL, BUILT_IN
+from ..runs import ends, event_log
+from ..runs.event_log import EventLog
+from . import statements
+from .robots import Robots
+
+_STANDSTILLS = {'deadlock': 'no_standstill', 'zero_delay_loop': 'no_zero_delay_loop'}
+_QUIET = ('idle', 'deadlock')  # ended_by: nothing was left that could have ended a goal
+_OF_THE_RUN = 'the run'
+
+
+class Broken(NamedTuple):
+    """A property that a run has broken: of BUILT_IN, or 'always' or 'never_again', a statement of a node."""
+
+    property: str
+    instant_ns: Optional[int]  # simulated; None: it is not known
+    node: str  # or robot
+    text: str
+    details: Tuple[str, ...] = ()
+
+    def words(self) -> str:
+        """Return all of it in a line."""
+        when = '' if self.instant_ns is None else 'at {:.9f} s, '.format(self.instant_ns * 1e-9)
+        more = ' ({})'.format(', '.join(self.details)) if self.details else ''
+        return '{}: {}{}: {}{}'.format(self.property, when, self.node, self.text, more)
+
+    def told(self) -> Dict[str, Any]:
+        """Return all of it as plain values, for files."""
+        return {**self._asdict(), 'details': list(self.details), 'words': self.words()}
+
+    def key(self) -> Tuple[str, ...]:
+        """Return what it is about: a built-in property in itself, a statement by its node and text."""
+        return (self.property,) if self.property in BUILT_IN else (self.property, self.node, self.text)
+
+
+class Run(NamedTuple):
+    """A run that is over: the path of its event log, and how its processes ended, as far as that is known."""
+
+    log: str
+    processes: Sequence[ends.End] = ()
+
+
+class Judgement(NamedTuple):
+    """``broken``: in the order of their instants. ``statements``: {(node, kind, text): what came of it}."""
+
+    broken: Tuple[Broken, ...]
+    statements: Dict[Tuple[str, str, str], str]
+
+    def chosen(self, names: Sequence[str]) -> Tuple[Broken, ...]:
+        """Return what is broken of the properties of these ``names``: of NAMES of lockstep.property_names."""
+        return self.broken if ALL in names else tuple(one for one in self.broken if one.property in names)
+
+    def never_held(self) -> List[Tuple[str, str]]:
+        """Return (node, text) of each ``sometimes`` that never held in this run."""
+        return [(node, text) for (node, kind, text), outcome in self.statements.items()
+                if kind == statements.SOMETIMES and outcome != statements.HELD]
+
+    def told(self) -> Dict[str, Any]:
+        """Return all of it as plain values, for files."""
+        return {'broken': [one.told() for one in self.broken],
+                'statements': [[*key, outcome] for key, outcome in self.statements.items()]}
+
+
+def judge(run: Run) -> List[Broken]:
+    """Return what a run has broken, in the order of its instants. :raises EventLogError: if its log is none."""
+    return list(judgement_on(run).broken)
+
+
+def judgement_on(run: Run) -> Judgement:
+    """Return the whole Judgement on a run. :raises EventLogError: if its log is none."""
+    with event_log.open_text(run.log) as stream:
+        return judge_log(EventLog(stream, run.log), run.processes)
+
+
+def judge_log(log: EventLog, processes: Sequence[ends.End] = ()) -> Judgement:
+    """Return the Judgement on a run by its EventLog, which is read to its end, and the ends of its processes."""
+    robots, told, found = Robots(), ends.Log(), []
+    stated: Dict[Tuple[str, str, str], str] = {}
+    for event in log:
+        if event.kind in ends.KINDS:
+            told.take(event)
+        elif event.kind == statements.ROW:
+            row = statements.read_row(json.loads(event.values))
+            if row is not None:
+                stated[event.robot, row.kind, row.text] = row.outcome
+                if row.outcome == statements.BROKEN:
+                    found.append(Broken(row.kind, event.time_ns, event.robot, row.text, row.details))
+        else:
+            robots.take(event)
+    end = log.end or {}
+    found += [Broken(*one) for one in robots.broken]
+    found += [Broken(*one) for one in robots.left_open(end.get('ended_by') in _QUIET)]
+    found += _of_the_end(end)
+    if not processes:  # nobody has looked at them: the log knows who died
+        told.end(end)
+        processes = ends.judge((), told)
+    found += _of_processes(processes, told)
+    in_order = sorted(found, key=lambda one: (one.instant_ns is None, one.instant_ns or 0, one.property, one.node,
+                                              one.text))
+    return Judgement(tuple(in_order), stated)
+
+
+def _of_processes(processes: Iterable[ends.End], log: ends.Log) -> Iterable[Broken]:
+    """An exception that nobody caught is told once: as what it is, and not as the crash that it also is."""
+    for node, told in log.uncaught.items():
+        yield Broken('no_exception', told[0][0], node, told[0][1])
+    for one in processes:
+        only_uncaught = one.node in log.uncaught and one.code in (None, 0)
+        if one.crash is not None and not only_uncaught:
+            yield Broken('no_crash', one.time_ns, one.node, one.crash)
+
+
+def _of_the_end(end: Dict[str, Any]) -> Iterable[Broken]:
+    name = _STANDSTILLS.get(end.get('ended_by', ''))
+    if name is not None:
+        yield Broken(name, end.get('at_ns'), _OF_THE_RUN, str(end.get('reason', '')))

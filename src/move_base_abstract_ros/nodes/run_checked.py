@@ -1,0 +1,88 @@
+"""A test of rostest that runs a launch file in lockstep to its end and checks its properties.
+
+    <test pkg="move_base_abstract" type="run_checked" test-name="mission" time-limit="120"
+          args="$(find my_study)/launch/system.launch robots:=3"/>
+
+Arguments are those of lockstep_launch. The run has a ROS master of its own, and a time limit that is rostest's. Its
+result file has a case for the run's end, for each property that is built in, and for each statement that was made.
+"""
+import collections
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as ElementTree
+
+from move_base_abstract.common.shown import shown_text
+from move_base_abstract.lockstep.property_names import BUILT_IN, SOMETIMES
+
+from ..loopback import find_executable
+
+_OUTPUT = '--gtest_output=xml:'
+_LAST_LINES = 15
+_GOOD, _BROKEN = 0, 4  # of lockstep_launch
+
+
+def main(words=None):
+    """Run it and exit with 0, or 1 if something is broken."""
+    words = sys.argv[1:] if words is None else words
+    results = [word[len(_OUTPUT):] for word in words if word.startswith(_OUTPUT)]
+    # Of rostest are also remappings of names that begin with two underscores.
+    words = [word for word in words if not word.startswith(('--gtest_', '__')) and word != '--text']
+    name = next((word[len('__name:='):] for word in sys.argv if word.startswith('__name:=')), 'run_checked')
+    cases = _run(words)
+    if results:
+        _write(results[-1], name, cases)
+    for case, problem in cases.items():
+        print('{}: {}'.format(case, 'broken: ' + problem if problem else 'kept'))
+    sys.exit(1 if any(cases.values()) else 0)
+
+
+def _run(words):
+    """Run lockstep_launch; return {case: what is wrong, or ''}."""
+    with tempfile.TemporaryDirectory(prefix='move_base_abstract_checked_') as folder:
+        outcome = os.path.join(folder, 'outcome.json')
+        command = [sys.executable, find_executable('lockstep_launch'), '--check', '--outcome', outcome, *words]
+        last = collections.deque(maxlen=_LAST_LINES)
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              errors='replace') as process:
+            for line in process.stdout:
+                sys.stdout.write(line)
+                last.append(line.rstrip('\n'))
+        told = {'broken': [], 'statements': []}
+        if os.path.exists(outcome):
+            with open(outcome, encoding='utf-8') as stream:
+                told = json.load(stream)['properties']
+    is_over = process.returncode in (_GOOD, _BROKEN)
+    ended = '' if is_over else 'the run did not come to its end (exit code {}):\n{}'.format(
+        process.returncode, '\n'.join(map(shown_text, last)))
+    return {'the run comes to its end': ended, **_cases(told)}
+
+
+def _cases(told):
+    cases = {'{}: {}'.format(*one): '' for one in BUILT_IN.items()}
+    for node, kind, text, _outcome in told['statements']:
+        if kind != SOMETIMES:  # which one run alone does not break
+            cases['{}: {}: {}'.format(kind, node, text)] = ''
+    for one in told['broken']:
+        kind = one['property']
+        case = '{}: {}'.format(kind, BUILT_IN[kind]) if kind in BUILT_IN else '{}: {}: {}'.format(
+            kind, one['node'], one['text'])
+        cases[case] = cases.get(case) or one['words']
+    return cases
+
+
+def _write(path, name, cases):
+    """Write the result file, as JUnit has it."""
+    suite = ElementTree.Element('testsuite', name=name, tests=str(len(cases)), errors='0',
+                                failures=str(sum(map(bool, cases.values()))), time='0')
+    for case, problem in cases.items():
+        element = ElementTree.SubElement(suite, 'testcase', classname=name, name=case, time='0')
+        if problem:
+            failure = ElementTree.SubElement(element, 'failure', type='broken', message=problem.splitlines()[0])
+            failure.text = problem
+    os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
+    part = path + '.part'
+    ElementTree.ElementTree(suite).write(part, encoding='utf-8', xml_declaration=True)
+    os.replace(part, path)

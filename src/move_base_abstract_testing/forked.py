@@ -1,0 +1,133 @@
+"""Running a test in a fork of pytest, which has imported all: a ROS node can be made once in a process."""
+import json
+import os
+import select
+import shutil
+import signal
+import sys
+import tempfile
+import time
+
+from _pytest.runner import runtestprotocol
+
+from move_base_abstract.common import processes
+from move_base_abstract.runs import event_log
+from move_base_abstract.runs.event_log import EventLog
+
+WALL_LIMIT_S = 120.0
+_CALL = 'call'
+_PIECE = 1 << 16
+
+
+def reports_of(item, wall_limit):
+    """Return the reports of an item, run in a process of its own; twice, if it asserts that both runs are identical."""
+    folder = tempfile.mkdtemp(prefix='lockstep_test_')
+    reports = _run(item, os.path.join(folder, 'run_1'), wall_limit)
+    if _is_good(reports) and os.path.exists(os.path.join(folder, 'run_1', 'assert_identical')):
+        again = _run(item, os.path.join(folder, 'run_2'), wall_limit)
+        problem = '' if _is_good(again) else 'the second run of the test fails:\n{}'.format(
+            '\n'.join(str(one.longrepr) for one in again if one.failed))
+        problem = problem or _difference(*(os.path.join(folder, name, 'events.jsonl') for name in ('run_1', 'run_2')))
+        for report in reports:
+            if problem and report.when == _CALL:
+                report.outcome, report.longrepr = 'failed', problem
+    if _is_good(reports):
+        shutil.rmtree(folder, ignore_errors=True)
+    else:
+        for report in reports:
+            if report.failed:
+                report.sections.append(('lockstep', 'event log and what nodes have printed: {}'.format(folder)))
+    return reports
+
+
+def _is_good(reports):
+    return not any(report.failed for report in reports)
+
+
+def _run(item, folder, wall_limit):
+    """Return the reports of one run of an item."""
+    os.mkdir(folder)
+    item.lockstep_folder = folder
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    _import_all()
+    read, write = os.pipe()
+    pid = os.fork()
+    if pid == 0:
+        code = 1
+        try:
+            os.close(read)
+            os.setpgid(0, 0)
+            processes.die_with(os.getppid())
+            found = runtestprotocol(item, log=False, nextitem=None)
+            told = [item.config.hook.pytest_report_to_serializable(config=item.config, report=one) for one in found]
+            with os.fdopen(write, 'w') as stream:
+                json.dump(told, stream, default=str)
+            code = 0
+        finally:
+            os._exit(code)
+    os.close(write)
+    text = _read(read, wall_limit)
+    _end(pid)
+    return _reports(item, text, wall_limit)
+
+
+def _import_all():
+    """Import what each run needs, once, in the process that is forked."""
+    from move_base_abstract_experiments.carrying import warm_ros
+
+    from . import system_under_test  # noqa: F401 - for the forks
+    warm_ros.import_all()
+
+
+def _read(descriptor, wall_limit):
+    """Return what the fork says (bytes), or None if it has said nothing after ``wall_limit`` [s, wall]."""
+    deadline, found = time.monotonic() + wall_limit, b''
+    with os.fdopen(descriptor, 'rb', 0) as stream:
+        while True:
+            ready, _, _ = select.select([stream], [], [], max(0.0, deadline - time.monotonic()))
+            if not ready:
+                return None
+            piece = stream.read(_PIECE)
+            if not piece:
+                return found
+            found += piece
+
+
+def _end(pid):
+    """End the fork, if it has not; its children end with it."""
+    done, _ = os.waitpid(pid, os.WNOHANG)
+    if not done:
+        try:
+            os.kill(pid, 0)
+            _, status, deadline = 0, 0, time.monotonic() + 1.0
+            while time.monotonic() < deadline and not done:
+                done, status = os.waitpid(pid, os.WNOHANG)
+                done or time.sleep(0.005)
+            if not done:
+                os.kill(pid, signal.SIGKILL)
+                os.waitpid(pid, 0)
+        except ProcessLookupError:
+            pass
+
+
+def _reports(item, text, wall_limit):
+    if text:
+        return [item.config.hook.pytest_report_from_serializable(config=item.config, data=one)
+                 for one in json.loads(text)]
+    from _pytest.reports import TestReport
+    why = 'the test was not over after {:g} s of wall time (wall_limit)'.format(wall_limit) if text is None else (
+        'the process of the test has died')
+    return [TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), 'failed', why, _CALL)]
+
+
+def _difference(first, second):
+    """Return where the event logs of two runs differ, in words, or ''."""
+    with event_log.open_text(first) as one, event_log.open_text(second) as other:
+        logs = EventLog(one, first), EventLog(other, second)
+        found = event_log.compare(*logs)
+    if not found.identical:
+        return 'a second run is different:\n  first:  {}\n  second: {}'.format(
+            *('no more events' if event is None else event.text for event in (found.first, found.second)))
+    labels = [label for log in logs if log.end is not None for label in event_log.labels_of(log.end)]
+    return 'two runs are equal, but not called repeatable: {}'.format(labels[0]) if labels else ''

@@ -1,0 +1,76 @@
+"""The hooks and the fixture that pytest finds: each test with the fixture ``lockstep`` runs in a process of its own."""
+import os
+import sys
+
+import pytest
+
+from . import forked
+
+_MARKER = ("lockstep(scenario=None, launch=None, args={}, nodes=[], ...): what the fixture 'lockstep' starts; "
+           'docs/testing.md of move_base_abstract')
+
+
+def pytest_configure(config):
+    """Make the marker known."""
+    config.addinivalue_line('markers', _MARKER)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config):
+    """Start Python once more, if it is not as our launcher starts it: one order of sets, one layout of memory."""
+    if config.option.collectonly or config.option.help or hasattr(config, 'workerinput'):
+        return
+    from move_base_abstract_experiments.carrying import warm_ros
+    if warm_ros.prepare(os.environ, 'PYTHONHASHSEED' not in os.environ):
+        os.environ.setdefault('PYTHONHASHSEED', '0')
+        capture = config.pluginmanager.getplugin('capturemanager')
+        if capture is not None:
+            capture.stop_global_capturing()
+        with open('/proc/self/cmdline', 'rb') as stream:
+            words = stream.read().split(b'\0')[:-1]
+        os.execv(sys.executable, [os.fsencode(sys.executable), *words[1:]])
+
+
+def pytest_generate_tests(metafunc):
+    """Make a test of each chaos seed that a marker asks for."""
+    seeds = _marked(metafunc.definition).get('chaos_seeds')
+    if seeds is not None and 'lockstep' in metafunc.fixturenames:
+        metafunc.parametrize('lockstep', range(seeds), ids=['chaos_{}'.format(seed) for seed in range(seeds)],
+                             indirect=True)
+
+
+def pytest_runtest_protocol(item, nextitem):
+    """Run a test that has the fixture in a process of its own."""
+    if 'lockstep' not in getattr(item, 'fixturenames', ()):
+        return None
+    item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
+    for report in forked.reports_of(item, _marked(item).get('wall_limit', forked.WALL_LIMIT_S)):
+        item.ihook.pytest_runtest_logreport(report=report)
+    item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
+    return True
+
+
+def _marked(item):
+    """Return the keywords of an item's markers; those that are nearer to it count."""
+    found = {}
+    for marker in reversed(list(item.iter_markers('lockstep'))):
+        found.update(marker.kwargs)
+    return found
+
+
+@pytest.fixture
+def lockstep(request):
+    """Give a system in lockstep: see move_base_abstract_testing.system_under_test.Lockstep."""
+    from .settings import OF_TESTS
+    from .system_under_test import Lockstep
+    node = request.node
+    given = {key: value for key, value in _marked(node).items() if key not in OF_TESTS}
+    system = Lockstep(node.lockstep_folder, os.path.dirname(str(node.fspath)), getattr(request, 'param', None))
+    if given:
+        system.start(**given)
+    try:
+        yield system
+    finally:
+        broken = system.not_allowed
+    if broken:
+        pytest.fail('broken:\n' + '\n'.join('  ' + one.words() for one in broken), pytrace=False)

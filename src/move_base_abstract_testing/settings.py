@@ -1,0 +1,62 @@
+"""What a test asks for: the keywords of ``@pytest.mark.lockstep``, which ``lockstep.start`` takes as well."""
+import os
+from dataclasses import dataclass, field, fields
+from typing import Any, Dict, List, Optional, Tuple, Union
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown
+from move_base_abstract.lockstep.property_names import ALL, NAMES
+
+DEPARTURE, IDLE = 'test', 'idle'
+#: of the marker, and not of a run
+OF_TESTS = ('chaos_seeds', 'wall_limit')
+
+
+@dataclass
+class Settings:
+    """One run. Paths are relative to the folder of the test's file."""
+
+    scenario: Optional[str] = None  # path of a fleet's file
+    launch: Optional[str] = None  # path of a launch file
+    args: Dict[str, Any] = field(default_factory=dict)  # of the launch file
+    nodes: List[str] = field(default_factory=list)  # 'PACKAGE/TYPE', perhaps with words behind it
+    parameters: Dict[str, Any] = field(default_factory=dict)  # of ROS, by full name
+    time_master: Dict[str, Any] = field(default_factory=dict)  # parameters of the time master
+    seed: int = 0  # of the programs' global generators
+    sleep: str = 'wall'  # which time a sleep of the wall clock takes in programs
+    log_messages: bool = True  # what participants send each other is in the log, too
+    properties: Tuple[str, ...] = (ALL,)  # that the run must keep
+    until: str = DEPARTURE  # the run is over with the test, or when nobody has anything left to do
+
+    def __post_init__(self) -> None:
+        _check('properties', [name for name in self.properties if name not in NAMES], NAMES)
+        _check('until', [self.until] if self.until not in (DEPARTURE, IDLE) else [], (DEPARTURE, IDLE))
+        _check('sleep', [self.sleep] if self.sleep not in ('wall', 'simulated') else [], ('wall', 'simulated'))
+        for name in self.nodes:
+            if not isinstance(name, str) or name.split()[:1] == [] or name.split()[0].count('/') != 1:
+                raise ConfigurationError('lockstep: nodes: must be PACKAGE/TYPE, perhaps with words behind it, got '
+                                         + shown(name))
+
+
+def _check(what: str, wrong: List[Any], allowed: Tuple[str, ...]) -> None:
+    if wrong:
+        raise ConfigurationError('lockstep: {}: must be one of {}, got {}'.format(
+            what, ', '.join(allowed), shown(wrong[0])))
+
+
+def settings_of(given: Dict[str, Any], folder: str) -> Settings:
+    """Return the Settings of keywords. :raises ConfigurationError: for what is none, or a file that is not there."""
+    known = {one.name for one in fields(Settings)}
+    unknown = sorted(set(given) - known - set(OF_TESTS))
+    if unknown:
+        raise ConfigurationError('lockstep: there is no {}; there are {}'.format(
+            shown(unknown[0]), ', '.join(sorted({*known, *OF_TESTS}))))
+    found = Settings(**{key: value for key, value in given.items() if key in known})
+    for key in ('scenario', 'launch'):
+        path: Union[str, os.PathLike, None] = getattr(found, key)
+        if path is not None:
+            full = os.path.join(folder, os.fspath(path))
+            if not os.path.isfile(full):
+                raise ConfigurationError('lockstep: {}: {} is not there'.format(key, full))
+            setattr(found, key, full)
+    return found

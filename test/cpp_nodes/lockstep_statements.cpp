@@ -1,0 +1,14 @@
+// Makes statements as a participant by the library.
+#include <move_base_abstract/lockstep_participant.h>
+#include <ros/ros.h>
+
+#include "statements.h"
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "statements");
+  move_base_abstract::lockstep::Participant participant;
+  for (int k = 0; k < 5 && participant.sleep(ros::Duration(1.0)); ++k) {
+    stateAll(k);
+  }
+  return 0;
+}

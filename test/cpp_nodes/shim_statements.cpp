@@ -1,0 +1,13 @@
+// Makes statements, and knows nothing of lockstep.
+#include <ros/ros.h>
+
+#include "statements.h"
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "statements");
+  const ros::NodeHandle node;
+  for (int k = 0; k < 5 && ros::Duration(1.0).sleep(); ++k) {
+    stateAll(k);
+  }
+  return 0;
+}
