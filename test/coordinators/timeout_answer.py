@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Asks a lift for its floor, and once more where no answer has come after 1 s. ~correct: its twin.
 
-The bug: the answer to the first question may come after the second has been asked; it is then taken for that of the next.
+The bug: the answer to the first question may come after it was asked again; it is then taken for that of the next.
 """
 import rospy
 from std_msgs.msg import Int32MultiArray

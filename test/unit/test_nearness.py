@@ -85,7 +85,7 @@ def by_steps(one, other, radius, now_ns):
     """Return the first step of 1 ms [ns] at which they meet, or None."""
     first = distance(one, other, now_ns)
     was_near = first <= radius
-    for at_ns, gap in steps(one, other, [radius, first - 0.01], now_ns) if was_near else ():
+    for _, gap in steps(one, other, [radius, first - 0.01], now_ns) if was_near else ():
         if gap > radius:
             break
         if gap < first - 0.01:
