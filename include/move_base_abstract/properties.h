@@ -111,9 +111,8 @@ class Statements {
     Statement& statement = found->second;
     statement.is_true = holds;
     statement.was_true += holds ? 1 : 0;
-    statement.is_over = kind == Kind::kAlways
-                            ? !holds
-                            : statement.was_true > (kind == Kind::kNeverAgain ? 1U : 0U);
+    statement.is_over =
+        kind == Kind::kAlways ? !holds : statement.was_true > (kind == Kind::kNeverAgain ? 1U : 0U);
     if (statement.is_over) {
       rows.push_back(last(kind, text, details));
     }

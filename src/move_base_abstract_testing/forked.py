@@ -8,8 +8,6 @@ import sys
 import tempfile
 import time
 
-from _pytest.runner import runtestprotocol
-
 from move_base_abstract.common import processes
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog
@@ -59,7 +57,7 @@ def _run(item, folder, wall_limit):
             os.close(read)
             os.setpgid(0, 0)
             processes.die_with(os.getppid())
-            found = runtestprotocol(item, log=False, nextitem=None)
+            found = _runner(item).runtestprotocol(item, log=False, nextitem=None)
             told = [item.config.hook.pytest_report_to_serializable(config=item.config, report=one) for one in found]
             with os.fdopen(write, 'w') as stream:
                 json.dump(told, stream, default=str)
@@ -70,6 +68,11 @@ def _run(item, folder, wall_limit):
     text = _read(read, wall_limit)
     _end(pid)
     return _reports(item, text, wall_limit)
+
+
+def _runner(item):
+    """Return pytest's own module that runs tests."""
+    return item.config.pluginmanager.getplugin('runner')
 
 
 def _import_all():
@@ -115,10 +118,9 @@ def _reports(item, text, wall_limit):
     if text:
         return [item.config.hook.pytest_report_from_serializable(config=item.config, data=one)
                  for one in json.loads(text)]
-    from _pytest.reports import TestReport
     why = 'the test was not over after {:g} s of wall time (wall_limit)'.format(wall_limit) if text is None else (
         'the process of the test has died')
-    return [TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), 'failed', why, _CALL)]
+    return [_runner(item).TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), 'failed', why, _CALL)]
 
 
 def _difference(first, second):

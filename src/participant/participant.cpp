@@ -72,7 +72,8 @@ bool Timer::isRunning() const { return state_ && state_->isRunning(); }
 
 namespace {
 
-// Of the Participant that there is, for what is said without having one at hand. One thread has both.
+// Of the Participant that there is, for what is said without having one at hand. One thread has
+// both.
 std::weak_ptr<Core>& present() {
   static auto* const instance = new std::weak_ptr<Core>;
   return *instance;
