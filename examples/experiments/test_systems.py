@@ -1,7 +1,4 @@
-"""Tests of the two systems of this folder, which know nothing of lockstep.
-
-    python3 -m pytest -p move_base_abstract_testing test_systems.py
-"""
+"""Tests of this folder's systems: ``python3 -m pytest -p move_base_abstract_testing test_systems.py``."""
 from collections import Counter
 
 import pytest

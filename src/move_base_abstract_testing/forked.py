@@ -4,6 +4,7 @@ import os
 import select
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -13,6 +14,7 @@ from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog
 
 WALL_LIMIT_S = 120.0
+_GRACE_S = 1.0  # wall, from what it says to its end
 _CALL = 'call'
 _PIECE = 1 << 16
 
@@ -99,19 +101,12 @@ def _read(descriptor, wall_limit):
 
 def _end(pid):
     """End the fork, if it has not; its children end with it."""
-    done, _ = os.waitpid(pid, os.WNOHANG)
-    if not done:
-        try:
-            os.kill(pid, 0)
-            _, status, deadline = 0, 0, time.monotonic() + 1.0
-            while time.monotonic() < deadline and not done:
-                done, status = os.waitpid(pid, os.WNOHANG)
-                done or time.sleep(0.005)
-            if not done:
-                os.kill(pid, signal.SIGKILL)
-                os.waitpid(pid, 0)
-        except ProcessLookupError:
-            pass
+    forked = processes.Forked(pid)
+    try:
+        forked.wait(_GRACE_S)
+    except subprocess.TimeoutExpired:
+        os.kill(pid, signal.SIGKILL)
+        forked.wait()
 
 
 def _reports(item, text, wall_limit):

@@ -24,7 +24,8 @@ class Robots:
         self._circles: List[Tuple[int, str, List[str]]] = []  # (when, who closed it, robot, area, ...)
         self._takers: Dict[str, Callable[[Event, Any], None]] = {
             'departed': self._departed, 'ended': self._ended, 'waiting_began': self._task, 'task_began': self._task,
-            'works_at': self._works_at, 'task_ended': self._task_ended, 'places': self._places, 'entered': self._entered, 'left': self._left,
+            'works_at': self._works_at, 'task_ended': self._task_ended,
+            'places': self._places, 'entered': self._entered, 'left': self._left,
             'charging_began': self._charge, 'charging_ended': self._charge, 'battery': self._battery,
             'deadlock': self._deadlock}
 
