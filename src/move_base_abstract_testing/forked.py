@@ -4,17 +4,17 @@ import os
 import select
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
-
-from _pytest.runner import runtestprotocol
 
 from move_base_abstract.common import processes
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLog
 
 WALL_LIMIT_S = 120.0
+_GRACE_S = 1.0  # wall, from what it says to its end
 _CALL = 'call'
 _PIECE = 1 << 16
 
@@ -59,7 +59,7 @@ def _run(item, folder, wall_limit):
             os.close(read)
             os.setpgid(0, 0)
             processes.die_with(os.getppid())
-            found = runtestprotocol(item, log=False, nextitem=None)
+            found = _runner(item).runtestprotocol(item, log=False, nextitem=None)
             told = [item.config.hook.pytest_report_to_serializable(config=item.config, report=one) for one in found]
             with os.fdopen(write, 'w') as stream:
                 json.dump(told, stream, default=str)
@@ -70,6 +70,11 @@ def _run(item, folder, wall_limit):
     text = _read(read, wall_limit)
     _end(pid)
     return _reports(item, text, wall_limit)
+
+
+def _runner(item):
+    """Return pytest's own module that runs tests."""
+    return item.config.pluginmanager.getplugin('runner')
 
 
 def _import_all():
@@ -96,29 +101,21 @@ def _read(descriptor, wall_limit):
 
 def _end(pid):
     """End the fork, if it has not; its children end with it."""
-    done, _ = os.waitpid(pid, os.WNOHANG)
-    if not done:
-        try:
-            os.kill(pid, 0)
-            _, status, deadline = 0, 0, time.monotonic() + 1.0
-            while time.monotonic() < deadline and not done:
-                done, status = os.waitpid(pid, os.WNOHANG)
-                done or time.sleep(0.005)
-            if not done:
-                os.kill(pid, signal.SIGKILL)
-                os.waitpid(pid, 0)
-        except ProcessLookupError:
-            pass
+    forked = processes.Forked(pid)
+    try:
+        forked.wait(_GRACE_S)
+    except subprocess.TimeoutExpired:
+        os.kill(pid, signal.SIGKILL)
+        forked.wait()
 
 
 def _reports(item, text, wall_limit):
     if text:
         return [item.config.hook.pytest_report_from_serializable(config=item.config, data=one)
                  for one in json.loads(text)]
-    from _pytest.reports import TestReport
     why = 'the test was not over after {:g} s of wall time (wall_limit)'.format(wall_limit) if text is None else (
         'the process of the test has died')
-    return [TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), 'failed', why, _CALL)]
+    return [_runner(item).TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), 'failed', why, _CALL)]
 
 
 def _difference(first, second):

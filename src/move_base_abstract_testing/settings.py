@@ -20,6 +20,7 @@ class Settings:
     launch: Optional[str] = None  # path of a launch file
     args: Dict[str, Any] = field(default_factory=dict)  # of the launch file
     nodes: List[str] = field(default_factory=list)  # 'PACKAGE/TYPE', perhaps with words behind it
+    replace: Dict[str, str] = field(default_factory=dict)  # 'PACKAGE/TYPE': what is started in its place
     parameters: Dict[str, Any] = field(default_factory=dict)  # of ROS, by full name
     time_master: Dict[str, Any] = field(default_factory=dict)  # parameters of the time master
     seed: int = 0  # of the programs' global generators
@@ -32,9 +33,9 @@ class Settings:
         _check('properties', [name for name in self.properties if name not in NAMES], NAMES)
         _check('until', [self.until] if self.until not in (DEPARTURE, IDLE) else [], (DEPARTURE, IDLE))
         _check('sleep', [self.sleep] if self.sleep not in ('wall', 'simulated') else [], ('wall', 'simulated'))
-        for name in self.nodes:
+        for name in [*self.nodes, *self.replace, *self.replace.values()]:
             if not isinstance(name, str) or name.split()[:1] == [] or name.split()[0].count('/') != 1:
-                raise ConfigurationError('lockstep: nodes: must be PACKAGE/TYPE, perhaps with words behind it, got '
+                raise ConfigurationError('lockstep: nodes, replace: must be PACKAGE/TYPE, got '
                                          + shown(name))
 
 

@@ -78,6 +78,8 @@ class System:
             return plan.plan_of(config, plan.Wishes(
                 parameters={'event_log': self.log, 'log_messages': settings.log_messages, **end,
                             **settings.time_master},
+                replaced=tuple((tuple(old.split('/')), tuple(new.split('/')))
+                               for old, new in sorted(settings.replace.items())),
                 launcher=('--sleep', settings.sleep, '--seed', str(settings.seed)), with_respawned=True))
         except RLException as error:
             raise ConfigurationError(str(error)) from None

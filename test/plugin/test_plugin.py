@@ -154,6 +154,7 @@ def test_tests_that_are_wrong_say_why(session, name):
     assert FAILS[name] in session[0][name], session[1]
 
 
-def test_the_examples_tests_pass(tmp_path):
-    told, said = results_of(tmp_path, str(ROOT / 'examples' / 'test_coordinator.py'))
-    assert len(told) == 3 and set(told.values()) == {''}, said
+@pytest.mark.parametrize('name, count', [('test_coordinator.py', 3), ('experiments/test_systems.py', 2)])
+def test_the_examples_tests_pass(tmp_path, name, count):
+    told, said = results_of(tmp_path, str(ROOT / 'examples' / name))
+    assert len(told) == count and set(told.values()) == {''}, said

@@ -68,6 +68,26 @@ TEST(Standstill, IdleEndsTheRunIfSoConfigured) {
   EXPECT_TRUE(alone.session.status().ended_as_wished);
 }
 
+TEST(Standstill, ADeadlockAndAZeroDelayLoopEndTheRunIfSoConfiguredAndAreTold) {
+  LockstepSettings settings = named({"/a"});
+  settings.end_when_idle = true;
+  Stage stuck(settings);
+  stuck.join(1, "/a");
+  stuck.grant(1);
+  stuck.report(1, kNever, {wire::Note{wire::NoteKind::kWaitsFor, "a result"}}, 1);
+  EXPECT_EQ(stuck.phase(), "ended");
+  EXPECT_FALSE(stuck.session.status().ended_as_wished);
+  EXPECT_EQ(stuck.session.status().ended_by, ended_by::kDeadlock);
+  settings.max_microsteps = 20;
+  Stage loop(settings);
+  loop.join(1, "/a");
+  for (int k = 0; k < 100 && loop.grant(1); ++k) {
+    loop.report(1, kOne);  // at once, again and again
+  }
+  EXPECT_EQ(loop.phase(), "ended");
+  EXPECT_EQ(loop.session.status().ended_by, ended_by::kZeroDelayLoop);
+}
+
 class EndWith : public Stage {
  public:
   EndWith() : Stage(settings()) {

@@ -6,10 +6,13 @@ import sys
 
 import pytest
 
+from move_base_abstract.fleet import Fleet
 from move_base_abstract.lockstep.property_names import BUILT_IN
 from move_base_abstract.properties import Broken, Gathering, Run, judge, judgement_on
 from move_base_abstract.properties.statements import MOST_STATEMENTS, StatementError, Statements
 from move_base_abstract.runs import ends
+from move_base_abstract.runs.event_log_file import write_event_log
+from move_base_abstract.scenario import make_scenario
 
 
 def log_of(tmp_path, *rows, **end):
@@ -47,6 +50,8 @@ KEPT = [
     ([DEPARTED], {'ended_by': 'end_at'}), ([DEPARTED], {'ended_by': 'departure'}),  # it would have ended later
     ([('r0', 'task_began', 'g', 5), ('r0', 'task_ended', 'g', 'SUCCEEDED', '')], {}),
     ([*ROOM, ('r0', 'left', 'door'), ('r1', 'entered', 'door')], {}),
+    ([('r0', 'works_at', 'g', 'dock', 1), ('r0', 'task_ended', 'g', 'ABORTED', ''),
+      ('r1', 'works_at', 'h', 'dock', 1)], {}),
     ([('r1', 'entered', 'door'), ('r2', 'entered', 'door')], {}),  # there is room for all
     ([('r0', 'charging_began', 'dock'), ('r0', 'battery', 0.0, 'empty')], {}),
     ([('r0', 'battery', 0.2, 'below')], {}),
@@ -73,6 +78,38 @@ def test_robots_that_wait_for_each_other_to_the_end_of_the_run_stand(tmp_path):
 def test_a_task_that_waits_for_ever_does_not_end(tmp_path):
     broken, = judge(Run(log_of(tmp_path, ('r0', 'waiting_began', 'g', 'dock'))))
     assert (broken.property, broken.details) == ('every_goal_ends', ('g',))
+
+
+def test_a_place_has_room_for_some(tmp_path):
+    broken, = judge(Run(log_of(tmp_path, ('r0', 'works_at', 'g', 'dock', 1), ('r1', 'works_at', 'h', 'dock', 1))))
+    assert broken.words() == (
+        'capacities_kept: at 2.000000000 s, r1: it works at dock, which has room for 1 (r0, r1)')
+
+
+def fleet_log(tmp_path, goals, **scenario):
+    """Run robots at (0, 0), (0, 1) in plain Python, each to its goal (x, y); return the path of the event log."""
+    fleet = Fleet(make_scenario({'defaults': {'max_speed': 2.0, **scenario.pop('defaults', {})}, 'robots': [
+        {'name': name, 'start_x': 0.0, 'start_y': y} for name, y in (('a', 0.0), ('b', 1.0))], **scenario}), 0)
+    for name, place in goals.items():
+        fleet.send(name, *place)
+    fleet.run()
+    path = str(tmp_path / 'fleet.jsonl')
+    write_event_log(path, list(fleet.trace), 0)
+    return path
+
+
+def test_what_robots_write_down_is_what_is_judged(tmp_path):
+    gate = {'name': 'gate', 'rectangle': [4.0, -50.0, 6.0, 50.0], 'capacity': 1}
+    goals = {'a': (10.0, 0.0), 'b': (10.0, 1.0)}
+    path = fleet_log(tmp_path, goals, zones=[gate])
+    assert judge(Run(path)) == []
+    text = (tmp_path / 'fleet.jsonl').read_text()
+    left = '"kind":"left"'
+    assert '"places","values":["zone gate",1]' in text and left in text
+    (tmp_path / 'fleet.jsonl').write_text(text.replace(left, '"kind":"leaves"', 1))  # as if it had not left
+    assert [one.property for one in judge(Run(path))] == ['capacities_kept']
+    low = {'battery_capacity': 0.001, 'ambient_power': 100.0}
+    assert {one.property for one in judge(Run(fleet_log(tmp_path, goals, defaults=low)))} == {'charged'}
 
 
 def test_an_exception_is_told_once_though_its_process_was_seen_too(tmp_path):

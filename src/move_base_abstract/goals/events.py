@@ -295,6 +295,16 @@ class TaskWaited(NamedTuple):
     place: str
 
 
+class WorksAt(NamedTuple):
+    """A task has got one of the ``capacity`` places there are at ``place``, and work on it begins."""
+
+    time_ns: int
+    robot: str
+    goal_id: str
+    place: str
+    capacity: int
+
+
 class TaskBegan(NamedTuple):
     """Work on a task begins, which will take ``duration_ns`` [ns]."""
 
@@ -353,4 +363,4 @@ def motion_of(robot: Robot, now_ns: int) -> MotionSet:
 PLAIN_ROWS = {
     Failed: 'failed', Repaired: 'repaired', ChargePassed: 'battery', Places: 'places', Entered: 'entered',
     Left: 'left', Meets: 'meets', Encounter: 'encounter', TaskWaits: 'waiting_began', TaskWaited: 'waiting_ended',
-    TaskBegan: 'task_began'}
+    WorksAt: 'works_at', TaskBegan: 'task_began'}

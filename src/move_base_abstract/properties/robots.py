@@ -19,11 +19,13 @@ class Robots:
         self._tasks: Dict[Tuple[str, str], int] = {}  # by robot and goal id: since when it is there
         self._room: Dict[str, int] = {}  # by area: for how many
         self._inside: Dict[str, List[str]] = {}  # robots by area
+        self._working: Dict[str, List[Tuple[str, str]]] = {}  # robots and goal ids by place
         self._charging: Set[str] = set()
         self._circles: List[Tuple[int, str, List[str]]] = []  # (when, who closed it, robot, area, ...)
         self._takers: Dict[str, Callable[[Event, Any], None]] = {
             'departed': self._departed, 'ended': self._ended, 'waiting_began': self._task, 'task_began': self._task,
-            'task_ended': self._task_ended, 'places': self._places, 'entered': self._entered, 'left': self._left,
+            'works_at': self._works_at, 'task_ended': self._task_ended,
+            'places': self._places, 'entered': self._entered, 'left': self._left,
             'charging_began': self._charge, 'charging_ended': self._charge, 'battery': self._battery,
             'deadlock': self._deadlock}
 
@@ -59,6 +61,17 @@ class Robots:
 
     def _task_ended(self, event: Event, values: Any) -> None:
         self._tasks.pop((event.robot, values[0]), None)
+        for working in self._working.values():
+            working[:] = [one for one in working if one != (event.robot, values[0])]
+
+    def _works_at(self, event: Event, values: Any) -> None:
+        goal_id, place, room = values
+        working = self._working.setdefault(place, [])
+        working.append((event.robot, goal_id))
+        if len(working) == room + 1:
+            self.broken.append(('capacities_kept', event.time_ns, event.robot,
+                                'it works at {}, which has room for {}'.format(place, room),
+                                tuple(robot for robot, _ in working)))
 
     def _places(self, _event: Event, values: Any) -> None:
         area, room = values

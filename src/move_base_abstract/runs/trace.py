@@ -6,7 +6,7 @@ from typing import Any, Iterable, Iterator, NamedTuple, Tuple
 #: of what happens to robots, see :class:`TraceEntry`
 KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'held', 'released', 'failed',
          'repaired', 'battery', 'charging_began', 'charging_ended', 'motion', 'waiting_began', 'waiting_ended',
-         'task_began', 'task_ended', 'meets', 'encounter', 'recorded', 'beyond')
+         'works_at', 'task_began', 'task_ended', 'meets', 'encounter', 'recorded', 'beyond')
 
 
 class TraceEntry(NamedTuple):
@@ -25,7 +25,8 @@ class TraceEntry(NamedTuple):
     ``meets`` (radius [m]): it takes part in encounters, and
     ``encounter`` (robot, kind, nearest distance [m], how long it stands for it [s]), see :mod:`.encounter_law`;
     ``battery`` (state of charge, what, see :mod:`.events`), ``charging_began`` and ``charging_ended`` (zone);
-    ``waiting_began`` and ``waiting_ended`` (goal id, place), where a task has to wait; ``task_began`` (goal id, how
+    ``waiting_began`` and ``waiting_ended`` (goal id, place), where a task has to wait;
+    ``works_at`` (goal id, place, for how many there is room there), before ``task_began`` (goal id, how
     long it will take [ns]), ``task_ended`` (goal id, state, text);
     and, where it is asked for, ``motion`` (x, y, yaw of the robot, then by what it travels from the next leg on:
     max_speed, acceleration, turn_rate, xy_goal_tolerance, yaw_goal_tolerance, as the parameters of these names, in

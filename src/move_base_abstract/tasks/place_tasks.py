@@ -22,6 +22,7 @@ from ..goals.events import (
     TaskEnded,
     TaskWaited,
     TaskWaits,
+    WorksAt,
 )
 from ..goals.ledger import GoalLedger
 from ..goals.outcome import BATTERY_EMPTY, FAILED, aborted
@@ -244,6 +245,8 @@ class PlaceTaskRunner(TimedTaskRunner):
             self._tell(TaskWaited(now_ns, self._robot_name, record.goal_id, self._task.place))
 
     def _work_begins(self, record: GoalRecord, duration_ns: int, now_ns: int) -> None:
+        if self._room is not None:
+            self._tell(WorksAt(now_ns, self._robot_name, record.goal_id, self._task.place, self._room.capacity))
         self._tell(TaskBegan(now_ns, self._robot_name, record.goal_id, duration_ns))
         watts = self._task.power + self._task.energy * NS_PER_S / duration_ns
         if watts > 0.0:
