@@ -57,7 +57,7 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     options = parser.parse_args(words)
     for name in _OWN:
-        if getattr(options, name) not in (0, 0.0, []):
+        if getattr(options, name):
             parser.error(f"--{name.replace('_', '-')}: not here; --seeds and --delay say what is tried")
     if options.replay and options.command:
         parser.error(f'--replay: the file says what is run, got {" ".join(options.command)} besides')
