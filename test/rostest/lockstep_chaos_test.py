@@ -33,11 +33,32 @@ def second(done):
 rospy.Subscriber('/worker_1/done', Int32, lambda done: last.append(done.data))
 rospy.Subscriber('/worker_2/done', Int32, second)
 rospy.spin()
+""", 'patrol.py': """#!/usr/bin/env python3
+import actionlib
+import rospy
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+rospy.init_node('patrol')
+client = actionlib.SimpleActionClient('/robot/move_base', MoveBaseAction)
+client.wait_for_server()
+for number in range(4):
+    goal = MoveBaseGoal()
+    goal.target_pose.header.frame_id = 'map'
+    goal.target_pose.pose.position.x = 5.0 * (number % 2 + 1)
+    goal.target_pose.pose.orientation.w = 1.0
+    client.send_goal_and_wait(goal)
+    assert client.get_state() == actionlib.GoalStatus.SUCCEEDED, 'it takes it that each goal is reached'
 """}
 SYSTEM = """<launch>
 <node pkg="study_of_others" type="worker.py" name="worker_1"/>
 <node pkg="study_of_others" type="worker.py" name="worker_2"/>
 <node pkg="{}" type="{}" name="coordinator"/>
+</launch>
+"""
+ROBOT = """<launch>
+<node pkg="move_base_abstract" type="fleet" name="fleet">
+  <rosparam>robots: [{name: robot, buggify: {abort: 0.2, stop: 0.5}}]</rosparam>
+</node>
+<node pkg="study_of_others" type="patrol.py" name="patrol" required="true"/>
 </launch>
 """
 SAID = "/worker_2's message on /worker_2/done reached /coordinator before /worker_1's message on /worker_1/done, at "
@@ -76,6 +97,16 @@ class ChaosTest(OwnFolder, unittest.TestCase):
             self.assertIn('the same bytes as before', said)
         code, said = self.run_it('verify', '--runs', '2', '--chaos', 'found.json')
         self.assertIn('identical: 2 runs', said)
+
+    def test_what_a_robot_does_on_purpose_is_found_and_is_a_decision(self):
+        path = self.write('robot.launch', ROBOT)
+        code, said = self.run_it('chaos', '--seeds', '1:50', '--workers', '1', path)
+        self.assertEqual(code, 1, said)
+        self.assertIn('because of 1 decision,', said)
+        self.assertIn(' robot gave its goal up, at ', said)
+        code, said = self.run_it('chaos', '--replay', 'chaos.json')
+        self.assertEqual(code, 1, said)
+        self.assertIn('the same bytes as before', said)
 
     def test_seed_0_and_no_decision_leave_the_same_bytes_as_without(self):
         path = self.write('system.launch', SYSTEM.format('study_of_others', 'coordinator.py'))

@@ -210,6 +210,70 @@ TEST(Chaos, TellsWhatHappened) {
   EXPECT_EQ(all.session.status().chaos, "chaos seed 7 with delays up to 0.1 s");
 }
 
+/** @brief /a and /b call what /c serves, three times in each turn; /c answers all at once. */
+struct Calls : Stage {
+  explicit Calls(const LockstepSettings& settings) : Stage(settings) {
+    for (ConnectionId member = 1; member <= kMembers; ++member) {
+      join(member, std::string("/") + static_cast<char>('a' + member - 1));
+    }
+    for (bool goes_on = true; goes_on;) {
+      goes_on = false;
+      for (ConnectionId member = 1; member <= kMembers; ++member) {
+        if (const auto next = grant(member)) {
+          answer(member, next->grant);
+          goes_on = true;
+        }
+      }
+    }
+  }
+
+  void answer(ConnectionId member, const wire::Grant& got) {
+    Items items;
+    for (const wire::GrantItem& item : got.items) {
+      if (const auto* call = std::get_if<wire::CallIn>(&item)) {
+        calls[call->caller].push_back(call->number);
+        items.push_back(wire::Response{call->caller, call->number, true, "done"});
+      } else if (const auto* done = std::get_if<wire::Answer>(&item)) {
+        answers[ids[member]].push_back(done->number);
+      }
+    }
+    const bool calls_now = member <= 2 && numbers[member] < 30 && got.time_ns >= kOne + kStep;
+    for (int k = 0; calls_now && k < 3; ++k) {
+      items.push_back(wire::Call{numbers[member]++, 0, "/s", "please"});
+    }
+    if (member == 3 && !serves) {
+      serves = true;
+      items.push_back(wire::Serve{1, 0, "/s"});
+    }
+    report(member, member <= 2 && numbers[member] < 30 ? got.time_ns + kStep : kNever, items);
+  }
+
+  bool serves = false;
+  std::map<ConnectionId, std::uint32_t> numbers;
+  std::map<MemberId, std::vector<std::uint32_t>> calls;
+  std::map<MemberId, std::vector<std::uint32_t>> answers;
+};
+
+TEST(Chaos, EachCallIsHeardInItsOrderAndAnsweredOnce) {
+  std::set<std::vector<std::uint32_t>> orders;
+  for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+    for (const double delay : {0.0, 0.25}) {
+      Calls run(chaotic(seed, delay));
+      for (const MemberId client : {run.ids[1], run.ids[2]}) {
+        std::vector<std::uint32_t> heard = run.calls[client];
+        std::vector<std::uint32_t> answered = run.answers[client];
+        ASSERT_GE(heard.size(), 30U);
+        EXPECT_TRUE(std::is_sorted(heard.begin(), heard.end()));
+        EXPECT_EQ(std::set<std::uint32_t>(heard.begin(), heard.end()).size(), heard.size());
+        orders.insert(answered);
+        std::sort(answered.begin(), answered.end());
+        EXPECT_EQ(answered, heard);
+      }
+    }
+  }
+  EXPECT_GT(orders.size(), 5U);
+}
+
 TEST(Chaos, RefusesWhatCannotBe) {
   EXPECT_NE(refusal([] { chaos::decisionsOf("0123456789ab,x"); }).find("got 'x'"),
             std::string::npos);

@@ -24,6 +24,8 @@ from ..common.parameter_table import (
 from ..common.shown import shown
 from ..energy.battery import TABLE as BATTERY
 from ..energy.battery import BatterySettings, read_battery
+from ..faults.buggify import TABLE as BUGGIFY
+from ..faults.buggify import Buggify, read_buggify
 from ..faults.failures import TABLE as FAILURES
 from ..faults.failures import Failures, read_failures
 from ..goals.navigator import BadFramePolicy
@@ -119,6 +121,7 @@ TABLE = (
     Parameter('seed', 0, integer(0), 'a whole number >= 0'),
     *DURATIONS,
     *FAILURES,
+    *BUGGIFY,
     *BATTERY,
     *LASER,
     Parameter('calibration', None, text, 'the path of a calibration, or the name of one that ships'),
@@ -158,6 +161,7 @@ class RobotSettings:
     durations: Union[Durations, CalibratedDurations, None] = None
     #: what goes wrong; None: nothing
     failures: Optional[Failures] = None
+    buggify: Optional[Buggify] = None
     #: its battery; None: it has none, and needs none
     battery: Optional[BatterySettings] = None
     #: its laser scanner
@@ -228,7 +232,8 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
         recovery=_recovery(values, behaviors), behaviors=behaviors,
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
         costmaps=costmaps, network=network, durations=read_durations(values, where),
-        failures=read_failures(values, where), battery=read_battery(values), laser=read_laser(values, where),
+        failures=read_failures(values, where), buggify=read_buggify(values), battery=read_battery(values),
+        laser=read_laser(values, where),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
         **_other_names(raw, values, used, where, planner.warnings))
     return settings if values['calibration'] is None else _calibrated(settings, raw, where)

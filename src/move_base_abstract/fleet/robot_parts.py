@@ -5,8 +5,10 @@ from ..common.errors import ConfigurationError
 from ..common.units import seconds_to_ns
 from ..energy.battery import Battery
 from ..engine.chance import Chance
+from ..faults.buggify import Buggifying
 from ..faults.condition import Condition
 from ..faults.failing import Failing
+from ..faults.failures import ABORT, Failures
 from ..goals.events import Beyond, Ended
 from ..goals.ledger import GoalLedger
 from ..goals.navigator import Navigator
@@ -54,13 +56,18 @@ def make_robot_parts(settings, name, index, simulation, stream, client, lookup, 
                           settings.bad_frame_policy, settings.recovery, durations)
     simulation.queue.guard(index, navigator.break_off)
     failing = None
-    if settings.failures is not None:
-        failing = Failing(settings.failures, robot, navigator, simulation, Chance(values['seed'], name), stream)
+    if settings.failures is not None or settings.buggify is not None:
+        failing = Failing(settings.failures or Failures(ABORT), robot, navigator, simulation,
+                          Chance(values['seed'], name), stream)
+    buggifying = None
+    if settings.buggify is not None:
+        buggifying = Buggifying(settings.buggify, robot, navigator, simulation.queue,
+                                Chance(settings.buggify.seed, name), failing)
     battery = None
     if settings.battery is not None:
         battery = Battery(settings.battery, robot, navigator, simulation, zones, stream)
     meeting = None if encounters is None else encounters.join(navigator, settings.encounters, stream)
-    return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery, (meeting,)))
+    return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery, (meeting, buggifying)))
 
 
 def make_planner(settings, map_check=None):

@@ -11,7 +11,6 @@ from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.lockstep.run_options import RunOptions
 
-from ..carrying import jobs
 from . import replay_file
 from .replay_file import Replay
 from .runs import Chosen, Runs, Told, document_of
@@ -32,8 +31,6 @@ def main(words: Sequence[str]) -> int:
     except KeyboardInterrupt:
         print('chaos: interrupted', file=sys.stderr)
         return INTERRUPTED
-    finally:
-        jobs.end_all()
 
 
 def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Namespace]:
@@ -111,7 +108,7 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
         seeds = [Chosen(0), *map(Chosen, range(first, last + 1))]
         found = next((told for told in runs.each(seeds) if told.failure is not None), None)
         passed = time.monotonic() - begin
-        _say(f'{runs.count} runs in {passed:.1f} s of wall time, {60 * runs.count / passed:.0f} a minute')
+        _say(f"{_counted(runs.count, 'run')} in {passed:.1f} s of wall time, {60 * runs.count / passed:.0f} a minute")
         if found is None:
             _say(f'nothing failed in the stated order and with the seeds {first} to {last}')
             return GOOD
@@ -126,7 +123,7 @@ def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:
     if found.chosen.seed == 0:
         _say(f'it fails in the stated order, without chaos: {found.failure.text}')
     else:
-        _say(f'seed {found.chosen.seed} fails ({found.failure.name}) with {_counted(found.decisions)}; now as '
+        _say(f'seed {found.chosen.seed} fails ({found.failure.name}) with {_counted(len(found.decisions))}; now as '
              'few as possible')
         before = runs.count
         shrunk = runs.shrunk(found)
@@ -134,7 +131,7 @@ def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:
             raise ConfigurationError(f'the run of seed {found.chosen.seed} does not fail again: it is not repeatable; '
                                      f'`verify` says why. It failed: {found.failure.text}')
         _say(f'failed: {shrunk.failure.text}')
-        _say(f'because of {_counted(shrunk.decisions)}, found in {runs.count - before} runs:')
+        _say(f'because of {_counted(len(shrunk.decisions))}, found in ' + _counted(runs.count - before, 'run') + ':')
     assert shrunk.failure is not None
     made.only = [decision['name'] for decision in shrunk.decisions]
     made.failure, made.text, made.sha256 = shrunk.failure.name, shrunk.failure.text, shrunk.digest
@@ -146,8 +143,8 @@ def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:
     return FAILED
 
 
-def _counted(decisions: Sequence[Any]) -> str:
-    return f"{len(decisions)} decision{'s' * (len(decisions) != 1)}"
+def _counted(count: int, what: str = 'decision') -> str:
+    return f"{count} {what}{'s' * (count != 1)}"
 
 
 def _said(decision: Dict[str, Any]) -> str:

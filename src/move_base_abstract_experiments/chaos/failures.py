@@ -5,6 +5,7 @@ import io
 import json
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
 
+from move_base_abstract.faults.buggify import CAUSE
 from move_base_abstract.lockstep.failures import UNCAUGHT
 from move_base_abstract.properties import statements
 from move_base_abstract.runs.event_log import Event, EventLog
@@ -12,6 +13,8 @@ from move_base_abstract.runs.event_log import Event, EventLog
 from ..records import Result
 from ..trials import termination
 
+_FAILED = 'failed'  # the kind of the event of a robot that fails, also on purpose: buggify
+_BUGGIFIED = {'abort': 'gave its goal up', 'stall': 'stood still for a while', 'silent': 'said nothing for a while'}
 _DEADLOCK, _LOOP = 'deadlock', 'zero-delay loop'  # how the reasons of such ends begin
 
 
@@ -36,9 +39,18 @@ def seen(result: Result, log: Optional[bytes]) -> Seen:
     end: Dict[str, Any] = {}
     if log is not None:
         read = EventLog(io.StringIO(log.decode('utf-8', 'surrogateescape'), newline='\n'), 'events.jsonl')
-        events = [event for event in read if event.kind in (statements.ROW, UNCAUGHT)]
+        events = [event for event in read if event.kind in (statements.ROW, UNCAUGHT, _FAILED)]
         end = read.end or {}
     return Seen(result, events, end)
+
+
+def buggified(run: Seen) -> Iterator[Dict[str, Any]]:
+    """Yield the decisions of robots that went wrong on purpose, as chaos_decisions has others."""
+    for event in run.events:
+        values = json.loads(event.values) if event.kind == _FAILED else []
+        if len(values) == 2 and str(values[1]).startswith(CAUSE):
+            yield {'name': values[1][len(CAUSE):], 'time_ns': event.time_ns, 'what': 'buggify',
+                   'says': f'{event.robot} {_BUGGIFIED.get(values[0], values[0])}'}
 
 
 def _broken_properties(run: Seen) -> Iterator[Failure]:

@@ -63,6 +63,7 @@ class Runs:
         # Threads that only wait: nothing is forked in this process.
         self._pool = concurrent.futures.ThreadPoolExecutor(workers)
         self._workers = workers
+        self._is_over = False
         self.count = 0
 
     def __enter__(self) -> Runs:
@@ -70,7 +71,8 @@ class Runs:
 
     def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
                  trace: Optional[TracebackType]) -> None:
-        for warm in self._all:
+        self._is_over = True  # whoever has lost its process now starts no other
+        for warm in list(self._all):
             warm.close()
         self._pool.shutdown()
 
@@ -118,7 +120,7 @@ class Runs:
         try:
             content = warm.run(self._job_of(chosen)) or b''
         except (jobs.TrialError, jobs.WorkerError) as problem:
-            if isinstance(problem, jobs.WorkerError):
+            if isinstance(problem, jobs.WorkerError) and not self._is_over:
                 warm.close()
                 self._all.remove(warm)
                 warm = jobs.WarmProcess()
@@ -135,8 +137,9 @@ class Runs:
             log, decisions = member(LOG), member('files-' + DECISIONS)
         if log is None and result.error and not result.crashes:
             raise ConfigurationError(result.error)
-        failure = failures.of_run(failures.seen(result, log), self._wanted)
-        return Told(chosen, failure, [json.loads(line) for line in (decisions or b'').splitlines()],
+        seen = failures.seen(result, log)
+        made = [*[json.loads(line) for line in (decisions or b'').splitlines()], *failures.buggified(seen)]
+        return Told(chosen, failures.of_run(seen, self._wanted), sorted(made, key=lambda one: int(one['time_ns'])),
                     hashlib.sha256(log).hexdigest() if log is not None else '')
 
     def _job_of(self, chosen: Chosen) -> Job:

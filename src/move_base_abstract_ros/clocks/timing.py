@@ -30,7 +30,8 @@ def make_timing():
     """Return the timing of this process: in lockstep if the time master works so, or will."""
     events_only = _switch('events_only')
     if lockstep.is_lockstep():
-        return LockstepTiming(events_only, _switch('log_motion'))
+        return LockstepTiming(events_only, _switch('log_motion'), rospy.get_param('/time_master/chaos_seed', 0),
+                              rospy.get_param('/time_master/chaos_only', []))
     if events_only:
         rospy.logwarn('%s: parameter events_only is for lockstep (/time_master/mode); it has no effect here',
                       rospy.get_name())
@@ -127,11 +128,13 @@ class LockstepTiming:
 
     What is told at a rate has an instant each time, as long as anybody hears it. ``events_only``: nothing is told at a
     rate unless a parameter of its own says so. ``log_motion``: robots write into the event log by which limits they
-    travel. Answers are as of :class:`ScaledTiming`.
+    travel. ``chaos_seed``, ``chaos_only``: those of the run, by which robots with ``buggify`` go wrong. Answers are as
+    of :class:`ScaledTiming`.
     """
 
-    def __init__(self, events_only=False, log_motion=False):
-        self.base_settings = {**(EVENTS_ONLY if events_only else {}), **({'log_motion': True} if log_motion else {})}
+    def __init__(self, events_only=False, log_motion=False, chaos_seed=0, chaos_only=()):
+        self.base_settings = {**(EVENTS_ONLY if events_only else {}), **({'log_motion': True} if log_motion else {}),
+                              **({'buggify_seed': chaos_seed, 'buggify_only': chaos_only} if chaos_seed else {})}
         self.status_frequency = 0.0 if events_only else _STATUS_FREQUENCY  # 0: transitions only
         self.task_feedback_frequency = 0.0 if events_only else _TASK_FEEDBACK_FREQUENCY
 

@@ -1,0 +1,132 @@
+"""What goes wrong on purpose with single goals, each by a chance: a late result, a goal given up, a robot that stops.
+
+Unlike failures it is there to find what clients take for granted: it comes only with a ``buggify_seed`` other than 0,
+which in lockstep is the seed of chaos. Each has a name, the same in each run, by which it can be switched off alone.
+"""
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple
+
+from ..common.parameter_table import Parameter, integer, number
+from ..common.units import seconds_to_ns
+from ..engine.alarm import Alarm
+from ..engine.chance import Purpose
+from .failures import ABORT, SILENT, STALL
+
+if TYPE_CHECKING:
+    from ..engine.chance import Chance
+    from .failing import Failing
+
+LATE_RESULT, STOP = 'late_result', 'stop'
+KINDS = (LATE_RESULT, ABORT, STOP, SILENT)  # of a goal at most one, the first that its number is for
+CAUSE = 'chaos '  # how the cause of such a failure begins; its name follows
+_LONGEST_S = 10.0  # simulated, that a robot stands, is silent or late
+_BEFORE_END_NS = 1_000_000  # a result is late because the robot stands so long before its end
+_FAILURES = {LATE_RESULT: STALL, STOP: STALL, ABORT: ABORT, SILENT: SILENT}
+_CHANCE = number(0.0, 1.0)
+
+
+def _chances(value: Any) -> Tuple[Tuple[str, float], ...]:
+    """Return ((kind, chance), ...) of a mapping, in the order of KINDS."""
+    if not isinstance(value, dict) or not set(value) <= set(KINDS):
+        raise ValueError
+    return tuple((kind, _CHANCE(value[kind])) for kind in KINDS if kind in value)
+
+
+def _names(value: Any) -> Tuple[str, ...]:
+    if not isinstance(value, (list, tuple)) or not all(isinstance(one, str) for one in value):
+        raise ValueError
+    return tuple(value)
+
+
+TABLE = (
+    Parameter('buggify', (), _chances, 'a mapping with some of late_result, abort, stop, silent; each a chance in 0..1 '
+              'per goal'),
+    Parameter('buggify_seed', 0, integer(0), 'a whole number >= 0; 0: nothing goes wrong'),
+    Parameter('buggify_only', (), _names, 'a list of names, of which alone something goes wrong; empty: of all'),
+)
+
+
+@dataclass(frozen=True)
+class Buggify:
+    """``chances``: ((kind, chance), ...), each > 0; ``only``: names of those that happen, empty: all."""
+
+    chances: Tuple[Tuple[str, float], ...]
+    seed: int
+    only: Tuple[str, ...] = ()
+
+
+def read_buggify(values: Mapping[str, Any]) -> Optional[Buggify]:
+    """Return the :class:`Buggify` in ``values`` (of :data:`TABLE`), None where nothing goes wrong."""
+    chances = tuple((kind, chance) for kind, chance in values['buggify'] if chance > 0.0)
+    return Buggify(chances, values['buggify_seed'], values['buggify_only']) if chances and values[
+        'buggify_seed'] else None
+
+
+def name_of(robot: str, kind: str, goal_number: int) -> str:
+    """Return the name of what goes wrong with a goal of a robot, 12 hexadecimal digits."""
+    return hashlib.sha256(f'{robot}/{kind}/{goal_number}'.encode()).hexdigest()[:12]
+
+
+class Buggifying:
+    """What a :class:`Buggify` means for one robot; ``chance``: the Chance of its seed and the robot.
+
+    ``failing``: the Failing of the robot, by which it fails. What goes wrong with a goal is drawn when the robot first
+    departs for it.
+    """
+
+    def __init__(self, buggify: Buggify, robot: Any, navigator: Any, queue: Any, chance: Chance,
+                 failing: Failing) -> None:
+        self._buggify = buggify
+        self._robot = robot
+        self._navigator = navigator
+        self._chance = chance
+        self._failing = failing
+        self._alarm = Alarm(queue, robot.index)
+        self._goal = 0  # that was drawn for
+        self._kind: Optional[str] = None  # of what is to go wrong with it yet
+        robot.follow(self._motion_changed)
+
+    def _motion_changed(self, _now_ns: int) -> None:
+        self._alarm.cancel()
+        leg = self._robot.leg
+        if leg is None:
+            return
+        if self._navigator.goal_number != self._goal:
+            self._goal, self._kind = self._navigator.goal_number, None
+            self._kind = self._drawn()
+        if self._kind is not None:
+            end_ns = max(leg.depart_ns, leg.arrive_ns - _BEFORE_END_NS)
+            share = 1.0 if self._kind == LATE_RESULT else self._uniform(len(KINDS))
+            self._alarm.set(leg.depart_ns + int(share * (end_ns - leg.depart_ns)), self._go_wrong)
+
+    def _drawn(self) -> Optional[str]:
+        for kind, chance in self._buggify.chances:
+            if self._uniform(KINDS.index(kind)) < chance:
+                only = self._buggify.only
+                return kind if not only or name_of(self._robot.name, kind, self._goal) in only else None
+        return None
+
+    def _uniform(self, place: int) -> float:
+        return self._chance.uniform(self._goal, Purpose.BUGGIFY, place)
+
+    def _go_wrong(self, due_ns: int) -> None:
+        kind, self._kind = self._kind, None
+        assert kind is not None
+        seconds = 0.0 if kind == ABORT else _LONGEST_S * self._uniform(len(KINDS) + 1)
+        self._failing.fail(CAUSE + name_of(self._robot.name, kind, self._goal), due_ns, _FAILURES[kind],
+                           seconds_to_ns(seconds) * 1e-9)
+
+    def reset(self, _now_ns: int) -> None:
+        """The robot is put to its start: nothing is ahead of it."""
+        self._alarm.cancel()
+
+    def restart(self, by_ns: int) -> None:
+        """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]."""
+        self._alarm.shift(by_ns)
+
+    def close(self) -> None:
+        """The robot is gone."""
+        self._alarm.cancel()
