@@ -108,7 +108,7 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
         seeds = [Chosen(0), *map(Chosen, range(first, last + 1))]
         found = next((told for told in runs.each(seeds) if told.failure is not None), None)
         passed = time.monotonic() - begin
-        _say(f'{runs.count} runs in {passed:.1f} s of wall time, {60 * runs.count / passed:.0f} a minute')
+        _say(f"{_counted(runs.count, 'run')} in {passed:.1f} s of wall time, {60 * runs.count / passed:.0f} a minute")
         if found is None:
             _say(f'nothing failed in the stated order and with the seeds {first} to {last}')
             return GOOD
@@ -123,7 +123,7 @@ def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:
     if found.chosen.seed == 0:
         _say(f'it fails in the stated order, without chaos: {found.failure.text}')
     else:
-        _say(f'seed {found.chosen.seed} fails ({found.failure.name}) with {_counted(found.decisions)}; now as '
+        _say(f'seed {found.chosen.seed} fails ({found.failure.name}) with {_counted(len(found.decisions))}; now as '
              'few as possible')
         before = runs.count
         shrunk = runs.shrunk(found)
@@ -131,7 +131,7 @@ def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:
             raise ConfigurationError(f'the run of seed {found.chosen.seed} does not fail again: it is not repeatable; '
                                      f'`verify` says why. It failed: {found.failure.text}')
         _say(f'failed: {shrunk.failure.text}')
-        _say(f'because of {_counted(shrunk.decisions)}, found in {runs.count - before} runs:')
+        _say(f'because of {_counted(len(shrunk.decisions))}, found in ' + _counted(runs.count - before, 'run') + ':')
     assert shrunk.failure is not None
     made.only = [decision['name'] for decision in shrunk.decisions]
     made.failure, made.text, made.sha256 = shrunk.failure.name, shrunk.failure.text, shrunk.digest
@@ -143,8 +143,8 @@ def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:
     return FAILED
 
 
-def _counted(decisions: Sequence[Any]) -> str:
-    return f"{len(decisions)} decision{'s' * (len(decisions) != 1)}"
+def _counted(count: int, what: str = 'decision') -> str:
+    return f"{count} {what}{'s' * (count != 1)}"
 
 
 def _said(decision: Dict[str, Any]) -> str:
