@@ -30,7 +30,8 @@ MODULES = ('rospy', 'actionlib', 'actionlib_msgs.msg', 'dynamic_reconfigure.serv
            'move_base_abstract_ros.nodes.lockstep_launcher', 'move_base_abstract_ros.nodes.fleet_node',
            'move_base_abstract_ros.nodes.move_base_node', 'move_base_abstract_ros.nodes.task_server_node',
            'move_base_abstract_ros.nodes.task_source_node',
-           'move_base_abstract_ros.nodes.end_at_message_node', 'move_base_abstract_ros.nodes.message_recorder_node')
+           'move_base_abstract_ros.nodes.end_at_message_node', 'move_base_abstract_ros.nodes.message_recorder_node',
+           'move_base_abstract_ros.nodes.property_monitor_node')
 
 
 def start(words, environment, output, cwd, launcher, own_folder, is_warm=True):
