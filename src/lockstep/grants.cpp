@@ -5,9 +5,12 @@
 #include <cstddef>
 #include <utility>
 
+#include "clock/number_text.h"
+
 namespace move_base_abstract {
 namespace {
 
+constexpr std::size_t kMostItems = wire::kLargestFrame - 64;  // bytes; the rest is the grant's own
 constexpr std::size_t kKeptGrant = 4096;  // bytes, to say what a silent one was told last
 
 }  // namespace
@@ -42,6 +45,13 @@ void Grants::sendOne(const LockstepRounds::Grant& grant, SessionMember& member) 
   items += grant.later;
   for (const Mail& mail : grant.mail) {
     wire::append(items, mail.item);
+  }
+  if (items.size() > kMostItems) {
+    too_much_ = quote(member.name) + " is to be handed " + std::to_string(items.size()) +
+                " bytes at once" + run_.text.at() + ", in " +
+                countText(grant.mail.size(), "piece") + "; allowed: " + std::to_string(kMostItems) +
+                ". Messages that make more messages each time, without time passing, come to that";
+    return;
   }
   granted_.push_back(grant.member);
   member.foreseen.clear();

@@ -2,6 +2,7 @@
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_GRANTS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_GRANTS_H
 
+#include <string>
 #include <vector>
 
 #include "run.h"
@@ -14,6 +15,8 @@ class Grants {
 
   /** @brief Send them, and put in the place of a report what was told beforehand. */
   void send(const std::vector<LockstepRounds::Grant>& grants);
+  /** @return who was to be sent more than a frame may hold, in words; '' if nobody was. */
+  const std::string& tooMuch() const { return too_much_; }
   /** @return of the connections that owe the round's report, the one granted last; 0: none. */
   ConnectionId lastAwaited();
 
@@ -22,6 +25,7 @@ class Grants {
 
   LockstepRun& run_;
   std::vector<MemberId> granted_;  // of this round, in this order
+  std::string too_much_;
 };
 
 }  // namespace move_base_abstract

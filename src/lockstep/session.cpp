@@ -176,6 +176,9 @@ void LockstepSession::finishRound() {
     turns_.noteChangedParameters();
     run_.rounds.setOwed(run_.router.goals().count() + run_.router.openCalls());
     grants_.send(run_.rounds.decide(run_.wall));
+    if (!grants_.tooMuch().empty()) {
+      end_.end(grants_.tooMuch());
+    }
     if (!run_.rounds.mailWaiting()) {
       turns_.forgetApplied();
     }
@@ -347,6 +350,7 @@ LockstepStatus LockstepSession::status() const {
   status.not_repeatable = run_.labels.notRepeatable();
   status.degraded = run_.labels.degraded();
   status.departures = departures_.list();
+  status.open_goals = run_.text.openGoals(run_.router.goals());
   status.reason = end_.reason();
   status.ended_by = end_.code();
   status.ended_with = end_.node();

@@ -1,6 +1,7 @@
 #include "status.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace move_base_abstract {
 namespace {
@@ -49,6 +50,17 @@ std::string StatusText::stuck(const OpenGoals& goals) const {
                     goal.second);
   }
   return joined(parts);
+}
+
+std::vector<LockstepStatus::OpenGoals> StatusText::openGoals(const OpenGoals& goals) const {
+  std::vector<LockstepStatus::OpenGoals> open;
+  for (const auto& [goal, count] : goals.byAction()) {
+    open.push_back({nameOf(goal.first), goal.second, count});
+  }
+  std::sort(open.begin(), open.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.client, a.action) < std::tie(b.client, b.action);
+  });
+  return open;
 }
 
 std::string StatusText::idle() const {

@@ -57,6 +57,12 @@ struct LockstepStatus {
     Nanoseconds time;  // simulated
     bool died;         // its connection was lost, or it was dropped
   };
+  /** @brief Goals of a participant on an action that have not ended. */
+  struct OpenGoals {
+    std::string client;
+    std::string action;
+    std::size_t count;
+  };
   LockstepPhase phase;
   Nanoseconds time;  // simulated
   std::uint32_t microstep;
@@ -66,6 +72,7 @@ struct LockstepStatus {
   std::vector<std::string> not_repeatable;  // why; empty: the run is repeatable
   std::vector<std::string> degraded;        // why
   std::vector<Departure> departures;        // in the order in which they were; the first ones
+  std::vector<OpenGoals> open_goals;        // by client, then action
   std::string reason;                       // of deadlock, zero-delay loop and end: who and why
   std::string ended_by;                     // one of ended_by
   std::string ended_with;                   // the node whose departure has ended the run; else ''
@@ -97,6 +104,8 @@ class StatusText {
   std::string standstill(LockstepPhase phase, const OpenGoals& goals) const;
   /** @return that nobody has anything left to do, and whose threads wait for work. */
   std::string idle() const;
+  /** @return the goals that have not ended. */
+  std::vector<LockstepStatus::OpenGoals> openGoals(const OpenGoals& goals) const;
   /** @brief A participant has gone before the start, which still waits for it: @p how it went. */
   void keepDeparture(const std::string& name, const std::string& how) { departures_[name] = how; }
   /** @return the names that the start waits for, and how many participants are there. */

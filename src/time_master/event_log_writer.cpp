@@ -61,6 +61,18 @@ void appendDepartures(std::string& out,
   out += departures.empty() ? "" : "]";
 }
 
+/** @brief Which goals have not ended; nothing where all have. */
+void appendOpenGoals(std::string& out, const std::vector<EventLogWriter::End::OpenGoals>& open) {
+  for (std::size_t index = 0; index < open.size(); ++index) {
+    out += index == 0 ? ",\"open_goals\":[{\"client\":" : ",{\"client\":";
+    appendJson(out, open[index].client);
+    out += ",\"action\":";
+    appendJson(out, open[index].action);
+    out += ",\"count\":" + std::to_string(open[index].count) + "}";
+  }
+  out += open.empty() ? "" : "]";
+}
+
 void appendCsv(std::string& out, std::string_view text) {
   if (text.find_first_of("\",") == std::string_view::npos) {
     out += text;
@@ -243,6 +255,7 @@ std::string EventLogWriter::finish(const End& end) {
     appendJson(buffer_, end.reason);
     appendEnding(buffer_, end);
     appendDepartures(buffer_, end.departures);
+    appendOpenGoals(buffer_, end.open_goals);
     buffer_ += "}}\n";
   }
   writeOut();

@@ -38,6 +38,13 @@ class EventLogWriter {
       bool died;
     };
     std::vector<Departure> departures = {};
+    /** @brief Goals of a participant on an action that have not ended. */
+    struct OpenGoals {
+      std::string client;
+      std::string action;
+      std::size_t count;
+    };
+    std::vector<OpenGoals> open_goals = {};
     std::string ended_by = {};    // a code of LockstepStatus; '': none is written
     std::string ended_with = {};  // the node whose departure has ended the run; ''
     std::int64_t at_ns = 0;       // simulated; when it ended

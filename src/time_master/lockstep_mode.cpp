@@ -170,6 +170,9 @@ bool LockstepMode::finish(const std::string& reason) {
     for (const LockstepStatus::Departure& one : status.departures) {
       end.departures.push_back({one.name, one.time, one.died});
     }
+    for (const LockstepStatus::OpenGoals& one : status.open_goals) {
+      end.open_goals.push_back({one.client, one.action, one.count});
+    }
     end.ended_by = status.ended_by;
     end.ended_with = status.ended_with;
     end.at_ns = status.time;

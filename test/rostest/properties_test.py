@@ -9,6 +9,7 @@ import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 
+import psutil
 import rostest
 
 from move_base_abstract.runs.event_log import EventLog
@@ -27,6 +28,12 @@ for k in range(5):
     sometimes(k > 10, 'k gets large')
     sometimes(k > 1, 'k gets past 1')
     never_again(k % 2 == 1, 'k is odd once')
+"""
+ENDLESS = """#!/usr/bin/env python3
+import rospy
+rospy.init_node('endless')
+while not rospy.is_shutdown():
+    rospy.sleep(1.0)
 """
 BY_TOPIC = """#!/usr/bin/env python3
 import json
@@ -101,6 +108,24 @@ class PropertiesTest(unittest.TestCase):
                 ['always: at 5.000000000 s, /stater: k stays small (a "b"=0.5, k=3)'],
             'never_again: /stater: k is odd once': ['never_again: at 5.000000000 s, /stater: k is odd once']})
         self.assertEqual(len(cases), 1 + 7 + 2)
+
+    def test_a_test_that_is_ended_leaves_nothing_behind(self):
+        for name, text in (('endless', ENDLESS), ('endless.launch', '<launch><node pkg="study_of_others" type="endless" '
+                                                  'name="endless"/></launch>')):
+            with open(os.path.join(self.folder, name), 'w') as stream:
+                stream.write(text)
+            os.chmod(stream.name, 0o755)
+        with subprocess.Popen([sys.executable, find_executable('run_checked'), stream.name], env=self.environment,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as test:
+            told = next((line for line in test.stdout if 'process[endless' in line), None)
+            family = psutil.Process(test.pid).children(recursive=True)
+            test.terminate()
+            said = test.stdout.read()
+        self.assertTrue(told)
+        self.assertIn('the run comes to its end: broken', said)
+        self.assertGreaterEqual(len(family), 3, family)
+        _gone, alive = psutil.wait_procs(family, timeout=GUARD)
+        self.assertEqual(alive, [])
 
 
 if __name__ == '__main__':

@@ -28,6 +28,9 @@ def test_what_was_not_there_in_a_run_that_failed_is_left_out_at_once():
     assert shrinking.ddmin(NAMES, first_failing) == [NAMES[5]]
 
 
+OPEN = [{'client': '/a', 'action': '/robot_1/move_base', 'count': 2}]
+
+
 def log(*events, **end):
     lines = [{'event_log': 1, 'start_ns': 0}, *events,
              {'end': {'events': len(events), 'repeatable': True, 'not_repeatable_because': [], 'degraded_because': [],
@@ -55,17 +58,19 @@ def test_what_fails_a_run():
     assert found(complete(crashes=[crash])) == ('crash /a', crash)
     assert found(Result('0000-a', error='x'), reason='deadlock at 3 s: who')[0] == 'deadlock'
     assert found(Result('0000-a', error='x'), reason='zero-delay loop at 3 s: who')[0] == 'zero_delay_loop'
-    assert found(complete(ended_by='idle', open_goals=2))[0] == 'open_goals'
-    assert found(complete(ended_by='required /a', open_goals=2)) is None
+    empty = {'time_ns': 1500000000, 'robot': 'robot_1', 'kind': 'battery', 'values': [0.0, 'empty']}
+    assert found(complete(), empty) == ('charged', 'charged: at 1.500000000 s, robot_1: its battery is empty')
+    assert found(complete(), ended_by='idle', open_goals=OPEN)[0] == 'every_goal_ends'
+    assert found(complete(), ended_by='end_at', open_goals=OPEN) is None
     assert found(Result('0000-a', error='it was not over')) == ('unfinished', 'it was not over')
     assert failures.of_run(failures.seen(Result('0000-a', error='no log'), None)).name == 'unfinished'
 
 
 def test_only_what_is_wanted_counts():
-    both = complete(crashes=['/a crashed: exit code 3'], ended_by='idle', open_goals=1)
-    assert found(both, wanted=['open_goals'])[0] == 'open_goals'
-    assert found(both, wanted=['crash'])[0] == found(both, wanted=['crash /a'])[0] == 'crash /a'
-    assert found(both, wanted=['cra', 'deadlock']) is None
+    crashed, both = complete(crashes=['/a crashed: exit code 3']), {'ended_by': 'idle', 'open_goals': OPEN}
+    assert found(crashed, wanted=['every_goal_ends'], **both)[0] == 'every_goal_ends'
+    assert found(crashed, wanted=['crash'], **both)[0] == found(crashed, wanted=['crash /a'], **both)[0] == 'crash /a'
+    assert found(crashed, wanted=['cra', 'deadlock'], **both) is None
 
 
 def made(**others):

@@ -114,9 +114,18 @@ def test_what_robots_write_down_is_what_is_judged(tmp_path):
 
 def test_an_exception_is_told_once_though_its_process_was_seen_too(tmp_path):
     path = log_of(tmp_path, ('/a', 'uncaught', 'KeyError', 'a.py, line 4'))
-    processes = [ends.Process('/a', True, 0), ends.Process('/b', False, 3, was_early=True)]
-    found = judge(Run(path, ends.judge(processes, ends.read_log(path))))
-    assert [(one.property, one.node) for one in found] == [('no_exception', '/a'), ('no_crash', '/b')]
+    for code in (0, 1):  # it went on, or its main thread has raised
+        processes = [ends.Process('/a', True, code), ends.Process('/b', False, 3, was_early=True)]
+        found = judge(Run(path, ends.judge(processes, ends.read_log(path))))
+        assert [(one.property, one.node) for one in found] == [('no_exception', '/a'), ('no_crash', '/b')]
+
+
+def test_goals_that_a_client_waits_for_are_open_whether_a_robot_departed_or_not(tmp_path):
+    waits = [{'client': '/a', 'action': '/r0/move_base', 'count': 1}]
+    never = 'every_goal_ends: at 9.000000000 s, /a: 1 of its goals never ends on /r0/move_base'
+    for rows in ((), (DEPARTED,)):  # a robot that is held never departs
+        assert [one.words() for one in judge(Run(log_of(tmp_path, *rows, open_goals=waits)))] == [never]
+    assert judge(Run(log_of(tmp_path, open_goals=waits, ended_by='end_at'))) == []
 
 
 def rows_of(kind, *conditions):

@@ -6,4 +6,4 @@ from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {
     'stating': 'always never_again sometimes', 'statements': 'Statements',
-    'judgement': 'Broken Judgement Run judge judgement_on', 'gathering': 'Gathering'})
+    'judgement': 'Broken Judgement Run judge judge_log judgement_on', 'gathering': 'Gathering'})

@@ -100,7 +100,10 @@ def judge_log(log: EventLog, processes: Sequence[ends.End] = ()) -> Judgement:
             robots.take(event)
     end = log.end or {}
     found += [Broken(*one) for one in robots.broken]
-    found += [Broken(*one) for one in robots.left_open(end.get('ended_by') in _QUIET)]
+    found += _open_goals(end) if end.get('ended_by') in _QUIET else []
+    named = tuple(one.text for one in found if one.property == 'every_goal_ends')  # a robot's goal is told once
+    found += [one for one in (Broken(*each) for each in robots.left_open(end.get('ended_by') in _QUIET))
+              if one.details or one.property != 'every_goal_ends' or not any(one.node in text for text in named)]
     found += _of_the_end(end)
     if not processes:  # nobody has looked at them: the log knows who died
         told.end(end)
@@ -111,13 +114,19 @@ def judge_log(log: EventLog, processes: Sequence[ends.End] = ()) -> Judgement:
     return Judgement(tuple(in_order), stated)
 
 
+def _open_goals(end: Dict[str, Any]) -> List[Broken]:
+    """Return the goals that clients still wait for, whoever was to do them."""
+    return [Broken('every_goal_ends', end.get('at_ns'), str(one['client']), '{} of its goals never {} on {}'.format(
+        one['count'], 'ends' if one['count'] == 1 else 'end', one['action'])) for one in end.get('open_goals', [])]
+
+
 def _of_processes(processes: Iterable[ends.End], log: ends.Log) -> Iterable[Broken]:
     """An exception that nobody caught is told once: as what it is, and not as the crash that it also is."""
     for node, told in log.uncaught.items():
         yield Broken('no_exception', told[0][0], node, told[0][1])
     for one in processes:
-        only_uncaught = one.node in log.uncaught and one.code in (None, 0)
-        if one.crash is not None and not only_uncaught:
+        is_told = one.node in log.uncaught and one.code in (None, 0, 1)  # 1: so Python ends by it
+        if one.crash is not None and not is_told:
             yield Broken('no_crash', one.time_ns, one.node, one.crash)
 
 

@@ -44,7 +44,7 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
                         help='messages are under way for up to S simulated seconds; 0: equal events only')
     parser.add_argument('--property', action='append', default=[], metavar='NAME',
                         help='this one counts, and no other: a name of your own, crash, deadlock, zero_delay_loop, '
-                        'open_goals, unfinished; may be given again')
+                        'every_goal_ends, unfinished; may be given again')
     parser.add_argument('--workers', type=_count, default=os.cpu_count() or 1, metavar='N',
                         help='runs at the same time (default: one a core)')
     parser.add_argument('--output', default='chaos.json', metavar='FILE', help='what runs it again (default: '

@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Se
 
 from move_base_abstract.faults.buggify import CAUSE
 from move_base_abstract.lockstep.failures import UNCAUGHT
-from move_base_abstract.properties import statements
+from move_base_abstract.properties import Judgement, judge_log, statements
 from move_base_abstract.runs.event_log import Event, EventLog
 
 from ..records import Result
@@ -15,6 +15,7 @@ from ..trials import termination
 
 _FAILED = 'failed'  # the kind of the event of a robot that fails, also on purpose: buggify
 _BUGGIFIED = {'abort': 'gave its goal up', 'stall': 'stood still for a while', 'silent': 'said nothing for a while'}
+_OF_ROBOTS = ('every_goal_ends', 'capacities_kept', 'charged')  # of others there are finders of their own
 _DEADLOCK, _LOOP = 'deadlock', 'zero-delay loop'  # how the reasons of such ends begin
 
 
@@ -26,22 +27,29 @@ class Failure(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What is known of a run. ``events``: those of the kinds that count here; ``end``: the log's end record, or {}."""
+    """What is known of a run.
+
+    ``events``: those of the kinds that count here; ``end``: the log's end record, or {}; ``judged``: its properties.
+    """
 
     result: Result
     events: List[Event]
     end: Dict[str, Any]
+    judged: Judgement
 
 
 def seen(result: Result, log: Optional[bytes]) -> Seen:
     """Return what is known of a run by its event log, as bytes, if it left one."""
     events: List[Event] = []
     end: Dict[str, Any] = {}
+    judged = Judgement((), {})
     if log is not None:
-        read = EventLog(io.StringIO(log.decode('utf-8', 'surrogateescape'), newline='\n'), 'events.jsonl')
+        text = log.decode('utf-8', 'surrogateescape')
+        read = EventLog(io.StringIO(text, newline='\n'), 'events.jsonl')
         events = [event for event in read if event.kind in (statements.ROW, UNCAUGHT, _FAILED)]
         end = read.end or {}
-    return Seen(result, events, end)
+        judged = judge_log(EventLog(io.StringIO(text, newline='\n'), 'events.jsonl'))
+    return Seen(result, events, end, judged)
 
 
 def buggified(run: Seen) -> Iterator[Dict[str, Any]]:
@@ -55,11 +63,10 @@ def buggified(run: Seen) -> Iterator[Dict[str, Any]]:
 
 def _broken_properties(run: Seen) -> Iterator[Failure]:
     """Statements of nodes that are broken; the name of one is its text."""
-    for event in run.events:
-        row = statements.read_row(json.loads(event.values)) if event.kind == statements.ROW else None
-        if row is not None and row.outcome == statements.BROKEN:
-            yield Failure(row.text, f'{row.kind}: {row.text}, said by {event.robot}{_at(event.time_ns)}'
-                          + (f': {", ".join(row.details)}' if row.details else ''))
+    for one in run.judged.broken:
+        if one.property in statements.KINDS:
+            yield Failure(one.text, f'{one.property}: {one.text}, said by {one.node}{_at(one.instant_ns or 0)}'
+                          + (f': {", ".join(one.details)}' if one.details else ''))
 
 
 def _crashes(run: Seen) -> Iterator[Failure]:
@@ -76,10 +83,11 @@ def _standstill(run: Seen) -> Iterator[Failure]:
             yield Failure(name.replace(' ', '_').replace('-', '_'), reason or str(run.result.error))
 
 
-def _open_goals(run: Seen) -> Iterator[Failure]:
-    """Nobody has anything left to do, and robots have goals."""
-    if run.result.ended_by == termination.IDLE and run.result.open_goals:
-        yield Failure('open_goals', f'nobody had anything left to do, and {run.result.open_goals} goals were open')
+def _of_robots(run: Seen) -> Iterator[Failure]:
+    """Goals never end, places are not kept, batteries are empty."""
+    for one in run.judged.broken:
+        if one.property in _OF_ROBOTS:
+            yield Failure(one.property, one.words())
 
 
 def _unfinished(run: Seen) -> Iterator[Failure]:
@@ -89,7 +97,7 @@ def _unfinished(run: Seen) -> Iterator[Failure]:
 
 
 FINDERS: Sequence[Callable[[Seen], Iterator[Failure]]] = (
-    _broken_properties, _crashes, _standstill, _open_goals, _unfinished)
+    _broken_properties, _crashes, _standstill, _of_robots, _unfinished)
 
 
 def of_run(run: Seen, wanted: Sequence[str] = ()) -> Optional[Failure]:

@@ -9,6 +9,7 @@ result file has a case for the run's end, for each property that is built in, an
 import collections
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -44,19 +45,21 @@ def _run(words):
     with tempfile.TemporaryDirectory(prefix='move_base_abstract_checked_') as folder:
         outcome = os.path.join(folder, 'outcome.json')
         command = [sys.executable, find_executable('lockstep_launch'), '--check', '--outcome', outcome, *words]
-        last = collections.deque(maxlen=_LAST_LINES)
+        last, signals = collections.deque(maxlen=_LAST_LINES), []
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                               errors='replace') as process:
+            for number in (signal.SIGINT, signal.SIGTERM):  # of rostest, when time is up: nothing is to stay behind
+                signal.signal(number, lambda *_: (signals.append(number), process.send_signal(signal.SIGINT)))
             for line in process.stdout:
-                sys.stdout.write(line)
+                print(line, end='', flush=True)
                 last.append(line.rstrip('\n'))
         told = {'broken': [], 'statements': []}
         if os.path.exists(outcome):
             with open(outcome, encoding='utf-8') as stream:
                 told = json.load(stream)['properties']
-    is_over = process.returncode in (_GOOD, _BROKEN)
-    ended = '' if is_over else 'the run did not come to its end (exit code {}):\n{}'.format(
-        process.returncode, '\n'.join(map(shown_text, last)))
+    is_over = process.returncode in (_GOOD, _BROKEN) and not signals
+    ended = '' if is_over else 'the run did not come to its end ({}):\n{}'.format(
+        'it was ended from outside' if signals else 'exit code {}'.format(process.returncode), '\n'.join(map(shown_text, last)))
     return {'the run comes to its end': ended, **_cases(told)}
 
 
