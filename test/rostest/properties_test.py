@@ -110,8 +110,8 @@ class PropertiesTest(unittest.TestCase):
         self.assertEqual(len(cases), 1 + 7 + 2)
 
     def test_a_test_that_is_ended_leaves_nothing_behind(self):
-        for name, text in (('endless', ENDLESS), ('endless.launch', '<launch><node pkg="study_of_others" type="endless" '
-                                                  'name="endless"/></launch>')):
+        launch = '<launch><node pkg="study_of_others" type="endless" name="endless"/></launch>'
+        for name, text in (('endless', ENDLESS), ('endless.launch', launch)):
             with open(os.path.join(self.folder, name), 'w') as stream:
                 stream.write(text)
             os.chmod(stream.name, 0o755)

@@ -260,39 +260,6 @@ TEST(Malformed, OnlyThatConnectionIsClosed) {
   EXPECT_EQ(pair.session.status().degraded.size(), 1U);
 }
 
-TEST(Malformed, MoreThanAFrameMayHoldEndsTheRunAndSaysWhose) {
-  Stage stage(named({"/a", "/b", "/c"}));
-  for (const ConnectionId id : {1U, 2U, 3U}) {
-    stage.join(id, id == 1 ? "/a" : id == 2 ? "/b" : "/c");
-  }
-  const auto opening = [](ConnectionId id) {
-    return id == 2 ? std::vector<wire::ReportItem>{wire::Subscribe{1, 0, "/x", "*"},
-                                                   wire::Subscribe{2, 0, "/y", "*"}}
-                   : std::vector<wire::ReportItem>{
-                         wire::Advertise{1, 0, id == 1 ? "/x" : "/y", "t", "m", false, ""}};
-  };
-  bool is_first = true;
-  for (int round = 0; round < 2; ++round, is_first = false) {  // links, then what is said of them
-    for (const ConnectionId id : {1U, 2U, 3U}) {
-      ASSERT_NE(stage.point(id), "none");
-    }
-    for (const ConnectionId id : {1U, 2U, 3U}) {
-      stage.report(id, id == 2 ? kNever : 2 * kOne,
-                   is_first ? opening(id) : std::vector<wire::ReportItem>{});
-    }
-  }
-  const std::string half(wire::kLargestFrame / 2 + 1, 'x');
-  for (const ConnectionId id : {1U, 3U}) {
-    ASSERT_EQ(stage.point(id), "2000+0");
-  }
-  for (const ConnectionId id : {1U, 3U}) {
-    stage.report(id, kNever, {wire::Send{1, 0, 0, half}});
-  }
-  EXPECT_EQ(stage.phase(), "ended");
-  EXPECT_NE(stage.end[2].find("'/b' is to be handed 2684354"), std::string::npos) << stage.end[2];
-  EXPECT_EQ(stage.end[2], stage.end[1]);
-}
-
 TEST(Malformed, ReportsOfOtherRoundsAreRefused) {
   Pair pair;
   pair.frame(1, wire::Report{2, false, kNever, 0, {}});

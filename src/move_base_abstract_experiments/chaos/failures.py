@@ -11,7 +11,6 @@ from move_base_abstract.properties import Judgement, judge_log, statements
 from move_base_abstract.runs.event_log import Event, EventLog
 
 from ..records import Result
-from ..trials import termination
 
 _FAILED = 'failed'  # the kind of the event of a robot that fails, also on purpose: buggify
 _BUGGIFIED = {'abort': 'gave its goal up', 'stall': 'stood still for a while', 'silent': 'said nothing for a while'}

@@ -48,8 +48,8 @@ def _run(words):
         last, signals = collections.deque(maxlen=_LAST_LINES), []
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                               errors='replace') as process:
-            for number in (signal.SIGINT, signal.SIGTERM):  # of rostest, when time is up: nothing is to stay behind
-                signal.signal(number, lambda *_: (signals.append(number), process.send_signal(signal.SIGINT)))
+            for each in (signal.SIGINT, signal.SIGTERM):  # of rostest, when time is up: nothing is to stay behind
+                signal.signal(each, lambda number, _: (signals.append(number), process.send_signal(signal.SIGINT)))
             for line in process.stdout:
                 print(line, end='', flush=True)
                 last.append(line.rstrip('\n'))
@@ -59,7 +59,8 @@ def _run(words):
                 told = json.load(stream)['properties']
     is_over = process.returncode in (_GOOD, _BROKEN) and not signals
     ended = '' if is_over else 'the run did not come to its end ({}):\n{}'.format(
-        'it was ended from outside' if signals else 'exit code {}'.format(process.returncode), '\n'.join(map(shown_text, last)))
+        'it was ended from outside' if signals else 'exit code {}'.format(process.returncode),
+        '\n'.join(map(shown_text, last)))
     return {'the run comes to its end': ended, **_cases(told)}
 
 
