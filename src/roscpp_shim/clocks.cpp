@@ -36,18 +36,6 @@ thread_local Readings t_readings __attribute__((tls_model("initial-exec")));
 std::atomic<Nanoseconds> slept{0};
 std::atomic<unsigned> reads{0};  // by threads that take no turns
 
-Nanoseconds seenTime(clockid_t clock) {
-  const Nanoseconds gone = node().now() + slept;
-  if (isOfProcessor(clock)) {
-    return gone;
-  }
-  if (node().sleepsSimulated()) {
-    return gone;
-  }
-  const Nanoseconds date = kEpoch + (seed() % kSeeds + kSeeds) % kSeeds * kSecond;
-  return gone + (indexOf(clock) == 0 ? date : kUptime);
-}
-
 /** @brief A loop that only looks at a clock sees it go on some day. */
 void countRead() {
   if (turn().isActive() && Turn::self() != nullptr) {
@@ -93,6 +81,18 @@ Nanoseconds remaining(clockid_t clock, const timespec& deadline) {
   const Nanoseconds now = seenTime(clock);
   const Nanoseconds last = t_readings.last[indexOf(clock)];
   return toNs(deadline) - (now - last < kMicrosecond ? last : now);
+}
+
+Nanoseconds seenTime(clockid_t clock) {
+  const Nanoseconds gone = node().now() + slept;
+  if (isOfProcessor(clock)) {
+    return gone;
+  }
+  if (node().sleepsSimulated()) {
+    return gone;
+  }
+  const Nanoseconds date = kEpoch + (seed() % kSeeds + kSeeds) % kSeeds * kSecond;
+  return gone + (indexOf(clock) == 0 ? date : kUptime);
 }
 
 void addSleep(Nanoseconds duration) { slept += duration; }
@@ -212,12 +212,12 @@ int getrusage(__rusage_who_t who, rusage* usage) {
 
 namespace ros {
 
-// As any other clock of the wall, but for roscpp's own use: the stamps of its log, its wall timers.
+// As any other clock of the wall, but for roscpp's own use: the stamps of its log.
 
 WallTime WallTime::now() {
   using Now = WallTime();
   static Now* const function = shim::real<Now>("_ZN3ros8WallTime3nowEv");
-  if (!shim::isRoscpps(MOVE_BASE_ABSTRACT_CALLER)) {
+  if (shim::isTimers(MOVE_BASE_ABSTRACT_CALLER) || !shim::isRoscpps(MOVE_BASE_ABSTRACT_CALLER)) {
     return function();
   }
   const shim::Inside inside;
@@ -227,7 +227,7 @@ WallTime WallTime::now() {
 SteadyTime SteadyTime::now() {
   using Now = SteadyTime();
   static Now* const function = shim::real<Now>("_ZN3ros10SteadyTime3nowEv");
-  if (!shim::isRoscpps(MOVE_BASE_ABSTRACT_CALLER)) {
+  if (shim::isTimers(MOVE_BASE_ABSTRACT_CALLER) || !shim::isRoscpps(MOVE_BASE_ABSTRACT_CALLER)) {
     return function();
   }
   const shim::Inside inside;

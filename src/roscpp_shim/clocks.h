@@ -10,6 +10,8 @@ namespace move_base_abstract::shim {
 
 /** @return the machine's clock [ns]. */
 Nanoseconds machineTime(clockid_t clock);
+/** @return what the program sees of @p clock [ns]. */
+Nanoseconds seenTime(clockid_t clock);
 /** @return how long a wait until @p deadline, by a clock that the program sees, is meant to last
  * [ns]. */
 Nanoseconds remaining(clockid_t clock, const timespec& deadline);

@@ -217,6 +217,12 @@ bool isRoscpps(const void* caller) {
   return isIn(caller, {"/libroscpp.so", "/librosconsole", "/libxmlrpcpp.so"});
 }
 
+bool isTimers(const void* caller) {
+  Dl_info info{};
+  const bool is_found = dladdr(caller, &info) != 0 && info.dli_sname != nullptr;
+  return is_found && std::strstr(info.dli_sname, "Timer") != nullptr;
+}
+
 bool isWorkerPool(const void* caller) {
   return t_is_worker ||
          isIn(caller, {"libgomp", "libtbb", "libomp", "blas", "libOpenCL", "libcuda"});

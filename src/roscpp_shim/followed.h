@@ -44,6 +44,8 @@ void noteFile(const std::string& path, bool reads, bool writes);
 
 /** @return whether code of roscpp, its console or its XML-RPC calls. */
 bool isRoscpps(const void* caller);
+/** @return whether code of roscpp's timers, as its exported symbols say. */
+bool isTimers(const void* caller);
 /** @return whether a library of worker threads calls: they wait for each other in ways of their
  * own. */
 bool isWorkerPool(const void* caller);

@@ -117,8 +117,8 @@ void Node::exchange() {
   const Inside inside;
   lockstep::internal::Wish wish;
   wish.next = turn().nextWake();
-  if (has_timers_) {
-    wish.next = std::min(wish.next, timers_.next());
+  for (std::size_t kind = 0; kind < kTimerKinds; ++kind) {
+    wish.next = has_timers_[kind] ? std::min(wish.next, timers_[kind].next()) : wish.next;
   }
   if (areAddressesMixed()) {
     label(kMixed);
@@ -200,8 +200,10 @@ void Node::onMember(const std::string& name) { dropConnectionsTo(name); }
 void Node::onGranted() {
   store();
   enterOutside(false);
-  if (has_timers_) {
-    timers_.fire();
+  for (std::size_t kind = 0; kind < kTimerKinds; ++kind) {
+    if (has_timers_[kind]) {
+      timers_[kind].fire();
+    }
   }
 }
 
@@ -246,9 +248,9 @@ void Node::removeOutside(const ros::CallbackQueue* queue, std::uint64_t owner) {
                  outside_.end());
 }
 
-void Node::setTimers(SimulatedTimers timers) {
-  timers_ = std::move(timers);
-  has_timers_ = true;
+void Node::setTimers(TimerKind kind, SimulatedTimers timers) {
+  timers_[kind] = std::move(timers);
+  has_timers_[kind] = true;
 }
 
 }  // namespace move_base_abstract::shim

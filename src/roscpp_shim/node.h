@@ -4,6 +4,7 @@
 
 #include <ros/callback_queue.h>
 
+#include <array>
 #include <atomic>
 #include <deque>
 #include <functional>
@@ -15,9 +16,12 @@
 
 namespace move_base_abstract::shim {
 
-/** @brief ros::Timer's process-wide manager, as timers.cpp opens it. */
+/** @brief Whose timers. Those that are due at one instant fire in this order. */
+enum TimerKind { kRosTimers, kSteadyTimers, kWallTimers, kTimerKinds };
+
+/** @brief The process-wide manager of one kind of timers, as timers.cpp opens it. */
 struct SimulatedTimers {
-  std::function<Nanoseconds()> next;
+  std::function<Nanoseconds()> next;  // simulated
   std::function<void()> fire;  // puts what is due into the callback queues
 };
 
@@ -57,8 +61,8 @@ class Node : public lockstep::internal::Program {
   void fromOutside(Input input);
   /** @brief Forget callbacks of @p owner that have not entered @p queue yet. */
   void removeOutside(const ros::CallbackQueue* queue, std::uint64_t owner);
-  void setTimers(SimulatedTimers timers);
-  bool hasTimers() const { return has_timers_; }
+  void setTimers(TimerKind kind, SimulatedTimers timers);
+  bool hasTimers(TimerKind kind) const { return has_timers_[kind]; }
   void ring() { membership_.ring(); }
 
   Nanoseconds now() const { return membership_.now(); }
@@ -99,8 +103,8 @@ class Node : public lockstep::internal::Program {
   std::uint64_t rest_round_ = 0;
   std::deque<Input> outside_;
   std::int64_t outside_since_ = 0;  // steady ns; when the oldest came
-  SimulatedTimers timers_;
-  std::atomic<bool> has_timers_{false};
+  std::array<SimulatedTimers, kTimerKinds> timers_;
+  std::array<std::atomic<bool>, kTimerKinds> has_timers_{};
 };
 
 Node& node();

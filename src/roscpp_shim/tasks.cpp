@@ -18,7 +18,7 @@
 
 namespace move_base_abstract::shim {
 
-__thread TurnLocal t_local = {nullptr, 0, 0, false, 0};
+__thread TurnLocal t_local = {nullptr, 0, 0, 0, false, 0};
 
 namespace {
 
@@ -63,6 +63,9 @@ Inside::~Inside() { --t_local.inside; }
 Beside::Beside() { ++t_local.beside; }
 Beside::~Beside() { --t_local.beside; }
 
+StartsInternal::StartsInternal() { ++t_local.starts; }
+StartsInternal::~StartsInternal() { --t_local.starts; }
+
 Blocking::Blocking() {
   if (t_local.task != nullptr) {
     t_local.task->is_blocking = true;
@@ -78,6 +81,7 @@ Blocking::~Blocking() {
 Task* Turn::self() { return t_local.task; }
 bool Turn::isInside() { return t_local.inside > 0; }
 bool Turn::isInternal() { return t_local.is_internal; }
+bool Turn::startsInternal() { return isInternal() || isInside() || t_local.starts > 0; }
 void Turn::becomeInternal() { t_local.is_internal = true; }
 
 void Turn::atEnd(std::function<void()> function) {

@@ -101,6 +101,15 @@ class Beside {
   Beside& operator=(const Beside&) = delete;
 };
 
+/** @brief Marks that what the thread starts is roscpp's own, while it sees the run's clocks. */
+class StartsInternal {
+ public:
+  StartsInternal();
+  ~StartsInternal();
+  StartsInternal(const StartsInternal&) = delete;
+  StartsInternal& operator=(const StartsInternal&) = delete;
+};
+
 /** @brief Marks that a thread blocks in a known way, with time standing still. */
 class Blocking {
  public:
@@ -137,6 +146,8 @@ class Turn {
   /** @brief The calling thread is roscpp's own. */
   static void becomeInternal();
   static bool isInternal();
+  /** @return whether threads that the calling one starts are roscpp's own. */
+  static bool startsInternal();
 
   /** @return whether what the calling thread allocates is a part of the order of turns. */
   static bool allocatesInOrder();

@@ -11,6 +11,7 @@ struct TurnLocal {
   Task* task;         // of a thread of the program that has begun
   int inside;         // see Inside
   int beside;         // see Beside
+  int starts;         // see StartsInternal
   bool is_internal;   // the thread is roscpp's or this library's own
   signed char first;  // it is the process's first one: 1; another: -1; not looked up: 0
 };

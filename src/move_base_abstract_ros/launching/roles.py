@@ -17,7 +17,7 @@ _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abs
 _WITHOUT_LAST_WORDS = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver',
                        'end_at_message', 'message_recorder', 'property_monitor')
 _LOOK_ON = {
-    'nodelet': 'nodelets are not followed', 'rviz': 'it only shows',
+    'rviz': 'it only shows',
     'rqt_gui': 'it only shows', 'image_view': 'it only shows', 'plotjuggler': 'it only shows'}
 _CLOCKS = (('stage_ros', 'stageros'), ('gazebo_ros', 'gazebo'), ('gazebo_ros', 'gzserver'), ('gazebo_ros', 'debug'),
            ('flatland_server', 'flatland_server'), ('mvsim', 'mvsim_node'), ('mvsim', 'mvsim'))
@@ -133,6 +133,11 @@ def _without(node):
     return '{}; ours: --replace {}={}/{}'.format(kind, kind, PACKAGE, own) if own else kind
 
 
+def is_nodelet_loader(node):
+    """Return whether a roslaunch Node asks a nodelet manager to load a nodelet, sleeps by the wall, and runs nobody's code."""
+    return (node.package, node.type) == ('nodelet', 'nodelet') and (node.args or '').split()[:1] == ['load']
+
+
 def program_of(node):
     """Return the path of a roslaunch Node's program, or None."""
     try:
@@ -145,5 +150,7 @@ def program_of(node):
 def prefix_of(node, launcher):
     """Return the launch prefix with the words of our launcher in it: before a Python, behind anything else."""
     words = shlex.split(node.launch_prefix or '')
+    if is_nodelet_loader(node):
+        launcher = [*launcher, '--sleep', 'simulated']
     at = next((k for k, word in enumerate(words) if os.path.basename(word).startswith('python')), len(words))
     return ' '.join(shlex.quote(word) for word in [*words[:at], *launcher, *words[at:]])

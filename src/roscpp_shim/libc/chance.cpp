@@ -47,6 +47,16 @@ bool fill(void* buffer, std::size_t size, const void* caller) {
   return true;
 }
 
+/** @brief A UUID (RFC 4122) of 16 such bytes. @return false if the machine shall give it. */
+bool name(unsigned char* out, int version, const void* caller) {
+  if (!fill(out, 16, caller)) {
+    return false;
+  }
+  out[6] = static_cast<unsigned char>((out[6] & 0x0F) | version << 4);
+  out[8] = static_cast<unsigned char>((out[8] & 0x3F) | 0x80);
+  return true;
+}
+
 /** @brief Tell of a draw from libc's generators, which all threads share, that has no order. */
 void checkOrder(const void* caller) {
   if (sees() == Sees::kStray) {
@@ -167,6 +177,37 @@ std::uint32_t arc4random_uniform(std::uint32_t bound) {
     return function(bound);
   }
   return bound < 2 ? 0 : static_cast<std::uint32_t>(number % bound);  // off by less than 2^-32
+}
+
+// ---- names that nobody else has --------------------------------------------------------------
+
+// libuuid mixes the numbers of process and thread into its random bytes, and looks at the
+// computer's address and at what was given out before for those by time.
+
+void uuid_generate(unsigned char* out) {
+  static auto* const function = shim::real<void(unsigned char*)>("uuid_generate");
+  if (!shim::name(out, 4, MOVE_BASE_ABSTRACT_CALLER)) {
+    function(out);
+  }
+}
+
+void uuid_generate_random(unsigned char* out) {
+  static auto* const function = shim::real<void(unsigned char*)>("uuid_generate_random");
+  if (!shim::name(out, 4, MOVE_BASE_ABSTRACT_CALLER)) {
+    function(out);
+  }
+}
+
+void uuid_generate_time(unsigned char* out) {
+  static auto* const function = shim::real<void(unsigned char*)>("uuid_generate_time");
+  if (!shim::name(out, 1, MOVE_BASE_ABSTRACT_CALLER)) {
+    function(out);
+  }
+}
+
+int uuid_generate_time_safe(unsigned char* out) {
+  static auto* const function = shim::real<int(unsigned char*)>("uuid_generate_time_safe");
+  return shim::name(out, 1, MOVE_BASE_ABSTRACT_CALLER) ? 0 : function(out);
 }
 
 // ---- who one is ------------------------------------------------------------------------------

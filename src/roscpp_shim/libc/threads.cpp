@@ -100,7 +100,7 @@ void* runOther(void* argument) {
 
 /** @return how a thread begins that takes no turns; null: as it is. */
 void (*kindOfNew(const void* caller))() {
-  if (Turn::isInternal() || Turn::isInside()) {
+  if (Turn::startsInternal()) {
     return &Turn::becomeInternal;
   }
   return isWorkerPool(caller) ? &becomeWorker : nullptr;

@@ -115,7 +115,8 @@ Surroundings lookAround() {
   }
   for (const Replaced& one : replacedFunctions()) {
     const std::string library = one.library;
-    const bool is_optional = library == "libstdc++" || library == "tf2";  // whose users bring them
+    // whose users bring them
+    const bool is_optional = library == "libstdc++" || library == "tf2" || library == "libuuid";
     const bool is_newer =
         is_optional || (library == "libc" && numbersOf(found.glibc) < numbersOf(one.since));
     if (findReal(one.symbol) == nullptr && !is_newer) {

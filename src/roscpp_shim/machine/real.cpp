@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <vector>
 
 namespace move_base_abstract::shim {
 namespace {
@@ -26,16 +27,24 @@ constexpr const char* kSymbols[] = {
 
 /** @return what a library has that a plug-in brought along: it is in nobody's list of libraries. */
 void* findLoaded(const char* symbol) {
-  std::string path;
+  std::vector<std::string> paths;
   const auto look = [](dl_phdr_info* info, std::size_t, void* found) {
-    if (std::strstr(info->dlpi_name, "/libtf2.so") != nullptr) {
-      *static_cast<std::string*>(found) = info->dlpi_name;
+    for (const char* name : {"/libtf2.so", "/libuuid.so"}) {
+      if (std::strstr(info->dlpi_name, name) != nullptr) {
+        static_cast<std::vector<std::string>*>(found)->emplace_back(info->dlpi_name);
+      }
     }
     return 0;
   };
-  ::dl_iterate_phdr(look, &path);
-  void* const library = path.empty() ? nullptr : ::dlopen(path.c_str(), RTLD_LAZY | RTLD_NOLOAD);
-  return library == nullptr ? nullptr : ::dlsym(library, symbol);
+  ::dl_iterate_phdr(look, &paths);
+  for (const std::string& path : paths) {
+    void* const library = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_NOLOAD);
+    void* const result = library == nullptr ? nullptr : ::dlsym(library, symbol);
+    if (result != nullptr) {
+      return result;
+    }
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -49,7 +58,7 @@ void* findReal(const char* symbol) {
     }
   }
   void* const found = ::dlsym(RTLD_NEXT, symbol);
-  return found == nullptr && is_cpp ? findLoaded(symbol) : found;
+  return found == nullptr ? findLoaded(symbol) : found;
 }
 
 void* realOrAbort(const char* symbol) {

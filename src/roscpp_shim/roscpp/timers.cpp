@@ -1,85 +1,192 @@
-// ros::Timer: due exactly when the simulated clock says so, without a thread that polls it.
+// Timers of roscpp: due exactly when the run's clocks say so, without threads that poll them.
 #include <ros/init.h>
+#include <ros/internal_timer_manager.h>
 #include <ros/steady_timer.h>
 #include <ros/timer.h>
 #include <ros/timer_manager.h>
 #include <ros/wall_timer.h>
 
 #include <algorithm>
+#include <list>
 
+#include "roscpp_shim/clocks.h"
 #include "roscpp_shim/machine/real.h"
 #include "roscpp_shim/node.h"
 #include "roscpp_shim/turn.h"
 
-namespace shim = move_base_abstract::shim;
+namespace move_base_abstract::shim {
+namespace {
 
-namespace ros {
+/** @brief The clock that timers of each kind go by, as the program sees it. */
+template <class Instant>
+struct TimerClock;
 
-// As roscpp's own, but for the thread: it only says where the timers are, and ends. The rest of the
-// manager (periods, what a late callback means, pending callbacks) is used as it is.
 template <>
-__attribute__((visibility("default"))) void TimerManager<Time, Duration, TimerEvent>::threadFunc() {
-  if (!shim::takesPart()) {
-    using ThreadFunction = void(TimerManager*);
-    static ThreadFunction* const function = shim::real<ThreadFunction>(
-        "_ZN3ros12TimerManagerINS_4TimeENS_8DurationENS_10TimerEventEE10threadFuncEv");
-    function(this);
-    return;
-  }
-  shim::SimulatedTimers timers;
-  timers.next = [this] {
-    const boost::mutex::scoped_lock lock(timers_mutex_);
-    const boost::mutex::scoped_lock waiting_lock(waiting_mutex_);
-    const TimerInfoPtr info = waiting_.empty() ? nullptr : findTimer(waiting_.front());
-    const Time never(INT_MAX, 999999999);  // what the manager writes for a timer that is over
+struct TimerClock<ros::Time> {
+  static constexpr TimerKind kKind = kRosTimers;
+  static Nanoseconds now() { return node().now(); }
+};
+
+template <>
+struct TimerClock<ros::SteadyTime> {
+  static constexpr TimerKind kKind = kSteadyTimers;
+  static Nanoseconds now() { return seenTime(CLOCK_MONOTONIC); }
+};
+
+template <>
+struct TimerClock<ros::WallTime> {
+  static constexpr TimerKind kKind = kWallTimers;
+  static Nanoseconds now() { return seenTime(CLOCK_REALTIME); }
+};
+
+/** @brief What a manager keeps to itself. */
+template <class Instant, class Find, class MakeCallback>
+struct Opened {
+  boost::mutex& timers_mutex;
+  boost::mutex& waiting_mutex;
+  std::list<std::int32_t>& waiting;  // handles; who is due first comes first
+  Find find;
+  MakeCallback make_callback;
+
+  using Clock = TimerClock<Instant>;
+
+  /** @return when the first timer is due, simulated [ns]. */
+  Nanoseconds next() const {
+    const boost::mutex::scoped_lock lock(timers_mutex);
+    const boost::mutex::scoped_lock waiting_lock(waiting_mutex);
+    const auto info = waiting.empty() ? nullptr : find(waiting.front());
+    const Instant never(INT_MAX, 999999999);  // what the manager writes for a timer that is over
     return info && info->next_expected < never
-               ? static_cast<std::int64_t>(info->next_expected.toNSec())
-               : move_base_abstract::kNever;
-  };
-  timers.fire = [this] {
-    const boost::mutex::scoped_lock lock(timers_mutex_);
-    const boost::mutex::scoped_lock waiting_lock(waiting_mutex_);
-    const Time now = Time::now();
-    while (!waiting_.empty()) {
-      const TimerInfoPtr info = findTimer(waiting_.front());
+               ? node().now() + static_cast<Nanoseconds>(info->next_expected.toNSec()) -
+                     Clock::now()
+               : kNever;
+  }
+
+  /** @brief Put what is due into the callback queues. */
+  void fire() const {
+    const boost::mutex::scoped_lock lock(timers_mutex);
+    const boost::mutex::scoped_lock waiting_lock(waiting_mutex);
+    Instant now;
+    now.fromNSec(static_cast<std::uint64_t>(Clock::now()));
+    while (!waiting.empty()) {
+      const auto info = find(waiting.front());
       if (!info || info->next_expected > now) {
         break;
       }
-      const CallbackInterfacePtr callback(
-          boost::make_shared<TimerQueueCallback>(this, info, info->last_expected, info->last_real,
-                                                 info->next_expected, info->last_expired, now));
-      info->callback_queue->addCallback(callback, reinterpret_cast<std::uint64_t>(info.get()));
-      waiting_.pop_front();
+      info->callback_queue->addCallback(make_callback(info, now),
+                                        reinterpret_cast<std::uint64_t>(info.get()));
+      waiting.pop_front();
     }
-  };
-  shim::node().setTimers(std::move(timers));
+  }
+};
+
+/**
+ * @brief In the place of a manager's thread, which ends: the node is told where its timers are. The
+ * rest of the manager (periods, what a late callback means, pending callbacks) is used as it is.
+ */
+template <class Instant, class Find, class MakeCallback>
+void serve(boost::mutex& timers_mutex, boost::mutex& waiting_mutex,
+           std::list<std::int32_t>& waiting, Find find, MakeCallback make_callback) {
+  const Opened<Instant, Find, MakeCallback> opened{timers_mutex, waiting_mutex, waiting, find,
+                                                   make_callback};
+  SimulatedTimers timers;
+  timers.next = [opened] { return opened.next(); };
+  timers.fire = [opened] { opened.fire(); };
+  node().setTimers(TimerClock<Instant>::kKind, std::move(timers));
 }
 
-void Timer::Impl::start() {
-  using Start = void(Timer::Impl*);
-  static Start* const function = shim::real<Start>("_ZN3ros5Timer4Impl5startEv");
-  const bool is_app = shim::turn().enter();
-  const shim::Inside inside;
-  function(this);
-  while (is_app && shim::takesPart() && !shim::node().hasTimers()) {
-    WallDuration(0.0001).sleep();  // once: the manager's thread is about to say where they are
+/**
+ * @brief Start a timer, by roscpp's own @p start.
+ *
+ * The first one of its kind starts the manager's thread, which is roscpp's own, and is about to say
+ * where they are.
+ */
+template <class Impl>
+void startTimer(void (*start)(Impl*), Impl* timer, TimerKind kind) {
+  const bool is_app = turn().enter();
+  {
+    const StartsInternal starts;
+    const Beside beside;
+    start(timer);
+  }
+  while (is_app && takesPart() && !node().hasTimers(kind)) {
+    const Inside inside;
+    ros::WallDuration(0.0001).sleep();
   }
 }
 
-// The threads of these are roscpp's own.
+}  // namespace
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+
+// A member of a class template can be put in the place of roscpp's only one by one.
+#define MOVE_BASE_ABSTRACT_SERVE(Instant)                                            \
+  shim::serve<Instant>(                                                              \
+      timers_mutex_, waiting_mutex_, waiting_,                                       \
+      [this](std::int32_t handle) { return findTimer(handle); },                     \
+      [this](const TimerInfoPtr& info, const Instant& now) {                         \
+        return CallbackInterfacePtr(boost::make_shared<TimerQueueCallback>(          \
+            this, info, info->last_expected, info->last_real, info->next_expected,   \
+            info->last_expired, now));                                               \
+      })
+
+namespace ros {
+
+template <>
+__attribute__((visibility("default"))) void TimerManager<Time, Duration, TimerEvent>::threadFunc() {
+  using ThreadFunction = void(TimerManager*);
+  static ThreadFunction* const function = shim::real<ThreadFunction>(
+      "_ZN3ros12TimerManagerINS_4TimeENS_8DurationENS_10TimerEventEE10threadFuncEv");
+  if (!shim::takesPart()) {
+    function(this);
+    return;
+  }
+  MOVE_BASE_ABSTRACT_SERVE(Time);
+}
+
+template <>
+__attribute__((visibility("default"))) void
+TimerManager<SteadyTime, WallDuration, SteadyTimerEvent>::threadFunc() {
+  using ThreadFunction = void(TimerManager*);
+  static ThreadFunction* const function = shim::real<ThreadFunction>(
+      "_ZN3ros12TimerManagerINS_10SteadyTimeENS_12WallDurationENS_16SteadyTimerEventEE"
+      "10threadFuncEv");
+  if (!shim::takesPart() || this == getInternalTimerManager().get()) {
+    function(this);
+    return;
+  }
+  MOVE_BASE_ABSTRACT_SERVE(SteadyTime);
+}
+
+template <>
+__attribute__((visibility("default"))) void
+TimerManager<WallTime, WallDuration, WallTimerEvent>::threadFunc() {
+  using ThreadFunction = void(TimerManager*);
+  static ThreadFunction* const function = shim::real<ThreadFunction>(
+      "_ZN3ros12TimerManagerINS_8WallTimeENS_12WallDurationENS_14WallTimerEventEE10threadFuncEv");
+  if (!shim::takesPart()) {
+    function(this);
+    return;
+  }
+  MOVE_BASE_ABSTRACT_SERVE(WallTime);
+}
+
+void Timer::Impl::start() {
+  static auto* const function = shim::real<void(Timer::Impl*)>("_ZN3ros5Timer4Impl5startEv");
+  shim::startTimer(function, this, shim::kRosTimers);
+}
 
 void WallTimer::Impl::start() {
-  using Start = void(WallTimer::Impl*);
-  static Start* const function = shim::real<Start>("_ZN3ros9WallTimer4Impl5startEv");
-  const shim::Inside inside;
-  function(this);
+  static auto* const function =
+      shim::real<void(WallTimer::Impl*)>("_ZN3ros9WallTimer4Impl5startEv");
+  shim::startTimer(function, this, shim::kWallTimers);
 }
 
 void SteadyTimer::Impl::start() {
-  using Start = void(SteadyTimer::Impl*);
-  static Start* const function = shim::real<Start>("_ZN3ros11SteadyTimer4Impl5startEv");
-  const shim::Inside inside;
-  function(this);
+  static auto* const function =
+      shim::real<void(SteadyTimer::Impl*)>("_ZN3ros11SteadyTimer4Impl5startEv");
+  shim::startTimer(function, this, shim::kSteadyTimers);
 }
 
 }  // namespace ros
