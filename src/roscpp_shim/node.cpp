@@ -97,15 +97,24 @@ void Node::leave(const std::string& reason) {
   if (!membership_.leave(reason, lockstep::internal::Membership::State::kLeft, !is_own)) {
     return;
   }
-  turn().end();
+  endTurns();
   membership_.ring();
   if (is_own) {
     membership_.finish();
   }
 }
 
-void Node::onEnd() {
+void Node::endTurns() {
   turn().end();
+  for (std::size_t kind = 0; kind < kTimerKinds; ++kind) {
+    if (has_timers_[kind] && timers_[kind].release) {
+      timers_[kind].release();
+    }
+  }
+}
+
+void Node::onEnd() {
+  endTurns();
   if (ros::ok()) {
     ros::requestShutdown();
   }

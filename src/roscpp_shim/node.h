@@ -17,12 +17,13 @@
 namespace move_base_abstract::shim {
 
 /** @brief Whose timers. Those that are due at one instant fire in this order. */
-enum TimerKind { kRosTimers, kSteadyTimers, kWallTimers, kTimerKinds };
+enum TimerKind { kRosTimers, kSteadyTimers, kWallTimers, kKernelTimers, kTimerKinds };
 
-/** @brief The process-wide manager of one kind of timers, as timers.cpp opens it. */
+/** @brief The process-wide manager of one kind of timers, as whoever knows them opens it. */
 struct SimulatedTimers {
   std::function<Nanoseconds()> next;  // simulated
-  std::function<void()> fire;  // puts what is due into the callback queues
+  std::function<void()> fire;  // what is due: into the callback queues, say
+  std::function<void()> release;  // they go by the machine's clock from now on; may be empty
 };
 
 /** @brief Something that comes from nodes or threads that do not take part. */
@@ -94,6 +95,7 @@ class Node : public lockstep::internal::Program {
 
   std::string waits(const OpenWaits& threads) const;
   void keepUnread();
+  void endTurns();
   bool enterOutside(bool only_if_late);
 
   bool sleeps_simulated_ = false;

@@ -40,6 +40,7 @@ struct Wait {
   bool for_thread = false;              // it is another thread that must do something
   std::function<void()> unlock;         // called when a signal can no longer be missed
   const char* what = nullptr;           // of a wait without end for another thread: shown
+  bool is_on_descriptors = false;       // others than its threads may end it, which is told
   bool is_owed = false;                 // that thread must do it; else it is work that may come
   const struct Task* end_of = nullptr;  // it is the end of that one
 };
@@ -206,6 +207,7 @@ class Turn {
   void finish(Task* task);
   void forget(const Task* task);
   void watch();
+  Task* findWoken();
   void letOthersOn(const std::string& why);
 
   std::atomic<bool> is_active_{false};

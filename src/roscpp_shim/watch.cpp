@@ -2,6 +2,7 @@
 // library does not see it, or computes without end.
 #include <time.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <mutex>
@@ -27,6 +28,8 @@ constexpr Nanoseconds kComputesAgain = kSecond / 2;  // of a thread that has don
 const char* const kLimitVariable = "MOVE_BASE_ABSTRACT_COMPUTE_LIMIT";
 
 const char* const kWaits = "a thread waits for another one in a way that lockstep does not follow";
+const char* const kWoken =
+    "a thread that waits for descriptors was woken from outside of lockstep";
 const char* const kSpins =
     "a thread computes at one instant while others wait, longer than "
     "MOVE_BASE_ABSTRACT_COMPUTE_LIMIT says (20 s of the processor's time), as one does that looks "
@@ -55,9 +58,18 @@ void Turn::letOthersOn(const std::string& why) {
   node().label(why);
 }
 
+/** @return a thread whose descriptors are ready though nobody has had the turn. Under the lock. */
+Task* Turn::findWoken() {
+  const auto at = std::find_if(waiting_.begin(), waiting_.end(), [](const Task* task) {
+    return task->wait.is_on_descriptors && !task->is_signalled && task->wait.is_over();
+  });
+  return at == waiting_.end() ? nullptr : *at;
+}
+
 void Turn::watch() {
   std::uint64_t switches = 0;
   int asleep = 0;
+  int awaits = 0;
   const Nanoseconds limit = computeLimit();
   Nanoseconds computed = 0;  // by the holder, when it got the turn
   while (isActive()) {
@@ -65,7 +77,13 @@ void Turn::watch() {
     const Lock lock(mutex_);
     const bool is_working = switches == switches_ && holder_ != nullptr && !holder_->is_waiting &&
                             !holder_->is_blocking && !holder_->is_loose && !waiting_.empty();
+    awaits = switches == switches_ && findWoken() != nullptr ? awaits + 1 : 0;
     switches = switches_;
+    if (awaits >= kStuckPeriods) {
+      findWoken()->is_signalled = true;
+      node().label(kWoken);
+      node().ring();
+    }
     if (!is_working) {
       asleep = 0;
       computed = holder_ == nullptr ? 0 : computedBy(holder_->tid);

@@ -241,16 +241,27 @@ void queues(Teller& teller) {
   spinner.spin();
 }
 
-/** A timer of the wall. */
+/** Timers of the wall, whose instants the program sees by its clocks. */
 void wall(Teller& teller) {
   ros::NodeHandle node;
+  const ros::WallTime wall_begin = ros::WallTime::now();
+  const ros::SteadyTime steady_begin = ros::SteadyTime::now();
   int fired = 0;
-  const ros::WallTimerCallback fire = [&](const ros::WallTimerEvent&) { ++fired; };
-  const ros::WallTimer timer = node.createWallTimer(ros::WallDuration(0.01), fire);
-  while (fired < 3) {
+  ros::WallTimer wall;
+  const ros::WallTimerCallback on_wall = [&](const ros::WallTimerEvent& event) {
+    teller.tell("wall " + std::to_string((event.current_real - wall_begin).toNSec()) + " " +
+                std::to_string((event.current_expected - event.last_expected).toNSec()));
+    wall.setPeriod(ros::WallDuration(++fired < 3 ? 0.01 : 0.05));
+  };
+  wall = node.createWallTimer(ros::WallDuration(0.01), on_wall);
+  const ros::SteadyTimerCallback on_steady = [&](const ros::SteadyTimerEvent& event) {
+    teller.tell("steady " + std::to_string((event.current_real - steady_begin).toNSec()));
+  };
+  const ros::SteadyTimer steady = node.createSteadyTimer(ros::WallDuration(0.02), on_steady);
+  const ros::SteadyTimer once = node.createSteadyTimer(ros::WallDuration(0.1), on_steady, true);
+  while (fired < 5) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
   }
-  teller.tell("fired thrice");
 }
 
 /** Threads that only look at a queue and a flag, as those of actionlib's clients do. */

@@ -1,18 +1,22 @@
-// Waits for descriptors, and timers of the kernel: by the wall, which is told.
+// Waits for descriptors: in simulated time for those that only the program makes ready, else by the
+// wall, which is told; so are timers of the kernel that send signals.
 #include <poll.h>
 #include <signal.h>
 #include <sys/epoll.h>
 #include <sys/select.h>
 #include <sys/time.h>
-#include <sys/timerfd.h>
 #include <time.h>
 #include <unistd.h>
 
+#include <functional>
 #include <string>
+#include <utility>
 
 #include "roscpp_shim/clocks.h"
 #include "roscpp_shim/followed.h"
+#include "roscpp_shim/libc/own_descriptors.h"
 #include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/node.h"
 #include "roscpp_shim/turn.h"
 #include "roscpp_shim/waits.h"
 
@@ -20,31 +24,68 @@ namespace move_base_abstract::shim {
 namespace {
 
 constexpr Nanoseconds kMillisecond = 1'000'000;
+constexpr unsigned kEmptyLooks = 1000;  // in vain, after which simulated time goes on
+
+/** @brief Wait for descriptors in simulated time. @return false if the run has ended meanwhile. */
+bool awaitDescriptors(Nanoseconds lasts, std::function<bool()> is_ready) {
+  Task& me = *Turn::self();
+  if (is_ready()) {
+    me.empty_polls = 0;
+    return true;
+  }
+  if (lasts <= 0) {
+    countLook(&me.empty_polls, kEmptyLooks);
+    return true;
+  }
+  me.has_acted = true;
+  me.empty_polls = 0;
+  Wait wait;
+  wait.until = lasts == kNever ? kNever : node().now() + lasts;
+  wait.is_over = std::move(is_ready);
+  wait.is_on_descriptors = true;
+  wait.for_thread = lasts == kNever;
+  wait.what = "descriptors";
+  return turn().wait(std::move(wait)) != Woken::kEnd;
+}
 
 /** @brief A wait for descriptors, or for none of them: then it is a sleep. */
 class DescriptorWait {
  public:
-  /** @param lasts ns; kNever: without end. */
-  DescriptorWait(const char* name, bool has_descriptors, Nanoseconds lasts, const void* caller)
+  /** @param look null: no descriptors. @param lasts ns; kNever: without end. */
+  DescriptorWait(const char* name, const std::function<WaitedFor()>& look,
+                 const std::function<bool()>& is_ready, Nanoseconds lasts, const void* caller)
       // Whose code calls is looked up last: it takes longer than the system call.
       : whose_(Turn::isInside() || isRoscpps(caller) ? Sees::kMachine : sees()), lasts_(lasts) {
     if (whose_ == Sees::kMachine) {
       return;
     }
-    if (has_descriptors) {
-      tell(std::string(name) + " looks at a connection or a file, by the wall clock", caller);
-    } else if (ordered() && lasts > 0 && lasts != kNever) {
-      sleepWall(lasts);
-      is_over_ = true;
+    if (!look) {
+      is_over_ = ordered() && lasts > 0 && lasts != kNever;
+      if (is_over_) {
+        sleepWall(lasts);
+      }
+      return;
     }
+    const WaitedFor what = look();
+    if (!what.is_own || !ordered()) {
+      tell(std::string(name) + " looks at a connection or a file, by the wall clock", caller);
+    }
+    // What others send comes by the wall; beside it an event loop's timers go by simulated time.
+    is_simulated_ = ordered() && (what.is_own || what.has_timer) && awaitDescriptors(lasts, is_ready);
+    begin_ = is_simulated_ || ordered() ? 0 : machineTime(CLOCK_MONOTONIC);
   }
 
   /** @return whether it was a sleep, which is over. */
   bool isOver() const { return is_over_; }
+  /** @return whether it has lasted as long as it was to: a look is left. */
+  bool isSimulated() const { return is_simulated_; }
 
   /** @return @p result, after the machine's wait. */
   int waited(int result) const {
-    if (result == 0 && lasts_ > 0 && lasts_ != kNever && whose_ == Sees::kRun) {
+    if (begin_ != 0 && whose_ == Sees::kRun) {
+      addSleep(machineTime(CLOCK_MONOTONIC) - begin_);  // nobody else lets the clocks go on
+    } else if (result == 0 && !is_simulated_ && lasts_ > 0 && lasts_ != kNever &&
+               whose_ == Sees::kRun) {
       addSleep(lasts_);
     }
     return result;
@@ -53,7 +94,9 @@ class DescriptorWait {
  private:
   Sees whose_;
   Nanoseconds lasts_;
+  Nanoseconds begin_ = 0;
   bool is_over_ = false;
+  bool is_simulated_ = false;
 };
 
 Nanoseconds ofMilliseconds(int timeout) { return timeout < 0 ? kNever : timeout * kMillisecond; }
@@ -77,67 +120,148 @@ void tellTimer(const char* name, const void* caller) {
 namespace shim = move_base_abstract::shim;
 using shim::DescriptorWait;
 
+namespace move_base_abstract::shim {
+namespace {
+
+using Poll = int(pollfd*, nfds_t, int);
+using Select = int(int, fd_set*, fd_set*, fd_set*, timeval*);
+
+Poll* realPoll() {
+  static Poll* const function = real<Poll>("poll");
+  return function;
+}
+
+DescriptorWait waitOnPoll(const char* name, pollfd* polled, nfds_t count, Nanoseconds lasts,
+                          const void* caller) {
+  std::function<WaitedFor()> look;
+  if (count > 0) {
+    look = [polled, count] {
+      WaitedFor all;
+      for (nfds_t k = 0; k < count; ++k) {
+        all.add(lookAt(polled[k].fd));
+      }
+      return all;
+    };
+  }
+  return {name, look, [polled, count] { return realPoll()(polled, count, 0) != 0; }, lasts, caller};
+}
+
+/** @brief The sets of a select(), which writes its answer into them. */
+struct SelectSets {
+  int count;
+  fd_set* sets[3];
+
+  bool areEmpty() const {
+    return count <= 0 || (sets[0] == nullptr && sets[1] == nullptr && sets[2] == nullptr);
+  }
+
+  WaitedFor look() const {
+    WaitedFor all;
+    for (int k = 0; k < count; ++k) {
+      for (const fd_set* set : sets) {
+        if (set != nullptr && FD_ISSET(k, set)) {
+          all.add(lookAt(k));
+        }
+      }
+    }
+    return all;
+  }
+
+  bool isReady() const {
+    static Select* const function = real<Select>("select");
+    fd_set copies[3];
+    fd_set* pointers[3];
+    for (int k = 0; k < 3; ++k) {
+      pointers[k] = sets[k] == nullptr ? nullptr : &(copies[k] = *sets[k]);
+    }
+    timeval at_once{0, 0};
+    return function(count, pointers[0], pointers[1], pointers[2], &at_once) != 0;
+  }
+};
+
+DescriptorWait waitOnSelect(const char* name, const SelectSets& sets, Nanoseconds lasts,
+                            const void* caller) {
+  std::function<WaitedFor()> look;
+  if (!sets.areEmpty()) {
+    look = [sets] { return sets.look(); };
+  }
+  return {name, look, [sets] { return sets.isReady(); }, lasts, caller};
+}
+
+DescriptorWait waitOnSet(const char* name, int set, Nanoseconds lasts, const void* caller) {
+  const auto is_ready = [set] {  // without taking the events, as epoll_wait() would
+    pollfd polled{set, POLLIN, 0};
+    return realPoll()(&polled, 1, 0) != 0;
+  };
+  return {name, [set] { return membersOf(set); }, is_ready, lasts, caller};
+}
+
+}  // namespace
+}  // namespace move_base_abstract::shim
+
 #pragma GCC visibility push(default)
 extern "C" {
 
 int poll(pollfd* polled, nfds_t count, int timeout) {
-  static auto* const function = shim::real<int(pollfd*, nfds_t, int)>("poll");
-  const DescriptorWait wait("poll()", count > 0, shim::ofMilliseconds(timeout),
-                            MOVE_BASE_ABSTRACT_CALLER);
-  return wait.isOver() ? 0 : wait.waited(function(polled, count, timeout));
+  const DescriptorWait wait = shim::waitOnPoll("poll()", polled, count, shim::ofMilliseconds(timeout),
+                                               MOVE_BASE_ABSTRACT_CALLER);
+  return wait.isOver() ? 0
+                       : wait.waited(shim::realPoll()(polled, count, wait.isSimulated() ? 0 : timeout));
 }
 
 int __poll_chk(pollfd* polled, nfds_t count, int timeout, size_t size) {
   static auto* const function = shim::real<int(pollfd*, nfds_t, int, size_t)>("__poll_chk");
-  const DescriptorWait wait("poll()", count > 0, shim::ofMilliseconds(timeout),
-                            MOVE_BASE_ABSTRACT_CALLER);
-  return wait.isOver() ? 0 : wait.waited(function(polled, count, timeout, size));
+  const DescriptorWait wait = shim::waitOnPoll("poll()", polled, count, shim::ofMilliseconds(timeout),
+                                               MOVE_BASE_ABSTRACT_CALLER);
+  return wait.isOver() ? 0 : wait.waited(function(polled, count, wait.isSimulated() ? 0 : timeout, size));
 }
 
 int ppoll(pollfd* polled, nfds_t count, const timespec* timeout, const sigset_t* mask) {
   static auto* const function =
       shim::real<int(pollfd*, nfds_t, const timespec*, const sigset_t*)>("ppoll");
-  const DescriptorWait wait("ppoll()", count > 0, shim::of(timeout), MOVE_BASE_ABSTRACT_CALLER);
-  return wait.isOver() ? 0 : wait.waited(function(polled, count, timeout, mask));
+  const DescriptorWait wait =
+      shim::waitOnPoll("ppoll()", polled, count, shim::of(timeout), MOVE_BASE_ABSTRACT_CALLER);
+  const timespec at_once{0, 0};
+  return wait.isOver()
+             ? 0
+             : wait.waited(function(polled, count, wait.isSimulated() ? &at_once : timeout, mask));
 }
 
 int select(int count, fd_set* readable, fd_set* writable, fd_set* other, timeval* timeout) {
-  static auto* const function = shim::real<int(int, fd_set*, fd_set*, fd_set*, timeval*)>("select");
-  const bool has_some = readable != nullptr || writable != nullptr || other != nullptr;
-  const DescriptorWait wait("select()", count > 0 && has_some, shim::of(timeout),
-                            MOVE_BASE_ABSTRACT_CALLER);
-  return wait.isOver() ? 0 : wait.waited(function(count, readable, writable, other, timeout));
+  static shim::Select* const function = shim::real<shim::Select>("select");
+  const DescriptorWait wait = shim::waitOnSelect("select()", {count, {readable, writable, other}},
+                                                 shim::of(timeout), MOVE_BASE_ABSTRACT_CALLER);
+  timeval at_once{0, 0};
+  return wait.isOver() ? 0
+                       : wait.waited(function(count, readable, writable, other,
+                                              wait.isSimulated() ? &at_once : timeout));
 }
 
 int pselect(int count, fd_set* readable, fd_set* writable, fd_set* other, const timespec* timeout,
             const sigset_t* mask) {
   static auto* const function =
       shim::real<int(int, fd_set*, fd_set*, fd_set*, const timespec*, const sigset_t*)>("pselect");
-  const bool has_some = readable != nullptr || writable != nullptr || other != nullptr;
-  const DescriptorWait wait("pselect()", count > 0 && has_some, shim::of(timeout),
-                            MOVE_BASE_ABSTRACT_CALLER);
-  return wait.isOver() ? 0 : wait.waited(function(count, readable, writable, other, timeout, mask));
+  const DescriptorWait wait = shim::waitOnSelect("pselect()", {count, {readable, writable, other}},
+                                                 shim::of(timeout), MOVE_BASE_ABSTRACT_CALLER);
+  const timespec at_once{0, 0};
+  return wait.isOver() ? 0
+                       : wait.waited(function(count, readable, writable, other,
+                                              wait.isSimulated() ? &at_once : timeout, mask));
 }
 
 int epoll_wait(int set, epoll_event* events, int count, int timeout) {
   static auto* const function = shim::real<int(int, epoll_event*, int, int)>("epoll_wait");
-  const DescriptorWait wait("epoll_wait()", true, shim::ofMilliseconds(timeout),
-                            MOVE_BASE_ABSTRACT_CALLER);
-  return wait.waited(function(set, events, count, timeout));
+  const DescriptorWait wait = shim::waitOnSet("epoll_wait()", set, shim::ofMilliseconds(timeout),
+                                              MOVE_BASE_ABSTRACT_CALLER);
+  return wait.waited(function(set, events, count, wait.isSimulated() ? 0 : timeout));
 }
 
 int epoll_pwait(int set, epoll_event* events, int count, int timeout, const sigset_t* mask) {
   static auto* const function =
       shim::real<int(int, epoll_event*, int, int, const sigset_t*)>("epoll_pwait");
-  const DescriptorWait wait("epoll_pwait()", true, shim::ofMilliseconds(timeout),
-                            MOVE_BASE_ABSTRACT_CALLER);
-  return wait.waited(function(set, events, count, timeout, mask));
-}
-
-int timerfd_create(int clock, int flags) {
-  static auto* const function = shim::real<int(int, int)>("timerfd_create");
-  shim::tellTimer("timerfd_create()", MOVE_BASE_ABSTRACT_CALLER);
-  return function(clock, flags);
+  const DescriptorWait wait = shim::waitOnSet("epoll_pwait()", set, shim::ofMilliseconds(timeout),
+                                              MOVE_BASE_ABSTRACT_CALLER);
+  return wait.waited(function(set, events, count, wait.isSimulated() ? 0 : timeout, mask));
 }
 
 int timer_create(clockid_t clock, sigevent* event, timer_t* timer) {

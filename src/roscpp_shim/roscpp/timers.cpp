@@ -50,16 +50,17 @@ struct Opened {
 
   using Clock = TimerClock<Instant>;
 
-  /** @return when the first timer is due, simulated [ns]. */
+  /** @return when the first timer is due, simulated [ns]; now where it is late. */
   Nanoseconds next() const {
     const boost::mutex::scoped_lock lock(timers_mutex);
     const boost::mutex::scoped_lock waiting_lock(waiting_mutex);
     const auto info = waiting.empty() ? nullptr : find(waiting.front());
     const Instant never(INT_MAX, 999999999);  // what the manager writes for a timer that is over
-    return info && info->next_expected < never
-               ? node().now() + static_cast<Nanoseconds>(info->next_expected.toNSec()) -
-                     Clock::now()
-               : kNever;
+    if (!info || info->next_expected >= never) {
+      return kNever;
+    }
+    const auto due = static_cast<Nanoseconds>(info->next_expected.toNSec());
+    return node().now() + std::max<Nanoseconds>(due - Clock::now(), 0);
   }
 
   /** @brief Put what is due into the callback queues. */

@@ -1,0 +1,182 @@
+// The kernel's timers that are descriptors (timerfd): what an event loop waits for.
+
+#include <poll.h>
+#include <sys/timerfd.h>
+#include <time.h>
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+#include "roscpp_shim/clocks.h"
+#include "roscpp_shim/followed.h"
+#include "roscpp_shim/machine/real.h"
+#include "roscpp_shim/node.h"
+#include "roscpp_shim/turn.h"
+
+namespace move_base_abstract::shim {
+namespace {
+
+using Lock = std::lock_guard<PlainMutex>;
+using SetTime = int(int, int, const itimerspec*, itimerspec*);
+
+constexpr int kLongestMs = 1000;  // wall, until the kernel has noticed that a timer is due
+
+/** @brief A timer that is set; instants by the clock that the program sees. */
+struct KernelTimer {
+  clockid_t clock = CLOCK_MONOTONIC;
+  Nanoseconds due = kNever;
+  Nanoseconds period = 0;  // 0: it fires once
+};
+
+/**
+ * @brief All timers that are descriptors, in the order of their numbers.
+ *
+ * The kernel's own are not set while simulated time decides. When one is due, the kernel's is set
+ * to an instant of the past: then it can be read, whatever function looks at it.
+ */
+class KernelTimers {
+ public:
+  void add(int descriptor, clockid_t clock) {
+    const Lock lock(mutex_);
+    timers_[descriptor] = KernelTimer{clock, kNever, 0};
+  }
+
+  /** @return whether @p descriptor is one of them. */
+  bool has(int descriptor) {
+    const Lock lock(mutex_);
+    return timers_.count(descriptor) > 0;
+  }
+
+  void set(int descriptor, int flags, const itimerspec& value) {
+    const Lock lock(mutex_);
+    KernelTimer& timer = timers_[descriptor];
+    const Nanoseconds first = toNs(value.it_value);
+    const bool is_absolute = (flags & TFD_TIMER_ABSTIME) != 0;
+    timer.period = toNs(value.it_interval);
+    timer.due = first == 0 ? kNever : is_absolute ? first : seenTime(timer.clock) + first;
+    serve();
+  }
+
+  itimerspec get(int descriptor) {
+    const Lock lock(mutex_);
+    const KernelTimer& timer = timers_[descriptor];
+    const Nanoseconds left =
+        timer.due == kNever ? 0 : std::max<Nanoseconds>(timer.due - seenTime(timer.clock), 1);
+    return {toTimespec(timer.period), toTimespec(left)};
+  }
+
+  /** @return when the first is due, simulated [ns]; now where it is late. */
+  Nanoseconds next() {
+    const Lock lock(mutex_);
+    Nanoseconds first = kNever;
+    for (const auto& [descriptor, timer] : timers_) {
+      if (timer.due != kNever) {
+        const Nanoseconds left = std::max<Nanoseconds>(timer.due - seenTime(timer.clock), 0);
+        first = std::min(first, node().now() + left);
+      }
+    }
+    return first;
+  }
+
+  void fire() {
+    const Lock lock(mutex_);
+    for (auto& [descriptor, timer] : timers_) {
+      if (timer.due <= seenTime(timer.clock)) {
+        timer.due = timer.period > 0 ? timer.due + timer.period : kNever;
+        setReal(descriptor, {{0, 0}, {0, 1}}, TFD_TIMER_ABSTIME);
+        pollfd readable{descriptor, POLLIN, 0};
+        ::poll(&readable, 1, kLongestMs);
+      }
+    }
+  }
+
+  void release() {
+    const Lock lock(mutex_);
+    for (auto& [descriptor, timer] : timers_) {
+      if (timer.due != kNever) {
+        const Nanoseconds left = std::max<Nanoseconds>(timer.due - seenTime(timer.clock), 1);
+        setReal(descriptor, {toTimespec(timer.period), toTimespec(left)}, 0);
+      }
+    }
+    timers_.clear();
+  }
+
+ private:
+  static void setReal(int descriptor, const itimerspec& value, int flags) {
+    static SetTime* const function = real<SetTime>("timerfd_settime");
+    function(descriptor, flags, &value, nullptr);
+  }
+
+  void serve() {
+    if (!is_served_) {
+      is_served_ = true;
+      node().setTimers(kKernelTimers, {[this] { return next(); }, [this] { fire(); }, [this] { release(); }});
+    }
+  }
+
+  PlainMutex mutex_;
+  std::map<int, KernelTimer> timers_;
+  bool is_served_ = false;
+};
+
+KernelTimers& kernelTimers() {
+  static KernelTimers* const instance = new KernelTimers;
+  return *instance;
+}
+
+bool isFollowed(int descriptor) { return ordered() && kernelTimers().has(descriptor); }
+
+}  // namespace
+}  // namespace move_base_abstract::shim
+
+namespace shim = move_base_abstract::shim;
+
+#pragma GCC visibility push(default)
+extern "C" {
+
+int timerfd_create(int clock, int flags) {
+  static auto* const function = shim::real<int(int, int)>("timerfd_create");
+  const int descriptor = function(clock, flags);
+  const shim::Sees whose = shim::sees();
+  if (descriptor >= 0 && whose != shim::Sees::kMachine) {
+    if (whose == shim::Sees::kStray) {
+      shim::tell("timerfd_create() has the kernel wake a thread that lockstep does not order",
+                 MOVE_BASE_ABSTRACT_CALLER);
+    }
+    const shim::Inside inside;
+    shim::kernelTimers().add(descriptor, clock);
+  }
+  return descriptor;
+}
+
+int timerfd_settime(int descriptor, int flags, const itimerspec* value, itimerspec* before) {
+  static auto* const function = shim::real<shim::SetTime>("timerfd_settime");
+  if (!shim::isFollowed(descriptor)) {
+    return function(descriptor, flags, value, before);
+  }
+  const shim::Inside inside;
+  const itimerspec old = shim::kernelTimers().get(descriptor);
+  const itimerspec unset{};
+  const int result = function(descriptor, flags, &unset, nullptr);  // also: is it one?
+  if (result == 0) {
+    shim::kernelTimers().set(descriptor, flags, *value);
+    if (before != nullptr) {
+      *before = old;
+    }
+  }
+  return result;
+}
+
+int timerfd_gettime(int descriptor, itimerspec* value) {
+  static auto* const function = shim::real<int(int, itimerspec*)>("timerfd_gettime");
+  if (!shim::isFollowed(descriptor)) {
+    return function(descriptor, value);
+  }
+  const shim::Inside inside;
+  *value = shim::kernelTimers().get(descriptor);
+  return 0;
+}
+
+}  // extern "C"
+#pragma GCC visibility pop

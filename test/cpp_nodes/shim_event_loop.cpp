@@ -1,0 +1,118 @@
+// A node that works by an event loop of Boost.Asio, as drivers and bridges do.
+#include <ros/ros.h>
+#include <std_msgs/String.h>
+
+#include <boost/asio.hpp>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <string>
+#include <thread>
+
+namespace {
+
+using boost::asio::deadline_timer;
+using boost::asio::steady_timer;
+
+class EventLoop {
+ public:
+  EventLoop() : told_(node_.advertise<std_msgs::String>("/told", 100)) {}
+
+  /** The loop has a thread of its own; roscpp's callbacks hand it work. */
+  void thread() {
+    is_ended_by_it_ = true;
+    tick(10);
+    const auto subscriber =
+        node_.subscribe<std_msgs::String>("ticks", 10, [this](const std_msgs::StringConstPtr& m) {
+          context_.post([this, text = m->data] { tell("posted " + text); });
+        });
+    std::thread loop([this] { context_.run(); });
+    ros::spin();
+    loop.join();
+  }
+
+  /** The loop is the main function's; roscpp's callbacks run in a spinner. */
+  void main() {
+    ros::AsyncSpinner spinner(1);
+    spinner.start();
+    tick(5);
+    deadline_timer late(context_, boost::posix_time::milliseconds(730));
+    late.async_wait([this](const boost::system::error_code&) { tell("late"); });
+    context_.run();
+    tell("has run");
+    ros::Duration(0.1).sleep();
+  }
+
+  /** The loop is looked at between the turns of another one. */
+  void looks() {
+    tick(5);
+    for (ros::Rate rate(4); ticks_ > 0; rate.sleep()) {
+      context_.poll();
+      ros::spinOnce();
+    }
+  }
+
+  /** The loop has a connection, too, to which nobody ever sends. */
+  void connected() {
+    boost::asio::ip::udp::socket socket(
+        context_, boost::asio::ip::udp::endpoint(boost::asio::ip::address_v4::loopback(), 0));
+    char byte = 0;
+    socket.async_receive(boost::asio::buffer(&byte, 1),
+                         [](const boost::system::error_code&, std::size_t) {});
+    tick(5);
+    while (ticks_ > 0) {
+      context_.run_one();
+    }
+  }
+
+ private:
+  void tell(const std::string& what) {
+    std_msgs::String message;
+    message.data = std::to_string(ros::Time::now().toNSec()) + " " + what;
+    told_.publish(message);
+  }
+
+  void tick(int count) {
+    ticks_ = count;
+    timer_.expires_after(std::chrono::milliseconds(100));
+    wait();
+  }
+
+  void wait() {
+    timer_.async_wait([this](const boost::system::error_code& error) {
+      if (error || ticks_ == 0) {
+        return;
+      }
+      tell("tick " + std::to_string(ticks_));
+      if (--ticks_ > 0) {
+        timer_.expires_at(timer_.expiry() + std::chrono::milliseconds(100));
+        wait();
+      } else if (is_ended_by_it_) {
+        ros::shutdown();
+      }
+    });
+  }
+
+  ros::NodeHandle node_;
+  ros::Publisher told_;
+  boost::asio::io_context context_;
+  steady_timer timer_{context_};
+  int ticks_ = 0;
+  bool is_ended_by_it_ = false;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "event_loop");
+  EventLoop loop;
+  const std::string what = ros::NodeHandle("~").param<std::string>("what", "main");
+  const std::map<std::string, std::function<void()>> all = {
+      {"thread", [&] { loop.thread(); }},
+      {"main", [&] { loop.main(); }},
+      {"looks", [&] { loop.looks(); }},
+      {"connected", [&] { loop.connected(); }},
+  };
+  all.at(what)();
+  return 0;
+}
