@@ -1,5 +1,6 @@
 // An agent as people write them: seeded by the time before ROS begins, an AsyncSpinner, a loop of
 // 30 Hz, dice in callbacks, durations by the clocks of the wall. ~what says what else it asks.
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <ros/ros.h>
@@ -111,6 +112,14 @@ std::string chance() {
   arc4random_buf(bytes, sizeof bytes);
   text << ' ' << arc4random() << ' ' << arc4random_uniform(1000) << ' ' << hex(bytes, sizeof bytes);
 #endif
+  using Name = void(unsigned char*);
+  dlopen("libuuid.so.1", RTLD_NOW | RTLD_GLOBAL);
+  for (const char* symbol : {"uuid_generate", "uuid_generate_random", "uuid_generate_time"}) {
+    auto* const name = reinterpret_cast<Name*>(dlsym(RTLD_DEFAULT, symbol));
+    unsigned char uuid[16];
+    name(uuid);
+    text << ' ' << hex(uuid, sizeof uuid);
+  }
   for (const char* token : {"default", "/dev/urandom"}) {
     std::random_device device(token);
     text << ' ' << device();

@@ -249,8 +249,7 @@ void wall(Teller& teller) {
   int fired = 0;
   ros::WallTimer wall;
   const ros::WallTimerCallback on_wall = [&](const ros::WallTimerEvent& event) {
-    teller.tell("wall " + std::to_string((event.current_real - wall_begin).toNSec()) + " " +
-                std::to_string((event.current_expected - event.last_expected).toNSec()));
+    teller.tell("wall " + std::to_string((event.current_real - wall_begin).toNSec()));
     wall.setPeriod(ros::WallDuration(++fired < 3 ? 0.01 : 0.05));
   };
   wall = node.createWallTimer(ros::WallDuration(0.01), on_wall);

@@ -106,7 +106,7 @@ class LockstepRoscppChanceTest(unittest.TestCase):
         told.update((what, what + '() looks at a connection or a file, by the wall clock')
                     for what in ('poll', 'ppoll', 'select', 'pselect', 'epoll_wait', 'epoll_pwait'))
         told.update((what, what + '() has the kernel wake the program by the wall clock')
-                    for what in ('timerfd_create', 'timer_create', 'setitimer', 'alarm', 'ualarm'))
+                    for what in ('timer_create', 'setitimer', 'alarm', 'ualarm'))
         told.update((what, what + "() starts a process that takes no part: what it answers is the machine's")
                     for what in ('popen', 'system', 'fork', 'posix_spawn', 'posix_spawnp'))
         told.update((what, what + '() shares memory with other processes: what they write comes when it comes')

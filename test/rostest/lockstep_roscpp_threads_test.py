@@ -26,9 +26,9 @@ def rate(name='rate', frequency=10.0, ticks=100, topic=None):
 
 
 class LockstepRoscppThreadsTest(unittest.TestCase):
-    def told(self, what, *others, **parameters):
+    def told(self, what, *others, program='shim_threads', **parameters):
         """Return what a program with threads says, the same in three runs: [(ns, text), ...]."""
-        program = Program('threads', own('shim_threads'), what=what, **parameters)
+        program = Program('threads', own(program), what=what, **parameters)
         runs = RUNS.three([program, recorder('/told', '/polled'), *others])
         for run in runs:
             self.assertEqual(run.code, 0, run.outputs)
@@ -99,10 +99,29 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.assertTrue(sets < sees <= sets + 200000000, told)
         self.assertEqual((ends, has_joined), (joins, joins))
 
-    def test_a_wall_timer_fires_and_is_labelled(self):
-        run = RUNS.run([Program('threads', own('shim_threads'), what='wall'), recorder('/told')])
-        self.assertEqual([line.split(' ', 3)[3] for line in run.printed(1)], ['fired thrice'])
-        self.assertIn('a wall timer has reached /threads from outside', ' '.join(run.labels))
+    def test_timers_of_the_wall_fire_at_instants_of_simulated_time_which_the_program_sees_by_its_clocks(self):
+        expected = [(10, 'wall'), (20, 'steady'), (20, 'wall'), (30, 'wall'), (40, 'steady'), (60, 'steady'), (80, 'steady'),
+                    (80, 'wall'), (100, 'steady'), (100, 'steady'), (120, 'steady'), (130, 'wall')]
+        self.assertEqual(self.told('wall'), [
+            (SECOND + at * 10 ** 6, f'{kind} {at * 10 ** 6}') for at, kind in expected])
+
+    def test_an_event_loop_waits_in_simulated_time_for_its_timers_and_for_what_the_programs_threads_hand_it(self):
+        ticks = [(SECOND + k * SECOND // 10, f'tick {6 - k}') for k in range(1, 6)]
+        self.assertEqual(self.told('main', program='shim_event_loop'),
+                         [*ticks, (1730000000, 'late'), (1730000000, 'has run')])
+        self.assertEqual(self.told('looks', program='shim_event_loop'),
+                         [(SECOND + k * SECOND // 4, f'tick {6 - k}') for k in range(1, 6)])
+        told = self.told('thread', rate(frequency=3.0, ticks=50), program='shim_event_loop')
+        self.assertEqual([text for _at, text in told if text.startswith('tick')], [f'tick {k}' for k in range(10, 0, -1)])
+        self.assertEqual([(at, text) for at, text in told if text.startswith('posted')], [
+            (SECOND + k * SECOND // 3, f'posted {k} {SECOND + k * SECOND // 3}') for k in (1, 2)] + [
+            (1999999999, 'posted 3 1999999999')])
+
+    def test_an_event_loop_with_a_connection_is_labelled_and_its_timers_go_by_simulated_time_all_the_same(self):
+        run = RUNS.run([Program('threads', own('shim_event_loop'), what='connected'), recorder('/told')])
+        self.assertEqual([line.split(' ', 1)[0] for line in run.printed(1)],
+                         [str(SECOND + k * SECOND // 10) for k in range(1, 6)])
+        self.assertIn('epoll_wait() looks at a connection', ' '.join(run.labels))
 
     def test_polls_come_to_an_end(self):
         told = self.told('polls', rate(ticks=10))
