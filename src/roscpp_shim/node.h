@@ -22,8 +22,8 @@ enum TimerKind { kRosTimers, kSteadyTimers, kWallTimers, kKernelTimers, kTimerKi
 /** @brief The process-wide manager of one kind of timers, as whoever knows them opens it. */
 struct SimulatedTimers {
   std::function<Nanoseconds()> next;  // simulated
-  std::function<void()> fire;  // what is due: into the callback queues, say
-  std::function<void()> release;  // they go by the machine's clock from now on; may be empty
+  std::function<void()> fire;         // what is due: into the callback queues, say
+  std::function<void()> release;      // they go by the machine's clock from now on; may be empty
 };
 
 /** @brief Something that comes from nodes or threads that do not take part. */

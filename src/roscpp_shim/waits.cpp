@@ -298,8 +298,8 @@ void CallbackQueue::addCallback(const CallbackInterfacePtr& callback, uint64_t o
   }
   shim::Input input;
   input.enter = [this, callback, owner] { function(this, callback, owner); };
-  input.label = "a call or a connection has reached " + this_node::getName() +
-                " from outside of lockstep";
+  input.label =
+      "a call or a connection has reached " + this_node::getName() + " from outside of lockstep";
   input.queue = this;
   input.owner = owner;
   shim::node().fromOutside(std::move(input));

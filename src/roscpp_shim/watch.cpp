@@ -28,8 +28,7 @@ constexpr Nanoseconds kComputesAgain = kSecond / 2;  // of a thread that has don
 const char* const kLimitVariable = "MOVE_BASE_ABSTRACT_COMPUTE_LIMIT";
 
 const char* const kWaits = "a thread waits for another one in a way that lockstep does not follow";
-const char* const kWoken =
-    "a thread that waits for descriptors was woken from outside of lockstep";
+const char* const kWoken = "a thread that waits for descriptors was woken from outside of lockstep";
 const char* const kSpins =
     "a thread computes at one instant while others wait, longer than "
     "MOVE_BASE_ABSTRACT_COMPUTE_LIMIT says (20 s of the processor's time), as one does that looks "

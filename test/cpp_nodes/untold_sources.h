@@ -121,21 +121,20 @@ inline const Sources& maskedDescriptors() {
 
 /** Timers of the kernel that send signals. */
 inline const Sources& timers() {
-  static const Sources all = {
-      {"timer_create",
-       [] {
-         timer_t timer;
-         sigevent event{};
-         event.sigev_notify = SIGEV_NONE;
-         return timer_create(CLOCK_MONOTONIC, &event, &timer);
-       }},
-      {"setitimer",
-       [] {
-         const itimerval never{};
-         return setitimer(ITIMER_REAL, &never, nullptr);
-       }},
-      {"alarm", [] { return static_cast<int>(alarm(0)); }},
-      {"ualarm", [] { return static_cast<int>(ualarm(0, 0)); }}};
+  static const Sources all = {{"timer_create",
+                               [] {
+                                 timer_t timer;
+                                 sigevent event{};
+                                 event.sigev_notify = SIGEV_NONE;
+                                 return timer_create(CLOCK_MONOTONIC, &event, &timer);
+                               }},
+                              {"setitimer",
+                               [] {
+                                 const itimerval never{};
+                                 return setitimer(ITIMER_REAL, &never, nullptr);
+                               }},
+                              {"alarm", [] { return static_cast<int>(alarm(0)); }},
+                              {"ualarm", [] { return static_cast<int>(ualarm(0, 0)); }}};
   return all;
 }
 

@@ -69,14 +69,15 @@ class LockstepNodeletsTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertIn('4 of 4 nodes take part', done.stdout)
         with open(self.path(log), encoding='utf-8') as stream:
-            return EventLog(stream.readlines(), log)
+            read = EventLog(stream.readlines(), log)
+        events = list(read)
+        self.assertEqual(labels_of(read.end), [])
+        return events
 
     def test_nodelets_work_at_their_instants_and_twice_the_same_with_the_bonds_to_their_manager(self):
-        logs = [self.run_it(name) for name in ('a.jsonl', 'b.jsonl')]
-        first, second = ([event.compared for event in log] for log in logs)
-        self.assertEqual(first, second)
-        self.assertEqual(labels_of(logs[0].end), [])
-        at = {topic: [event.time_ns for event in logs[0] if event.robot == topic and event.kind == 'message']
+        first, second = (self.run_it(name) for name in ('a.jsonl', 'b.jsonl'))
+        self.assertEqual([event.compared for event in first], [event.compared for event in second])
+        at = {topic: [event.time_ns for event in first if event.robot == topic and event.kind == 'message']
               for topic in ('/counter/out', '/plus/out', '/manager/bond')}
         self.assertEqual(at['/counter/out'][:3], [1100000000, 1200000000, 1300000000])
         self.assertEqual(at['/plus/out'], at['/counter/out'])

@@ -134,7 +134,7 @@ def _without(node):
 
 
 def is_nodelet_loader(node):
-    """Return whether a roslaunch Node asks a nodelet manager to load a nodelet, sleeps by the wall, and runs nobody's code."""
+    """Return whether a roslaunch Node loads a nodelet into a manager: it sleeps by the wall, and runs nobody's code."""
     return (node.package, node.type) == ('nodelet', 'nodelet') and (node.args or '').split()[:1] == ['load']
 
 

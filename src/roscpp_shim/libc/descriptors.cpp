@@ -12,9 +12,9 @@
 #include <string>
 #include <utility>
 
+#include "own_descriptors.h"
 #include "roscpp_shim/clocks.h"
 #include "roscpp_shim/followed.h"
-#include "roscpp_shim/libc/own_descriptors.h"
 #include "roscpp_shim/machine/real.h"
 #include "roscpp_shim/node.h"
 #include "roscpp_shim/turn.h"
@@ -71,7 +71,8 @@ class DescriptorWait {
       tell(std::string(name) + " looks at a connection or a file, by the wall clock", caller);
     }
     // What others send comes by the wall; beside it an event loop's timers go by simulated time.
-    is_simulated_ = ordered() && (what.is_own || what.has_timer) && awaitDescriptors(lasts, is_ready);
+    is_simulated_ =
+        ordered() && (what.is_own || what.has_timer) && awaitDescriptors(lasts, is_ready);
     begin_ = is_simulated_ || ordered() ? 0 : machineTime(CLOCK_MONOTONIC);
   }
 
@@ -203,17 +204,20 @@ DescriptorWait waitOnSet(const char* name, int set, Nanoseconds lasts, const voi
 extern "C" {
 
 int poll(pollfd* polled, nfds_t count, int timeout) {
-  const DescriptorWait wait = shim::waitOnPoll("poll()", polled, count, shim::ofMilliseconds(timeout),
-                                               MOVE_BASE_ABSTRACT_CALLER);
-  return wait.isOver() ? 0
-                       : wait.waited(shim::realPoll()(polled, count, wait.isSimulated() ? 0 : timeout));
+  const DescriptorWait wait = shim::waitOnPoll(
+      "poll()", polled, count, shim::ofMilliseconds(timeout), MOVE_BASE_ABSTRACT_CALLER);
+  return wait.isOver()
+             ? 0
+             : wait.waited(shim::realPoll()(polled, count, wait.isSimulated() ? 0 : timeout));
 }
 
 int __poll_chk(pollfd* polled, nfds_t count, int timeout, size_t size) {
   static auto* const function = shim::real<int(pollfd*, nfds_t, int, size_t)>("__poll_chk");
-  const DescriptorWait wait = shim::waitOnPoll("poll()", polled, count, shim::ofMilliseconds(timeout),
-                                               MOVE_BASE_ABSTRACT_CALLER);
-  return wait.isOver() ? 0 : wait.waited(function(polled, count, wait.isSimulated() ? 0 : timeout, size));
+  const DescriptorWait wait = shim::waitOnPoll(
+      "poll()", polled, count, shim::ofMilliseconds(timeout), MOVE_BASE_ABSTRACT_CALLER);
+  return wait.isOver()
+             ? 0
+             : wait.waited(function(polled, count, wait.isSimulated() ? 0 : timeout, size));
 }
 
 int ppoll(pollfd* polled, nfds_t count, const timespec* timeout, const sigset_t* mask) {

@@ -111,7 +111,8 @@ class KernelTimers {
   void serve() {
     if (!is_served_) {
       is_served_ = true;
-      node().setTimers(kKernelTimers, {[this] { return next(); }, [this] { fire(); }, [this] { release(); }});
+      node().setTimers(kKernelTimers,
+                       {[this] { return next(); }, [this] { fire(); }, [this] { release(); }});
     }
   }
 

@@ -122,14 +122,14 @@ void startTimer(void (*start)(Impl*), Impl* timer, TimerKind kind) {
 namespace shim = move_base_abstract::shim;
 
 // A member of a class template can be put in the place of roscpp's only one by one.
-#define MOVE_BASE_ABSTRACT_SERVE(Instant)                                            \
-  shim::serve<Instant>(                                                              \
-      timers_mutex_, waiting_mutex_, waiting_,                                       \
-      [this](std::int32_t handle) { return findTimer(handle); },                     \
-      [this](const TimerInfoPtr& info, const Instant& now) {                         \
-        return CallbackInterfacePtr(boost::make_shared<TimerQueueCallback>(          \
-            this, info, info->last_expected, info->last_real, info->next_expected,   \
-            info->last_expired, now));                                               \
+#define MOVE_BASE_ABSTRACT_SERVE(Instant)                                          \
+  shim::serve<Instant>(                                                            \
+      timers_mutex_, waiting_mutex_, waiting_,                                     \
+      [this](std::int32_t handle) { return findTimer(handle); },                   \
+      [this](const TimerInfoPtr& info, const Instant& now) {                       \
+        return CallbackInterfacePtr(boost::make_shared<TimerQueueCallback>(        \
+            this, info, info->last_expected, info->last_real, info->next_expected, \
+            info->last_expired, now));                                             \
       })
 
 namespace ros {
