@@ -4,13 +4,14 @@ See docs/experiments.md. Without ROS the trials of an experiment are functions.
 """
 import sys
 
-from move_base_abstract.common import processes
+from move_base_abstract.common import lasting_output, processes
 
 from .command import main
 
 
 def run():
     """Run the command line and exit with its code."""
+    lasting_output.outlive_readers()
     processes.finish(main(sys.argv[1:]))
 
 

@@ -4,6 +4,7 @@ import sys
 
 def main():
     """Run the command line and exit with its code."""
-    from move_base_abstract.common import processes
+    from move_base_abstract.common import lasting_output, processes
     from move_base_abstract_experiments.chaos.command import main as run
+    lasting_output.outlive_readers()
     processes.finish(run(sys.argv[1:]))

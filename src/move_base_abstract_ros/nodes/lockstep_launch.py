@@ -19,6 +19,7 @@ from contextlib import contextmanager, nullcontext
 
 from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.lasting_output import outlive_readers
 from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep.run_options import FAIL, RunOptions
@@ -33,6 +34,7 @@ _CANNOT, _CRASHED, _BROKEN = 2, 3, 4
 
 def main(words=None):
     """Run the launch file and exit with the code."""
+    outlive_readers()
     parser, options = _parse(sys.argv[1:] if words is None else words)
     warm = None if options.list else warm_client.WarmClient(
         os.path.dirname(os.path.abspath(sys.argv[0])), not options.use_master)

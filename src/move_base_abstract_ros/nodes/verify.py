@@ -18,6 +18,7 @@ import sys
 import tempfile
 
 from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.lasting_output import outlive_readers
 from move_base_abstract.common.own_files import FolderKind
 from move_base_abstract.common.shown import shown
 
@@ -30,6 +31,7 @@ _FOLDER = FolderKind('verification')
 
 def main(words=None):
     """Verify and exit with the code."""
+    outlive_readers()
     words = sys.argv[1:] if words is None else words
     options, launch_words = _parse(words)
     for stream in (sys.stdout, sys.stderr):

@@ -1,0 +1,41 @@
+"""Output of a program that looks after others: it goes on where nobody reads any more what it says."""
+import os
+import sys
+
+
+class _Lasting:
+    """A text stream that is thrown away from the moment on at which its reader has gone."""
+
+    def __init__(self, stream):
+        self._stream = stream
+
+    def __getattr__(self, name):
+        return getattr(self._stream, name)
+
+    def write(self, text):
+        """Write; what nobody can read any more counts as written."""
+        try:
+            return self._stream.write(text)
+        except BrokenPipeError:
+            self._throw_away()
+            return len(text)
+
+    def flush(self):
+        """Hand on what was written."""
+        try:
+            self._stream.flush()
+        except BrokenPipeError:
+            self._throw_away()
+
+    def _throw_away(self):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, self._stream.fileno())
+        os.close(nowhere)
+
+
+def outlive_readers():
+    """Have standard output and standard error last when a pipe behind them is closed (``| head``): no BrokenPipeError.
+
+    For a program that has processes to end and files to finish. What it starts from then on writes nowhere, too.
+    """
+    sys.stdout, sys.stderr = _Lasting(sys.stdout), _Lasting(sys.stderr)
