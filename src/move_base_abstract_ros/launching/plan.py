@@ -244,6 +244,9 @@ def _add_time_master(config, found, wishes):
     """Have one time master, in lockstep, that waits for all who take part; return what was changed, as texts."""
     notes = []
     own = [node for node in config.nodes if roles.is_time_master(node)]
+    for node in own:
+        if node.type == roles.ORIGINAL_TIME_MASTER:
+            node.type, node.name, node.namespace = 'time_master', 'time_master', '/'
     if own and roles.name_of(own[0]) != TIME_MASTER:
         raise ConfigurationError("the time master must be '{}', got '{}'".format(TIME_MASTER, roles.name_of(own[0])))
     if not own:

@@ -26,6 +26,10 @@ _DEBUGGERS = ('gdb', 'valgrind', 'strace', 'ltrace', 'perf', 'rr', 'lldb', 'ddd'
 _OWN_PREFIX = 'move_base_abstract lockstep'
 
 
+#: the original package's time master: whatever its node is to be called, it is ours, and so /time_master
+ORIGINAL_TIME_MASTER = 'sim_time_controller'
+
+
 class Role(NamedTuple):
     """What a node does in the run. ``kind``: 'rospy', 'roscpp' or 'itself' takes part; None looks on, and why."""
 
@@ -47,7 +51,7 @@ def name_of(node):
 
 def is_time_master(node):
     """Whether a roslaunch Node is our time master."""
-    return (node.package, node.type) == (PACKAGE, 'time_master')
+    return node.package == PACKAGE and node.type in ('time_master', ORIGINAL_TIME_MASTER)
 
 
 def has_clock(node, kept=()):
