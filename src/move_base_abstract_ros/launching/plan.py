@@ -38,6 +38,8 @@ class Wishes(NamedTuple):
     own_environment: tuple = ()  # (name, value) for this package's own nodes
     is_reversed: bool = False  # whether nodes start one after another, the last of the launch file first
     parts: int = 0  # processes that a fleet is split into; 0: as the file says
+    deputy: tuple = ()  # (name, address) of the node that takes part for a script, with which the run ends
+    set_parameters: tuple = ()  # (name, value) on the ROS master, above the launch file's
 
 
 class Plan(NamedTuple):
@@ -76,6 +78,10 @@ def read(files):
 
 def plan_of(config, wishes):
     """Change a roslaunch configuration into one of a run in lockstep, and return it as a Plan."""
+    if wishes.deputy:
+        _add_deputy(config, *wishes.deputy)
+    for name, value in wishes.set_parameters:
+        _set(config, name, value)
     _check_names(config, wishes)
     left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in wishes.left_out]
     config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
@@ -228,6 +234,16 @@ def _split(config, fleets, parts):
                 _set(config, roles.name_of(twin) + key[len(name):], value)
         notes.append('{} in {} processes'.format(name, parts))
     return notes
+
+
+def _add_deputy(config, name, address):
+    node = roslaunch.core.Node(PACKAGE, roles.DEPUTY, name=name, args='--deputy ' + shlex.quote(address),
+                               output='screen', required=True)
+    node.machine = config.machines['']
+    if roles.name_of(node) in [roles.name_of(one) for one in config.nodes]:
+        raise ConfigurationError("the launch file has a node '{}', which is the script's name".format(
+            roles.name_of(node)))
+    config.nodes.append(node)
 
 
 def _copy(node, name):
