@@ -19,15 +19,22 @@ PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</ver
 """
 HEAD = "import os, sys, time, rospy, roslaunch\nfile = os.path.join(os.path.dirname(sys.argv[0]), 'trials.launch')\n"
 ENDS_BY_ITSELF = HEAD + """
-parent = roslaunch.parent.ROSLaunchParent('x', [(file, ['trial:=1', 'budget:=30'])])
-parent.start()
+def start():
+    roslaunch.parent.ROSLaunchParent('x', [(file, ['trial:=1', 'budget:=30'])]).start()
+
+start()
+try:
+    start()
+except roslaunch.RLException as error:
+    print('refused:', error)
 time.sleep(1.5)
 print('slept until', rospy.Time.now().to_sec(), rospy.get_param('/robot_0/lacking', 'default'))
 try:
     rospy.sleep(100.0)
 except rospy.ROSInterruptException as error:
     print('then', error, rospy.is_shutdown())
-parent.shutdown()
+start()
+print('and begins again at', rospy.get_time(), rospy.is_shutdown())
 """
 REFUSED = HEAD + """
 Parent = roslaunch.parent.ROSLaunchParent
@@ -36,6 +43,7 @@ for make in (roslaunch.scriptapi.ROSLaunch, lambda: Parent('x', [], roslaunch_st
         make()
     except (roslaunch.RLException, rospy.ROSException) as error:
         print('refused:', error)
+print('hashed by', os.environ['PYTHONHASHSEED'])
 sys.exit(7)
 """
 
@@ -61,6 +69,7 @@ class LockstepSeries(unittest.TestCase):
     def run_script(self, path, *words, options=()):
         """Return (exit code, output) of a script, started as users do."""
         environment = dict(os.environ, ROS_PACKAGE_PATH='{}:{}'.format(self.folder, os.environ['ROS_PACKAGE_PATH']))
+        environment.pop('PYTHONHASHSEED', None)
         done = subprocess.run([sys.executable, find_executable('lockstep_series'), '--logs', self.logs, *options, path,
                                *words], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                               timeout=GUARD, check=False)
@@ -89,6 +98,8 @@ class LockstepSeries(unittest.TestCase):
         self.assertEqual(code, 0, said)
         self.assertIn('slept until 2.5 default', said)
         self.assertIn('then the run is over True', said)
+        self.assertIn('and begins again at 1.0 False', said)
+        self.assertIn('refused: another run is under way', said)
         self.assertEqual(json.loads(self.log(1).splitlines()[-1])['end']['at_ns'], 20_000_000_000)
 
     def test_what_is_no_run_is_refused_and_the_scripts_exit_code_is_the_series(self):
@@ -97,6 +108,7 @@ class LockstepSeries(unittest.TestCase):
         for text in ('starts nodes one by one', 'got roslaunch_strs; allowed', 'no run is under way'):
             self.assertIn(text, said)
         self.assertEqual(said.count('refused: '), 3)
+        self.assertIn('hashed by 0', said)
         code, said = self.run_script(os.path.join(self.folder, 'nothing.py'))
         self.assertEqual(code, 2, said)
         self.assertIn('a Python script is wanted behind the options', said)

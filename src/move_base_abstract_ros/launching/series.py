@@ -42,6 +42,8 @@ class Series:
 
         :raises RLException: if there is none, or another run is under way.
         """
+        if self._process is not None and not self.deputised.is_under_way:
+            self.finish()  # it has ended by itself, and the script goes on to the next
         if self._process is not None:
             raise RLException('another run is under way; each ROSLaunchParent of a script is a run of its own')
         self._number += 1
