@@ -11,7 +11,7 @@ from move_base_msgs.msg import MoveBaseAction
 from nav_msgs.msg import Odometry
 
 from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract_ros.nodes.demo_mission import make_goal
+from move_base_abstract_ros.nodes.demo_run.mission import make_goal
 
 SPEED = 2.0  # m/s
 # The original package on a 2-core machine: {(length [m], factor): excess of the leg's duration [%]}.

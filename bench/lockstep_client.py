@@ -20,7 +20,7 @@ from move_base_msgs.msg import MoveBaseAction
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.goal_client import GoalClient
-from move_base_abstract_ros.nodes.demo_mission import make_goal
+from move_base_abstract_ros.nodes.demo_run.mission import make_goal
 
 WARM_UP = 0.1  # the share of the events that is not measured, unless another one is given
 

@@ -15,7 +15,7 @@ from move_base_msgs.msg import MoveBaseAction
 
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract_ros import lockstep
-from move_base_abstract_ros.nodes.demo_mission import make_goal
+from move_base_abstract_ros.nodes.demo_run.mission import make_goal
 
 TIMEOUT = 300.0  # s, wall; only ends a run that would never end
 

@@ -13,7 +13,7 @@ from move_base_abstract import mission
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.maps.map_files import load_map, read_description
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract_ros.nodes.demo_nodes import robot_settings, shipped
+from move_base_abstract_ros.nodes.demo_run.nodes import robot_settings, shipped
 
 PIXELS = 2  # of the picture for each of the map's; drawn at twice that and made smaller, so that lines are smooth
 SMOOTH = 2

@@ -366,7 +366,8 @@ int main(int argc, char** argv) {
     std::puts(move_base_abstract::kUsage);  // before a ROS master is looked for
     return 0;
   }
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // what it says is seen at once, also by way of a pipe
+  std::setvbuf(stdout, nullptr, _IOLBF,
+               BUFSIZ);  // what it says is seen at once, also by way of a pipe
   move_base_abstract::setDefaultAddress();
   ros::init(argc, argv, "time_master", ros::init_options::NoSigintHandler);
   if (argc > 1) {  // what ROS has left

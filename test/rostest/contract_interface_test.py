@@ -10,10 +10,10 @@ import rostest
 import tf2_ros
 from actionlib_msgs.msg import GoalStatus
 from dynamic_reconfigure.client import Client
-from geometry_msgs.msg import PoseStamped, TransformStamped, Twist
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
-from nav_msgs.msg import Odometry
-from nav_msgs.srv import GetPlan
+from nav_msgs.msg import OccupancyGrid, Odometry
+from nav_msgs.srv import GetPlan, SetMap
 from robot_harness import GUARD, NO_PLAN, RawClient, Record, active_since_ns, go, pose_stamped, simple_client
 from std_srvs.srv import Empty
 
@@ -26,6 +26,7 @@ PUBLISHED = {
     'move_base/recovery_status': 'move_base_msgs/RecoveryStatus', 'cmd_vel': 'geometry_msgs/Twist',
     'move_base/{global_planner}/plan': 'nav_msgs/Path', 'move_base/{local_planner}/global_plan': 'nav_msgs/Path',
     'move_base/{local_planner}/local_plan': 'nav_msgs/Path',
+    'move_base/{local_planner}/cost_cloud': 'sensor_msgs/PointCloud2',
     'move_base/global_costmap/costmap': 'nav_msgs/OccupancyGrid',
     'move_base/global_costmap/costmap_updates': 'map_msgs/OccupancyGridUpdate',
     'move_base/global_costmap/footprint': 'geometry_msgs/PolygonStamped',
@@ -40,7 +41,8 @@ SERVICES = {
     'move_base/make_plan': 'nav_msgs/GetPlan', 'move_base/{global_planner}/make_plan': 'nav_msgs/GetPlan',
     'move_base/clear_costmaps': 'std_srvs/Empty', 'move_base/set_parameters': 'dynamic_reconfigure/Reconfigure',
     'move_base/{local_planner}/set_parameters': 'dynamic_reconfigure/Reconfigure',
-    'set_robot_pose': 'move_base_abstract/SetPose'}
+    'set_robot_pose': 'move_base_abstract/SetPose', 'global_localization': 'std_srvs/Empty',
+    'request_nomotion_update': 'std_srvs/Empty', 'set_map': 'nav_msgs/SetMap'}
 ROBOTS = {'/robot_0/': {'global_planner': 'GlobalPlanner', 'local_planner': 'DWAPlannerROS'},
           '/robot_1/': {'global_planner': 'NavfnROS', 'local_planner': 'TrajectoryPlannerROS'}}
 
@@ -170,6 +172,33 @@ class ContractInterface(unittest.TestCase):
         odom = Record('/robot_0/odom', Odometry)
         self.assertEqual(go(self.simple, pose_stamped(1.0, 2.0, frame='dock')), REACHED)
         odom.wait_for(lambda message: (message.pose.pose.position.x, message.pose.pose.position.y) == (6.0, 2.0))
+
+    def test_current_goal_has_the_height_and_the_orientation_that_were_sent(self):
+        self.home()
+        shown = Record.fresh('/robot_0/move_base/current_goal', PoseStamped)
+        self.addCleanup(shown.close)
+        goal = pose_stamped(2.0, quaternion=(0.01, 0.0, 0.0, 2.0))
+        goal.pose.position.z = 0.75
+        self.assertEqual(go(self.simple, goal), REACHED)
+        told = shown.wait_for()
+        self.assertEqual(told.pose, goal.pose)
+        self.assertEqual(told.header.frame_id, 'map')
+
+    def test_the_services_of_amcl_tell_the_pose_once_more_and_place_the_robot(self):
+        self.home()
+        poses = Record('/robot_0/amcl_pose', PoseWithCovarianceStamped)
+        self.addCleanup(poses.close)
+        before = poses.wait_for().header.stamp
+        call('/robot_0/global_localization', Empty)
+        call('/robot_0/request_nomotion_update', Empty)
+        again = poses.wait_for(lambda message: message.header.stamp > before).pose.pose.position
+        self.assertEqual((again.x, again.y), (0.0, 0.0))
+        there = PoseWithCovarianceStamped()
+        there.header.frame_id, there.pose.pose.position.x, there.pose.pose.orientation.w = 'map', 7.0, 1.0
+        self.assertTrue(call('/robot_0/set_map', SetMap, OccupancyGrid(), there).success)
+        poses.wait_for(lambda message: message.pose.pose.position.x == 7.0)
+        there.header.frame_id = 'moon'
+        self.assertFalse(call('/robot_0/set_map', SetMap, OccupancyGrid(), there).success)
 
     def test_unknown_frames_abort_with_a_text_that_names_them(self):
         for frame, hint in (('moon', 'moon'), ('/map', "did you mean 'map'"), ('', 'the frame_id is empty')):

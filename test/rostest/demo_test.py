@@ -18,7 +18,7 @@ import rostest
 
 from move_base_abstract.mission import read_mission
 from move_base_abstract_ros.loopback import find_executable
-from move_base_abstract_ros.nodes.demo_nodes import shipped
+from move_base_abstract_ros.nodes.demo_run.nodes import shipped
 
 GUARD = 60.0
 MISSION = """

@@ -7,8 +7,9 @@ import unittest
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid
-from nav_msgs.srv import GetPlan
+from nav_msgs.srv import GetPlan, SetMap
 from robot_harness import (
     GUARD,
     NO_PLAN,
@@ -76,6 +77,21 @@ class MapGoals(unittest.TestCase):
         ended = client.ending(goal_id)
         self.assertEqual((ended.status.status, ended.status.text), REFUSED)
         self.assertEqual(round((ended.header.stamp.to_nsec() - start_ns) / 1e9, 3), 37.566)
+
+    def test_set_map_gives_one_robot_a_map_of_its_own(self):
+        there = PoseWithCovarianceStamped()
+        there.pose.pose.orientation.w = 1.0
+        wall = OccupancyGrid()
+        wall.header.frame_id, wall.info.resolution, wall.info.width, wall.info.height = 'map', 1.0, 2, 1
+        wall.data = [0, 100]
+        set_map = rospy.ServiceProxy('/own/set_map', SetMap)
+        set_map.wait_for_service(GUARD)
+        self.assertTrue(set_map(wall, there).success)
+        self.assertEqual(self.ends('own', (FREE, (0.75, 0.25))), [REFUSED, REACHED])
+        self.assertEqual(self.ends('plain', (FREE,)), [REACHED])
+        wall.info.width = 7
+        self.assertFalse(set_map(wall, there).success)
+        self.assertEqual(self.ends('own', (FREE, (0.25, 0.25))), [REFUSED, REACHED])
 
     def test_a_robot_that_is_refused_stands(self):
         client = simple_client('/strict')

@@ -88,6 +88,10 @@ class MessageBytesTest(unittest.TestCase):
             stamp_ns, seq = draws.stamp_ns(), draws.seq()
             velocity = draws.number(), draws.number()
             made = packing.InFrame(frame, child)
+            turned = conversions.to_pose_stamped(pose, frame, stamp_ns)
+            turned.pose.position.z, turned.pose.orientation.x = 0.75, 0.01
+            quaternion = conversions.quaternion_tuple(turned.pose.orientation)
+            self.assertEqual(made.goal(seq, pose, 0.75, quaternion, stamp_ns), genpys(turned, seq))
             self.assertEqual(made.pose_stamped(seq, pose, stamp_ns),
                              genpys(conversions.to_pose_stamped(pose, frame, stamp_ns), seq))
             amcl_pose = PoseWithCovarianceStamped(header=conversions.to_header(frame, stamp_ns))

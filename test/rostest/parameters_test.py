@@ -6,7 +6,7 @@ import unittest
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from geometry_msgs.msg import PoseWithCovarianceStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseActionFeedback
 from robot_harness import GUARD, RawClient, Record, active_since_ns, pose_stamped
 from robot_process import RobotProcess
@@ -88,6 +88,25 @@ class Parameters(unittest.TestCase):
             start_ns = active_since_ns(client, goal_id)
             self.assertEqual(client.ending(goal_id).header.stamp.to_nsec() - start_ns, int(8e9 / speed))
             node.end()
+
+    def test_with_the_originals_profile_legs_take_as_long_as_there_and_robot_pose_is_heard(self):
+        namespace = next(_names)
+        rospy.set_param(namespace + '/compatible_with', 'move_base_abstract')
+        node = self.start('move_base_abstract_actionserver', None, ('bot', 'virtual_robots', '2.0', '0', '0', '0.1',
+                                                                    '0.1'), namespace)
+        poses = Record(namespace + '/robot_pose', PoseStamped)
+        self.addCleanup(poses.close)
+        poses.wait_for()
+        place = rospy.Publisher(namespace + '/robot_pose', PoseStamped, queue_size=1, latch=True)
+        place.publish(pose_stamped(10.0))
+        amcl = Record(namespace + '/amcl_pose', PoseWithCovarianceStamped)
+        self.addCleanup(amcl.close)
+        amcl.wait_for(lambda message: message.pose.pose.position.x == 10.0)
+        client = RawClient(namespace)
+        goal_id = client.send(pose_stamped(50.0))
+        start_ns = active_since_ns(client, goal_id)
+        self.assertEqual(client.ending(goal_id).header.stamp.to_nsec() - start_ns, 30_000_000_000)
+        node.wait_for_line("40.0 m at 2 m/s with 0.1 m/s^2: 30.0 s by the original's formula, 40.0 s exact")
 
     def test_bad_arguments_are_fatal(self):
         for arguments, word in ((('bot', 'virtual_robots', 'quick'), "'quick'"), (('bot',) * 8, 'at most 7'),

@@ -60,6 +60,12 @@ class Remaps(unittest.TestCase):
         self.assertNotIn('/remapped/move_base/result', topics)
         self.assertIn('/remapped/move_base/current_goal', topics)  # a private one
 
+    def test_parameters_under_the_name_that_the_remap_gives_count_behind_the_nodes_own(self):
+        topics = {name for name, _ in rospy.get_published_topics('/remapped')}
+        self.assertIn('/remapped/move_base/GlobalPlanner/plan', topics)
+        planner = Client('/remapped/move_base/TrajectoryPlannerROS', timeout=GUARD)
+        self.assertEqual(planner.get_configuration(GUARD)['max_vel_x'], 2.0)
+
 
 class Recoveries(unittest.TestCase):
     """The robot quick, which may not rotate to clear its costmaps."""

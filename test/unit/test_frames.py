@@ -1,12 +1,14 @@
 """The frames a goal may be given in: the robot's own in closed form, others by look-up, and what is refused."""
 
+import math
+
 import pytest
 
 from move_base_abstract.common.errors import FrameError, TimeError
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.goals.navigator import GoalPose
 from move_base_abstract.motion.frames import RobotFrames
-from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.geometry import Pose2D, quaternion_fault, yaw_of_quaternion
 from move_base_abstract.motion.leg import MotionLimits
 from move_base_abstract.motion.robot import Robot
 
@@ -87,3 +89,16 @@ def test_a_name_that_tf_refuses_is_not_looked_up(frame_id, words):
 def test_straight_ahead_in_a_fixed_frame_is_zero_without_a_sign(quaternion):
     pose = make_frames().place(GoalPose('map', 0, (-0.0, 2.0), quaternion), S)
     assert repr(pose) == repr(Pose2D(0.0, 2.0, 0.0))
+
+
+def test_a_goals_orientation_is_as_it_was_sent_in_the_global_frame_and_turns_with_another():
+    frames = make_frames()
+    sent = GoalPose('map', 0, (1.0, 2.0), (0.01, 0.0, 0.0, 2.0), 0.5)
+    assert frames.orientation(sent, frames.place(sent, S)) == (0.01, 0.0, 0.0, 2.0)
+    ahead = GoalPose('dock', 0, (1.0, 2.0), (0.0, 0.0, 0.0, 1.0))
+    place = frames.place(ahead, S)
+    assert frames.orientation(ahead, place) == pytest.approx((0.0, 0.0, math.sin(0.5), math.cos(0.5)))
+    tilted = GoalPose('dock', 0, (0.0, 0.0), (0.02, 0.0, math.sin(0.25), math.cos(0.25)))
+    turned = frames.orientation(tilted, frames.place(tilted, S))
+    assert yaw_of_quaternion(turned) == pytest.approx(1.0 + yaw_of_quaternion(tilted.quaternion))
+    assert quaternion_fault(turned) is None

@@ -41,12 +41,14 @@ from ..maps.lane_map import LaneMap, read_lane_map
 from ..maps.planning import WorldBounds
 from ..maps.travel_matrix import TravelMatrix, read_travel_matrix
 from ..motion.approach import MotionPhases
+from ..motion.attempts import Attempts
 from ..motion.calibration import CalibratedDurations, read_calibration
 from ..motion.durations import TABLE as DURATIONS
 from ..motion.durations import Durations, read_durations
 from ..motion.encounter_law import EncounterLaw
 from ..motion.geometry import Pose2D
 from ..motion.leg import MotionLimits, Tolerances
+from ..motion.original import POSE_RATES, PROFILES, RASBERRY, OriginalLaw
 from ..sensing.laser import TABLE as LASER
 from ..sensing.laser import LaserSettings, read_laser
 from . import upstream
@@ -125,6 +127,7 @@ TABLE = (
     *BATTERY,
     *LASER,
     Parameter('calibration', None, text, 'the path of a calibration, or the name of one that ships'),
+    Parameter('compatible_with', None, one_of(*PROFILES), "'{}' or '{}'".format(*PROFILES)),
 )
 _ODOM = 'odom'
 #: (our parameter, the costmap that tells it in an existing set-up, its key there, the default)
@@ -168,6 +171,9 @@ class RobotSettings:
     laser: LaserSettings = LaserSettings()
     #: how legs begin and end; None: as of a Leg
     phases: Optional[MotionPhases] = None
+    #: the original package's law, and how often its branch for failures tries; None: ours
+    original: Optional[OriginalLaw] = None
+    attempts: Optional[Attempts] = None
     #: the LaneMap or TravelMatrix by which it goes; None: neither
     network: Union[LaneMap, TravelMatrix, None] = None
     #: what its calibration says of meeting other robots; None: nothing
@@ -236,7 +242,25 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
         laser=read_laser(values, where),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
         **_other_names(raw, values, used, where, planner.warnings))
+    if values['compatible_with'] is not None:
+        return _as_original(settings, raw, where)
     return settings if values['calibration'] is None else _calibrated(settings, raw, where)
+
+
+def _as_original(settings: RobotSettings, raw: Mapping[str, Any], where: str) -> RobotSettings:
+    """Return ``settings`` with the law of the original package, which knows none of what would change it."""
+    profile = settings.values['compatible_with']
+    for key in ('calibration', 'turn_rate', 'xy_goal_tolerance', 'yaw_goal_tolerance', 'routes',
+                *(parameter.name for parameter in DURATIONS)):
+        if key in raw and (key, raw[key]) != ('routes', 'none'):
+            raise ConfigurationError('parameter {}/{}: got {} with compatible_with: {}, which has none of it; allowed: '
+                                     'one of them'.format(where.rstrip('/'), key, shown(raw[key]), profile))
+    if 'pose_update_freq' not in raw:
+        settings.values['pose_update_freq'] = POSE_RATES[profile]
+    return replace(settings, tolerances=Tolerances(),
+                   limits=MotionLimits(settings.limits.max_speed, settings.limits.acceleration),
+                   original=OriginalLaw(profile, settings.values['pose_update_freq']),
+                   attempts=Attempts() if profile == RASBERRY else None)
 
 
 def _calibrated(settings: RobotSettings, raw: Mapping[str, Any], where: str) -> RobotSettings:

@@ -36,6 +36,7 @@ class Purpose(IntEnum):
     ENCOUNTER_SECONDS_OF_OTHER = 14
     STUCK = 15
     BUGGIFY = 16
+    ATTEMPT = 17
     ARRIVAL = 41
     TASK_X = 42
     TASK_Y = 43

@@ -14,6 +14,7 @@ from ..goals.ledger import GoalLedger
 from ..goals.navigator import Navigator
 from ..maps.planning import StraightLinePlanner
 from ..maps.travel_matrix import MatrixPlanner
+from ..motion.attempts import GoalAttempts
 from ..motion.durations import GoalDurations
 from ..motion.frames import RobotFrames
 from ..motion.robot import Robot
@@ -41,7 +42,7 @@ def make_robot_parts(settings, name, index, simulation, stream, client, lookup, 
     """
     values = settings.values
     robot = Robot(index, name, settings.start, settings.limits, settings.tolerances, simulation.now_ns,
-                  CornerLaw(values['corners']), settings.phases, remembered_legs)
+                  CornerLaw(values['corners']), settings.phases, remembered_legs, settings.original)
     frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
                          settings.frame(values['robot_base_frame']), lookup)
     ledger = GoalLedger(client.publish_status, lambda record, stamp_ns: stream.tell(Ended(
@@ -52,6 +53,8 @@ def make_robot_parts(settings, name, index, simulation, stream, client, lookup, 
     if settings.durations is not None:
         durations = GoalDurations(settings.durations, values['seed'], name, planner, lambda recorded, found, at_ns: (
             stream.tell(Beyond(at_ns, name, found, recorded.words(found)))))
+    elif settings.attempts is not None:
+        durations = GoalAttempts(settings.attempts, values['seed'], name)
     navigator = Navigator(robot, simulation, ledger, frames, stream, client, planner,
                           settings.bad_frame_policy, settings.recovery, durations)
     simulation.queue.guard(index, navigator.break_off)

@@ -89,11 +89,13 @@ class Ended(NamedTuple):
 
 
 class Aimed(NamedTuple):
-    """``goal`` is what the robot works on from now on."""
+    """``goal`` is what the robot works on from now on, sent with ``height`` [m] and ``quaternion`` (x, y, z, w)."""
 
     time_ns: int
     robot: str
     goal: Pose2D
+    height: float
+    quaternion: Tuple[float, float, float, float]
 
 
 class GoalChanged(NamedTuple):

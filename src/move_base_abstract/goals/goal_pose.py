@@ -11,9 +11,13 @@ class BadFramePolicy(Enum):
 
 
 class GoalPose(NamedTuple):
-    """A goal as it was sent: position [m] and quaternion (x, y, z, w) in ``frame_id`` at ``stamp_ns`` [ns; 0 = now]."""
+    """A goal as it was sent: position [m] and quaternion (x, y, z, w) in ``frame_id`` at ``stamp_ns`` [ns; 0 = now].
+
+    ``height``: its z [m]. Robots move in the plane; it is only shown.
+    """
 
     frame_id: str
     stamp_ns: int
     position: Tuple[float, float]
     quaternion: Tuple[float, float, float, float]
+    height: float = 0.0

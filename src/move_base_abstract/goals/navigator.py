@@ -129,7 +129,7 @@ class Navigator:
             if self._starts_from_idle and WheelsStopped in self._hearers:
                 self._tell(WheelsStopped(now_ns, self.robot.name))
             if Aimed in self._hearers:
-                self._tell(Aimed(now_ns, self.robot.name, pose))
+                self._tell(Aimed(now_ns, self.robot.name, pose, goal.height, self._frames.orientation(goal, pose)))
             self._travel(self.planner.corners(self.robot.pose_at(now_ns), pose), now_ns)
 
     def _bad_place(self, goal, text, now_ns):
@@ -197,7 +197,8 @@ class Navigator:
 
     def _fail_on_the_way(self, due_ns, _now_ns):
         self._halt(due_ns)
-        self._end(NO_CONTROL, due_ns)
+        text = self._durations.failure_text
+        self._end(aborted(text) if text else NO_CONTROL, due_ns)
 
     def _give_up(self, now_ns):
         behaviors = self._recovery_policy.behaviors

@@ -111,6 +111,9 @@ class GoalDurations:
     recorded: then ``on_beyond(recorded, found, now_ns)`` is called. ``planner`` knows the map, if there is one.
     """
 
+    #: what the client of a goal that fails is told; None: what move_base says
+    failure_text = None
+
     def __init__(self, durations, seed=0, robot_name='', planner=None, on_beyond=None):
         self._durations = durations
         self._planner = planner

@@ -1,6 +1,6 @@
 """The frames in which a goal may be given (REP 105: map -> odom -> base_link)."""
 from ..common.errors import FrameError, TimeError
-from .geometry import STRAIGHT_AHEAD, Pose2D, yaw_of_quaternion
+from .geometry import STRAIGHT_AHEAD, Pose2D, turned_about_z, yaw_of_quaternion
 
 
 class RobotFrames:
@@ -63,6 +63,15 @@ class RobotFrames:
             return Pose2D(0.0 + x, 0.0 + y, yaw)  # as composed: never -0.0
         place = self.locate(goal.frame_id, goal.stamp_ns, now_ns)
         return place.compose(Pose2D(x, y, yaw_of_quaternion(goal.quaternion)))
+
+    def orientation(self, goal, place):
+        """Return the quaternion (x, y, z, w) of the :class:`GoalPose` ``goal``, which is at ``place`` (Pose2D).
+
+        In the global frame as it was sent: small tilts and its length, too.
+        """
+        if goal.frame_id in self._fixed:
+            return goal.quaternion
+        return turned_about_z(goal.quaternion, place.yaw - yaw_of_quaternion(goal.quaternion))
 
     @staticmethod
     def _check_name(frame_id):

@@ -90,6 +90,13 @@ def quaternion_of_yaw(yaw):
     return 0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)
 
 
+def turned_about_z(quaternion, yaw):
+    """Return ``quaternion`` = (x, y, z, w), turned about the fixed z axis by ``yaw`` [rad] (Hamilton's product)."""
+    x, y, z, w = quaternion
+    sin, cos = math.sin(yaw / 2.0), math.cos(yaw / 2.0)
+    return cos * x - sin * y, cos * y + sin * x, cos * z + sin * w, cos * w - sin * z
+
+
 def quaternion_fault(quaternion):
     """Return what keeps ``quaternion`` = (x, y, z, w) from being a goal's orientation, or None.
 

@@ -16,17 +16,19 @@ class Robot:
 
     Other limits and tolerances (:meth:`set_motion`) take effect on the next one. ``corner_law`` (CornerLaw): what the
     robot does at the corners of a route; ``phases`` (MotionPhases): how it begins and ends, None: as of a Leg;
+    ``original`` (OriginalLaw): legs take as long as in the package of that name, without corners, phases, tolerances;
     ``remembered_legs``: of how many legs and stands, the present one included, poses can be asked for.
     """
 
     def __init__(self, index, name, pose=Pose2D(), limits=MotionLimits(0.5), tolerances=Tolerances(), since_ns=0,
-                 corner_law=CornerLaw.KEEP, phases=None, remembered_legs=64):
+                 corner_law=CornerLaw.KEEP, phases=None, remembered_legs=64, original=None):
         self.index = index
         self.name = name
         self._limits = limits
         self._tolerances = tolerances
         self._corner_law = corner_law
         self._phases = phases
+        self._original = original
         #: the :class:`Leg` or :class:`Route` under way, or None while the robot stands
         self.leg = None
         self._motion = _Stand(pose, since_ns)
@@ -88,7 +90,9 @@ class Robot:
         """
         start = self.pose_at(now_ns)
         way = corners if isinstance(corners, PlannedWay) else None
-        if self._phases is not None:
+        if self._original is not None:
+            leg = self._original.leg(start, goal, self._limits, now_ns)
+        elif self._phases is not None:
             leg = PhasedRoute(start, goal, corners, self._limits, self._phases, self._tolerances, now_ns,
                               self._corner_law)
         elif corners or (way is not None and way.limits):

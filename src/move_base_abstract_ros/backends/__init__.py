@@ -17,10 +17,10 @@ def _gazebo(names, settings):
     return GazeboBackend(names, settings, BuiltinBackend)
 
 
+BUILTIN = ('builtin', 'virtual_robots')
 STAGE = ('stage_ros', 'stage')
 BACKENDS = {
-    'builtin': BuiltinBackend,
-    'virtual_robots': BuiltinBackend,
+    **dict.fromkeys(BUILTIN, BuiltinBackend),
     **dict.fromkeys(STAGE, StageBackend),
     'gazebo': _gazebo,
 }

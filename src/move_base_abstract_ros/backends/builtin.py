@@ -1,12 +1,14 @@
 """The built-in simulator: the robot is where the core says, and tf and a few topics tell so."""
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
 from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.original import is_rasberry
 
 from ..lockstep.exchange import rollback
+from ..messages import conversions
 from ..messages.outlets import LatchedOutlets
-from ..messages.packing import InFrame
+from ..messages.packing import InFrame, of_message
 from ..transforms import tf_hub
 
 
@@ -28,7 +30,8 @@ class BuiltinBackend:
         self._tf_stamp_ns = -1
         self._tf_pose = None
         self._poses, self._odometry = LatchedOutlets(), LatchedOutlets()
-        self._poses.add(names.topic('robot_pose'), PoseStamped, self._pack_robot_pose)
+        self._poses.add(names.topic('robot_pose'), *(
+            (Pose, self._pack_plain_pose) if is_rasberry(settings.original) else (PoseStamped, self._pack_robot_pose)))
         self._poses.add(names.topic('amcl_pose'), PoseWithCovarianceStamped, self._pack_amcl_pose)
         self._odometry.add(names.topic('odom'), Odometry, self._pack_odom)
         self._odometry.add(names.topic('base_pose_ground_truth'), Odometry, self._pack_ground_truth)
@@ -97,6 +100,10 @@ class BuiltinBackend:
 
     def _pack_ground_truth(self, pose, velocity, stamp_ns):
         return lambda seq: self._base_in_map.odometry(seq, pose, velocity, stamp_ns)
+
+    @staticmethod
+    def _pack_plain_pose(pose, _velocity, _stamp_ns):
+        return of_message(conversions.to_pose(pose))
 
     def _pack_robot_pose(self, pose, _velocity, stamp_ns):
         return lambda seq: self._base_in_map.pose_stamped(seq, pose, stamp_ns)

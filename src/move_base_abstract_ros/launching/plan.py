@@ -38,6 +38,8 @@ class Wishes(NamedTuple):
     own_environment: tuple = ()  # (name, value) for this package's own nodes
     is_reversed: bool = False  # whether nodes start one after another, the last of the launch file first
     parts: int = 0  # processes that a fleet is split into; 0: as the file says
+    deputy: tuple = ()  # (name, address) of the node that takes part for a script, with which the run ends
+    set_parameters: tuple = ()  # (name, value) on the ROS master, above the launch file's
 
 
 class Plan(NamedTuple):
@@ -76,6 +78,10 @@ def read(files):
 
 def plan_of(config, wishes):
     """Change a roslaunch configuration into one of a run in lockstep, and return it as a Plan."""
+    if wishes.deputy:
+        _add_deputy(config, *wishes.deputy)
+    for name, value in wishes.set_parameters:
+        _set(config, name, value)
     _check_names(config, wishes)
     left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in wishes.left_out]
     config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
@@ -230,6 +236,16 @@ def _split(config, fleets, parts):
     return notes
 
 
+def _add_deputy(config, name, address):
+    node = roslaunch.core.Node(PACKAGE, roles.DEPUTY, name=name, args='--deputy ' + shlex.quote(address),
+                               output='screen', required=True)
+    node.machine = config.machines['']
+    if roles.name_of(node) in [roles.name_of(one) for one in config.nodes]:
+        raise ConfigurationError("the launch file has a node '{}', which is the script's name".format(
+            roles.name_of(node)))
+    config.nodes.append(node)
+
+
 def _copy(node, name):
     twin = roslaunch.core.Node(
         node.package, node.type, name=name, namespace=node.namespace, machine_name=node.machine_name, args=node.args,
@@ -244,6 +260,9 @@ def _add_time_master(config, found, wishes):
     """Have one time master, in lockstep, that waits for all who take part; return what was changed, as texts."""
     notes = []
     own = [node for node in config.nodes if roles.is_time_master(node)]
+    for node in own:
+        if node.type == roles.ORIGINAL_TIME_MASTER:
+            node.type, node.name, node.namespace = 'time_master', 'time_master', '/'
     if own and roles.name_of(own[0]) != TIME_MASTER:
         raise ConfigurationError("the time master must be '{}', got '{}'".format(TIME_MASTER, roles.name_of(own[0])))
     if not own:

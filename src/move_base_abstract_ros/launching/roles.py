@@ -11,11 +11,13 @@ from ..lockstep.programs.shell_scripts import is_shell_word
 from ..loopback import PACKAGE
 from . import programs
 
+#: the program whose node takes part for a script that starts runs
+DEPUTY = 'lockstep_series'
 _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver', 'soil_coordinator',
-              'end_at_message', 'message_recorder', 'property_monitor')
+              'end_at_message', 'message_recorder', 'property_monitor', DEPUTY)
 #: own nodes that are done when the run is over: what they know is in the event log, or written already
 _WITHOUT_LAST_WORDS = ('move_base', 'fleet', 'task_server', 'task_source', 'move_base_abstract_actionserver',
-                       'end_at_message', 'message_recorder', 'property_monitor')
+                       'end_at_message', 'message_recorder', 'property_monitor', DEPUTY)
 _LOOK_ON = {
     'rviz': 'it only shows',
     'rqt_gui': 'it only shows', 'image_view': 'it only shows', 'plotjuggler': 'it only shows'}
@@ -24,6 +26,10 @@ _CLOCKS = (('stage_ros', 'stageros'), ('gazebo_ros', 'gazebo'), ('gazebo_ros', '
 _STAND_INS = {('move_base', 'move_base'): 'move_base', ('map_server', 'map_server'): 'map_server'}
 _DEBUGGERS = ('gdb', 'valgrind', 'strace', 'ltrace', 'perf', 'rr', 'lldb', 'ddd')
 _OWN_PREFIX = 'move_base_abstract lockstep'
+
+
+#: the original package's time master: whatever its node is to be called, it is ours, and so /time_master
+ORIGINAL_TIME_MASTER = 'sim_time_controller'
 
 
 class Role(NamedTuple):
@@ -47,7 +53,7 @@ def name_of(node):
 
 def is_time_master(node):
     """Whether a roslaunch Node is our time master."""
-    return (node.package, node.type) == (PACKAGE, 'time_master')
+    return node.package == PACKAGE and node.type in ('time_master', ORIGINAL_TIME_MASTER)
 
 
 def has_clock(node, kept=()):

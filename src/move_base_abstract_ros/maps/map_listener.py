@@ -2,6 +2,7 @@
 import threading
 import time
 
+import numpy
 import rospy
 from nav_msgs.msg import OccupancyGrid
 from rospy.numpy_msg import numpy_msg
@@ -81,6 +82,12 @@ class MapListener:
         self._came.set()
         rospy.loginfo('%s: map on %s: %d x %d cells of %g m in the frame %s', rospy.get_name(), self.topic,
                       occupancy.width, occupancy.height, occupancy.resolution, message.header.frame_id)
+
+
+def occupancy_in(message):
+    """Return the OccupancyMap of a nav_msgs/OccupancyGrid as genpy reads it; as of :func:`to_occupancy`."""
+    message.data = numpy.array(message.data, numpy.int8)
+    return to_occupancy(message)
 
 
 def to_occupancy(message):

@@ -4,6 +4,7 @@ from contextlib import nullcontext
 import rospy
 from nav_msgs.msg import Path
 from nav_msgs.srv import GetPlan, GetPlanResponse
+from sensor_msgs.msg import PointCloud2
 from std_srvs.srv import Empty, EmptyResponse
 
 from move_base_abstract.goals.events import Departed
@@ -12,6 +13,9 @@ from move_base_abstract.maps.planning import path_along
 from ..messages import conversions
 from ..messages.outlets import LatchedOutlets
 from ..messages.packing import of_message
+
+#: what local planners tell of the samples that they weigh, with publish_cost_grid_pc and publish_traj_pc: silent here
+_CLOUDS = {'DWAPlannerROS': ('cost_cloud', 'trajectory_cloud'), 'TrajectoryPlannerROS': ('cost_cloud',)}
 
 
 class PlannerInterface:
@@ -29,6 +33,8 @@ class PlannerInterface:
         self._plans = LatchedOutlets()
         for topic in (planner + '/plan', local + '/global_plan', local + '/local_plan'):
             self._plans.add(names.own(topic), Path, self._pack_way, queue_size=1)
+        self._clouds = [rospy.Publisher(names.own('{}/{}'.format(local, cloud)), PointCloud2, queue_size=1)
+                        for cloud in _CLOUDS.get(local, ())]
         stream.subscribe('plan', {Departed: self._show})
         self._services = [
             rospy.Service(names.own('make_plan'), GetPlan, self._make_plan_when_idle),
@@ -42,7 +48,8 @@ class PlannerInterface:
 
     def close(self):
         """Leave the graph."""
-        self._plans.unregister()
+        for topic in (self._plans, *self._clouds):
+            topic.unregister()
         for service in self._services:
             service.shutdown('the robot is removed')
 

@@ -69,6 +69,21 @@ class RobotMap:
         if self.check is not None:
             self._clock.wait_until(lambda: self._has_come, self._timeout, 'a map')
 
+    def give(self, message):
+        """Use the nav_msgs/OccupancyGrid ``message`` from now on, until another one comes on the topic.
+
+        Return why not, or ''. Where the robot uses no map nothing happens.
+        """
+        if self.check is not None:
+            from .map_listener import occupancy_in
+            try:
+                occupancy = occupancy_in(message)
+            except ValueError as error:
+                return 'the map: {}'.format(error)
+            for follower in self._followers:
+                follower(message, occupancy)
+        return ''
+
     def close(self):
         """Follow the map no more."""
         for follower in self._followers:

@@ -60,4 +60,4 @@ def from_target(message):
     """Return the core's GoalPose of a geometry_msgs/PoseStamped, unchecked: the core judges it."""
     position = message.pose.position
     return GoalPose(message.header.frame_id, message.header.stamp.to_nsec(), (position.x, position.y),
-                    quaternion_tuple(message.pose.orientation))
+                    quaternion_tuple(message.pose.orientation), position.z)

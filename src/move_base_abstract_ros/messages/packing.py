@@ -64,6 +64,11 @@ class InFrame:
         return self._pose.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frame,
                                pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half))
 
+    def goal(self, seq, place, height, quaternion, stamp_ns):
+        """Return a geometry_msgs/PoseStamped at ``place`` (Pose2D) and ``height`` [m], with the ``quaternion``."""
+        return self._pose.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frame,
+                               place.x, place.y, height, *quaternion)
+
     def pose_with_covariance(self, seq, pose, stamp_ns):
         """Return a geometry_msgs/PoseWithCovarianceStamped, all variances 0."""
         return self.pose_stamped(seq, pose, stamp_ns) + _COVARIANCE

@@ -53,8 +53,8 @@ class GoalIn(MoveBaseActionGoal):
         self.name, at = _text(data, at + 12, length)
         _, seconds, rest, length = _FOUR.unpack_from(data, at)
         frame_id, at = _text(data, at + 16, length)
-        x, y, _, *quaternion = _POSE.unpack_from(data, at)
-        self.target = GoalPose(frame_id, seconds * NS_PER_S + rest, (x, y), tuple(quaternion))
+        x, y, z, *quaternion = _POSE.unpack_from(data, at)
+        self.target = GoalPose(frame_id, seconds * NS_PER_S + rest, (x, y), tuple(quaternion), z)
 
 
 class ResultIn(MoveBaseActionResult):

@@ -19,8 +19,8 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.loopback import Loopback, LoopbackError
-from move_base_abstract_ros.nodes import demo_nodes, demo_report
-from move_base_abstract_ros.nodes.demo_mission import MissionFailed, MissionRun
+from move_base_abstract_ros.nodes.demo_run import nodes, report
+from move_base_abstract_ros.nodes.demo_run.mission import MissionFailed, MissionRun
 from move_base_abstract_ros.replacing import rospy_start
 
 LAST_LOOK_SECONDS = 1.0  # wall
@@ -51,13 +51,13 @@ def _run(arguments, plan):
     begin = time.monotonic()
     with Loopback() as ros:
         ros.adopt()
-        map_path, why = demo_nodes.choose_map(arguments.map, 'field.yaml' if arguments.csv else 'farm_yard.yaml', plan)
+        map_path, why = nodes.choose_map(arguments.map, 'field.yaml' if arguments.csv else 'farm_yard.yaml', plan)
         print(why, flush=True)
         if arguments.routes and map_path is None:
             raise MissionFailed('--routes needs a map on which all places of the mission are free')
-        clock = demo_nodes.clock_parameters(arguments.clock, arguments.factor, ['/fleet', '/demo'])
-        settings = demo_nodes.robot_settings(arguments.speed, map_path is not None, arguments.routes, arguments.rviz)
-        demo_nodes.start(ros, plan, clock, settings, map_path, arguments.rviz)
+        clock = nodes.clock_parameters(arguments.clock, arguments.factor, ['/fleet', '/demo'])
+        settings = nodes.robot_settings(arguments.speed, map_path is not None, arguments.routes, arguments.rviz)
+        nodes.start(ros, plan, clock, settings, map_path, arguments.rviz)
         rospy_start.prepare()
         rospy.init_node('demo', disable_signals=True)
         try:
@@ -75,9 +75,9 @@ def _run(arguments, plan):
         finally:
             rospy.signal_shutdown('demo over')
     simulated_s, wall_s = run.elapsed()
-    print(demo_report.table([(robot.plan.name, robot.goals_done, len(robot.plan.goals), robot.odometer.distance_m,
+    print(report.table([(robot.plan.name, robot.goals_done, len(robot.plan.goals), robot.odometer.distance_m,
                               robot.odometer.moving_s) for robot in run.robots], simulated_s))
-    print(demo_report.closing_line(simulated_s, wall_s), flush=True)
+    print(report.closing_line(simulated_s, wall_s), flush=True)
     return 0
 
 
@@ -98,7 +98,7 @@ def _speed(clock):
 
 def _carry_out(run, ros):
     """Run the mission with a progress display and an eye on the nodes."""
-    progress = demo_report.make_progress(run.mission.goal_count, sys.stderr)
+    progress = report.make_progress(run.mission.goal_count, sys.stderr)
 
     def tick():
         ros.check()
@@ -120,7 +120,7 @@ def _choose_mission(arguments):
         return mission.mission_from_points(points, arguments.robots or 5, arguments.goals or 6,
                                            1 if arguments.seed is None else arguments.seed)
     name = 'demo_routes_mission.yaml' if arguments.routes else 'demo_mission.yaml'
-    path = arguments.mission or demo_nodes.shipped('config', name)
+    path = arguments.mission or nodes.shipped('config', name)
     return mission.read_mission(path).first_robots(arguments.robots)
 
 

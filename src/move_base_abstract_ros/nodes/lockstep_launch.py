@@ -18,8 +18,11 @@ import sys
 from contextlib import contextmanager, nullcontext
 
 from move_base_abstract.common import kinds
+from move_base_abstract.common.bounded_yaml import REQUEST, load_yaml_text
 from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract.common.lasting_output import outlive_readers
+from move_base_abstract.common.ros_names import is_namespace
 from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep.run_options import FAIL, RunOptions
@@ -35,7 +38,7 @@ _CANNOT, _CRASHED, _BROKEN = 2, 3, 4
 def main(words=None):
     """Run the launch file and exit with the code."""
     outlive_readers()
-    parser, options = _parse(sys.argv[1:] if words is None else words)
+    parser, options = read_words(sys.argv[1:] if words is None else words)
     warm = None if options.list else warm_client.WarmClient(
         os.path.dirname(os.path.abspath(sys.argv[0])), not options.use_master)
     # Only now, beside the warm process: it takes a while.
@@ -43,7 +46,9 @@ def main(words=None):
         from ..launching import runner  # noqa: F401 - which imports all the others
         from ..loopback import LoopbackError
     from roslaunch.core import RLException
-    files = files_of(parser, options.command)
+    series = options.series and load_json_mapping(options.series)
+    files = list(map(tuple, series['files'])) if series else files_of(parser, options.command)
+    options.deputy = (series['deputy'], series['address']) if series else ()
     sys.argv[1:] = []  # roslaunch would take arguments of its files from there
     try:
         with _ros_master(options.use_master, warm):
@@ -64,8 +69,8 @@ def _end_as_python(warm):
     atexit._run_exitfuncs()
 
 
-def _parse(words):
-    """Return the parser, and the options of a command line."""
+def read_words(words):
+    """Return the parser, and the options of a command line; ``command``: the words behind them."""
     parser = argparse.ArgumentParser(
         prog='lockstep_launch', description='Run an unchanged launch file in lockstep.',
         usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
@@ -85,6 +90,7 @@ def _parse(words):
     parser.add_argument('--own-hash-seed', type=int, default=None, help=argparse.SUPPRESS)
     parser.add_argument('--message-bytes', default=None, help=argparse.SUPPRESS)
     parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
+    parser.add_argument('--series', default=None, help=argparse.SUPPRESS)  # from `lockstep_series`
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
     parser.add_argument('--list', action='store_true', help='say who takes part, and start nothing')
     return parser, parser.parse_args(words)
@@ -101,6 +107,8 @@ def add_plan_options(parser):
                         help='this node is not started')
     parser.add_argument('--replace', action='append', default=[], type=_kinds, metavar='PACKAGE/TYPE=PACKAGE/TYPE',
                         help='start nodes of another kind in the place of these, under their names')
+    parser.add_argument('--set', action='append', default=[], type=_setting, metavar='NAME:=VALUE',
+                        help="set a parameter of this absolute name, above the launch file's; VALUE is YAML")
     parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
     parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
     kinds.add_arguments(parser, RunOptions)
@@ -115,6 +123,8 @@ def words_of(options):
     for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
                           ('--leave-out', options.leave_out)):
         words += [word for name in names for word in (option, name)]
+    for name, value in options.set:
+        words += ['--set', '{}:={}'.format(name, json.dumps(value))]
     for old, new in options.replace:
         words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(new))]
     return words
@@ -145,7 +155,8 @@ def wishes_of(options, parameters, **others):
     return Wishes(parameters={**given, **parameters},
                   launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
                   kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
-                  replaced=tuple(options.replace), with_respawned=options.no_respawn, **others)
+                  replaced=tuple(options.replace), set_parameters=tuple(options.set),
+                  with_respawned=options.no_respawn, **others)
 
 
 def _run(options, files, warm):
@@ -164,6 +175,7 @@ def _run(options, files, warm):
     with nullcontext() if options.list else temporary_folder(_say) as folder, bags.notes() as notes:
         environment = ((bags.VARIABLE, notes), *((('TMPDIR', folder),) if folder else ()))
         made = plan.make_plan(files, wishes_of(options, parameters, environment=environment, own_environment=seed,
+                                               deputy=options.deputy,
                                                is_reversed=options.start_order == 'reversed', parts=options.parts))
         for line in _lines(made):
             _say(line)
@@ -265,6 +277,16 @@ def _name(text):
     if not text.strip('/'):
         raise argparse.ArgumentTypeError("must be a node's name, got {}".format(shown(text)))
     return '/' + text.strip('/')
+
+
+def _setting(text):
+    name, sign, value = text.partition(':=')
+    if not sign or not name.startswith('/') or not is_namespace(name) or not name.strip('/'):
+        raise argparse.ArgumentTypeError('must be /NAME:=VALUE, got {}'.format(shown(text)))
+    try:
+        return name, load_yaml_text(value, name, REQUEST)
+    except SimulatorError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _kinds(text):

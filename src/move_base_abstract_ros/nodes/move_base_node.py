@@ -17,6 +17,7 @@ from move_base_abstract_ros.transforms.tf_lookup import listen_to_static_frames
 _LAST_WORDS_SECONDS = 0.1
 #: private parameters that are read elsewhere
 LOCKSTEP_PARAMETERS = ('lockstep_rank', 'lockstep_charge', 'foresee', 'events_only', 'log_motion')
+_INHERITED = ('footprint', 'robot_radius', 'compatible_with')
 
 
 def main():
@@ -73,8 +74,8 @@ def read_robot_settings(overrides, default_tf_prefix, base):
 
 
 def _inherited(raw):
-    """Return the footprint's parameters that costmaps find further up, as {name: value}."""
-    found = {name: rospy.search_param(name) for name in ('footprint', 'robot_radius') if name not in raw}
+    """Return the parameters that are found further up, as {name: value}: a footprint, as costmaps do, a profile."""
+    found = {name: rospy.search_param(name) for name in _INHERITED if name not in raw}
     return {name: rospy.get_param(path) for name, path in found.items() if path}
 
 

@@ -2,7 +2,7 @@
 
 ``<remap from="move_base" to="navigate"/>`` renames move_base's action. The node and its parameters keep their name, for
 roslaunch and in roscpp; rospy alone would look for the whole namespace below ``navigate``, where nobody has set
-anything.
+anything. What somebody has set there all the same counts where the node's own name has no such parameter.
 """
 import rosgraph
 import rospy
@@ -11,7 +11,9 @@ import rospy
 def own_parameters():
     """Return {name: value} of the node's private parameters, or what else somebody has set under the node's name."""
     where = rospy.get_name()
-    if rospy.resolve_name(where) == where:
+    remapped = rospy.resolve_name(where)
+    if remapped == where:
         return rospy.get_param(where, {})
     master = rosgraph.Master(where)
-    return master.getParam(where) if master.hasParam(where) else {}
+    own, others = (master.getParam(name) if master.hasParam(name) else {} for name in (where, remapped))
+    return {**others, **own} if isinstance(own, dict) and isinstance(others, dict) else own

@@ -34,6 +34,7 @@ NEW_LOOPS = LOOPS + ', from Python 3.12 on'
 WARM = '`lockstep_launch`, and the warm process of an experiment and what it forks'
 FUTURES = 'lockstep.join, when a program uses concurrent.futures'
 POOLS = 'lockstep.join, when a program uses multiprocessing.pool'
+SERIES = '`lockstep_series`, for its script'
 
 
 class Row(NamedTuple):
@@ -239,6 +240,8 @@ _ROWS = (
     Row('asyncio.unix_events.can_use_pidfd', NEW_LOOPS, 'says no, so that a thread waits for a child'),
     Row('roslib.packages.find_node', WARM, 'begins with the programs that were found before', ('11281a34f8c5',)),
     Row('multiprocessing.pool.Pool._wait_for_updates', POOLS, _WAIT),
+    Row('roslaunch.parent.ROSLaunchParent', SERIES, 'is a run in lockstep on a ROS master of its own'),
+    Row('roslaunch.scriptapi.ROSLaunch', SERIES, 'is refused: its nodes come one by one, without a launch file'),
     Row('threading.Thread.isAlive', ALWAYS,
         'is there again where Python has it no more (3.9 and later): rospy of Debian 11 calls it'),
     Row('logging.Handler.handleError', ALWAYS, 'says once, in a line, that a log cannot be written'),

@@ -4,7 +4,7 @@ import rospy
 from move_base_abstract.fleet.robot_parts import make_planner, make_robot_parts
 from move_base_abstract.fleet.robot_rows import tell_start, write
 from move_base_abstract.goals.activity import activity
-from move_base_abstract.goals.events import Beyond, Warned, motion_of, robot_stream
+from move_base_abstract.goals.events import Beyond, Departed, Warned, motion_of, robot_stream
 from move_base_abstract.goals.outcome import NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
 from move_base_abstract.goals.recovery import RecoveryPolicy
 
@@ -18,6 +18,7 @@ from ..transforms import tf_watch
 from ..transforms.tf_lookup import TfLookup
 from .condition_server import ConditionServer
 from .goal_server import GoalServer
+from .localization import Localization
 from .reconfigure import Reconfigure
 from .robot_publisher import RobotPublisher
 from .simple_goals import SimpleGoals
@@ -48,6 +49,8 @@ class MoveBaseServer:
         self._stream = robot_stream()
         write(self._stream, 'trace', host.events.record(robot_index), settings.values['log_motion'])
         self._stream.subscribe('shown', {Warned: self._warned, Beyond: host.warn_of_beyond})
+        if settings.original is not None:
+            self._stream.subscribe('shown', {Departed: self._compare})
         with lockstep.sender(robot_index):
             self._set_up(robot_index)
         clock.follow_restarts(self._restart)
@@ -59,6 +62,8 @@ class MoveBaseServer:
             clock.now_ns()
             self._build(robot_index)
         self._teleport = Teleport(names, settings, clock, self.navigator, self._frames, self._prefetch_frame)
+        self._localization = Localization(names, self._map, self._show, self._teleport.place) if (
+            settings.values['backend'] in backends.BUILTIN) else None  # elsewhere amcl itself may be there
         self._planner_interface = PlannerInterface(names, settings, clock, self.navigator, self._map,
                                                    self._stream)
         self._reconfigure = Reconfigure(names, settings, self)
@@ -125,8 +130,9 @@ class MoveBaseServer:
         if self._work is not None:
             self._work.close(ROBOT_REMOVED)
         for part in (self._map, self._simple_goals, self._teleport, self._reconfigure, self._planner_interface,
-                     self._condition_server):
-            part.close()
+                     self._condition_server, self._localization):
+            if part is not None:
+                part.close()
         with self._clock.lock:
             now_ns = self._clock.now_ns()
             self.condition.close()
@@ -190,6 +196,14 @@ class MoveBaseServer:
 
     def _state(self):
         return activity(self.navigator, self.condition, self._work and self._work.tasks)
+
+    def _show(self):
+        with self._clock.lock:
+            self._publisher.show(self._clock.now_ns())
+
+    def _compare(self, _event):
+        robot = self.navigator.robot
+        rospy.loginfo('%s: %s', robot.name, self._settings.original.compare(robot.leg.distance, robot.limits))
 
     def _warned(self, event):
         """Log a warning; the same one once in 5 s."""

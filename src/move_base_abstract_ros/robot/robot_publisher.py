@@ -91,7 +91,12 @@ class RobotPublisher:
         self._backend.restart()
 
     def _aimed(self, event):
-        self._current_goal.send(lambda seq: self._in_global_frame.pose_stamped(seq, event.goal, event.time_ns))
+        self._current_goal.send(lambda seq: self._in_global_frame.goal(seq, event.goal, event.height, event.quaternion,
+                                                                       event.time_ns))
+
+    def show(self, now_ns):
+        """Publish once more where the robot is at ``now_ns`` [ns]."""
+        self._place(now_ns)
 
     def _wheels_stopped(self, _event):
         self._cmd_vel.send(_stand_still)

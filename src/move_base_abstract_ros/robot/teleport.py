@@ -1,10 +1,14 @@
-"""Putting a robot somewhere: ``initialpose``, ``set_pose``, ``cmd_pose`` (topics), ``set_robot_pose`` (service)."""
+"""Putting a robot somewhere: ``initialpose``, ``set_pose``, ``cmd_pose`` (topics), ``set_robot_pose`` (service).
+
+With ``compatible_with`` also ``robot_pose``, which the original package takes for the truth, whoever sends it.
+"""
 import rospy
-from geometry_msgs.msg import Pose, PoseWithCovarianceStamped
+from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from std_msgs.msg import Header
 
 from move_base_abstract.common.errors import FrameError
 from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.original import is_rasberry
 from move_base_abstract.srv import SetPose, SetPoseResponse
 
 from ..backends import STAGE
@@ -30,6 +34,10 @@ class Teleport:
             self._world = Pose2D(values['stage_offset_x'], values['stage_offset_y'], values['stage_offset_yaw'])
             self._subscribers.append(rospy.Subscriber(names.topic('cmd_pose'), Pose, lambda message: self._on_pose(
                 'cmd_pose', Header(), message, self._world.inverse()), queue_size=1))
+        if settings.original is not None:
+            self._subscribers.append(rospy.Subscriber(
+                names.topic('robot_pose'), Pose if is_rasberry(settings.original) else PoseStamped,
+                self._on_robot_pose, queue_size=1))
         self._service = rospy.Service(names.topic('set_robot_pose'), SetPose, self._serve)
 
     def close(self):
@@ -38,16 +46,21 @@ class Teleport:
             subscriber.unregister()
         self._service.shutdown('the robot is removed')
 
+    def _on_robot_pose(self, message):
+        """Believe others. On its way the robot is soon shown elsewhere again: there as here it goes on as it was."""
+        if message._connection_header['callerid'] != rospy.get_name() and self._navigator.robot.leg is None:
+            self._on_pose('robot_pose', getattr(message, 'header', Header()), getattr(message, 'pose', message))
+
     def _on_pose(self, topic, header, pose, origin=Pose2D()):
-        text = self._place(header, pose, origin)
+        text = self.place(header, pose, origin)
         if text:
             rospy.logwarn('%s: %s is refused, the robot stays where it is: %s', self._names.robot, topic, text)
 
     def _serve(self, request):
-        text = self._place(request.pose.header, request.pose.pose)
+        text = self.place(request.pose.header, request.pose.pose)
         return SetPoseResponse(success=not text, message=text or 'The robot is there.')
 
-    def _place(self, header, message, origin=Pose2D()):
+    def place(self, header, message, origin=Pose2D()):
         """Put the robot to ``message`` as seen from ``origin`` in the header's frame; return why not, or ''."""
         frame_id = header.frame_id.lstrip('/') or self._frames.global_frame
         self._prefetch(frame_id, 0)

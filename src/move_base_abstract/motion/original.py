@@ -1,0 +1,77 @@
+"""How the original package of this name (TAROS 2023) times its legs, for who replicates what was published with it.
+
+Facts from its source, github.com/laurencejbelliott/move_base_abstract: ``main`` at d53d827, ``rasberry`` at bc8e2f7.
+
+``main``: a leg of the length d > 0 with top speed v and acceleration a takes d/v + v/(2a), however short it is; without
+an acceleration d/v. The robot is shown where it would be had it stood for v/(2a) and then driven at v. With
+pose_update_freq 0 its loop counts whole seconds, so that the leg takes the next whole number of them.
+
+``rasberry``: d/v; the robot is shown half-way as long as it travels.
+"""
+import math
+
+from ..common.units import seconds_to_ns
+from .geometry import Pose2D
+from .leg import Leg, MotionLimits, Tolerances, trip
+from .pace import Pace, PacedLeg
+
+MAIN, RASBERRY = 'move_base_abstract', 'move_base_abstract_rasberry'
+PROFILES = (MAIN, RASBERRY)
+#: how often each tells where a robot is, on its way, if nobody says it [Hz, simulated]
+POSE_RATES = {MAIN: 0.5, RASBERRY: 0.0}
+
+
+def is_rasberry(law):
+    """Return whether ``law`` (OriginalLaw or None) is that of the branch."""
+    return law is not None and law.profile == RASBERRY
+
+
+class OriginalLaw:
+    """How long a leg takes, and where its robot is meanwhile, by the original's ``profile``: :data:`PROFILES`."""
+
+    def __init__(self, profile=MAIN, pose_update_freq=1.0):
+        """``pose_update_freq`` [Hz, simulated]: 0 makes legs of ``main`` last whole seconds."""
+        self.profile = profile
+        self._is_whole = profile == MAIN and pose_update_freq == 0.0
+
+    def seconds(self, distance, limits):
+        """Return how long a leg of ``distance`` [m] takes with these MotionLimits [s]."""
+        if distance <= 0.0:
+            return 0.0
+        seconds = distance / limits.max_speed
+        if self.profile == MAIN and limits.acceleration != math.inf:
+            seconds += limits.max_speed / (2.0 * limits.acceleration)
+        return float(math.ceil(seconds)) if self._is_whole else seconds
+
+    def leg(self, start, goal, limits, depart_ns):
+        """Return the leg from ``start`` to ``goal`` (Pose2D). Turning takes no time, and there are no tolerances."""
+        straight = Leg(start, goal, MotionLimits(limits.max_speed), Tolerances(), depart_ns)
+        total_ns = seconds_to_ns(self.seconds(straight.distance, limits))
+        if self.profile == RASBERRY:
+            return HalfwayLeg(straight, Pace(0, 1.0))
+        return PacedLeg(straight, Pace(total_ns - straight.duration_ns, 1.0))
+
+    def compare(self, distance, limits):
+        """Return in words how long ``distance`` [m] takes by this law and by the exact one."""
+        exact = trip(distance, limits.max_speed, limits.acceleration)[2]
+        return "{:.1f} m at {:g} m/s{}: {:.1f} s by the original's formula, {:.1f} s exact".format(
+            distance, limits.max_speed, '' if limits.acceleration == math.inf else
+            ' with {:g} m/s^2'.format(limits.acceleration), self.seconds(distance, limits), exact)
+
+
+class HalfwayLeg(PacedLeg):
+    """A :class:`.Leg` whose robot is shown half-way, heading along x, from the departure to the arrival."""
+
+    __slots__ = ()
+
+    def pose_at(self, now_ns):
+        """Return the pose at ``now_ns`` [ns]: half-way from the departure on, the end from the arrival on."""
+        if now_ns < self.depart_ns:
+            return self.start
+        if now_ns >= self.arrive_ns:
+            return self.end
+        return Pose2D((self.start.x + self.end.x) / 2.0, (self.start.y + self.end.y) / 2.0, 0.0)
+
+    def velocity_at(self, _now_ns):
+        """Return (0, 0) [m/s, rad/s]: it stands there."""
+        return 0.0, 0.0

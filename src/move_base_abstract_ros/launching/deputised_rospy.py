@@ -1,0 +1,156 @@
+"""What a script that starts runs sees as rospy: what has to do with a run is done in it, by a deputy.
+
+It is a module of its own in the place of rospy, for the script alone. All that is not named here is rospy's own.
+"""
+import itertools
+import sys
+import types
+
+import rospy
+
+from ..lockstep.participation.rospy_time import set_rostime
+from .deputy_link import CALLBACK, DONE, ERROR, REQUEST, Function, LinkClosed, Thing
+
+#: functions of rospy that the deputy calls
+FUNCTIONS = ('sleep', 'wait_for_message', 'wait_for_service', 'get_param', 'has_param', 'set_param', 'delete_param',
+             'search_param', 'get_param_names', 'get_param_cached', 'get_published_topics', 'get_name',
+             'get_namespace', 'get_caller_id', 'resolve_name', 'spin')
+#: classes of rospy of which the deputy makes objects
+CLASSES = ('Subscriber', 'Publisher', 'ServiceProxy', 'Service', 'Rate', 'Timer')
+_LOGS = {'logdebug': None, 'loginfo': sys.stdout, 'logwarn': sys.stderr, 'logerr': sys.stderr, 'logfatal': sys.stderr}
+_NO_RUN = 'no run is under way: ROSLaunchParent.start() begins one'
+_OVER = 'the run is over'
+
+
+class Deputised:
+    """The script's side: ``begin(link)`` when a run is there, ``end()`` when the script has had enough of it."""
+
+    def __init__(self):
+        self._link = None
+        self._functions, self._numbers = {}, itertools.count(1)
+        self._is_over = self._is_shut_down = False
+        self._hooks = []
+
+    @property
+    def is_under_way(self):
+        """Whether there is a run, as far as the script knows."""
+        return self._link is not None
+
+    def begin(self, link):
+        """Ask this Link's deputy from now on; it has begun to listen."""
+        self._link, self._is_over = link, False
+        rospy.rostime.set_rostime_initialized(True)
+        self._take(link.receive())
+
+    def end(self):
+        """Have the deputy leave the run; what it has made is gone."""
+        link, self._link = self._link, None
+        self._functions.clear()
+        if link is not None:
+            try:
+                link.send(REQUEST, 'leave')
+            except LinkClosed:
+                pass
+        return link
+
+    def run_hooks(self):
+        """Call what was given to rospy.on_shutdown: the script has come to its end."""
+        hooks, self._hooks = self._hooks, []
+        for hook in hooks:
+            hook()
+
+    def ask(self, name, *args, _number=None, **kwds):
+        """Return what the deputy's rospy answers; the script's functions that it calls meanwhile are called here.
+
+        :raises rospy.ROSInterruptException: if there is no run, or it is over.
+        """
+        if self._link is None:
+            raise rospy.ROSInterruptException(_OVER if self._is_over else _NO_RUN)
+        link = self._link
+        try:
+            link.send(REQUEST, _number, name, [self._token(arg) for arg in args],
+                      {key: self._token(value) for key, value in kwds.items()})
+            while True:
+                told = link.receive()
+                if told[0] != CALLBACK:
+                    return self._take(told)
+                set_rostime(told[1])
+                self._functions[told[2]](*told[3])
+                link.send(DONE)
+        except LinkClosed:
+            self._link, self._is_over = None, True
+            raise rospy.ROSInterruptException(_OVER) from None
+
+    def _take(self, told):
+        kind, now_ns, *words = told
+        set_rostime(now_ns)
+        if kind == ERROR:
+            raise words[0](*words[1:])
+        return words[0]
+
+    def _token(self, arg):
+        if isinstance(arg, Proxy):
+            return Thing(arg.deputised_number)
+        if not callable(arg) or isinstance(arg, type):
+            return arg
+        number = next(self._numbers)
+        self._functions[number] = arg
+        return Function(number)
+
+    def make(self, kind, *args, **kwds):
+        """Return a Proxy of a new object of rospy's class ``kind``."""
+        number = next(self._numbers)
+        self.ask(kind, *args, _number=number, **kwds)
+        return Proxy(self, number, kind)
+
+    def is_shutdown(self):
+        """As rospy.is_shutdown: a run that has ended by itself is over until the next one begins."""
+        return self._is_shut_down or self._is_over
+
+    def _shut_down(self, _reason=''):
+        self._is_shut_down = True
+
+    def module(self):
+        """Return the module that the script gets as rospy."""
+        made = types.ModuleType('rospy', rospy.__doc__)
+        made.__dict__.update({key: value for key, value in vars(rospy).items() if key not in ('__name__', '__doc__')})
+        for name in FUNCTIONS:
+            setattr(made, name, lambda *args, _name=name, **kwds: self.ask(_name, *args, **kwds))
+        for name in CLASSES:
+            setattr(made, name, lambda *args, _name=name, **kwds: self.make(_name, *args, **kwds))
+        for name, stream in _LOGS.items():
+            log = _log(name[3:].upper(), stream)
+            for suffix in ('', '_once', '_throttle'):
+                setattr(made, name + suffix, log if suffix != '_throttle' else _without_period(log))
+        made.init_node = lambda *_args, **_kwds: None  # the deputy is the node
+        made.is_shutdown, made.signal_shutdown, made.on_shutdown = self.is_shutdown, self._shut_down, self._hooks.append
+        return made
+
+
+class Proxy:
+    """What the deputy has made; its methods are called there."""
+
+    def __init__(self, deputised, number, kind):
+        self.deputised_number = number
+        self._deputised = deputised
+        self._kind = kind
+
+    def __getattr__(self, name):
+        if name.startswith('__'):
+            raise AttributeError(name)
+        return lambda *args, **kwds: self._deputised.ask((self.deputised_number, name), *args, **kwds)
+
+    def __call__(self, *args, **kwds):
+        """Of a ServiceProxy: call the service."""
+        return self._deputised.ask((self.deputised_number, '__call__'), *args, **kwds)
+
+
+def _log(level, stream):
+    def log(text, *args, **_kwds):
+        if stream is not None:
+            print('[{}] {}'.format(level, text % args if args else text), file=stream, flush=True)
+    return log
+
+
+def _without_period(log):
+    return lambda _period, text, *args, **kwds: log(text, *args, **kwds)

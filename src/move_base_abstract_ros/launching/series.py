@@ -1,0 +1,142 @@
+"""A series of runs in lockstep: each ROSLaunchParent that a script starts becomes one, on a ROS master of its own."""
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+
+from roslaunch.core import RLException
+
+from move_base_abstract.common.errors import ConfigurationError
+
+from .deputised_rospy import Deputised
+from .deputy_link import Link
+
+_LOOK_S = 0.1  # wall
+_END_S = 60.0  # wall; a run's end, asked for by a signal
+
+
+class Series:
+    """The runs of one script, in its order. ``code``: the worst exit code of lockstep_launch so far.
+
+    ``program``: the path of lockstep_launch, ``options``: its options, ``folder``: for event logs, ``name``: of the
+    node that takes part for the script.
+    """
+
+    def __init__(self, program, options, folder, name):
+        self._program, self._options, self._folder, self._name = program, list(options), folder, name
+        self._number = 0
+        self._process = None
+        self.deputised = Deputised()
+        self.code = 0
+        os.makedirs(folder, exist_ok=True)
+
+    def parent(self, *args, **kwds):
+        """Return what the script gets as a ROSLaunchParent."""
+        return Parent(self, *args, **kwds)
+
+    def start(self, files):
+        """Start a run of ``files`` [(path, arguments)]; return when the deputy takes part.
+
+        :raises RLException: if there is none, or another run is under way.
+        """
+        if self._process is not None and not self.deputised.is_under_way:
+            self.finish()  # it has ended by itself, and the script goes on to the next
+        if self._process is not None:
+            raise RLException('another run is under way; each ROSLaunchParent of a script is a run of its own')
+        self._number += 1
+        log = os.path.join(self._folder, 'run_{:03d}.jsonl'.format(self._number))
+        if os.path.lexists(log):
+            raise RLException('{}: is there already; a series wants a folder without its logs'.format(log))
+        print('lockstep_series: run {}: {}; event log {}'.format(
+            self._number, ' '.join(word for path, words in files for word in (path, *words)), log), flush=True)
+        self._begin(files, log)
+
+    def _begin(self, files, log):
+        with tempfile.TemporaryDirectory(prefix='lockstep_series_') as folder, socket.socket(socket.AF_UNIX) as door:
+            address, asked = os.path.join(folder, 'deputy'), os.path.join(folder, 'run.json')
+            door.bind(address)
+            door.listen(1)
+            with open(asked, 'w', encoding='utf-8') as stream:
+                json.dump({'files': files, 'deputy': self._name, 'address': address}, stream)
+            words = [sys.executable, self._program, *self._options, '--event-log', log, '--series', asked]
+            process = self._process = subprocess.Popen(words, stdin=subprocess.DEVNULL)
+            self.deputised.begin(Link(self._accept(door, process)))
+
+    def _accept(self, door, process):
+        door.settimeout(_LOOK_S)
+        while True:
+            try:
+                return door.accept()[0]
+            except socket.timeout:
+                if process.poll() is not None:
+                    raise RLException('run {} did not begin: exit code {}'.format(
+                        self._number, process.returncode)) from None
+
+    def close(self):
+        """The script has come to its end: so does a run that is under way; functions of on_shutdown are called."""
+        self.deputised.run_hooks()
+        self.finish(is_asked=True)
+
+    def finish(self, is_asked=False):
+        """Have the script leave its run, if there is one, wait for its end, and tell of it.
+
+        ``is_asked``: end it by a signal.
+        """
+        process, self._process = self._process, None
+        if process is None:
+            return
+        link = self.deputised.end()
+        if is_asked and process.poll() is None:
+            process.send_signal(signal.SIGINT)
+        try:
+            process.wait(_END_S if is_asked else None)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        if link is not None:
+            link.close()
+        self.code = max(self.code, abs(process.returncode))
+        print('lockstep_series: run {}: exit code {}'.format(self._number, process.returncode), flush=True)
+
+
+class Parent:
+    """In the place of roslaunch's ROSLaunchParent: start, spin, spin_once and shutdown of one run."""
+
+    def __init__(self, series, run_id, roslaunch_files, *_args, roslaunch_strs=None, **_kwds):
+        if roslaunch_strs:
+            raise RLException('ROSLaunchParent: got roslaunch_strs; allowed in a series: files')
+        self.run_id, self.roslaunch_files = run_id, roslaunch_files
+        self._series = series
+        self._has_run = False
+
+    def start(self, _auto_terminate=True):
+        """Begin the run; return when simulated time has begun."""
+        self._series.start([_file(one) for one in self.roslaunch_files])
+        self._has_run = True
+
+    def spin_once(self):
+        """There is nothing to be done."""
+
+    def spin(self):
+        """Wait for the end of the run; the script does nothing in it any more."""
+        try:
+            self._series.deputised.ask('spin')
+        except Exception as error:
+            if self._series.deputised.is_under_way:
+                raise ConfigurationError('the run cannot be waited for: {}'.format(error)) from error
+        self.shutdown()
+
+    def shutdown(self):
+        """Leave the run, which ends at this instant of simulated time."""
+        if self._has_run:
+            self._has_run = False
+            self._series.finish()
+
+
+def _file(one):
+    """Return (absolute path, arguments) of what roslaunch takes as a file."""
+    path, words = (one, []) if isinstance(one, str) else (one[0], list(one[1]))
+    return os.path.abspath(path), words

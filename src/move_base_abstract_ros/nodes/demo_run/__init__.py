@@ -1,0 +1,1 @@
+"""What the program demo is made of: its nodes, its mission, what it tells."""

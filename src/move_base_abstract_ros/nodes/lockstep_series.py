@@ -1,0 +1,118 @@
+"""Run an unchanged Python script that starts launch files by ROSLaunchParent: each becomes a run in lockstep.
+
+    rosrun move_base_abstract lockstep_series [--logs FOLDER] [options of lockstep_launch] SCRIPT [ARGUMENTS]
+
+What the script asks rospy for is done in the run, by a node that takes part for it; what it computes takes no simulated
+time. When it calls shutdown(), the run ends at that instant. Each run has a ROS master and an event log of its own.
+
+Exit codes: the script's; else the worst of lockstep_launch; 2: it cannot be run like this.
+"""
+import os
+import runpy
+import sys
+import types
+
+from move_base_abstract.common.errors import SimulatorError
+
+from ..loopback import LoopbackError, find_executable
+
+_DEPUTY = '--deputy'
+_FOLDER = 'lockstep_series_logs'
+_NO_MASTER = 'http://127.0.0.1:1/'  # where nobody listens: a script must not reach a system that runs elsewhere
+_CANNOT = 2
+
+
+def main():
+    """Run the script, or be the node that takes part for one."""
+    if sys.argv[1:2] == [_DEPUTY]:
+        from . import series_deputy
+        series_deputy.main(sys.argv[2])
+        return
+    try:
+        folder, options, words = _parse(sys.argv[1:])
+        _hash_alike()
+        code = _run(folder, options, words)
+    except (SimulatorError, LoopbackError) as error:
+        print('lockstep_series: {}'.format(error), file=sys.stderr)
+        code = _CANNOT
+    sys.exit(code)
+
+
+def _parse(words):
+    """Return (folder, options of lockstep_launch, [script, arguments])."""
+    from . import lockstep_launch
+    if not words or words[0] in ('-h', '--help'):
+        print(__doc__)
+        sys.exit(0 if words else _CANNOT)
+    folder = _FOLDER
+    if words[0] == '--logs' and len(words) > 1:
+        folder, words = words[1], words[2:]
+    rest = lockstep_launch.read_words(words)[1].command
+    options = words[:len(words) - len(rest)]
+    if not rest or not os.path.isfile(rest[0]):
+        raise SimulatorError('a Python script is wanted behind the options, got {}'.format(' '.join(rest) or 'nothing'))
+    return os.path.abspath(folder), options, rest
+
+
+def _hash_alike():
+    """Start anew where texts would be hashed in another way each time: a script may go through a set of them."""
+    if os.environ.get('PYTHONHASHSEED', 'random') == 'random':
+        os.environ['PYTHONHASHSEED'] = '0'
+        os.execv(sys.executable, [sys.executable, *sys.argv])
+
+
+def _run(folder, options, words):
+    import roslaunch.parent  # noqa: F401 - before the script's rospy is there
+    import roslaunch.scriptapi  # noqa: F401
+    from roslaunch.core import RLException
+
+    from ..launching.series import Series
+    from ..replacing.replaced import replace
+    os.environ['ROS_MASTER_URI'] = _NO_MASTER
+    series = Series(find_executable('lockstep_launch'), options, folder, _name(words[0]))
+
+    def refuse(*_args, **_kwds):
+        raise RLException('roslaunch.scriptapi.ROSLaunch starts nodes one by one, which is no run in lockstep; '
+                          'allowed: ROSLaunchParent')
+    replace('roslaunch.parent.ROSLaunchParent', lambda _original: series.parent)
+    replace('roslaunch.scriptapi.ROSLaunch', lambda _original: refuse)
+    sys.modules['rospy'] = series.deputised.module()
+    sys.modules['time'] = _time(series.deputised)
+    return _execute(series, words)
+
+
+def _execute(series, words):
+    sys.argv = list(words)
+    sys.path[0] = os.path.dirname(os.path.realpath(words[0]))
+    code = 0
+    try:
+        runpy.run_path(words[0], run_name='__main__')
+    except SystemExit as error:
+        code = error.code if isinstance(error.code, int) else int(error.code is not None)
+        if isinstance(error.code, str):
+            print(error.code, file=sys.stderr)
+    finally:
+        series.close()
+    return code or series.code
+
+
+def _name(path):
+    """Return the name of the node that takes part for a script: that of its file."""
+    stem = ''.join(letter if letter.isalnum() and letter.isascii() else '_' for letter in
+                   os.path.basename(path).partition('.')[0])
+    return stem if stem[:1].isalpha() else 'script_' + stem
+
+
+def _time(deputised):
+    """Return the module time as the script gets it: its sleeps are of simulated time while a run is under way."""
+    import time
+    made = types.ModuleType('time', time.__doc__)
+    made.__dict__.update({key: value for key, value in vars(time).items() if not key.startswith('__')})
+
+    def sleep(seconds):
+        if deputised.is_under_way and sys._getframe(1).f_globals.get('__name__') == '__main__':
+            deputised.ask('sleep', seconds)
+        else:
+            time.sleep(seconds)
+    made.sleep = sleep
+    return made
