@@ -47,6 +47,31 @@ for number in range(4):
     goal.target_pose.pose.orientation.w = 1.0
     client.send_goal_and_wait(goal)
     assert client.get_state() == actionlib.GoalStatus.SUCCEEDED, 'it takes it that each goal is reached'
+""", 'watch.py': """#!/usr/bin/env python3
+import rospy
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from move_base_abstract.properties import always
+from move_base_msgs.msg import MoveBaseActionFeedback
+from nav_msgs.msg import Odometry
+rospy.init_node('watch')
+truth, told, heard = {}, {}, {}
+def compare(at):
+    if at in truth and at in told:
+        true, said = truth[at].pose.pose.position, told[at].pose.pose.position
+        always(abs(true.x - said.x) + abs(true.y - said.y) < 0.001, 'amcl is right')
+def take(into, topic, message):
+    at = message.header.stamp
+    into[at] = message
+    compare(at)
+    goes_on(topic, at)
+def goes_on(topic, at):
+    always(at - heard.get(topic, at) <= rospy.Duration(0.6), topic + ' goes on')
+    heard[topic] = at
+rospy.Subscriber('/robot/base_pose_ground_truth', Odometry, lambda message: take(truth, 'truth', message))
+rospy.Subscriber('/robot/amcl_pose', PoseWithCovarianceStamped, lambda message: take(told, 'pose', message))
+rospy.Subscriber('/robot/move_base/feedback', MoveBaseActionFeedback,
+                 lambda message: goes_on('feedback', message.header.stamp))
+rospy.spin()
 """}
 SYSTEM = """<launch>
 <node pkg="study_of_others" type="worker.py" name="worker_1"/>
@@ -61,6 +86,9 @@ ROBOT = """<launch>
 <node pkg="study_of_others" type="patrol.py" name="patrol" required="true"/>
 </launch>
 """
+LAPSES = ROBOT.replace('abort: 0.2, stop: 0.5', 'jump: 0.4, mute: 1.0').replace('</launch>', """
+<node pkg="study_of_others" type="watch.py" name="watch"/>
+</launch>""")
 SAID = "/worker_2's message on /worker_2/done reached /coordinator before /worker_1's message on /worker_1/done, at "
 
 
@@ -107,6 +135,23 @@ class ChaosTest(OwnFolder, unittest.TestCase):
         code, said = self.run_it('chaos', '--replay', 'chaos.json')
         self.assertEqual(code, 1, said)
         self.assertIn('the same bytes as before', said)
+
+    def test_a_pose_that_jumps_and_what_is_not_told_on_the_way(self):
+        path = self.write('robot.launch', LAPSES)
+        logs = []
+        for name, seed, code in (('a', 0, 0), ('b', 7, 4), ('c', 7, 4)):
+            log = self.path(name + '.jsonl')
+            found, said = self.run_it('lockstep_launch', '--check', '--event-log', log, '--log-messages',
+                                      '--chaos-seed', str(seed), path)
+            self.assertEqual(found, code, said)
+            for what in ('amcl is right', 'pose goes on', 'feedback goes on'):
+                self.assertEqual(f'/watch: {what}' in said, code == 4, said)
+            with open(log) as stream:
+                logs.append(stream.read())
+        self.assertNotIn('lapse', logs[0])
+        for text in ('"lapse_began","values":["jump","chaos ', '"lapse_began","values":["mute","chaos '):
+            self.assertIn(text, logs[1])
+        self.assertEqual(logs[1], logs[2])
 
     def test_seed_0_and_no_decision_leave_the_same_bytes_as_without(self):
         path = self.write('system.launch', SYSTEM.format('study_of_others', 'coordinator.py'))

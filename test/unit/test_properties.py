@@ -11,7 +11,6 @@ from move_base_abstract.lockstep.property_names import BUILT_IN
 from move_base_abstract.properties import Broken, Gathering, Run, judge, judgement_on
 from move_base_abstract.properties.statements import MOST_STATEMENTS, StatementError, Statements
 from move_base_abstract.runs import ends
-from move_base_abstract.runs.event_log_file import write_event_log
 from move_base_abstract.scenario import make_scenario
 
 
@@ -86,16 +85,26 @@ def test_a_place_has_room_for_some(tmp_path):
         'capacities_kept: at 2.000000000 s, r1: it works at dock, which has room for 1 (r0, r1)')
 
 
-def fleet_log(tmp_path, goals, **scenario):
+def fleet_log(tmp_path, goals, until=None, **scenario):
     """Run robots at (0, 0), (0, 1) in plain Python, each to its goal (x, y); return the path of the event log."""
     fleet = Fleet(make_scenario({'defaults': {'max_speed': 2.0, **scenario.pop('defaults', {})}, 'robots': [
         {'name': name, 'start_x': 0.0, 'start_y': y} for name, y in (('a', 0.0), ('b', 1.0))], **scenario}), 0)
     for name, place in goals.items():
         fleet.send(name, *place)
-    fleet.run()
+    fleet.run(until=until)
     path = str(tmp_path / 'fleet.jsonl')
-    write_event_log(path, list(fleet.trace), 0)
+    fleet.write_log(path)
     return path
+
+
+def test_open_goals_of_a_fleet_in_plain_python(tmp_path):
+    dead = {'defaults': {'failure_kind': 'stall', 'failure_times': [2.0], 'repair_distribution': 'never'}}
+    goals = {'a': (10.0, 0.0), 'b': (1.0, 1.0)}
+    path = fleet_log(tmp_path, goals, **dead)
+    assert [(one.property, one.node) for one in judge(Run(path))] == [('every_goal_ends', 'fleet')]
+    assert judge(Run(path))[0].text == '1 of its goals never ends on a/move_base'
+    assert judge(Run(fleet_log(tmp_path, goals, until=1.5, **dead))) == []  # there is more to come
+    assert judge(Run(fleet_log(tmp_path, goals))) == []
 
 
 def test_what_robots_write_down_is_what_is_judged(tmp_path):

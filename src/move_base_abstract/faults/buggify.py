@@ -1,4 +1,4 @@
-"""What goes wrong on purpose with single goals, each by a chance: a late result, a goal given up, a robot that stops.
+"""What goes wrong on purpose with single goals, each by a chance: a late result, a goal given up, a wrong pose.
 
 Unlike failures it is there to find what clients take for granted: it comes only with a ``buggify_seed`` other than 0,
 which in lockstep is the seed of chaos. Each has a name, the same in each run, by which it can be switched off alone.
@@ -14,18 +14,24 @@ from ..common.units import seconds_to_ns
 from ..engine.alarm import Alarm
 from ..engine.chance import Purpose
 from .failures import ABORT, SILENT, STALL
+from .lapse import JUMP, LAPSES, MUTE, Lapsing
 
 if TYPE_CHECKING:
     from ..engine.chance import Chance
+    from ..engine.stream import Stream
     from .failing import Failing
 
 LATE_RESULT, STOP = 'late_result', 'stop'
-KINDS = (LATE_RESULT, ABORT, STOP, SILENT)  # of a goal at most one, the first that its number is for
+KINDS = (LATE_RESULT, ABORT, STOP, SILENT, JUMP, MUTE)  # of a goal at most one, the first that its number is for
 CAUSE = 'chaos '  # how the cause of such a failure begins; its name follows
-_LONGEST_S = 10.0  # simulated, that a robot stands, is silent or late
+_LONGEST_S = 10.0  # simulated, that a robot stands, is silent or late, or tells a wrong pose or none
+_FARTHEST_M, _FARTHEST_RAD = 1.0, 0.2  # by which a pose jumps, along each axis, and turns
 _BEFORE_END_NS = 1_000_000  # a result is late because the robot stands so long before its end
 _FAILURES = {LATE_RESULT: STALL, STOP: STALL, ABORT: ABORT, SILENT: SILENT}
 _CHANCE = number(0.0, 1.0)
+#: what each number of a goal is for. They are part of what a seed means: they stay
+_PLACES = {LATE_RESULT: 0, ABORT: 1, STOP: 2, SILENT: 3, JUMP: 6, MUTE: 7}
+_SHARE, _SECONDS, _X, _Y, _YAW = 4, 5, 8, 9, 10
 
 
 def _chances(value: Any) -> Tuple[Tuple[str, float], ...]:
@@ -42,8 +48,8 @@ def _names(value: Any) -> Tuple[str, ...]:
 
 
 TABLE = (
-    Parameter('buggify', (), _chances, 'a mapping with some of late_result, abort, stop, silent; each a chance in 0..1 '
-              'per goal'),
+    Parameter('buggify', (), _chances, 'a mapping with some of late_result, abort, stop, silent, jump, '
+              'mute; each a chance in 0..1 per goal'),
     Parameter('buggify_seed', 0, integer(0), 'a whole number >= 0; 0: nothing goes wrong'),
     Parameter('buggify_only', (), _names, 'a list of names, of which alone something goes wrong; empty: of all'),
 )
@@ -78,12 +84,13 @@ class Buggifying:
     """
 
     def __init__(self, buggify: Buggify, robot: Any, navigator: Any, queue: Any, chance: Chance,
-                 failing: Failing) -> None:
+                 failing: Failing, stream: Stream) -> None:
         self._buggify = buggify
         self._robot = robot
         self._navigator = navigator
         self._chance = chance
         self._failing = failing
+        self._lapsing = Lapsing(robot, queue, stream)
         self._alarm = Alarm(queue, robot.index)
         self._goal = 0  # that was drawn for
         self._kind: Optional[str] = None  # of what is to go wrong with it yet
@@ -99,12 +106,12 @@ class Buggifying:
             self._kind = self._drawn()
         if self._kind is not None:
             end_ns = max(leg.depart_ns, leg.arrive_ns - _BEFORE_END_NS)
-            share = 1.0 if self._kind == LATE_RESULT else self._uniform(len(KINDS))
+            share = 1.0 if self._kind == LATE_RESULT else self._uniform(_SHARE)
             self._alarm.set(leg.depart_ns + int(share * (end_ns - leg.depart_ns)), self._go_wrong)
 
     def _drawn(self) -> Optional[str]:
         for kind, chance in self._buggify.chances:
-            if self._uniform(KINDS.index(kind)) < chance:
+            if self._uniform(_PLACES[kind]) < chance:
                 only = self._buggify.only
                 return kind if not only or name_of(self._robot.name, kind, self._goal) in only else None
         return None
@@ -115,18 +122,29 @@ class Buggifying:
     def _go_wrong(self, due_ns: int) -> None:
         kind, self._kind = self._kind, None
         assert kind is not None
-        seconds = 0.0 if kind == ABORT else _LONGEST_S * self._uniform(len(KINDS) + 1)
-        self._failing.fail(CAUSE + name_of(self._robot.name, kind, self._goal), due_ns, _FAILURES[kind],
-                           seconds_to_ns(seconds) * 1e-9)
+        cause = CAUSE + name_of(self._robot.name, kind, self._goal)
+        lasts_ns = 0 if kind == ABORT else seconds_to_ns(_LONGEST_S * self._uniform(_SECONDS))
+        if kind in LAPSES:
+            self._lapsing.begin(kind, cause, due_ns, due_ns + lasts_ns, (
+                self._either_way(_X, _FARTHEST_M), self._either_way(_Y, _FARTHEST_M),
+                self._either_way(_YAW, _FARTHEST_RAD)))
+        else:
+            self._failing.fail(cause, due_ns, _FAILURES[kind], lasts_ns * 1e-9)
 
-    def reset(self, _now_ns: int) -> None:
-        """The robot is put to its start: nothing is ahead of it."""
+    def _either_way(self, place: int, farthest: float) -> float:
+        return farthest * (2.0 * self._uniform(place) - 1.0)
+
+    def reset(self, now_ns: int) -> None:
+        """The robot is put to its start at ``now_ns`` [ns]: nothing is ahead of it."""
         self._alarm.cancel()
+        self._lapsing.reset(now_ns)
 
     def restart(self, by_ns: int) -> None:
         """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]."""
         self._alarm.shift(by_ns)
+        self._lapsing.restart(by_ns)
 
     def close(self) -> None:
         """The robot is gone."""
         self._alarm.cancel()
+        self._lapsing.close()

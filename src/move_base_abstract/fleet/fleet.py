@@ -22,7 +22,7 @@ from ..faults.failures import KINDS, REQUEST, check_request
 from ..goals.navigator import GoalPose
 from ..motion.geometry import Pose2D, quaternion_of_yaw
 from ..motion.recorded_range import WARNING
-from ..runs.event_log_file import write_event_log
+from ..runs.event_log_file import End, write_event_log
 from ..runs.trace import TraceEntry, as_entries
 from ..scenario import Scenario, make_robot
 from ..sensing.surroundings import Surroundings
@@ -269,7 +269,9 @@ class Fleet:
         """
         if self._trace is None:
             raise ConfigurationError('trace: got None, so that nothing is there to be written; allowed: a list')
-        write_event_log(path, self.trace, self._start_ns)
+        write_event_log(path, self.trace, self._start_ns, End(
+            self.now_ns, not self.simulation.queue.is_busy(),
+            [name for name, member in self._members.items() if member.navigator.is_active]))
 
     def _warn_of_beyond(self, event):
         if not self._has_warned:

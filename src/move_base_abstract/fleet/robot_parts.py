@@ -65,7 +65,7 @@ def make_robot_parts(settings, name, index, simulation, stream, client, lookup, 
     buggifying = None
     if settings.buggify is not None:
         buggifying = Buggifying(settings.buggify, robot, navigator, simulation.queue,
-                                Chance(settings.buggify.seed, name), failing)
+                                Chance(settings.buggify.seed, name), failing, stream)
     battery = None
     if settings.battery is not None:
         battery = Battery(settings.battery, robot, navigator, simulation, zones, stream)

@@ -172,6 +172,25 @@ class Repaired(NamedTuple):
     robot: str
 
 
+class Lapse(NamedTuple):
+    """The robot ``begins`` to tell a wrong pose or none, or ends it: ``kind`` and ``cause`` as of :mod:`.lapse`.
+
+    ``by``: of a jump that begins, how far it goes (x, y [m], yaw [rad]).
+    """
+
+    time_ns: int
+    robot: str
+    kind: str
+    cause: str
+    begins: bool
+    by: Tuple[float, ...] = ()
+
+    def row(self) -> Row:
+        """Return its row."""
+        return (self.time_ns, self.robot, 'lapse_began' if self.begins else 'lapse_ended', self.kind, self.cause,
+                *self.by)
+
+
 #: what a ChargePassed is about
 FULL, EMPTY, ABOVE, BELOW, SET = 'full', 'empty', 'above', 'below', 'set'
 

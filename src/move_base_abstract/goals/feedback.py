@@ -33,11 +33,12 @@ class GoalFeedback:
 
     def tell_last(self, now_ns):
         """The robot is at its goal at ``now_ns`` [ns], of which nobody may be left in the dark."""
-        if self._series is not None:
-            self._client.feedback(self._ledger.active, self._robot.pose_at(now_ns), now_ns, True)
+        telling = self._robot.telling
+        if self._series is not None and not telling.is_mute:
+            self._client.feedback(self._ledger.active, telling.pose_at(now_ns), now_ns, True)
 
     def _tell(self, due_ns, _now_ns):
-        record = self._ledger.active
-        if record is None or self._ledger.is_silent:
+        record, telling = self._ledger.active, self._robot.telling
+        if record is None or self._ledger.is_silent or telling.is_mute:
             return None
-        return self._client.feedback(record, self._robot.pose_at(due_ns), due_ns, False)
+        return self._client.feedback(record, telling.pose_at(due_ns), due_ns, False)

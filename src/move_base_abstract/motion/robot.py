@@ -9,6 +9,7 @@ from .pace import TimedLeg
 from .phased_route import PhasedRoute
 from .planned_way import PlannedWay
 from .route import CornerLaw, Route
+from .telling import Telling
 
 
 class Robot:
@@ -35,6 +36,8 @@ class Robot:
         self._past = deque([self._motion], maxlen=remembered_legs)
         self._driven = 0.0
         self._followers = []
+        #: what it tells of where it is (Telling)
+        self.telling = Telling(self)
 
     def follow(self, follower):
         """Call ``follower(now_ns)`` whenever the robot begins another leg or another stand, as it has begun."""

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import TYPE_CHECKING, List
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence
 
 from ..common.own_files import PART, check_file, create_file
 from .event_log import FORMAT
@@ -13,10 +13,25 @@ if TYPE_CHECKING:
     from .trace import TraceEntry
 
 
-def write_event_log(path: StrPath, entries: List[TraceEntry], start_ns: int) -> None:
+class End(NamedTuple):
+    """How a run ended: ``at_ns`` [ns]; ``is_idle``: nothing was left to happen; ``open``: robots that have a goal."""
+
+    at_ns: int
+    is_idle: bool
+    open: Sequence[str]
+
+    def written(self) -> Dict[str, Any]:
+        """Return what the last record says of it, as that of a run under ROS does."""
+        goals = [{'client': 'fleet', 'action': f'{name}/move_base', 'count': 1} for name in self.open]
+        return {'by_fault': False, 'ended_by': 'idle' if self.is_idle else 'end_at', 'at_ns': self.at_ns,
+                **({'open_goals': goals} if goals else {})}
+
+
+def write_event_log(path: StrPath, entries: List[TraceEntry], start_ns: int, end: Optional[End] = None) -> None:
     """Write ``entries`` as the event log ``path`` (JSON lines) of a run that began at ``start_ns`` [ns].
 
-    An event log that is there is replaced. :raises ConfigurationError: if another kind of file is there.
+    Without an ``end`` nobody can say whether goals are open. An event log that is there is replaced.
+    :raises ConfigurationError: if another kind of file is there.
     """
     check_file(path, _is_log)
     part = os.fspath(path) + PART
@@ -26,7 +41,7 @@ def write_event_log(path: StrPath, entries: List[TraceEntry], start_ns: int) -> 
             stream.write(_line({'time_ns': time_ns, 'robot': robot, 'kind': kind, 'values': values}))
         stream.write(_line({'end': {
             'events': len(entries), 'repeatable': True, 'not_repeatable_because': [], 'degraded_because': [],
-            'reason': 'the trace of a fleet in plain Python'}}))
+            'reason': 'the trace of a fleet in plain Python', **(end.written() if end else {})}}))
     os.replace(part, path)
 
 

@@ -6,7 +6,8 @@ from typing import Any, Iterable, Iterator, NamedTuple, Tuple
 #: of what happens to robots, see :class:`TraceEntry`
 KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'held', 'released', 'failed',
          'repaired', 'battery', 'charging_began', 'charging_ended', 'motion', 'waiting_began', 'waiting_ended',
-         'works_at', 'task_began', 'task_ended', 'meets', 'encounter', 'recorded', 'beyond')
+         'works_at', 'task_began', 'task_ended', 'meets', 'encounter', 'recorded', 'beyond', 'lapse_began',
+         'lapse_ended')
 
 
 class TraceEntry(NamedTuple):
@@ -19,6 +20,8 @@ class TraceEntry(NamedTuple):
     area, ...): it closed a circle of waiting;
     ``held`` (reason, ...): for which reasons the robot is held, whenever these change, and ``released`` ();
     ``failed`` (kind, cause, see :mod:`.failures`) and ``repaired`` ();
+    ``lapse_began`` (kind, cause, of a jump x, y, yaw by which the pose that it tells lies beside the true one) and
+    ``lapse_ended`` (kind, cause), see :mod:`.lapse`;
     ``recorded`` ('length', low, high, 'start_turn', low, high, perhaps 'clearance', low, high), of a robot with a
     calibration that says so, when it is there: what its legs were fitted to [m, rad, m], and ``beyond`` (what, value,
     ...), before ``departed``: a goal lies outside of that, see :mod:`.recorded_range`;

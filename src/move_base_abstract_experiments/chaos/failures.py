@@ -3,17 +3,21 @@ from __future__ import annotations
 
 import io
 import json
+import math
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
 
 from move_base_abstract.faults.buggify import CAUSE
+from move_base_abstract.faults.lapse import JUMP, MUTE
 from move_base_abstract.lockstep.failures import UNCAUGHT
 from move_base_abstract.properties import Judgement, judge_log, statements
 from move_base_abstract.runs.event_log import Event, EventLog
 
 from ..records import Result
 
-_FAILED = 'failed'  # the kind of the event of a robot that fails, also on purpose: buggify
-_BUGGIFIED = {'abort': 'gave its goal up', 'stall': 'stood still for a while', 'silent': 'said nothing for a while'}
+#: the kinds of events of a robot with which something goes wrong, also on purpose: buggify
+_GOES_WRONG = ('failed', 'lapse_began')
+_BUGGIFIED = {'abort': 'gave its goal up', 'stall': 'stood still for a while', 'silent': 'said nothing for a while',
+              MUTE: 'drove on without a pose or feedback for a while'}
 _OF_ROBOTS = ('every_goal_ends', 'capacities_kept', 'charged')  # of others there are finders of their own
 _DEADLOCK, _LOOP = 'deadlock', 'zero-delay loop'  # how the reasons of such ends begin
 
@@ -45,7 +49,7 @@ def seen(result: Result, log: Optional[bytes]) -> Seen:
     if log is not None:
         text = log.decode('utf-8', 'surrogateescape')
         read = EventLog(io.StringIO(text, newline='\n'), 'events.jsonl')
-        events = [event for event in read if event.kind in (statements.ROW, UNCAUGHT, _FAILED)]
+        events = [event for event in read if event.kind in (statements.ROW, UNCAUGHT, *_GOES_WRONG)]
         end = read.end or {}
         judged = judge_log(EventLog(io.StringIO(text, newline='\n'), 'events.jsonl'))
     return Seen(result, events, end, judged)
@@ -54,10 +58,18 @@ def seen(result: Result, log: Optional[bytes]) -> Seen:
 def buggified(run: Seen) -> Iterator[Dict[str, Any]]:
     """Yield the decisions of robots that went wrong on purpose, as chaos_decisions has others."""
     for event in run.events:
-        values = json.loads(event.values) if event.kind == _FAILED else []
-        if len(values) == 2 and str(values[1]).startswith(CAUSE):
+        values = json.loads(event.values) if event.kind in _GOES_WRONG else []
+        if len(values) >= 2 and str(values[1]).startswith(CAUSE):
             yield {'name': values[1][len(CAUSE):], 'time_ns': event.time_ns, 'what': 'buggify',
-                   'says': f'{event.robot} {_BUGGIFIED.get(values[0], values[0])}'}
+                   'says': f'{event.robot} {_words(values)}'}
+
+
+def _words(values: List[Any]) -> str:
+    """Return what a robot did that went wrong, of the values of its event."""
+    if values[0] == JUMP:
+        x, y, yaw = values[2:]
+        return f'took itself to be {math.hypot(x, y):.2f} m and {abs(yaw):.2f} rad beside where it was, for a while'
+    return str(_BUGGIFIED.get(values[0], values[0]))
 
 
 def _broken_properties(run: Seen) -> Iterator[Failure]:

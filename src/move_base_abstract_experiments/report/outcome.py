@@ -48,6 +48,7 @@ class Trial:
     ended_by: str = ''  # see endings; '': not told
     kept: str = ''  # of what program it is, if it was kept though that is not the present one
     open_goals: object = None  # how many goals had not ended at its end; None: not told
+    properties: object = None  # what trial.json says of them, as it stands there: see properties
 
 
 @dataclass(frozen=True)
@@ -233,7 +234,8 @@ def _told(base, told, until):
     if status != COMPLETE:
         error = error or ('no reason was recorded' if status == FAILED else f'its status is {shown(status)}')
         return Trial(**base, status=FAILED, error=error, attempts=_count(told.get('attempts')),
-                     ended_by=endings.ended_by(told.get('ended_by'), None, math.nan))
+                     ended_by=endings.ended_by(told.get('ended_by'), None, math.nan),
+                     properties=told.get('properties'))
     robots = told.get('robots') if isinstance(told.get('robots'), dict) else {}
     labels = told.get('labels') if isinstance(told.get('labels'), list) else []
     metrics = told.get('metrics') if isinstance(told.get('metrics'), dict) else {}
@@ -247,6 +249,7 @@ def _told(base, told, until):
         robots={str(name): {str(key): _number(value) for key, value in each.items()}
                 for name, each in robots.items() if isinstance(each, dict)},
         attempts=_count(told.get('attempts')), open_goals=_whole(told.get('open_goals')),
+        properties=told.get('properties'),
         ended_by=endings.ended_by(told.get('ended_by'), until, _number(told.get('simulated_seconds'))))
 
 

@@ -21,6 +21,7 @@ from . import (
     listings,
     notable_trials,
     pictures,
+    properties,
     validity,
 )
 from .colours import Looks
@@ -105,8 +106,9 @@ def _page(analysis, added, problems):
         run_tables=list(filter(None, (listings.factors(experiment), listings.configurations(experiment)))),
         metrics_notes=_metrics_notes(experiment),
         metrics=[_metric(analysis, metric) for metric in experiment.metrics],
-        sections=list(filter(None, (_robots(analysis), *added, _looks(analysis), _repeatable(experiment),
-                                    _method(analysis), _provenance(experiment, problems)))))
+        sections=list(filter(None, (
+            properties.section(experiment), _robots(analysis), *added, _looks(analysis), _repeatable(experiment),
+            _method(analysis), _provenance(experiment, problems)))))
 
 
 def _by_metric(told):
@@ -150,7 +152,7 @@ def _warnings(experiment):
                      f'{"was" if limited == 1 else "were"} ended by the limit of time. What they measured is cut '
                      'off: it has no mean, and is compared by order at most, but where the experiment says that it '
                      'is a value.')
-    texts += filter(None, (validity.warning(experiment),))
+    texts += filter(None, (properties.warning(experiment), validity.warning(experiment)))
     if missing:
         texts.append(f'{counted(missing, "trials")} of the plan {"is" if missing == 1 else "are"} not run yet.')
     different = sum(trial.verified == 'different' for trial in experiment.complete)

@@ -123,7 +123,8 @@ def _look_at_properties(job: Job, result: Result, processes: List[ends.Process],
         found = ends.judge(processes, ends.read_log(folders.log))
         judged = judgement_on(Run(folders.log, found))
         judged = judged._replace(broken=judged.chosen(names))
-        result.properties, result.metrics['broken_properties'] = judged.told(), len(judged.broken)
+        result.properties = {'judged': list(names), **judged.told()}
+        result.metrics['broken_properties'] = len(judged.broken)
 
 
 def _judge(job: Job, result: Result, processes: List[ends.Process], log: ends.Log,

@@ -3,6 +3,7 @@
 A backend is made with (names, settings) and has ``place(pose, velocity, stamp_ns)``: the robot is there now,
 ``rests(pose, stamp_ns)``: it still stands there (``is_odometry_heard()``: who hears that), ``heartbeat(pose,
 stamp_ns)``: keep look-ups of the present working, ``looks(pose, stamp_ns)``: its laser looks around there,
+``shift``: if set, where odometry seems to begin (see telling), of those that tell by tf where the robot is;
 ``restart()``: stamps begin anew, ``close()``: the robot is gone, and ``frames``: those whose place it tells in tf.
 Poses are Pose2D in the global frame, velocities (forward [m/s], turning [rad/s]) in base_link, stamps simulated ns.
 """

@@ -11,11 +11,14 @@ from ..messages.outlets import LatchedOutlets
 from ..messages.packing import InFrame, of_message
 from ..transforms import tf_hub
 
+_ORIGIN = Pose2D()
+
 
 class BuiltinBackend:
     """tf ``map -> odom -> base_link``, ``amcl_pose``, ``odom``, ``base_pose_ground_truth`` and ``robot_pose``.
 
     Odometry is perfect and starts at the map's origin: ``odom`` coincides with ``map``, or is the global frame itself.
+    With a ``shift`` the robot takes ``odom`` to lie there; ground truth knows better.
     The topics are latched, so that who comes late learns where the robot stands.
     """
 
@@ -28,7 +31,8 @@ class BuiltinBackend:
         # Without a map odom is the global frame; tf allows no frame to be its own parent.
         self._odom_in_map = InFrame(global_frame, odom_frame) if odom_frame != global_frame else None
         self._tf_stamp_ns = -1
-        self._tf_pose = None
+        self._tf_told = None  # the pose and the shift that tf was told last
+        self.shift = None
         self._poses, self._odometry = LatchedOutlets(), LatchedOutlets()
         self._poses.add(names.topic('robot_pose'), *(
             (Pose, self._pack_plain_pose) if is_rasberry(settings.original) else (PoseStamped, self._pack_robot_pose)))
@@ -49,13 +53,14 @@ class BuiltinBackend:
     def heartbeat(self, pose, stamp_ns):
         """Publish tf only. tf takes one pose per instant, so a jump is dated 1 ns after what was said before."""
         if stamp_ns <= self._tf_stamp_ns:
-            if pose == self._tf_pose:
+            if (pose, self.shift) == self._tf_told:
                 return
             stamp_ns = self._tf_stamp_ns + 1
         rollback.changes(self, '_tf_stamp_ns')
-        rollback.changes(self, '_tf_pose')
-        self._tf_stamp_ns, self._tf_pose = stamp_ns, pose
-        tf_hub.send(self._base_frame, lambda: self._transforms(pose, stamp_ns))
+        rollback.changes(self, '_tf_told')
+        self._tf_stamp_ns, self._tf_told = stamp_ns, (pose, self.shift)
+        shift = self.shift
+        tf_hub.send(self._base_frame, lambda: self._transforms(pose, shift, stamp_ns))
 
     def looks(self, pose, stamp_ns):
         """Publish tf of the instant of a scan, unless what was said is later already."""
@@ -88,15 +93,18 @@ class BuiltinBackend:
         self._poses.unregister()
         self._odometry.unregister()
 
-    def _transforms(self, pose, stamp_ns):
-        base = self._base_in_odom.transform(pose, stamp_ns)
-        return [base] if self._odom_in_map is None else [self._odom_in_map.transform(Pose2D(), stamp_ns), base]
+    def _transforms(self, pose, shift, stamp_ns):
+        if self._odom_in_map is None:
+            return [self._base_in_odom.transform(_shifted(pose, shift), stamp_ns)]
+        return [self._odom_in_map.transform(shift or _ORIGIN, stamp_ns), self._base_in_odom.transform(pose, stamp_ns)]
 
     def _pack_amcl_pose(self, pose, _velocity, stamp_ns):
-        return lambda seq: self._base_in_map.pose_with_covariance(seq, pose, stamp_ns)
+        told = _shifted(pose, self.shift)
+        return lambda seq: self._base_in_map.pose_with_covariance(seq, told, stamp_ns)
 
     def _pack_odom(self, pose, velocity, stamp_ns):
-        return lambda seq: self._base_in_odom.odometry(seq, pose, velocity, stamp_ns)
+        told = pose if self._odom_in_map is not None else _shifted(pose, self.shift)
+        return lambda seq: self._base_in_odom.odometry(seq, told, velocity, stamp_ns)
 
     def _pack_ground_truth(self, pose, velocity, stamp_ns):
         return lambda seq: self._base_in_map.odometry(seq, pose, velocity, stamp_ns)
@@ -106,4 +114,9 @@ class BuiltinBackend:
         return of_message(conversions.to_pose(pose))
 
     def _pack_robot_pose(self, pose, _velocity, stamp_ns):
-        return lambda seq: self._base_in_map.pose_stamped(seq, pose, stamp_ns)
+        told = _shifted(pose, self.shift)
+        return lambda seq: self._base_in_map.pose_stamped(seq, told, stamp_ns)
+
+
+def _shifted(pose, shift):
+    return pose if shift is None else shift.compose(pose)

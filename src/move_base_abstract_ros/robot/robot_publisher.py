@@ -4,7 +4,7 @@ from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
 
 from move_base_abstract.engine.event_queue import PARTICIPANTS
-from move_base_abstract.goals.events import Aimed, Departed, Recovery, Stands, WheelsStopped
+from move_base_abstract.goals.events import Aimed, Departed, Lapse, Recovery, Stands, WheelsStopped
 
 from .. import lockstep
 from ..messages import conversions
@@ -40,7 +40,8 @@ class RobotPublisher:
         self._told = self._tell_rates(settings.values['pose_update_freq'], settings.values['tf_heartbeat_freq'])
         self._rest = self._series_at_rest(settings, host)
         stream.subscribe('shown', {Departed: self._departed, Stands: self._stands, Aimed: self._aimed,
-                                   WheelsStopped: self._wheels_stopped, Recovery: self._recovers})
+                                   WheelsStopped: self._wheels_stopped, Recovery: self._recovers,
+                                   Lapse: self._lapsed})
         self._stand(simulation.now_ns)
 
     def _series_at_rest(self, settings, host):
@@ -80,15 +81,21 @@ class RobotPublisher:
             self._rest.start(now_ns + self._rest.period_ns)
 
     def _place(self, now_ns, is_event=True):
-        """Show where the robot is at ``now_ns`` [ns]; ``is_event``: it starts or stands."""
+        """Show where the robot is at ``now_ns`` [ns]; ``is_event``: it starts, stands or is wrong about it."""
+        if self._robot.telling.is_mute:
+            return
         with lockstep.sender(self._robot.index):  # tf is one topic of all robots of the process
             pose = self._robot.pose_at(now_ns)
             self._backend.place(pose, self._robot.velocity_at(now_ns), now_ns)
-            self._costmaps.moved(pose, now_ns, is_event)
+            self._costmaps.moved(self._robot.telling.pose_at(now_ns), now_ns, is_event)
 
     def restart(self):
         """Time has started anew: stamps may be earlier than those before."""
         self._backend.restart()
+
+    def _lapsed(self, event):
+        self._backend.shift = self._robot.telling.shift
+        self._place(event.time_ns)
 
     def _aimed(self, event):
         self._current_goal.send(lambda seq: self._in_global_frame.goal(seq, event.goal, event.height, event.quaternion,
@@ -140,7 +147,7 @@ class RobotPublisher:
         return self._clock.wall_to_ns(self._pose_throttle.remaining())
 
     def _still_stands(self, due_ns, _now_ns):
-        if self._pose_throttle.ready():
+        if not self._robot.telling.is_mute and self._pose_throttle.ready():
             with lockstep.sender(self._robot.index):
                 self._backend.rests(self._robot.pose_at(due_ns), due_ns)
         pause = self._pose_throttle.remaining()
@@ -148,11 +155,11 @@ class RobotPublisher:
 
     def _beat(self, now_ns):
         """Tell tf the pose at the latest instant, so that a look-up of the present need not wait for another one."""
-        if not (self._updates_beat and self._robot.leg is not None):
+        telling = self._robot.telling
+        if not (self._updates_beat and self._robot.leg is not None) and not telling.is_mute:
             with lockstep.sender(self._robot.index):
-                pose = self._robot.pose_at(now_ns)
-                self._backend.heartbeat(pose, now_ns)
-                self._costmaps.moved(pose, now_ns, is_event=False)
+                self._backend.heartbeat(self._robot.pose_at(now_ns), now_ns)
+                self._costmaps.moved(telling.pose_at(now_ns), now_ns, is_event=False)
 
 
 def _stand_still(_seq):

@@ -55,7 +55,8 @@ class ScanPublisher:
     def _tell(self, due_ns, _now_ns):
         if self._throttle.ready():
             with lockstep.sender(self._robot.index):
-                self._backend.looks(self._robot.pose_at(due_ns), due_ns)
+                if not self._robot.telling.is_mute:
+                    self._backend.looks(self._robot.pose_at(due_ns), due_ns)
                 mount = self._laser.settings.mount
                 tf_hub.send(self._frame, lambda: [self._laser_in_base.transform(mount, due_ns)])
                 self._outlet.send(lambda seq: self._pack(seq, due_ns))

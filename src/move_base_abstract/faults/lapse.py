@@ -1,0 +1,58 @@
+"""A lapse: for a while a robot tells a wrong pose, or none, and drives on as ever."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional, Tuple
+
+from ..engine.alarm import Alarm
+from ..goals.events import Lapse
+
+if TYPE_CHECKING:
+    from ..engine.event_queue import EventQueue
+    from ..engine.stream import Stream
+
+JUMP, MUTE = 'jump', 'mute'
+LAPSES = (JUMP, MUTE)
+
+
+class Lapsing:
+    """The lapses of one robot, one at a time; ``stream`` (Stream) is told when they begin and end."""
+
+    def __init__(self, robot: Any, queue: EventQueue, stream: Stream) -> None:
+        self._robot = robot
+        self._stream = stream
+        self._end = Alarm(queue, robot.index)
+        self._now: Optional[Tuple[str, str]] = None  # kind and cause
+
+    def begin(self, kind: str, cause: str, now_ns: int, until_ns: int, by: Tuple[float, float, float]) -> None:
+        """Begin one at ``now_ns`` [ns], up to ``until_ns`` [ns]; while there is one, nothing is done.
+
+        ``by``: of a jump, how far the pose that is told lies beside the true one then (x, y [m], yaw [rad]).
+        """
+        if self._now is not None:
+            return
+        self._now = kind, cause
+        if kind == JUMP:
+            self._robot.telling.jump(now_ns, *by)
+        else:
+            self._robot.telling.is_mute = True
+        self._end.set(until_ns, self._be_right)
+        self._stream.tell(Lapse(now_ns, self._robot.name, kind, cause, True, by if kind == JUMP else ()))
+
+    def _be_right(self, now_ns: int) -> None:
+        if self._now is not None:
+            (kind, cause), self._now = self._now, None
+            self._robot.telling.shift, self._robot.telling.is_mute = None, False
+            self._stream.tell(Lapse(now_ns, self._robot.name, kind, cause, False))
+
+    def reset(self, now_ns: int) -> None:
+        """The robot is put to its start at ``now_ns`` [ns]: it is right again."""
+        self._end.cancel()
+        self._be_right(now_ns)
+
+    def restart(self, by_ns: int) -> None:
+        """The clock has started anew; what was due has been shifted by ``by_ns`` [ns]."""
+        self._end.shift(by_ns)
+
+    def close(self) -> None:
+        """The robot is gone."""
+        self._end.cancel()

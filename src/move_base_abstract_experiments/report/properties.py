@@ -1,0 +1,155 @@
+"""Which properties held: of how many trials each held, was broken or was not judged, and where it was broken first."""
+
+from typing import NamedTuple
+
+from move_base_abstract.lockstep.property_names import ALL, BUILT_IN, SOMETIMES
+from move_base_abstract.properties.statements import BROKEN, HELD, KINDS
+
+from . import notable_trials
+from .listings import cut
+from .parts import Cell, Section, Table
+from .wording import UNKNOWN, counted, listed, whole
+
+HEADING = 'Properties'
+MOST_TOLD = 6
+_NOTE = 'Not judged: the trial has not run, has left no event log, or has never made the statement. The first break ' \
+        'is the first in the order of the plan; instants are simulated. All breaks: trials/*/trial.json.'
+
+
+class Break(NamedTuple):
+    """The first that a trial has of a property: when [ns] (None: it has no instant), and what happened, in words."""
+
+    instant_ns: object
+    words: str
+
+
+class Judged(NamedTuple):
+    """What is known of a trial. Keys are (property, node, text), of built-in ones (property, '', '')."""
+
+    names: frozenset  # of the built-in ones that were looked at
+    broken: dict  # key: Break
+    statements: dict  # key: what came of it
+
+
+def read(told):
+    """Return the Judged of what a trial.json says of properties, None if it says nothing; wrong parts are left out."""
+    if not isinstance(told, dict) or not told:
+        return None
+    broken = {}
+    for one in _rows(told.get('broken'), dict):
+        key = _key(one.get('property'), one.get('node'), one.get('text'))
+        if key is not None and key not in broken:
+            instant = one.get('instant_ns')
+            instant = instant if isinstance(instant, int) and not isinstance(instant, bool) else None
+            details = ', '.join(map(str, _rows(one.get('details'), str)))
+            words = f"{one.get('node')}: {one.get('text')}" if key[0] in BUILT_IN else ''
+            broken[key] = Break(instant, ' '.join(filter(None, (words, f'({details})' if details else ''))))
+    stated = {_key(kind, node, text): outcome for node, kind, text, outcome in (
+        row for row in _rows(told.get('statements'), list) if len(row) == 4)}
+    stated.pop(None, None)
+    names = _rows(told.get('judged'), str)
+    return Judged(frozenset(BUILT_IN if ALL in names else names) & frozenset(BUILT_IN), broken, stated)
+
+
+def _rows(value, kind):
+    return [one for one in value if isinstance(one, kind)] if isinstance(value, list) else []
+
+
+def _key(name, node, text):
+    """Return the key of a property, or None if there is none of that name."""
+    if name in BUILT_IN:
+        return name, '', ''
+    return (name, str(node), str(text)) if name in KINDS else None
+
+
+class Count(NamedTuple):
+    """Of a property: in how many trials it held and was broken, and where first."""
+
+    key: tuple
+    held: int
+    broken: int
+    first: object  # (Trial, Break) or None
+
+
+def _known(experiment):
+    """Return (Trial, Judged) of each Trial of which something is known, in the order of the plan."""
+    if 'properties' not in experiment.known:
+        found = [(trial, read(trial.properties)) for trial in experiment.trials]
+        experiment.known['properties'] = [(trial, judged) for trial, judged in found if judged is not None]
+    return experiment.known['properties']
+
+
+def counts(experiment):
+    """Return the Count of each property that some trial was judged by: the built-in ones, then statements."""
+    known = _known(experiment)
+    keys = {_key(name, '', ''): None for name in BUILT_IN if any(
+        name in judged.names or _key(name, '', '') in judged.broken for _, judged in known)}
+    for _, judged in known:
+        keys.update(dict.fromkeys((*judged.statements, *judged.broken)))
+    found = []
+    for key in keys:
+        broken = [(trial, judged.broken[key]) for trial, judged in known if key in judged.broken]
+        held = sum(_has_held(judged, key) for _, judged in known)
+        found.append(Count(key, held, len(broken), broken[0] if broken else None))
+    return found
+
+
+def _has_held(judged, key):
+    outcome = judged.statements.get(key)
+    if key[0] in BUILT_IN:
+        return key[0] in judged.names and key not in judged.broken
+    return outcome == HELD if key[0] == SOMETIMES else outcome not in (None, BROKEN)
+
+
+def warning(experiment):
+    """Return what a reader must know of broken properties, None if there is none."""
+    broken = [f'{_title(each.key)} (in {counted(each.broken, "trials")})' for each in counts(experiment) if each.broken]
+    if not broken:
+        return None
+    more = [f'{whole(len(broken) - MOST_TOLD)} more'] if len(broken) > MOST_TOLD else []
+    return f'What must hold was broken: {listed(broken[:MOST_TOLD] + more)}: see {HEADING}.'
+
+
+def section(experiment):
+    """Return the section about properties, or None if no trial was judged."""
+    found = counts(experiment)
+    if not found:
+        return None
+    found.sort(key=lambda one: not one.broken)
+    rows = [_row(experiment, each) for each in found if each.key[0] != SOMETIMES]
+    seen = [(_title(each.key), whole(each.held), whole(_stated(experiment, each.key) - each.held))
+            for each in found if each.key[0] == SOMETIMES]
+    parts = []
+    if rows:
+        rows, note = cut(rows, _NOTE, 'properties.csv')
+        header = ('property', 'held in', 'broken in', 'not judged', 'first broken in', 'seed', 'at [s]', 'what')
+        parts.append(Table('What must hold', header, rows, note, is_open=True))
+    never = [each for each in seen if each[1] == whole(0)]
+    if never:
+        parts.append(f'Came true in no trial: {listed([each[0] for each in never[:MOST_TOLD]])}'
+                     f'{" and others" if len(never) > MOST_TOLD else ""}. No trial tests what depends on it.')
+    if seen:
+        seen, note = cut(seen, 'In trials in which the statement was made.', 'properties.csv')
+        header = ('statement', 'came true in', 'did not in')
+        parts.append(Table('What should come true now and then', header, seen, note, is_open=True))
+    return Section(HEADING, tuple(parts))
+
+
+def _row(experiment, count):
+    rest = len(experiment.trials) - count.held - count.broken
+    row = (_title(count.key), whole(count.held), whole(count.broken), whole(rest))
+    if count.first is None:
+        return (*row, UNKNOWN, UNKNOWN, UNKNOWN, '')
+    trial, first = count.first
+    at = UNKNOWN if first.instant_ns is None else f'{first.instant_ns * 1e-9:.9g}'
+    return (*row, Cell(trial.id, notable_trials.link(experiment, trial)),
+            UNKNOWN if trial.seed is None else str(trial.seed), at, first.words)
+
+
+def _stated(experiment, key):
+    return sum(key in judged.statements for _, judged in _known(experiment))
+
+
+def _title(key):
+    name, node, text = key
+    return f'{name}: {BUILT_IN[name]}' if name in BUILT_IN else f'{name}: {text} ({node})'
