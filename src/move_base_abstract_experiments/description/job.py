@@ -8,12 +8,16 @@ from .ingredients import Files
 from .trial import Trial
 
 
+ROS, NUMPY = 'ros', 'numpy'
+
+
 class Common(NamedTuple):
     """What the jobs of all trials of an experiment share. ``sources``: {path: text} of the modules of functions."""
 
     sources: Dict[str, str]
     version: str  # of this package
     view: Tuple[str, ...]  # of worker_files
+    warm: Tuple[str, ...] = (ROS, NUMPY)  # which of these the warm process has imported
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,11 @@ from typing import Any, Collection, List, Optional, Sequence, Set, Tuple, Type
 
 from move_base_abstract.common.processes import interpreter_of
 
+OWN_FOLDERS = ('move_base_abstract', 'move_base_abstract_ros', 'move_base_abstract_experiments')
 _SYSTEM = ('/usr/', '/lib/', '/lib64/', '/opt/ros/', '/bin/', '/sbin/', os.path.dirname(os.__file__) + os.sep)
 _RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space
-_EXTENDED = re.compile(r'^__extended_path = "([^"\n]+)"\.split', re.MULTILINE)  # the same, of packages
+# The same, of packages; which quotes depends on catkin's version.
+_EXTENDED = re.compile(r'^__extended_path = ["\']([^"\'\n]+)["\']\.split', re.MULTILINE)
 _LINKED = re.compile(r'=> (/\S+) \(0x')
 _IMPORTERS = ('import_module', '__import__')
 _MOST_FILES = 5000
@@ -77,6 +79,8 @@ def modules_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
         found.add(here)
         beside = os.path.dirname(here)
         for name in () if _BY_PIP in here else _imported(here):
+            if name in OWN_FOLDERS:  # which count as a whole, with their version
+                continue
             for place in (beside, *places) if beside not in places else places:
                 files = files_of_module(place, name)
                 if files:
@@ -85,6 +89,17 @@ def modules_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
                 files = _elsewhere(name)
             waiting += [one for one in files if one not in found]
     return found
+
+
+def names_from_elsewhere(paths: Collection[str]) -> Set[str]:
+    """Return what modules import that is neither among them nor of Python's library, by the first parts of names.
+
+    Before Python 3.10, which does not tell what is of its library, that is among them.
+    """
+    own = [os.path.splitext(one)[0] for one in paths if _BY_PIP not in one]
+    here = {part for one in own for part in one.split(os.sep)}
+    names = {name for path in paths if _BY_PIP not in path for name in _imported(path)}
+    return names - here - set(getattr(sys, 'stdlib_module_names', ()))
 
 
 def python_path() -> List[str]:

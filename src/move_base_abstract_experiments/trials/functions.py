@@ -9,6 +9,7 @@ import contextlib
 import dataclasses
 import hashlib
 import importlib
+import importlib.machinery
 import json
 import math
 import os
@@ -36,6 +37,7 @@ from . import run_folders, termination
 
 OUTPUT = 'function.txt'  # what a trial's function prints
 _LOOPBACK = 'move_base_abstract_experiments.carrying.warm_loopback'  # there if a function starts nodes by it
+_NUMPY = 'numpy.random'
 _MOST_BYTES = 1 << 20
 _DYING_S = 1.0  # wall, in which a process that says no more has ended
 _MOST_METRICS = 200
@@ -256,9 +258,34 @@ def _note_threads() -> List[str]:
 
 def _seed(seed: int) -> None:
     """Have the global generators of Python and numpy start from the trial's seed, as those of nodes do."""
-    import numpy  # here: it may start threads, which the process that forks must not have
     random.seed(seed)
-    numpy.random.seed(seed % 2 ** 32)  # noqa: NPY002 - likewise
+    if _NUMPY in sys.modules:
+        sys.modules[_NUMPY].seed(seed % 2 ** 32)
+    else:
+        sys.meta_path.insert(0, _Seeding(seed % 2 ** 32))
+
+
+class _Seeding:
+    """Finds numpy's generator, and has it start from a seed, once the function imports it: many do not."""
+
+    def __init__(self, seed: int) -> None:
+        self._seed = seed
+
+    def find_spec(self, name: str, path: Any = None, target: Any = None) -> Any:
+        """As of any finder of modules."""
+        if name != _NUMPY:
+            return None
+        sys.meta_path.remove(self)
+        spec = importlib.machinery.PathFinder.find_spec(name, path, target)
+        loader: Any = spec.loader if spec else None
+        if loader is not None:
+            run = loader.exec_module
+
+            def execute(module: Any) -> None:
+                run(module)
+                module.seed(self._seed)
+            loader.exec_module = execute
+        return spec
 
 
 def _seconds(given: Any) -> Optional[float]:
