@@ -7,7 +7,6 @@ from typing import Any, Dict, NamedTuple, Tuple
 from .ingredients import Files
 from .trial import Trial
 
-
 ROS, NUMPY = 'ros', 'numpy'
 
 

@@ -38,6 +38,11 @@ def is_of_system(path: str) -> bool:
     return os.path.realpath(path).startswith(_SYSTEM) and '/usr/local/' not in path
 
 
+def is_by_pip(path: str) -> bool:
+    """Return whether a file is of what pip has installed."""
+    return _BY_PIP in path
+
+
 def files_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
     """Return the real paths of the files that the program at a path is made of. folders: where its modules may lie."""
     found = {os.path.realpath(path)}
@@ -78,7 +83,7 @@ def modules_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
             continue
         found.add(here)
         beside = os.path.dirname(here)
-        for name in () if _BY_PIP in here else _imported(here):
+        for name in () if is_by_pip(here) else _imported(here):
             if name in OWN_FOLDERS:  # which count as a whole, with their version
                 continue
             for place in (beside, *places) if beside not in places else places:
@@ -96,9 +101,9 @@ def names_from_elsewhere(paths: Collection[str]) -> Set[str]:
 
     Before Python 3.10, which does not tell what is of its library, that is among them.
     """
-    own = [os.path.splitext(one)[0] for one in paths if _BY_PIP not in one]
-    here = {part for one in own for part in one.split(os.sep)}
-    names = {name for path in paths if _BY_PIP not in path for name in _imported(path)}
+    own = [one for one in paths if not is_by_pip(one)]
+    here = {part for one in own for part in os.path.splitext(one)[0].split(os.sep)}
+    names = {name for one in own for name in _imported(one)}
     return names - here - set(getattr(sys, 'stdlib_module_names', ()))
 
 

@@ -36,7 +36,7 @@ from ..description.trial import Trial
 from . import run_folders, termination
 
 OUTPUT = 'function.txt'  # what a trial's function prints
-_LOOPBACK = 'move_base_abstract_experiments.carrying.warm_loopback'  # there if a function starts nodes by it
+LOOPBACK = 'move_base_abstract_experiments.carrying.warm_loopback'  # there if a function starts nodes by it
 _NUMPY = 'numpy.random'
 _MOST_BYTES = 1 << 20
 _DYING_S = 1.0  # wall, in which a process that says no more has ended
@@ -229,18 +229,26 @@ def run_trial(job: Job, folders: run_folders.Folders) -> Returned:
     experiment = job.trial.experiment
     processes.adopt_orphans()
     processes.block_child_signal()
-    os.environ.update(ROS_LOG_DIR=folders.logs, ROS_HOME=folders.files)
+    os.environ.update(environment(folders))
+    return Returned(*call(lambda: perform(job, folders), experiment.time_limit, os.path.join(folders.logs, OUTPUT),
+                          folders.files))
 
-    def work() -> Returned:
-        trial = FunctionTrial(job.trial, folders)
-        uncaught = _note_threads()
-        _seed(trial.seed)
-        metrics = checked(load(experiment.function, job.modules)(trial), experiment.factors, ())
-        return Returned(metrics, [str(one)[:_LONGEST_LABEL] for one in trial.labels[:_MOST_LABELS]],
-                        _seconds(trial.simulated_seconds),
-                        [{'node': 'the function', 'takes_part': False, 'code': 0, 'shown': uncaught},
-                         *getattr(sys.modules.get(_LOOPBACK), 'ended', [])])
-    return Returned(*call(work, experiment.time_limit, os.path.join(folders.logs, OUTPUT), folders.files))
+
+def environment(folders: run_folders.Folders) -> Dict[str, str]:
+    """Return what the environment of a function says besides."""
+    return {'ROS_LOG_DIR': folders.logs, 'ROS_HOME': folders.files}
+
+
+def perform(job: Job, folders: run_folders.Folders) -> Returned:
+    """Call the function that is a trial, in this process."""
+    trial, experiment = FunctionTrial(job.trial, folders), job.trial.experiment
+    uncaught = _note_threads()
+    _seed(trial.seed)
+    metrics = checked(load(experiment.function, job.modules)(trial), experiment.factors, ())
+    return Returned(metrics, [str(one)[:_LONGEST_LABEL] for one in trial.labels[:_MOST_LABELS]],
+                    _seconds(trial.simulated_seconds),
+                    [{'node': 'the function', 'takes_part': False, 'code': 0, 'shown': uncaught},
+                     *getattr(sys.modules.get(LOOPBACK), 'ended', [])])
 
 
 def _note_threads() -> List[str]:
@@ -262,7 +270,7 @@ def _seed(seed: int) -> None:
     if _NUMPY in sys.modules:
         sys.modules[_NUMPY].seed(seed % 2 ** 32)
     else:
-        sys.meta_path.insert(0, _Seeding(seed % 2 ** 32))
+        sys.meta_path[:] = [_Seeding(seed % 2 ** 32), *(one for one in sys.meta_path if not isinstance(one, _Seeding))]
 
 
 class _Seeding:
