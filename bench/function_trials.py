@@ -28,13 +28,16 @@ _COUNTED = re.compile(r'(\d+) of (\d+) trials')
 _MB = 2 ** 20
 
 
-def measure(folder, count, workers):
-    """Run ``count`` trials in a folder on so many workers; return a record, times in wall s and CPU s."""
+def measure(folder, count, workers, isolation):
+    """Run ``count`` trials in a folder on so many workers; return a record, times in wall s and CPU s.
+
+    isolation: of the experiment.
+    """
     with open(os.path.join(folder, 'many.py'), 'w', encoding='utf-8') as stream:
         stream.write(_MODULE)
     file, out = os.path.join(folder, f'many_{count}.yaml'), os.path.join(folder, f'many_{count}')
     with open(file, 'w', encoding='utf-8') as stream:
-        json.dump({**_SPEC, 'replications': max(1, count // 10)}, stream)  # which is YAML
+        json.dump({**_SPEC, 'replications': max(1, count // 10), 'isolation': isolation}, stream)  # which is YAML
     words = [find_executable('experiment'), 'run', file, '-o', out, '--workers', str(workers)]
     begin = time.monotonic()
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
@@ -43,7 +46,7 @@ def measure(folder, count, workers):
             seen.take(line)
     if process.returncode:
         raise RuntimeError(f'{words[0]} ended with code {process.returncode}')
-    return seen.record(max(1, count // 10) * 10, workers)
+    return {'isolation': isolation, **seen.record(max(1, count // 10) * 10, workers)}
 
 
 class _Seen:

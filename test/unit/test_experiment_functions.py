@@ -3,9 +3,11 @@ import importlib
 import json
 import os
 import pickle
+import random
 import subprocess
 import sys
 
+import numpy
 import pytest
 
 from experiment_jobs import job_of
@@ -65,7 +67,6 @@ def run(trial):
 """
 DRAW_THRICE = """
 import json, os, sys
-import numpy
 from experiment_jobs import job_of
 from move_base_abstract_experiments.trials import functions, run_folders
 
@@ -75,7 +76,8 @@ jobs = [job_of({'experiment': 'x', 'function': 'draw:run', **prepared}, modules=
         for seed in (7, 8, 7)]
 if prepared:
     functions.prepare(jobs[0].trial.experiment, folder)
-print(json.dumps([functions.run_trial(job, folders).metrics for job in jobs]))
+was_there = 'numpy' in sys.modules
+print(json.dumps([was_there, *(functions.run_trial(job, folders).metrics for job in jobs)]))
 """
 
 
@@ -186,8 +188,10 @@ def test_global_generators_start_from_the_trials_seed(tmp_path, prepared):
                    'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
     said = subprocess.run([sys.executable, '-c', DRAW_THRICE, str(tmp_path), json.dumps(prepared)], timeout=60,
                           check=True, env=environment, stdout=subprocess.PIPE, text=True).stdout
-    first, other, again = json.loads(said)
-    assert first == again
+    was_there, first, other, again = json.loads(said)
+    assert was_there == bool(prepared)  # else it is seeded when the function imports it
+    assert first == again == {'of_numpy': numpy.random.RandomState(7).random_sample(),
+                              'of_python': random.Random(7).random()}
     assert all(first[name] != other[name] for name in ('of_numpy', 'of_python'))
 
 

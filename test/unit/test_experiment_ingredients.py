@@ -92,6 +92,17 @@ def test_what_it_is_not_made_of_changes_nothing(workspace, name):
     assert made_of(workspace) == before
 
 
+@pytest.mark.parametrize('quote', ['"', "'"])
+def test_a_package_in_a_devel_space_leads_to_its_sources(tmp_path, quote):
+    for name in ('devel/tools/__init__.py', 'src/tools/__init__.py', 'src/tools/part.py'):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    relay = tmp_path / 'devel' / 'tools' / '__init__.py'
+    relay.write_text(f'# of catkin\n__extended_path = {quote}{tmp_path / "src"}{quote}.split({quote};{quote})\n')
+    found = program_files.files_of_module(str(tmp_path / 'devel'), 'tools')
+    assert set(found) == {str(relay), *(str(tmp_path / 'src' / 'tools' / name) for name in ('__init__.py', 'part.py'))}
+
+
 def test_a_relay_and_a_link_lead_to_the_program(workspace):
     source = workspace / 'walkers' / 'coordinator.py'
     relay = workspace / 'relay'

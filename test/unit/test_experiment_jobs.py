@@ -5,6 +5,7 @@ import pytest
 
 from experiment_jobs import FUNCTION, job_of
 from move_base_abstract_experiments.carrying import jobs
+from move_base_abstract_experiments.description import spec
 
 SERVER = """#!{}
 import socket, sys
@@ -49,7 +50,8 @@ class Warm:
 
     made = []
 
-    def __init__(self):
+    def __init__(self, wanted):
+        self.wanted = wanted
         self.is_closed = False
         self.made.append(self)
 
@@ -58,6 +60,20 @@ class Warm:
 
     def close(self):
         self.is_closed = True
+
+
+@pytest.mark.parametrize('text, system, warm', [
+    ('import random\nfrom helper import half', {}, ()), ('import helper_of_arrays', {}, ('numpy',)),
+    ('import scipy.stats', {}, ('numpy',)), ('def run(trial):\n    import rospy', {}, ('ros', 'numpy')),
+    ('from move_base_abstract_experiments.carrying import warm_loopback', {}, ('ros', 'numpy')),
+    ('import random', {'metrics': 'helper_of_arrays:summarise'}, ('numpy',)),
+    ('', {'function': None, 'launch': 'a.launch'}, ('ros', 'numpy'))])
+def test_a_warm_process_has_imported_what_trials_may_use_and_no_more(tmp_path, text, system, warm):
+    (tmp_path / 'model.py').write_text(text)
+    (tmp_path / 'helper.py').write_text('import json\n')
+    (tmp_path / 'helper_of_arrays.py').write_text('import numpy\n')
+    document = {key: value for key, value in {**FUNCTION, **system}.items() if value}
+    assert jobs.common_of(spec.checked(document, str(tmp_path))).warm == warm
 
 
 def test_what_was_prepared_in_another_way_is_prepared_anew(monkeypatch):

@@ -255,7 +255,7 @@ def reap(statuses: Dict[int, int]) -> bool:
 def end_all_children() -> None:
     """Kill whatever children this process has, adopted ones too, until there is none."""
     for _ in range(_KILL_ROUNDS):
-        for pid in _children():
+        for pid in children():
             signal_group(pid, signal.SIGKILL)
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
@@ -267,7 +267,8 @@ def end_all_children() -> None:
         time.sleep(0.005)
 
 
-def _children() -> List[int]:
+def children() -> List[int]:
+    """Return the process ids of this process's children, adopted ones too."""
     found: List[int] = []
     for task in os.listdir(_TASKS):
         with contextlib.suppress(OSError), open(f'{_TASKS}/{task}/children') as stream:

@@ -86,7 +86,7 @@ def _received(connection: socket.socket) -> bytes:
 
 def _carry_on(asked: socket.socket, descriptors: Tuple[int, ...]) -> None:
     """Carry out what is asked for until nobody can ask any more."""
-    from ..trials import execution
+    from ..trials import execution, series
     for descriptor in descriptors:
         os.close(descriptor)
     with asked.makefile('rb') as requests:
@@ -95,3 +95,4 @@ def _carry_on(asked: socket.socket, descriptors: Tuple[int, ...]) -> None:
             processes.redirect(os.path.join(path, 'trial.txt'))
             execution.carry_out(job, path, problem)
             asked.sendall(_DONE)
+    series.end()

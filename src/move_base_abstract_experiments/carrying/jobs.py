@@ -10,19 +10,22 @@ import subprocess
 import sys
 import tempfile
 import threading  # noqa: TID251 - of the worker, whose threads are Dask's; the warm process has one
-from typing import Any, List, Optional, Tuple
+from typing import Any, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.processes import interpreter_of
 
 from ..description import ingredients, plan, worker_files
 from ..description.experiment import Experiment
-from ..description.job import Common, Job
+from ..description.job import NUMPY, ROS, Common, Job
 from ..description.trial import Trial
 from ..trials import bundle, functions
 from . import spool, warm_ros
 
 _END_S = 10.0  # wall
+#: names of modules by which a function may start nodes
+_OF_ROS = {'actionlib', 'move_base_abstract_experiments', 'move_base_abstract_ros', 'rosgraph', 'roslaunch', 'roslib',
+           'rospy', 'soil_mapping', 'tf', 'tf2_ros'}
 _BESIDE_S = 300.0  # wall, that a trial may take beside its runs: metrics, packing
 _state = threading.local()
 _all: List[WarmProcess] = []
@@ -32,7 +35,15 @@ _ends = [0]
 def common_of(experiment: Experiment) -> Common:
     """Return what the jobs of all trials of an experiment share, looked at now."""
     return Common(functions.sources(experiment.functions.values(), experiment.folder), plan.package_version(),
-                  worker_files.view())
+                  worker_files.view(), _to_be_warm(experiment))
+
+
+def _to_be_warm(experiment: Experiment) -> Tuple[str, ...]:
+    """Return what a warm process is to have imported: what nobody imports makes each fork of it dearer."""
+    names = ingredients.names_from_elsewhere(experiment)
+    if not experiment.function or names & _OF_ROS:
+        return ROS, NUMPY
+    return (NUMPY,) if names else ()
 
 
 def make_job(trial: Trial, common: Optional[Common] = None, **others: Any) -> Job:
@@ -51,9 +62,9 @@ class TrialError(SimulatorError):
 
 
 class WarmProcess:
-    """A warm process and the connection to it; for one thread at a time."""
+    """A warm process and the connection to it; for one thread at a time. wanted: of Common.warm."""
 
-    def __init__(self) -> None:
+    def __init__(self, wanted: Sequence[str] = (ROS, NUMPY)) -> None:
         own, other = socket.socketpair()
         # A pipe that nobody reads would stop it when it is full.
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 - it is there as long as this
@@ -63,8 +74,8 @@ class WarmProcess:
             environment = {name: value for name, value in os.environ.items() if name not in (
                 'ROS_HOSTNAME', 'ROS_NAMESPACE')}
             self._process = subprocess.Popen(
-                [python, '-m', 'move_base_abstract_experiments.carrying.warm', str(other.fileno())], env=environment,
-                pass_fds=[other.fileno()], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                [python, '-m', 'move_base_abstract_experiments.carrying.warm', *wanted, str(other.fileno())],
+                env=environment, pass_fds=[other.fileno()], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                 stderr=self._said, start_new_session=True)
         self._socket = own
         self._answers = own.makefile('rb')
@@ -148,11 +159,12 @@ def carry_out(job: Job, target: Optional[str] = None) -> Tuple[str, Optional[byt
     The warm process stays for the next one, but not for one that is prepared in another way, or by another text: what
     was imported stays imported.
     """
-    if getattr(_state, 'warm', None) is not None and _state.prepared != job.prepared:
+    wanted = job.prepared, job.common.warm
+    if getattr(_state, 'warm', None) is not None and _state.wanted != wanted:
         forget(_state.warm)
         _state.warm = None
     if getattr(_state, 'warm', None) is None:
-        _state.warm, _state.prepared = WarmProcess(), job.prepared
+        _state.warm, _state.wanted = WarmProcess(job.common.warm), wanted
         _all.append(_state.warm)
     worker = f'{socket.gethostname()}:{os.getpid()}'
     try:

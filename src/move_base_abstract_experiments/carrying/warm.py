@@ -1,6 +1,6 @@
 """The warm process of a worker: it has imported all, and forks a process for each trial. It has one thread.
 
-    python3 -m move_base_abstract_experiments.carrying.warm SOCKET_DESCRIPTOR
+    python3 -m move_base_abstract_experiments.carrying.warm [ros] [numpy] SOCKET_DESCRIPTOR
 
 A request on the socket is a pickled Job; the answer is a line of JSON, when the trial has ended: {"code": 0, "path":
 ...}. What the trial has to say is in its folder. When the other end of the socket is closed, because the worker
@@ -21,13 +21,13 @@ import shutil
 import signal
 import socket
 import sys
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError
 
 from ..description import launch_files
-from ..description.job import Job
+from ..description.job import NUMPY, ROS, Job
 from ..trials import functions, run_folders
 from . import carriers, temporary, warm_ros
 
@@ -45,17 +45,25 @@ def main(words: List[str]) -> None:
         os.environ.update(processes.ONE_THREAD)
         os.execv(sys.executable, [sys.executable, '-m', __spec__.name, *words])
     processes.keep_memory()
-    warm_ros.import_all() if warm_ros.is_there() else importlib.import_module('numpy')
+    _import(words[:-1])
     from ..trials import execution  # noqa: F401 - for the forks
     _share()
     processes.assert_one_thread()
     processes.adopt_orphans()
     with temporary.folder('move_base_abstract_trials_') as folder:
         try:
-            with socket.socket(fileno=int(words[0])) as client:
+            with socket.socket(fileno=int(words[-1])) as client:
                 _serve(client, folder)
         finally:
             processes.end_all_children()
+
+
+def _import(wanted: Sequence[str]) -> None:
+    """Import what the trials do, of Common.warm; whatever else is there each fork has to be given."""
+    if ROS in wanted and warm_ros.is_there():
+        warm_ros.import_all()
+    if NUMPY in wanted:
+        importlib.import_module('numpy.random')  # numpy itself leaves that to the first who asks for it, from 2.3 on
 
 
 def _serve(client: socket.socket, folder: str) -> None:

@@ -24,10 +24,10 @@ from move_base_abstract.common.input_files import open_input
 from move_base_abstract.radio import network
 
 from . import launch_files, program_files
+from .experiment import Experiment
 from .trial import Trial
 
 PACKAGE, PARAMETERS = 'move_base_abstract', 'parameters'
-_OWN_FOLDERS = ('move_base_abstract', 'move_base_abstract_ros', 'move_base_abstract_experiments')
 _PARTS = ('time_master',)
 _IMAGE = re.compile(r'^\s*image:\s*["\']?([^"\'\s#]+)', re.MULTILINE)
 _PATH = re.compile(r'/[^\s\'",:;\])}]+')
@@ -104,6 +104,12 @@ def _without_folder(found: Match[str]) -> str:
     return os.path.basename(found.group()) if os.path.exists(found.group()) else found.group()
 
 
+def names_from_elsewhere(experiment: Experiment) -> Set[str]:
+    """Return what the modules of an experiment's functions import that is neither theirs nor of Python's library."""
+    modules = {name.partition(':')[0] for name in experiment.functions.values()}
+    return program_files.names_from_elsewhere({path for one in modules for path in _of_module(one, experiment.folder)})
+
+
 def _split(text: Optional[str]) -> List[str]:
     from roslaunch.substitution_args import resolve_args
     try:
@@ -161,7 +167,7 @@ def _named(words: List[str], folder: str) -> Set[str]:
 def _own() -> str:
     """Return a digest of this package: its Python modules but for the report, and its programs that keep the time."""
     root, paths = Path(__file__).resolve().parents[2], []
-    for name in _OWN_FOLDERS:
+    for name in program_files.OWN_FOLDERS:
         paths += sorted(path for path in (root / name).rglob('*.py') if 'report' not in path.parts)
     content = [[str(path.relative_to(root)), digest(str(path))] for path in paths]
     with contextlib.suppress(Exception):  # where no workspace is sourced there is none

@@ -7,6 +7,8 @@ from typing import Any, Dict, NamedTuple, Tuple
 from .ingredients import Files
 from .trial import Trial
 
+ROS, NUMPY = 'ros', 'numpy'
+
 
 class Common(NamedTuple):
     """What the jobs of all trials of an experiment share. ``sources``: {path: text} of the modules of functions."""
@@ -14,6 +16,7 @@ class Common(NamedTuple):
     sources: Dict[str, str]
     version: str  # of this package
     view: Tuple[str, ...]  # of worker_files
+    warm: Tuple[str, ...] = (ROS, NUMPY)  # which of these the warm process has imported
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,11 @@ from typing import Any, Collection, List, Optional, Sequence, Set, Tuple, Type
 
 from move_base_abstract.common.processes import interpreter_of
 
+OWN_FOLDERS = ('move_base_abstract', 'move_base_abstract_ros', 'move_base_abstract_experiments')
 _SYSTEM = ('/usr/', '/lib/', '/lib64/', '/opt/ros/', '/bin/', '/sbin/', os.path.dirname(os.__file__) + os.sep)
 _RELAY = re.compile(rb"^python_script = '([^'\n]+)'", re.MULTILINE)  # of catkin, in a devel space
-_EXTENDED = re.compile(r'^__extended_path = "([^"\n]+)"\.split', re.MULTILINE)  # the same, of packages
+# The same, of packages; which quotes depends on catkin's version.
+_EXTENDED = re.compile(r'^__extended_path = ["\']([^"\'\n]+)["\']\.split', re.MULTILINE)
 _LINKED = re.compile(r'=> (/\S+) \(0x')
 _IMPORTERS = ('import_module', '__import__')
 _MOST_FILES = 5000
@@ -34,6 +36,11 @@ _BY_PIP = f'{os.sep}site-packages{os.sep}'
 def is_of_system(path: str) -> bool:
     """Return whether a file is of the system, ROS's distribution or Python's library."""
     return os.path.realpath(path).startswith(_SYSTEM) and '/usr/local/' not in path
+
+
+def is_by_pip(path: str) -> bool:
+    """Return whether a file is of what pip has installed."""
+    return _BY_PIP in path
 
 
 def files_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
@@ -76,7 +83,9 @@ def modules_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
             continue
         found.add(here)
         beside = os.path.dirname(here)
-        for name in () if _BY_PIP in here else _imported(here):
+        for name in () if is_by_pip(here) else _imported(here):
+            if name in OWN_FOLDERS:  # which count as a whole, with their version
+                continue
             for place in (beside, *places) if beside not in places else places:
                 files = files_of_module(place, name)
                 if files:
@@ -85,6 +94,17 @@ def modules_of(path: str, folders: Sequence[str] = ()) -> Set[str]:
                 files = _elsewhere(name)
             waiting += [one for one in files if one not in found]
     return found
+
+
+def names_from_elsewhere(paths: Collection[str]) -> Set[str]:
+    """Return what modules import that is neither among them nor of Python's library, by the first parts of names.
+
+    Before Python 3.10, which does not tell what is of its library, that is among them.
+    """
+    own = [one for one in paths if not is_by_pip(one)]
+    here = {part for one in own for part in os.path.splitext(one)[0].split(os.sep)}
+    names = {name for one in own for name in _imported(one)}
+    return names - here - set(getattr(sys, 'stdlib_module_names', ()))
 
 
 def python_path() -> List[str]:

@@ -9,6 +9,7 @@ import contextlib
 import dataclasses
 import hashlib
 import importlib
+import importlib.machinery
 import json
 import math
 import os
@@ -35,7 +36,8 @@ from ..description.trial import Trial
 from . import run_folders, termination
 
 OUTPUT = 'function.txt'  # what a trial's function prints
-_LOOPBACK = 'move_base_abstract_experiments.carrying.warm_loopback'  # there if a function starts nodes by it
+LOOPBACK = 'move_base_abstract_experiments.carrying.warm_loopback'  # there if a function starts nodes by it
+_NUMPY = 'numpy.random'
 _MOST_BYTES = 1 << 20
 _DYING_S = 1.0  # wall, in which a process that says no more has ended
 _MOST_METRICS = 200
@@ -227,18 +229,26 @@ def run_trial(job: Job, folders: run_folders.Folders) -> Returned:
     experiment = job.trial.experiment
     processes.adopt_orphans()
     processes.block_child_signal()
-    os.environ.update(ROS_LOG_DIR=folders.logs, ROS_HOME=folders.files)
+    os.environ.update(environment(folders))
+    return Returned(*call(lambda: perform(job, folders), experiment.time_limit, os.path.join(folders.logs, OUTPUT),
+                          folders.files))
 
-    def work() -> Returned:
-        trial = FunctionTrial(job.trial, folders)
-        uncaught = _note_threads()
-        _seed(trial.seed)
-        metrics = checked(load(experiment.function, job.modules)(trial), experiment.factors, ())
-        return Returned(metrics, [str(one)[:_LONGEST_LABEL] for one in trial.labels[:_MOST_LABELS]],
-                        _seconds(trial.simulated_seconds),
-                        [{'node': 'the function', 'takes_part': False, 'code': 0, 'shown': uncaught},
-                         *getattr(sys.modules.get(_LOOPBACK), 'ended', [])])
-    return Returned(*call(work, experiment.time_limit, os.path.join(folders.logs, OUTPUT), folders.files))
+
+def environment(folders: run_folders.Folders) -> Dict[str, str]:
+    """Return what the environment of a function says besides."""
+    return {'ROS_LOG_DIR': folders.logs, 'ROS_HOME': folders.files}
+
+
+def perform(job: Job, folders: run_folders.Folders) -> Returned:
+    """Call the function that is a trial, in this process."""
+    trial, experiment = FunctionTrial(job.trial, folders), job.trial.experiment
+    uncaught = _note_threads()
+    _seed(trial.seed)
+    metrics = checked(load(experiment.function, job.modules)(trial), experiment.factors, ())
+    return Returned(metrics, [str(one)[:_LONGEST_LABEL] for one in trial.labels[:_MOST_LABELS]],
+                    _seconds(trial.simulated_seconds),
+                    [{'node': 'the function', 'takes_part': False, 'code': 0, 'shown': uncaught},
+                     *getattr(sys.modules.get(LOOPBACK), 'ended', [])])
 
 
 def _note_threads() -> List[str]:
@@ -256,9 +266,34 @@ def _note_threads() -> List[str]:
 
 def _seed(seed: int) -> None:
     """Have the global generators of Python and numpy start from the trial's seed, as those of nodes do."""
-    import numpy  # here: it may start threads, which the process that forks must not have
     random.seed(seed)
-    numpy.random.seed(seed % 2 ** 32)  # noqa: NPY002 - likewise
+    if _NUMPY in sys.modules:
+        sys.modules[_NUMPY].seed(seed % 2 ** 32)
+    else:
+        sys.meta_path[:] = [_Seeding(seed % 2 ** 32), *(one for one in sys.meta_path if not isinstance(one, _Seeding))]
+
+
+class _Seeding:
+    """Finds numpy's generator, and has it start from a seed, once the function imports it: many do not."""
+
+    def __init__(self, seed: int) -> None:
+        self._seed = seed
+
+    def find_spec(self, name: str, path: Any = None, target: Any = None) -> Any:
+        """As of any finder of modules."""
+        if name != _NUMPY:
+            return None
+        sys.meta_path.remove(self)
+        spec = importlib.machinery.PathFinder.find_spec(name, path, target)
+        loader: Any = spec.loader if spec else None
+        if loader is not None:
+            run = loader.exec_module
+
+            def execute(module: Any) -> None:
+                run(module)
+                module.seed(self._seed)
+            loader.exec_module = execute
+        return spec
 
 
 def _seconds(given: Any) -> Optional[float]:
