@@ -52,6 +52,13 @@ class EventLoop {
     }
   }
 
+  /** Somebody's loop, whose timer was set before ROS began; time begins at 1 s. */
+  void other(boost::asio::io_context& context) {
+    context.run();
+    tell("other");
+    ros::Duration(0.1).sleep();
+  }
+
   /** The loop has a connection, too, to which nobody ever sends. */
   void connected() {
     boost::asio::ip::udp::socket socket(
@@ -104,13 +111,15 @@ class EventLoop {
 }  // namespace
 
 int main(int argc, char** argv) {
+  boost::asio::io_context early;
+  steady_timer timer(early, std::chrono::milliseconds(1400));
+  timer.async_wait([](const boost::system::error_code&) {});
   ros::init(argc, argv, "event_loop");
   EventLoop loop;
   const std::string what = ros::NodeHandle("~").param<std::string>("what", "main");
   const std::map<std::string, std::function<void()>> all = {
-      {"thread", [&] { loop.thread(); }},
-      {"main", [&] { loop.main(); }},
-      {"looks", [&] { loop.looks(); }},
+      {"thread", [&] { loop.thread(); }},       {"main", [&] { loop.main(); }},
+      {"looks", [&] { loop.looks(); }},         {"other", [&] { loop.other(early); }},
       {"connected", [&] { loop.connected(); }},
   };
   all.at(what)();

@@ -111,6 +111,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
                          [*ticks, (1730000000, 'late'), (1730000000, 'has run')])
         self.assertEqual(self.told('looks', program='shim_event_loop'),
                          [(SECOND + k * SECOND // 4, f'tick {6 - k}') for k in range(1, 6)])
+        self.assertEqual(self.told('other', program='shim_event_loop'), [(1400000000, 'other')])
         told = self.told('thread', rate(frequency=3.0, ticks=50), program='shim_event_loop')
         ticks = [text for _at, text in told if text.startswith('tick')]
         self.assertEqual(ticks, [f'tick {k}' for k in range(10, 0, -1)])

@@ -1,6 +1,8 @@
 """Programs that look after others outlive those who read what they say."""
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 PROGRAM = """
 import sys
@@ -19,8 +21,10 @@ with open(sys.argv[1], 'w') as stream:
 
 def run(tmp_path, lasts):
     path = tmp_path / 'result'
+    sources = str(Path(__file__).resolve().parents[2] / 'src')
     program = subprocess.Popen([sys.executable, '-c', PROGRAM.format(lasts=lasts), str(path)], stdin=subprocess.PIPE,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               env=dict(os.environ, PYTHONPATH=sources))
     assert program.stdout.readline() == 'first\n'
     program.stdout.close()
     program.stderr.close()

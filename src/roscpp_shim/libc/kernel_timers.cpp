@@ -48,6 +48,12 @@ class KernelTimers {
     return timers_.count(descriptor) > 0;
   }
 
+  /** @brief A thread that takes no turns has set it: the kernel's own is. */
+  void forget(int descriptor) {
+    const Lock lock(mutex_);
+    timers_[descriptor].due = kNever;
+  }
+
   void set(int descriptor, int flags, const itimerspec& value) {
     const Lock lock(mutex_);
     KernelTimer& timer = timers_[descriptor];
@@ -81,6 +87,12 @@ class KernelTimers {
 
   void fire() {
     const Lock lock(mutex_);
+    if (!is_followed_) {
+      is_followed_ = true;  // the first grant: those from before are not the kernel's any more
+      for (const auto& [descriptor, timer] : timers_) {
+        setReal(descriptor, itimerspec{}, 0);
+      }
+    }
     for (auto& [descriptor, timer] : timers_) {
       if (timer.due <= seenTime(timer.clock)) {
         timer.due = timer.period > 0 ? timer.due + timer.period : kNever;
@@ -119,6 +131,7 @@ class KernelTimers {
   PlainMutex mutex_;
   std::map<int, KernelTimer> timers_;
   bool is_served_ = false;
+  bool is_followed_ = false;
 };
 
 KernelTimers& kernelTimers() {
@@ -127,6 +140,9 @@ KernelTimers& kernelTimers() {
 }
 
 bool isFollowed(int descriptor) { return ordered() && kernelTimers().has(descriptor); }
+
+/** @return whether the program is to take part, and sets its timers in a known order already. */
+bool isAboutToFollow() { return sees() == Sees::kRun && !turn().isActive() && !takesPart(); }
 
 }  // namespace
 }  // namespace move_base_abstract::shim
@@ -154,7 +170,14 @@ int timerfd_create(int clock, int flags) {
 int timerfd_settime(int descriptor, int flags, const itimerspec* value, itimerspec* before) {
   static auto* const function = shim::real<shim::SetTime>("timerfd_settime");
   if (!shim::isFollowed(descriptor)) {
-    return function(descriptor, flags, value, before);
+    const bool is_about = shim::isAboutToFollow();
+    const int result = function(descriptor, flags, value, before);
+    const shim::Inside inside;
+    if (result == 0 && shim::kernelTimers().has(descriptor)) {
+      is_about ? shim::kernelTimers().set(descriptor, flags, *value)
+               : shim::kernelTimers().forget(descriptor);
+    }
+    return result;
   }
   const shim::Inside inside;
   const itimerspec old = shim::kernelTimers().get(descriptor);
