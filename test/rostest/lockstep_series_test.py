@@ -17,10 +17,16 @@ GUARD = 120.0  # s, wall; only ends what would never end
 PACKAGE = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@b.c">a</maintainer><license>BSD</license></package>
 """
-HEAD = "import os, sys, time, rospy, roslaunch\nfile = os.path.join(os.path.dirname(sys.argv[0]), 'trials.launch')\n"
+HEAD = """import os, sys, time, rospy, roslaunch
+from geometry_msgs.msg import PoseStamped
+from move_base_abstract.srv import SetPose, SetPoseResponse
+file = os.path.join(os.path.dirname(sys.argv[0]), 'trials.launch')
+"""
 ENDS_BY_ITSELF = HEAD + """
 def start():
-    roslaunch.parent.ROSLaunchParent('x', [(file, ['trial:=1', 'budget:=30'])]).start()
+    parent = roslaunch.parent.ROSLaunchParent('x', [(file, ['trial:=1', 'budget:=30'])])
+    parent.start()
+    return parent
 
 start()
 try:
@@ -33,8 +39,20 @@ try:
     rospy.sleep(100.0)
 except rospy.ROSInterruptException as error:
     print('then', error, rospy.is_shutdown())
-start()
+parent = start()
 print('and begins again at', rospy.get_time(), rospy.is_shutdown())
+heard = []
+def hear(message, heard):
+    heard.append(round(message.pose.position.x, 3))
+    raise ValueError('nobody cares')
+def place(request):
+    return SetPoseResponse(success=True, message='asked at {}'.format(rospy.get_time()))
+rospy.Subscriber('/robot_0/robot_pose', PoseStamped, hear, callback_args=heard)
+service = rospy.Service('/place', SetPose, place)
+print(rospy.ServiceProxy('/place', SetPose)(PoseStamped()).message)
+parent.spin()
+print('heard', sorted(set(heard)))
+start()
 """
 REFUSED = HEAD + """
 Parent = roslaunch.parent.ROSLaunchParent
@@ -100,6 +118,11 @@ class LockstepSeries(unittest.TestCase):
         self.assertIn('then the run is over True', said)
         self.assertIn('and begins again at 1.0 False', said)
         self.assertIn('refused: another run is under way', said)
+        self.assertIn('asked at 1.0', said)
+        self.assertIn('ValueError: nobody cares', said)
+        self.assertIn('heard [0.0, 5.0]', said)  # at 1 s and, by its rate of 0.1 Hz, half-way at 11 s
+        self.assertEqual(json.loads(self.log(2).splitlines()[-1])['end']['at_ns'], 20_000_000_000)
+        self.assertEqual(json.loads(self.log(3).splitlines()[-1])['end']['node'], '/ends')
         self.assertEqual(json.loads(self.log(1).splitlines()[-1])['end']['at_ns'], 20_000_000_000)
 
     def test_what_is_no_run_is_refused_and_the_scripts_exit_code_is_the_series(self):

@@ -91,6 +91,8 @@ class MapGoals(unittest.TestCase):
         self.assertEqual(self.ends('plain', (FREE,)), [REACHED])
         wall.info.width = 7
         self.assertFalse(set_map(wall, there).success)
+        wall.info.width, wall.header.frame_id = 2, 'world'
+        self.assertFalse(set_map(wall, there).success)
         self.assertEqual(self.ends('own', (FREE, (0.25, 0.25))), [REFUSED, REACHED])
 
     def test_a_robot_that_is_refused_stands(self):

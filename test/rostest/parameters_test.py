@@ -6,7 +6,7 @@ import unittest
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseActionFeedback
 from robot_harness import GUARD, RawClient, Record, active_since_ns, pose_stamped
 from robot_process import RobotProcess
@@ -107,6 +107,15 @@ class Parameters(unittest.TestCase):
         start_ns = active_since_ns(client, goal_id)
         self.assertEqual(client.ending(goal_id).header.stamp.to_nsec() - start_ns, 30_000_000_000)
         node.wait_for_line("40.0 m at 2 m/s with 0.1 m/s^2: 30.0 s by the original's formula, 40.0 s exact")
+
+    def test_the_profile_of_the_originals_branch_has_poses_without_a_header(self):
+        node = self.start('move_base', {'compatible_with': 'move_base_abstract_rasberry', 'start_x': 3.0})
+        self.assertEqual(rospy.wait_for_message(node.namespace + '/robot_pose', Pose, GUARD).position.x, 3.0)
+        place = rospy.Publisher(node.namespace + '/robot_pose', Pose, queue_size=1, latch=True)
+        place.publish(pose_stamped(7.0).pose)
+        amcl = Record(node.namespace + '/amcl_pose', PoseWithCovarianceStamped)
+        self.addCleanup(amcl.close)
+        amcl.wait_for(lambda message: message.pose.pose.position.x == 7.0)
 
     def test_bad_arguments_are_fatal(self):
         for arguments, word in ((('bot', 'virtual_robots', 'quick'), "'quick'"), (('bot',) * 8, 'at most 7'),

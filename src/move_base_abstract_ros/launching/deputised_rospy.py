@@ -4,6 +4,8 @@ It is a module of its own in the place of rospy, for the script alone. All that 
 """
 import itertools
 import sys
+import threading
+import traceback
 import types
 
 import rospy
@@ -16,7 +18,7 @@ FUNCTIONS = ('sleep', 'wait_for_message', 'wait_for_service', 'get_param', 'has_
              'search_param', 'get_param_names', 'get_param_cached', 'get_published_topics', 'get_name',
              'get_namespace', 'get_caller_id', 'resolve_name', 'spin')
 #: classes of rospy of which the deputy makes objects
-CLASSES = ('Subscriber', 'Publisher', 'ServiceProxy', 'Service', 'Rate', 'Timer')
+CLASSES = ('Publisher', 'ServiceProxy', 'Service', 'Rate', 'Timer')
 _LOGS = {'logdebug': None, 'loginfo': sys.stdout, 'logwarn': sys.stderr, 'logerr': sys.stderr, 'logfatal': sys.stderr}
 _NO_RUN = 'no run is under way: ROSLaunchParent.start() begins one'
 _OVER = 'the run is over'
@@ -28,7 +30,9 @@ class Deputised:
     def __init__(self):
         self._link = None
         self._functions, self._numbers = {}, itertools.count(1)
-        self._is_over = self._is_shut_down = False
+        self._is_shut_down = False
+        #: whether the run has ended by itself
+        self.is_over = False
         self._hooks = []
 
     @property
@@ -38,7 +42,7 @@ class Deputised:
 
     def begin(self, link):
         """Ask this Link's deputy from now on; it has begun to listen."""
-        self._link, self._is_over = link, False
+        self._link, self.is_over = link, False
         rospy.rostime.set_rostime_initialized(True)
         self._take(link.receive())
 
@@ -64,8 +68,10 @@ class Deputised:
 
         :raises rospy.ROSInterruptException: if there is no run, or it is over.
         """
+        if threading.current_thread() is not threading.main_thread():
+            raise RuntimeError('rospy.{}: the script is deputised in its main thread only'.format(name))
         if self._link is None:
-            raise rospy.ROSInterruptException(_OVER if self._is_over else _NO_RUN)
+            raise rospy.ROSInterruptException(_OVER if self.is_over else _NO_RUN)
         link = self._link
         try:
             link.send(REQUEST, _number, name, [self._token(arg) for arg in args],
@@ -75,11 +81,19 @@ class Deputised:
                 if told[0] != CALLBACK:
                     return self._take(told)
                 set_rostime(told[1])
-                self._functions[told[2]](*told[3])
-                link.send(DONE)
+                link.send(DONE, self._call(*told[2:]))
         except LinkClosed:
-            self._link, self._is_over = None, True
+            self._link, self.is_over = None, True
             raise rospy.ROSInterruptException(_OVER) from None
+
+    def _call(self, number, args):
+        """Call a function of the script, as rospy calls a callback: what it raises is told, and goes no further."""
+        try:
+            return self._functions[number](*args)
+        except Exception:
+            print('[ERROR] bad callback: {}'.format(self._functions[number]), file=sys.stderr)
+            traceback.print_exc()
+        return None
 
     def _take(self, told):
         kind, now_ns, *words = told
@@ -103,9 +117,15 @@ class Deputised:
         self.ask(kind, *args, _number=number, **kwds)
         return Proxy(self, number, kind)
 
+    def _subscribe(self, name, data_class, callback=None, callback_args=None, **kwds):
+        """As rospy.Subscriber; what the callback gets besides the message stays here, and is no copy."""
+        if callback is not None and callback_args is not None:
+            return self.make('Subscriber', name, data_class, lambda message: callback(message, callback_args), **kwds)
+        return self.make('Subscriber', name, data_class, callback, **kwds)
+
     def is_shutdown(self):
         """As rospy.is_shutdown: a run that has ended by itself is over until the next one begins."""
-        return self._is_shut_down or self._is_over
+        return self._is_shut_down or self.is_over
 
     def _shut_down(self, _reason=''):
         self._is_shut_down = True
@@ -118,6 +138,7 @@ class Deputised:
             setattr(made, name, lambda *args, _name=name, **kwds: self.ask(_name, *args, **kwds))
         for name in CLASSES:
             setattr(made, name, lambda *args, _name=name, **kwds: self.make(_name, *args, **kwds))
+        made.Subscriber = self._subscribe
         for name, stream in _LOGS.items():
             log = _log(name[3:].upper(), stream)
             for suffix in ('', '_once', '_throttle'):

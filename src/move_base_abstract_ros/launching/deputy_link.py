@@ -2,7 +2,7 @@
 
 Requests and answers are pickled, on a Unix socket in a folder that only this user can enter. One of the two speaks at a
 time: a request is answered by ANSWER, ERROR, or first by any number of CALLBACKs, each of which the script answers by
-DONE when the function has returned, after requests of its own.
+DONE, with what the function has returned, after requests of its own.
 """
 import pickle
 import socket

@@ -83,13 +83,13 @@ class Series:
     def finish(self, is_asked=False):
         """Have the script leave its run, if there is one, wait for its end, and tell of it.
 
-        ``is_asked``: end it by a signal.
+        ``is_asked``: if it never came to have a deputy, end it by a signal.
         """
         process, self._process = self._process, None
         if process is None:
             return
         link = self.deputised.end()
-        if is_asked and process.poll() is None:
+        if is_asked and link is None and not self.deputised.is_over and process.poll() is None:
             process.send_signal(signal.SIGINT)
         try:
             process.wait(_END_S if is_asked else None)

@@ -76,6 +76,9 @@ class RobotMap:
         """
         if self.check is not None:
             from .map_listener import occupancy_in
+            if message.header.frame_id.lstrip('/') != self._global_frame:
+                return "the map is given in the frame '{}', the robot's global frame is '{}'".format(
+                    message.header.frame_id, self._global_frame)
             try:
                 occupancy = occupancy_in(message)
             except ValueError as error:

@@ -31,7 +31,7 @@ class Deputy:
         self._made = {}
 
     def serve(self, until=None):
-        """Do what is asked for, until the script leaves, or answers ``until``."""
+        """Do what is asked for, until the script leaves, or answers ``until``; return what it says then."""
         link = self._link
         if until is None:
             link.send(ANSWER, _now_ns(), None)
@@ -39,13 +39,13 @@ class Deputy:
             try:
                 kind, *words = link.receive()
             except LinkClosed:
-                return
+                return None
             if kind == until or words and words[0] == LEAVE:
-                return
+                return words[0]
             try:
                 self._answer(*words)
             except LinkClosed:
-                return
+                return None
 
     def _answer(self, *words):
         try:
@@ -85,7 +85,7 @@ class Deputy:
         def call(*args):
             """Have the script's function called, which may ask for more meanwhile."""
             self._link.send(CALLBACK, _now_ns(), number, args)
-            self.serve(until=DONE)
+            return self.serve(until=DONE)
         return call
 
 
