@@ -10,9 +10,10 @@ namespace move_base_abstract {
 using radio::HostId;
 using radio::Radio;
 
-RadioTraffic::RadioTraffic(radio::Network network, Tell tell, Label label)
+RadioTraffic::RadioTraffic(radio::Network network, Nanoseconds lookahead, Tell tell, Label label)
     : radio_(std::move(network)),
       watch_(radio_.hosts()),
+      lookahead_(lookahead),
       tell_(std::move(tell)),
       label_(std::move(label)) {}
 
@@ -101,10 +102,15 @@ Carried RadioTraffic::carry(const Passage& passage) {
     waiting_.emplace(ticket_, std::move(sent));
     return {kNever, {}, ticket_};
   }
-  return decided(sent, outcome);
+  return decided(sent, outcome, passage.from);
 }
 
-Carried RadioTraffic::decided(const Sent& sent, const Radio::Outcome& outcome) {
+/**
+ * @brief What became of it, as of @p now, when that was decided. With a lookahead others may have
+ * come so far that nothing reaches them before that is over: what the radio brings sooner comes
+ * then. Of one direction neither goes back from message to message, and so nor does the later one.
+ */
+Carried RadioTraffic::decided(const Sent& sent, const Radio::Outcome& outcome, Nanoseconds now) {
   Counts& counts = counts_[std::minmax(sent.ends.first, sent.ends.second)];
   has_news_ = true;
   if (outcome.kind == Radio::Outcome::Kind::kLost) {
@@ -113,8 +119,9 @@ Carried RadioTraffic::decided(const Sent& sent, const Radio::Outcome& outcome) {
     return {outcome.at, outcome.reason};
   }
   ++counts.arrived;
-  tell_({sent.order, sent.name, "radio", sent.values + std::to_string(outcome.at) + "]"});
-  return {outcome.at};
+  const Nanoseconds arrival = std::max(outcome.at, addSaturated(now, lookahead_));
+  tell_({sent.order, sent.name, "radio", sent.values + std::to_string(arrival) + "]"});
+  return {arrival};
 }
 
 std::vector<std::pair<std::uint64_t, Carried>> RadioTraffic::look(Nanoseconds now) {
@@ -122,7 +129,7 @@ std::vector<std::pair<std::uint64_t, Carried>> RadioTraffic::look(Nanoseconds no
   for (const Radio::Decided& one : radio_.look(now)) {
     const auto waiting = waiting_.find(one.ticket);
     if (waiting != waiting_.end()) {
-      found.emplace_back(one.ticket, decided(waiting->second, one.outcome));
+      found.emplace_back(one.ticket, decided(waiting->second, one.outcome, now));
       waiting_.erase(waiting);
     }
   }

@@ -45,8 +45,9 @@ class RadioTraffic : public Carrier {
   using Tell = std::function<void(Line)>;
   using Label = std::function<void(const std::string& why)>;
 
-  /** @param tell is told of each message between hosts. @param label why not all is on the air. */
-  RadioTraffic(radio::Network network, Tell tell, Label label);
+  /** @param lookahead what each message takes at least [ns, simulated]. @param tell is told of each
+   * one between hosts. @param label why not all is on the air. */
+  RadioTraffic(radio::Network network, Nanoseconds lookahead, Tell tell, Label label);
 
   /** @brief It takes part: the hosts of those who do so before the first action are numbered in the
    * order of their names. */
@@ -91,10 +92,11 @@ class RadioTraffic : public Carrier {
   radio::HostId hostOf(MemberId id, std::uint32_t sub) const;
   bool isWired(std::string_view name);
   void labelIfAlone(radio::HostId from, std::string_view sender);
-  Carried decided(const Sent& sent, const radio::Radio::Outcome& outcome);
+  Carried decided(const Sent& sent, const radio::Radio::Outcome& outcome, Nanoseconds now);
 
   radio::Radio radio_;
   radio::LinkWatch watch_;
+  const Nanoseconds lookahead_;
   const Tell tell_;
   const Label label_;
   std::vector<std::pair<std::string, MemberId>> fresh_;  // have joined, and are on no host as yet

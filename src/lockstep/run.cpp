@@ -35,7 +35,7 @@ LockstepRun::LockstepRun(const LockstepSettings& given, Nanoseconds wall_now)
       decisions(given.chaos_seed, chaos::decisionsOf(given.chaos_only), given.keeps_decisions),
       rounds(settings),
       log(rounds, given.keeps_bytes),
-      carriage([this]() { return rounds.now(); }),
+      carriage([this]() { return rounds.now(); }, toNanoseconds(given.lookahead)),
       router([this](MemberId id, Mail mail) { rounds.post(id, mail); },
              [this](MemberId id, std::uint32_t sub, std::uint64_t number) {
                return rounds.order(id, sub, number);
@@ -68,7 +68,7 @@ void LockstepRun::addRadio() {
         numberText(settings.chaos_delay) + " s");
   }
   auto carrier = std::make_unique<RadioTraffic>(
-      std::move(network),
+      std::move(network), toNanoseconds(settings.lookahead),
       [this](const RadioTraffic::Line& line) {
         log.add(line.order, {rounds.now(), line.name, line.kind, line.values, "", ""});
       },
@@ -103,16 +103,10 @@ void LockstepRun::beChaotic() {
 }
 
 void LockstepRun::addCarrier(std::unique_ptr<Carrier> carrier) {
-  if (rounds.hasWindows()) {
-    throw std::invalid_argument(
-        "delays of single messages must be without a lookahead, which delays all alike: got one "
-        "of " +
-        numberText(settings.lookahead) + " s");
-  }
   carriage.add(std::move(carrier));
   router.setCarriage(carriage);
   rounds.setArrivals({[this]() {
-                        const Nanoseconds due = carriage.held.nextDue();
+                        const Nanoseconds due = carriage.nextArrival();
                         return radio == nullptr ? due : std::min(due, radio->nextLook());
                       },
                       [this]() {

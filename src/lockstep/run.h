@@ -34,8 +34,7 @@ struct LockstepRun {
   LockstepRun(const LockstepRun&) = delete;
   LockstepRun& operator=(const LockstepRun&) = delete;
 
-  /** @brief @p carrier carries, after those that were added before. Not with a lookahead.
-   * @throws std::invalid_argument with one. */
+  /** @brief @p carrier carries, after those that were added before. */
   void addCarrier(std::unique_ptr<Carrier> carrier);
   void addRadio();
   void decideWaiting();

@@ -39,8 +39,8 @@ class LockstepSession {
   LockstepSession(const LockstepSession&) = delete;
   LockstepSession& operator=(const LockstepSession&) = delete;
 
-  /** @brief @p carrier says when messages, calls and responses arrive. To be called first.
-   * @throws std::invalid_argument with a lookahead. */
+  /** @brief @p carrier says when messages, calls and responses arrive: with a lookahead, not before
+   * that is over. To be called first. */
   void addCarrier(std::unique_ptr<Carrier> carrier) { run_.addCarrier(std::move(carrier)); }
 
   /** @brief A new connection, which has 10 wall seconds to say HELLO. */

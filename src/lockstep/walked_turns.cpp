@@ -86,6 +86,7 @@ void WalkedTurns::apply() {
       last = run_.rounds.windowBegin();
       break;
     }
+    run_.rounds.arriveUntil(at);
     applyInstant(at);
     last = at;
   }

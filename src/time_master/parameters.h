@@ -284,10 +284,6 @@ inline void readNetwork(ParameterReader& reader, NodeParameters& parameters) {
   if (!parameters.lockstep.network.empty() && !parameters.in_lockstep) {
     throw std::invalid_argument("network must be [] in mode scaled, where messages go over ROS");
   }
-  if (!parameters.lockstep.network.empty() && parameters.lockstep.lookahead != 0.0) {
-    throw std::invalid_argument(
-        "network must be [] with a lookahead, where all takes the same time");
-  }
 }
 
 inline void readCores(ParameterReader& reader, NodeParameters& parameters) {

@@ -2,6 +2,7 @@
 """Nodes as users write them, in Python and C++, on hosts of a radio: a robot drives out of reach of who calls it."""
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -12,15 +13,28 @@ from move_base_abstract.msg import RadioLink, RadioLinks
 from move_base_abstract_ros.loopback import find_executable
 from move_base_abstract_ros.markers.radio_markers import RadioMarkers
 
-# On the robot's host: it answers calls, and sends the robot away.
+# On the robot's host: it answers calls, sends the robot away, and writes down what it hears, and when.
 SERVER = """#!/usr/bin/env python3
+import sys
+
 import actionlib
 import rospy
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from std_msgs.msg import String
 from std_srvs.srv import Trigger, TriggerResponse
 
+def now():
+    return rospy.Time.now().to_nsec()
+
+
+def write(message):
+    with open(sys.argv[1], 'a') as stream:
+        stream.write('{} {}\\n'.format(now(), message.data))
+
+
 rospy.init_node('server')
-rospy.Service('/trigger', Trigger, lambda _request: TriggerResponse(True, 'here'))
+rospy.Service('/trigger', Trigger, lambda _request: TriggerResponse(True, 'at {}'.format(now())))
+rospy.Subscriber('/answers', String, write)
 client = actionlib.SimpleActionClient('move_base', MoveBaseAction)
 client.wait_for_server()
 rospy.sleep(3.25)
@@ -31,13 +45,14 @@ client.send_goal_and_wait(goal)
 rospy.spin()
 """
 LAUNCH = """<launch>
+  <arg name="heard" />
   <node pkg="move_base_abstract" type="fleet" name="fleet">
     <rosparam>
       defaults: {max_speed: 1.0}
       robots: [{name: robot_1, start_x: 5.0}]
     </rosparam>
   </node>
-  <node ns="robot_1" pkg="own" type="server.py" name="server" />
+  <node ns="robot_1" pkg="own" type="server.py" name="server" args="$(arg heard)" />
   <node pkg="move_base_abstract" type="shim_calls" name="caller"><param name="client" value="true"/></node>
 </launch>
 """
@@ -64,30 +79,53 @@ class Radio(unittest.TestCase):
                 stream.write(text)
         os.chmod(os.path.join(cls.folder, 'server.py'), 0o755)
         cls.logs = [cls.run_once(number) for number in range(2)]
+        ahead = ('--lookahead', 'network')
+        cls.ahead = [cls.run_once(2, ahead), cls.run_once(3, ahead, ('taskset', '-c', '0'))]
 
     @classmethod
     def tearDownClass(cls):
         shutil.rmtree(cls.folder)
 
     @classmethod
-    def run_once(cls, number):
-        """Return the bytes of the event log of a run."""
+    def run_once(cls, number, words=(), prefix=()):
+        """Return the bytes of the event log of a run, and the lines of what the server has heard."""
         path = os.path.join(cls.folder, '{}.jsonl'.format(number))
         environment = dict(os.environ, ROS_PACKAGE_PATH=cls.folder + ':' + os.environ['ROS_PACKAGE_PATH'])
         done = subprocess.run(
-            [find_executable('lockstep_launch'), '--network', os.path.join(cls.folder, 'n.yaml'), '--event-log', path,
-             '--log-messages', '--until', '20', os.path.join(cls.folder, 'run.launch')], env=environment,
+            [*prefix, find_executable('lockstep_launch'), *words, '--network', os.path.join(cls.folder, 'n.yaml'),
+             '--event-log', path, '--log-messages', '--until', '20', os.path.join(cls.folder, 'run.launch'),
+             'heard:={}.heard'.format(os.path.join(cls.folder, str(number)))], env=environment,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120, check=False)
         if done.returncode != 0:
             raise AssertionError(done.stdout.decode('utf-8', 'replace'))
-        with open(path, 'rb') as stream:
-            return stream.read()
+        with open(path, 'rb') as stream, open(os.path.join(cls.folder, '{}.heard'.format(number))) as heard:
+            return stream.read(), heard.read().splitlines()
 
-    def rows(self, kind):
-        return [row for row in map(json.loads, self.logs[0].splitlines()) if row.get('kind') == kind]
+    def rows(self, kind, log=None):
+        return [row for row in map(json.loads, (log or self.logs[0][0]).splitlines()) if row.get('kind') == kind]
 
     def test_two_runs_are_equal_to_the_byte(self):
         self.assertEqual(*self.logs)
+
+    def test_with_the_network_s_delay_as_lookahead_two_runs_are_equal_to_the_byte_on_any_cores(self):
+        self.assertEqual(*self.ahead)
+        log, _ = self.ahead[0]
+        end = json.loads(log.splitlines()[-1])['end']
+        self.assertEqual((end['not_repeatable_because'], end['degraded_because']), ([], []))
+        departed = self.rows('departed', log)[0]['time_ns']
+        down = [row['time_ns'] for row in self.rows('link', log) if row['values'][2] == 'down']
+        self.assertEqual(down, [10**9, departed + 5 * 10**9 + 1])  # nobody knows at first where the robot is
+
+    def test_what_goes_over_the_radio_takes_its_delay_to_the_nanosecond_with_windows_and_without(self):
+        for log, heard in (self.logs[0], self.ahead[0]):
+            found = [re.match(r'(\d+) (\d+) at (\d+)$', line) for line in heard]
+            instants = [tuple(map(int, one.groups())) for one in found if one is not None]
+            self.assertGreater(len(instants), 6)
+            for arrived, told, served in instants:
+                self.assertEqual((arrived - told, told - served), (20_000_000, 20_000_000))
+            rows = [row['values'] for row in self.rows('radio', log) if row['robot'] == '/answers']
+            self.assertTrue({arrived for arrived, _, _ in instants} <= {values[6] for values in rows})
+            self.assertTrue(all(values[6] - values[5] == 20_000_000 for values in rows))
 
     def test_the_link_goes_down_where_the_robot_comes_to_its_range(self):
         departed = self.rows('departed')[0]['time_ns']
@@ -118,7 +156,7 @@ class Radio(unittest.TestCase):
         self.assertEqual(quiet.color.g, 0.5)
 
     def test_nothing_labels_the_run(self):
-        end = json.loads(self.logs[0].splitlines()[-1])['end']
+        end = json.loads(self.logs[0][0].splitlines()[-1])['end']
         self.assertEqual((end['not_repeatable_because'], end['degraded_because']), ([], []))
 
 

@@ -232,11 +232,17 @@ TEST(Carried, WhatIsOnlyPutByIsNoReasonForAGrant) {
   EXPECT_EQ(grants(stage, 2), Texts{"9000+0: came 3000000000 deliver 1 1 x came 9000000000"});
 }
 
-TEST(Carried, NotWithALookahead) {
-  LockstepSettings settings = named({"/a"});
-  settings.lookahead = 0.1;
-  LockstepSession session(settings, 0);
-  EXPECT_NE(refusal([&] { session.addCarrier(after(kOne)); }).find("lookahead"), std::string::npos);
+TEST(Carried, WithALookaheadNothingComesBeforeThatIsOver) {
+  for (const auto& [delay, arrival] : {std::pair(kOne / 20, "1300+0: to 1400000000 deliver 1 1 x"),
+                                       std::pair(kOne, "2200+0: to 2300000000 deliver 1 1 x")}) {
+    LockstepSettings settings = logged();
+    settings.lookahead = 0.1;
+    Carried2 stage(after(delay), settings);
+    stage.start({}, 1200 * kOne / 1000);
+    grants(stage, 1);
+    stage.report(1, kNever, {news("x")});
+    EXPECT_EQ(grants(stage, 2), Texts{arrival});
+  }
 }
 
 /** @return what /b is handed of mail that is under way until 4 s, and was sent as robots 2 and 1.

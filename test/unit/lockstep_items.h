@@ -10,6 +10,18 @@
 
 namespace move_base_abstract {
 
+/** @return the item as text if it says an instant [ns]; else ''. */
+inline std::string instantText(const wire::GrantItem& item) {
+  if (const auto* a = std::get_if<wire::Came>(&item)) {
+    return "came " + std::to_string(a->time_ns);
+  }
+  if (const auto* a = std::get_if<wire::Arrives>(&item)) {
+    return "at " + std::to_string(a->time_ns);
+  }
+  const auto* a = std::get_if<wire::Window>(&item);
+  return a == nullptr ? "" : "to " + std::to_string(a->end_ns);
+}
+
 /** @brief An item of a grant as text; `who` turns ids into places in the list of participants. */
 template <typename Who>
 std::string itemText(const wire::GrantItem& item, const Who& who) {
@@ -43,11 +55,11 @@ std::string itemText(const wire::GrantItem& item, const Who& who) {
     return "heard " + s(static_cast<std::uint64_t>(a->what)) + " " + s(topicOf(a->topic)) + " " +
            s(who(a->receiver));
   }
-  if (const auto* a = std::get_if<wire::Came>(&item)) {
-    return "came " + s(static_cast<std::uint64_t>(a->time_ns));
-  }
   if (std::holds_alternative<wire::Changed>(item)) {
     return "changed";
+  }
+  if (const std::string instant = instantText(item); !instant.empty()) {
+    return instant;
   }
   return "found " + std::string(std::get<wire::Found>(item).service);
 }

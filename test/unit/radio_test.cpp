@@ -365,8 +365,3 @@ TEST(Radio, LinesThatAreNoneAreRefused) {
 
 }  // namespace
 }  // namespace move_base_abstract::radio
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  return RUN_ALL_TESTS();
-}

@@ -43,6 +43,8 @@ def read_used(factors, **others):
     ({'stored_topics': ['/a b']}, 'NODE=TOPIC'),
     ({'stored_topics': ['/a'], 'lookahead': 0.1}, 'all takes time'),
     ({'lookahead': 1e-9}, 'in 1e-06..1000'),
+    ({'lookahead': 'network'}, "without a 'network'"),
+    ({'lookahead': 'radio'}, 'or 0, or network'),
     ({'cores': 'alternate'}, 'allowed: auto, one, all'),
     ({'cores': 2}, 'allowed: auto, one, all'),
     ({'replications': {'all': 3, 'robot': {}}, 'factors': {'robots': [1]}}, "did you mean 'robots'"),

@@ -15,7 +15,7 @@ from move_base_abstract.motion.leg import MotionLimits
 from move_base_abstract.motion.pace import Pace, PacedLeg
 from move_base_abstract.motion.robot import Robot
 from move_base_abstract.radio.motion_pieces import pieces_of
-from move_base_abstract.radio.network import parameter_of
+from move_base_abstract.radio.network import resolve
 from move_base_abstract_experiments.trials.radio import Radio
 from move_base_abstract_replay.links import find_links
 
@@ -36,7 +36,7 @@ def lines(tmp_path):
     """Return the lines of a network's file with this text."""
     def made(text, words=''):
         (tmp_path / 'n.yaml').write_text(text)
-        return parameter_of('n.yaml ' + words, str(tmp_path))
+        return resolve({'network': 'n.yaml ' + words}, str(tmp_path))['network']
     return made
 
 
@@ -47,6 +47,18 @@ def test_lines_of_a_network(lines):
         'attempts 8',
         'link robot_* robot_* delay 5000000 50000000 table 3 50.0 0.0 100.0 0.2 150.0 1.0 lost retry retry 200000000 '
         'attempts 8']
+
+
+def test_the_least_delay_is_the_lookahead_where_it_is_to_be_so(lines, tmp_path):
+    lines(HOSTS + LINKS)
+    given = {'network': 'n.yaml', 'lookahead': 'network'}
+    assert resolve(given, str(tmp_path))['lookahead'] == 0.005
+    assert resolve({**given, 'lookahead': 0.5}, str(tmp_path))['lookahead'] == 0.5
+    lines(HOSTS + LINKS + '  - {between: [base, base]}')
+    with pytest.raises(ConfigurationError, match='its links, which is 0 s; allowed: 1e-06 s or more'):
+        resolve(given, str(tmp_path))
+    with pytest.raises(ConfigurationError, match="got 'network'; allowed: a number"):
+        resolve({'lookahead': 'network'})
 
 
 def test_arguments_and_path_loss(lines):
@@ -153,3 +165,5 @@ def test_command_lines_without_a_network():
     assert kinds.of_arguments(RunOptions, parser.parse_args([])) == RunOptions()
     given = kinds.of_arguments(RunOptions, parser.parse_args(['--network', 'n.yaml loss:=1']))
     assert kinds.words_of(given) == ['--network', 'n.yaml loss:=1']
+    for word, value in (('network', 'network'), ('0.5', 0.5)):
+        assert kinds.of_arguments(RunOptions, parser.parse_args(['--lookahead', word])).lookahead == value

@@ -138,7 +138,8 @@ class LockstepRounds {
     std::function<Nanoseconds()> next_due;  // kNever: nothing; asked when a round is over
     std::function<void()> arrive;           // post all that is due by now()
   };
-  /** @brief A reason for time to go on. Not with a lookahead. */
+  /** @brief A reason for time to go on. With a lookahead, what is posted at an instant arrives when
+   * that is over, as all else. */
   void setArrivals(Arrivals arrivals) { arrivals_ = std::move(arrivals); }
   /** @brief Has mail as it was posted, and leaves it as it is to be handled. */
   using Arrange = std::function<void(MemberId receiver, std::vector<Mail>& mail)>;
@@ -188,6 +189,8 @@ class LockstepRounds {
   /** @brief now() is @p instant, and what is posted was sent then, until endInstant(). */
   void beginInstant(Nanoseconds instant) { applied_ = instant; }
   void endInstant();
+  /** @brief What comes from outside of rounds comes, up to @p instant, itself included. */
+  void arriveUntil(Nanoseconds instant);
 
   // ---- decisions ----
   /** @return whether nobody owes a report, so that actions may be applied and decide() called. */

@@ -109,7 +109,7 @@ void LockstepRounds::idle(MemberId id, std::uint32_t threads) { at(id).idle = th
 /** @return when time goes on; kNever: nobody has a reason to wake up. */
 Nanoseconds LockstepRounds::nextTime() const {
   if (hasWindows()) {
-    return windowBegin();
+    return std::min(windowBegin(), nextArrival());
   }
   const auto counts = [this](const auto& due) { return !members_.at(due.second).background; };
   const Nanoseconds arrival = nextArrival();

@@ -29,7 +29,7 @@ Nanoseconds LockstepRounds::nextOf(const MemberState& member) const {
 
 Nanoseconds LockstepRounds::windowBegin() const {
   Nanoseconds begin = kNever;
-  bool counts = false;
+  bool counts = nextArrival() != kNever;
   for (const auto& [id, member] : members_) {
     const Nanoseconds next = nextOf(member);
     const bool is_reason =
@@ -70,9 +70,23 @@ void LockstepRounds::endInstant() {
   applied_.reset();
 }
 
+void LockstepRounds::arriveUntil(Nanoseconds instant) {
+  for (Nanoseconds due = nextArrival(); due != kNever && due <= instant; due = nextArrival()) {
+    beginInstant(due);
+    arrivals_.arrive();
+    endInstant();
+  }
+}
+
 /** @brief Once nobody can do anything before windowBegin() any more, and all that was done before
  * is applied. */
 std::vector<LockstepRounds::Grant> LockstepRounds::nextWindow(Nanoseconds wall) {
+  for (Nanoseconds due = nextArrival(); due < windowBegin(); due = nextArrival()) {
+    if (!goTo(due, wall)) {
+      return {};
+    }
+    arriveUntil(due);  // the window may begin sooner for it
+  }
   const Nanoseconds begin = windowBegin();
   if (begin == time_) {
     if (isLoop()) {

@@ -36,8 +36,7 @@ struct LockstepSettings {
   std::vector<std::string> excluded_topics;  // that do not go through the time master
   // "TOPIC" or "NODE=TOPIC": what is heard there is handed over with the next grant there is anyway
   std::vector<std::string> stored_topics;
-  // Of a radio between hosts, as radio/network.h has them; none: there is no radio. Not with a
-  // lookahead.
+  // Of a radio between hosts, as radio/network.h has them; none: there is no radio.
   std::vector<std::string> network;
   bool keep_unread = true;  // what roscpp programs look at by themselves is; false: for comparing
   std::vector<std::string> not_covered;  // why the log does not say all: labels of the run

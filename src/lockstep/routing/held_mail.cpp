@@ -66,7 +66,7 @@ Carried Carriage::carry(Passage passage) const {
 }
 
 std::vector<Held> Carriage::arrive() {
-  std::vector<Held> taken = held.take(now_());
+  std::vector<Held> taken = held.take(addSaturated(now_(), lookahead_));
   for (const Held& one : taken) {
     arrived_.push_back(one.bytes);
   }

@@ -61,15 +61,26 @@ class Carriage {
  public:
   using Now = std::function<Nanoseconds()>;
 
-  explicit Carriage(Now now) : now_(std::move(now)) {}
+  /** @param lookahead what everything takes at least [ns, simulated]: windows; 0: there are none.
+   */
+  explicit Carriage(Now now, Nanoseconds lookahead = 0)
+      : now_(std::move(now)), lookahead_(lookahead) {}
   void add(std::unique_ptr<Carrier> carrier) { carriers_.push_back(std::move(carrier)); }
   /** @return whether nobody carries: all arrives at once. */
   bool isNone() const { return carriers_.empty(); }
 
   /** @return what becomes of it, of all carriers; `from` is not looked at. */
   Carried carry(Passage passage) const;
-  bool isLater(Nanoseconds due) const { return due > now_(); }
-  /** @return what arrives by now, in its order; its bytes live until forgetArrived(). */
+  /** @return whether what is due then is still under way when all else that is sent now is there.
+   */
+  bool isLater(Nanoseconds due) const { return due > addSaturated(now_(), lookahead_); }
+  /** @return the instant at which to call arrive(), or kNever. */
+  Nanoseconds nextArrival() const {
+    const Nanoseconds due = held.nextDue();
+    return due == kNever ? kNever : due - lookahead_;
+  }
+  /** @return what arrives with what is sent now, in its order; its bytes live until
+   * forgetArrived(). */
   std::vector<Held> arrive();
   void forgetArrived() { arrived_.clear(); }
 
@@ -77,6 +88,7 @@ class Carriage {
 
  private:
   Now now_;
+  const Nanoseconds lookahead_;
   std::vector<std::unique_ptr<Carrier>> carriers_;
   std::vector<std::shared_ptr<const std::string>> arrived_;  // mail points into them
 };

@@ -116,12 +116,18 @@ def pattern(expression: str, allowed: str, made: Callable[[str], str] = str) -> 
     return Kind(check, {'type': 'string', 'pattern': f'^(?:{expression})$'})
 
 
-def number(lowest: float, highest: float, whole: bool = False, or_zero: bool = False, unit: str = '') -> Kind:
-    """Return the kind of a finite number in lowest..highest; 2.0 is a whole one. unit: for errors, 's, simulated'."""
-    allowed = f'a {"whole " if whole else ""}number in {lowest:g}..{highest:g}' + (f' [{unit}]' if unit else '') + (
-        ', or 0' if or_zero else '')
+def number(lowest: float, highest: float, whole: bool = False, or_zero: bool = False, unit: str = '',
+           or_word: str = '') -> Kind:
+    """Return the kind of a finite number in lowest..highest; 2.0 is a whole one.
 
-    def check(where: str, value: Any) -> float:
+    unit: for errors, 's, simulated'. or_word: a text that may stand in place of a number; '': none.
+    """
+    allowed = f'a {"whole " if whole else ""}number in {lowest:g}..{highest:g}' + (f' [{unit}]' if unit else '') + (
+        ', or 0' if or_zero else '') + (f', or {or_word}' if or_word else '')
+
+    def check(where: str, value: Any) -> Any:
+        if or_word and value == or_word:
+            return value
         if whole and isinstance(value, float) and value.is_integer():
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)) or not (
@@ -129,8 +135,9 @@ def number(lowest: float, highest: float, whole: bool = False, or_zero: bool = F
             raise error(where, value, allowed)
         return value if whole else float(value)
     schema = {'type': 'integer' if whole else 'number', 'minimum': lowest, 'maximum': highest}
-    return Kind(check, {'anyOf': [{'type': 'number', 'enum': [0]}, schema]} if or_zero else schema,
-                int if whole else float)
+    others = [{'type': 'number', 'enum': [0]}] * or_zero + [{'enum': [or_word]}] * bool(or_word)
+    return Kind(check, {'anyOf': [*others, schema]} if others else schema,
+                lambda word: word if or_word and word == or_word else int(word) if whole else float(word))
 
 
 def one_of(*allowed: str) -> Kind:

@@ -6,7 +6,7 @@ table in docs/experiments.md say what it ``says``.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Tuple
+from typing import Any, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.kinds import Kind, list_of, number, one_of, option, pattern, text
@@ -38,10 +38,10 @@ class RunOptions:
         list_of(_STORED), [], '`TOPIC` or `NODE=TOPIC`: [what nodes only store](lockstep.md#topics-that-nodes-only-'
         'store) comes with the next thing that they do', systems=OF_NODES, is_part=True, parameter='stored_topics',
         flag='stored_topic')
-    lookahead: float = option(
-        number(1e-6, 1000, or_zero=True, unit='s, simulated'), 0, 's, simulated: what nodes tell each other takes so '
-        'long, and they work at once ([windows](lockstep_windows.md)); 0: no time', systems=OF_NODES, is_part=True,
-        parameter='lookahead')
+    lookahead: Union[float, str] = option(
+        number(1e-6, 1000, or_zero=True, unit='s, simulated', or_word='network'), 0, 's, simulated: what nodes tell '
+        'each other takes so long, and they work at once ([windows](lockstep_windows.md)); `network`: the least delay '
+        'of the links of the `network`; 0: no time', systems=OF_NODES, is_part=True, parameter='lookahead')
     network: str = option(
         text(), None, "`'FILE [NAME:=VALUE ...]'`: what nodes of different hosts tell each other goes over a "
         "[radio](radio.md), which this file describes; the values are of its `$(arg NAME)`", systems=OF_NODES,

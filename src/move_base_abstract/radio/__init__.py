@@ -2,4 +2,4 @@
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {
-    'motion_pieces': 'pieces_of', 'network': 'parameter_of read_network resolve'})
+    'motion_pieces': 'pieces_of', 'network': 'read_network resolve'})

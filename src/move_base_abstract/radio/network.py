@@ -15,6 +15,8 @@ from ..common.kinds import Kind, either, error, list_of, map_of, mapping_of, num
 from ..common.units import seconds_to_ns
 
 PARAMETER = 'network'  # of the time master
+_LOOKAHEAD = 'lookahead'  # the same
+_LEAST_LOOKAHEAD = 1e-6  # s, simulated
 _FAR = 1e12
 _MOST_STARS = 4
 _HOST = pattern(r'[A-Za-z][A-Za-z0-9_]*\*?[A-Za-z0-9_]*|\*', 'a name of letters, digits and underscores, in which one '
@@ -224,17 +226,27 @@ def _loss(loss: Any) -> List[str]:
     return ['table', str(len(points)), *(repr(one) for point in points for one in point)]
 
 
-def parameter_of(given: str, folder: str = '') -> List[str]:
-    """Return the time master's parameter of 'FILE [NAME:=VALUE ...]'. folder: where a relative path starts.
+def least_delay_s(network: Network) -> float:
+    """Return what each message between hosts takes at least [s, simulated].
 
-    :raises ConfigurationError: if there is no such file, or it is none of a network.
+    :raises ConfigurationError: if that is too little for a lookahead.
     """
+    delays = [link.delay.uniform[0] if isinstance(link.delay, Uniform) else link.delay for link in network.links]
+    least: float = min(delays, default=0.0)
+    if least < _LEAST_LOOKAHEAD:
+        raise ConfigurationError(f"lookahead: 'network' is the least delay of its links, which is {least:g} s; "
+                                 f'allowed: {_LEAST_LOOKAHEAD:g} s or more of each link, or a number')
+    return least
+
+
+def _network_of(given: str, folder: str) -> Tuple[Network, str]:
+    """Return the Network of 'FILE [NAME:=VALUE ...]' and its folder. folder: where a relative path starts."""
     path, *words = given.split()
     arguments = dict(word.split(':=', 1) for word in words if ':=' in word)
     if len(arguments) < len(words):
         raise error('network', given, 'FILE, or FILE NAME:=VALUE ..., each name once')
     path = os.path.join(folder, path)
-    return lines_of(read_network(path, arguments), os.path.dirname(path))
+    return read_network(path, arguments), os.path.dirname(path)
 
 
 def files_of(given: str, folder: str) -> List[str]:
@@ -253,6 +265,18 @@ def files_of(given: str, folder: str) -> List[str]:
 
 
 def resolve(parameters: Dict[str, Any], folder: str = '') -> Dict[str, Any]:
-    """Return the time master's parameters with what a network's file says in place of its name."""
+    """Return the time master's parameters with what a network's file says in place of its name.
+
+    :raises ConfigurationError: if there is no such file, it is none of a network, or a lookahead is to be that of a
+        network which gives none.
+    """
     given = parameters.get(PARAMETER)
-    return parameters if given is None else {**parameters, PARAMETER: parameter_of(given, folder)}
+    if given is None:
+        if parameters.get(_LOOKAHEAD) == PARAMETER:
+            raise ConfigurationError("lookahead: got 'network'; allowed: a number [s] where no network is given")
+        return parameters
+    network, where = _network_of(given, folder)
+    found = {**parameters, PARAMETER: lines_of(network, where)}
+    if found.get(_LOOKAHEAD) == PARAMETER:
+        found[_LOOKAHEAD] = least_delay_s(network)
+    return found

@@ -58,11 +58,13 @@ def schema() -> Dict[str, Any]:
     refused['command']['participants'] = {'type': 'array'}  # it does not say who takes part
     systems: List[Any] = [{'if': {'required': [system]}, 'then': {'properties': refused[system], **(
         {'required': ['participants']} if system == 'command' else {})}} for system in SYSTEMS]
-    both = {'properties': {'stored_topics': {'maxItems': 0}, 'network': False}}
-    windows = {'if': {'properties': {'lookahead': {'exclusiveMinimum': 0}}, 'required': ['lookahead']}, 'then': both}
+    windows = {'if': {'properties': {'lookahead': {'exclusiveMinimum': 0}}, 'required': ['lookahead']},
+               'then': {'properties': {'stored_topics': {'maxItems': 0}}}}
+    by_network = {'if': {'properties': {'lookahead': {'enum': ['network']}}, 'required': ['lookahead']},
+                  'then': {'required': ['network']}}
     return {'$schema': 'http://json-schema.org/draft-07/schema#', 'title': 'an experiment of move_base_abstract',
             **kinds.schema_of(Experiment), 'oneOf': [{'required': [system]} for system in SYSTEMS],
-            'allOf': [*systems, windows]}
+            'allOf': [*systems, windows, by_network]}
 
 
 def _refused(cls: Any, system: str) -> Dict[str, Any]:
@@ -107,8 +109,8 @@ def _check_names(experiment: Experiment) -> None:
                                  '[/coordinator, /robot_0/move_base]')
     if experiment.lookahead and experiment.stored_topics:
         raise ConfigurationError("'stored_topics' must be [] with a 'lookahead', where all takes time")
-    if experiment.lookahead and experiment.network:
-        raise ConfigurationError("'network' must not be with a 'lookahead', where all takes the same time")
+    if experiment.lookahead == 'network' and not experiment.network:
+        raise ConfigurationError("'lookahead' must be a number [s] without a 'network' whose delays it could be")
     if experiment.lookahead and experiment.chaos_seed:
         raise ConfigurationError("'chaos_seed' must be 0 with a 'lookahead', where no events are equal")
 

@@ -83,7 +83,8 @@ def parameters_of(run: Run, start_s: float) -> Dict[str, Any]:
     found: Dict[str, Any] = {'event_log': run.folders.log, 'note_of_start': run.path(START_NOTE)}
     found.update(kinds.parameters_of(run.experiment))
     if run.experiment.network:
-        found[network.PARAMETER] = network.parameter_of(run.job.trial.network, run.experiment.folder)
+        found[network.PARAMETER] = run.job.trial.network  # with the trial's values
+    found = network.resolve(found, run.experiment.folder)
     if DECISIONS in run.experiment.record.files and run.experiment.chaos_seed:
         found['chaos_decisions'] = os.path.join(run.folders.files, DECISIONS)
     found.update({'speed_limit': run.job.speed_limit} if run.job.speed_limit else {})
