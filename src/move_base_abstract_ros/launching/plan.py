@@ -10,6 +10,7 @@ import roslaunch.config
 import roslaunch.core
 import rospkg
 from roslaunch import substitution_args
+from roslaunch.loader import convert_value
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.runs import event_log
@@ -39,7 +40,7 @@ class Wishes(NamedTuple):
     is_reversed: bool = False  # whether nodes start one after another, the last of the launch file first
     parts: int = 0  # processes that a fleet is split into; 0: as the file says
     deputy: tuple = ()  # (name, address) of the node that takes part for a script, with which the run ends
-    set_parameters: tuple = ()  # (name, value) on the ROS master, above the launch file's
+    set: tuple = ()  # (parameter, text): parameters that stand above the file's
 
 
 class Plan(NamedTuple):
@@ -80,8 +81,8 @@ def plan_of(config, wishes):
     """Change a roslaunch configuration into one of a run in lockstep, and return it as a Plan."""
     if wishes.deputy:
         _add_deputy(config, *wishes.deputy)
-    for name, value in wishes.set_parameters:
-        _set(config, name, value)
+    for name, text in wishes.set:
+        _set(config, name, convert_value(text, 'auto'))
     _check_names(config, wishes)
     left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in wishes.left_out]
     config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]

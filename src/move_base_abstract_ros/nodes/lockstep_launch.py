@@ -18,11 +18,9 @@ import sys
 from contextlib import contextmanager, nullcontext
 
 from move_base_abstract.common import kinds
-from move_base_abstract.common.bounded_yaml import REQUEST, load_yaml_text
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract.common.lasting_output import outlive_readers
-from move_base_abstract.common.ros_names import is_namespace
 from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep.run_options import FAIL, RunOptions
@@ -107,8 +105,8 @@ def add_plan_options(parser):
                         help='this node is not started')
     parser.add_argument('--replace', action='append', default=[], type=_kinds, metavar='PACKAGE/TYPE=PACKAGE/TYPE',
                         help='start nodes of another kind in the place of these, under their names')
-    parser.add_argument('--set', action='append', default=[], type=_setting, metavar='NAME:=VALUE',
-                        help="set a parameter of this absolute name, above the launch file's; VALUE is YAML")
+    parser.add_argument('--param', action='append', default=[], type=_parameter, metavar='NAME=VALUE',
+                        help="a parameter that stands above the file's")
     parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
     parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
     kinds.add_arguments(parser, RunOptions)
@@ -123,8 +121,7 @@ def words_of(options):
     for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
                           ('--leave-out', options.leave_out)):
         words += [word for name in names for word in (option, name)]
-    for name, value in options.set:
-        words += ['--set', '{}:={}'.format(name, json.dumps(value))]
+    words += [word for pair in options.param for word in ('--param', '='.join(pair))]
     for old, new in options.replace:
         words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(new))]
     return words
@@ -155,7 +152,7 @@ def wishes_of(options, parameters, **others):
     return Wishes(parameters={**given, **parameters},
                   launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
                   kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
-                  replaced=tuple(options.replace), set_parameters=tuple(options.set),
+                  replaced=tuple(options.replace), set=tuple(options.param),
                   with_respawned=options.no_respawn, **others)
 
 
@@ -279,14 +276,11 @@ def _name(text):
     return '/' + text.strip('/')
 
 
-def _setting(text):
-    name, sign, value = text.partition(':=')
-    if not sign or not name.startswith('/') or not is_namespace(name) or not name.strip('/'):
-        raise argparse.ArgumentTypeError('must be /NAME:=VALUE, got {}'.format(shown(text)))
-    try:
-        return name, load_yaml_text(value, name, REQUEST)
-    except SimulatorError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+def _parameter(text):
+    name, equals, value = text.partition('=')
+    if not equals or not name.strip('/'):
+        raise argparse.ArgumentTypeError('must be NAME=VALUE, got {}'.format(shown(text)))
+    return '/' + name.strip('/'), value
 
 
 def _kinds(text):
