@@ -4,7 +4,8 @@ import json
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_experiments.chaos import failures, replay_file, shrinking
+from move_base_abstract.properties import Gathering
+from move_base_abstract_experiments.chaos import command, failures, replay_file, runs, shrinking
 from move_base_abstract_experiments.records import COMPLETE, Result
 
 NAMES = [f'{number:012x}' for number in range(40)]
@@ -71,6 +72,19 @@ def test_only_what_is_wanted_counts():
     assert found(crashed, wanted=['every_goal_ends'], **both)[0] == 'every_goal_ends'
     assert found(crashed, wanted=['crash'], **both)[0] == found(crashed, wanted=['crash /a'], **both)[0] == 'crash /a'
     assert found(crashed, wanted=['cra', 'deadlock'], **both) is None
+
+
+def test_a_search_gathers_what_runs_have_stated_up_to_the_first_that_fails():
+    def told(seed, outcome, failure=None):
+        judged = failures.seen(complete(), log({'time_ns': 1, 'robot': '/a', 'kind': 'property', 'values': [
+            'sometimes', 'it waits', outcome]})).judged
+        return runs.Told(runs.Chosen(seed), failure, [], '', judged=judged)
+    failed = told(2, 'held', failures.Failure('crash /a', 'why'))
+    gathered = Gathering()
+    assert command._first_failing(iter([told(0, 'stated'), runs.Told(runs.Chosen(1), None, [], ''), failed, told(
+        3, 'held')]), gathered) is failed
+    assert gathered.sometimes == {('/a', 'it waits'): (2, 1)}
+    assert command._first_failing(iter([told(0, 'stated')]), Gathering()) is None
 
 
 def made(**others):

@@ -5,11 +5,12 @@ import argparse
 import os
 import sys
 import time
-from typing import Any, Dict, Sequence, Tuple
+from typing import Any, Dict, Iterable, Optional, Sequence, Tuple
 
 from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.lockstep.run_options import RunOptions
+from move_base_abstract.properties import Gathering
 
 from . import replay_file
 from .replay_file import Replay
@@ -106,14 +107,27 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
               options.property) as runs:
         # The stated order comes first: what fails there needs no chaos.
         seeds = [Chosen(0), *map(Chosen, range(first, last + 1))]
-        found = next((told for told in runs.each(seeds) if told.failure is not None), None)
+        gathered = Gathering()
+        found = _first_failing(runs.each(seeds), gathered)
         passed = time.monotonic() - begin
         _say(f"{_counted(runs.count, 'run')} in {passed:.1f} s of wall time, {60 * runs.count / passed:.0f} a minute")
+        for (node, text), (made, held) in gathered.sometimes.items():
+            _say(f"sometimes: {node}: {text}: came true in {held or 'none'} of the {_counted(made, 'run')} that say it")
         if found is None:
             _say(f'nothing failed in the stated order and with the seeds {first} to {last}')
             return GOOD
         made = Replay([path, *arguments], found.chosen.seed, options.delay, [], '', '', more)
         return _tell(runs, found, made, options.output)
+
+
+def _first_failing(told: Iterable[Told], gathered: Gathering) -> Optional[Told]:
+    """Return the first that fails; ``gathered`` takes what all up to that one have stated."""
+    for one in told:
+        if one.judged is not None:
+            gathered.take(f'seed {one.chosen.seed}', one.chosen.seed, one.judged.told())
+        if one.failure is not None:
+            return one
+    return None
 
 
 def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:

@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.properties import Judgement
 
 from ..carrying import jobs
 from ..description import plan, spec
@@ -37,6 +38,7 @@ class Told(NamedTuple):
     decisions: List[Dict[str, Any]]
     digest: str
     problem: str = ''  # why nothing is known of it
+    judged: Optional[Judgement] = None  # its properties
 
 
 def document_of(path: str, arguments: Sequence[str], options: Dict[str, Any]) -> Dict[str, Any]:
@@ -140,7 +142,7 @@ class Runs:
         seen = failures.seen(result, log)
         made = [*[json.loads(line) for line in (decisions or b'').splitlines()], *failures.buggified(seen)]
         return Told(chosen, failures.of_run(seen, self._wanted), sorted(made, key=lambda one: int(one['time_ns'])),
-                    hashlib.sha256(log).hexdigest() if log is not None else '')
+                    hashlib.sha256(log).hexdigest() if log is not None else '', judged=seen.judged)
 
     def _job_of(self, chosen: Chosen) -> Job:
         trial = self._job.trial
