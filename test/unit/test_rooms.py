@@ -29,7 +29,8 @@ MAY_IMPORT = {
         'markers': 'lockstep messages', 'clocks': 'process lockstep messages transforms',
         'backends': 'lockstep messages transforms clocks',
         'robot': 'replacing lockstep messages transforms maps markers clocks backends',
-        'fleet': 'replacing messages markers robot', 'launching': 'replacing loopback lockstep messages',
+        'fleet': 'replacing messages markers robot', 'adopting': '',
+        'launching': 'replacing loopback lockstep messages adopting',
         'nodes': 'replacing loopback process lockstep messages transforms maps markers clocks backends robot fleet '
                  'launching'},
     'move_base_abstract_ros/lockstep': {

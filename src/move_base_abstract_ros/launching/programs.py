@@ -1,4 +1,5 @@
 """What kind of program a file is: whether it is a rospy or a roscpp one, and so can take part in lockstep."""
+import ast
 import os
 import re
 import site
@@ -79,6 +80,43 @@ def publishes_clock(path):
     except ValueError:
         return False
     return kind == 'script' and any(_CLOCK.search(source) for source in _sources(path) if b'clock' in source)
+
+
+def cannot_start(path):
+    """Return why a Python script cannot even be imported here, or ''. It is read, not run."""
+    try:
+        kind, path, _ = command_line.find([path])
+        path = _behind_relay(path)
+        tree = ast.parse(_read(path), path) if kind == 'script' else None
+    except SyntaxError as error:
+        return 'it is not written for this Python ({}, line {}: {})'.format(
+            os.path.basename(path), error.lineno, error.msg)
+    except ValueError:
+        return ''
+    folders = [os.path.dirname(os.path.realpath(path)), *sys.path[1:]]
+    for node in tree.body if tree else ():
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [
+            node.module] if isinstance(node, ast.ImportFrom) and not node.level else []
+        for name in names:
+            if not _is_importable(name, folders):
+                return 'it imports {} (line {}), which is not here'.format(name, node.lineno)
+    return ''
+
+
+def _is_importable(name, folders):
+    if name.partition('.')[0] in (*sys.builtin_module_names, '__future__'):
+        return True
+    for part in name.split('.'):
+        try:
+            spec = PathFinder.find_spec(part, folders)
+        except (ImportError, ValueError):
+            return True
+        if spec is None:
+            return False
+        if not spec.submodule_search_locations:
+            return True  # what a module has below its name, its own code says (os.path)
+        folders = [*spec.submodule_search_locations, *_extended(spec.origin, part)]
+    return True
 
 
 def _sources(path):

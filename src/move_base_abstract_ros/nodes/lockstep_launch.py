@@ -14,11 +14,13 @@ import atexit
 import json
 import math
 import os
+import re
+import shlex
 import sys
 from contextlib import contextmanager, nullcontext
 
 from move_base_abstract.common import kinds
-from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep.run_options import FAIL, RunOptions
@@ -47,10 +49,16 @@ def main(words=None):
         with _ros_master(options.use_master, warm):
             code = _run(options, files, warm)
     except (RLException, SimulatorError, LoopbackError) as error:
-        print('lockstep_launch: {}'.format(error), file=sys.stderr)
+        print('lockstep_launch: {}'.format(_with_argument(str(error))), file=sys.stderr)
         code = _CANNOT
     _end_as_python(warm)
     leave(code)  # taking all apart, as Python does it, would take a while
+
+
+def _with_argument(text):
+    """Say where an argument that a launch file asks for is given."""
+    found = re.search("requires the '(\\w+)' arg to be set", text)
+    return '{}: {}:=VALUE behind the file sets it'.format(text, found.group(1)) if found else text
 
 
 def _end_as_python(warm):
@@ -85,7 +93,9 @@ def _parse(words):
     parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
     parser.add_argument('--list', action='store_true', help='say who takes part, and start nothing')
-    return parser, parser.parse_args(words)
+    options = parser.parse_args(words)
+    options.words = words[:len(words) - len(options.command)]
+    return parser, options
 
 
 def add_plan_options(parser):
@@ -99,6 +109,18 @@ def add_plan_options(parser):
                         help='this node is not started')
     parser.add_argument('--replace', action='append', default=[], type=_kinds, metavar='PACKAGE/TYPE=PACKAGE/TYPE',
                         help='start nodes of another kind in the place of these, under their names')
+    parser.add_argument('--adopt', action='store_true',
+                        help='do by rule what a file of others needs, and say it as a command line; see docs/adopt.md')
+    parser.add_argument('--tolerant', action='store_true',
+                        help='leave out what the file names and is not installed; its machines are this one')
+    parser.add_argument('--start', action='append', default=[], type=_start, metavar='NODE=X,Y,YAW',
+                        help='where this robot starts [m, m, rad, map frame]')
+    parser.add_argument('--param', action='append', default=[], type=_parameter, metavar='NAME=VALUE',
+                        help="a parameter that stands above the file's")
+    parser.add_argument('--add', action='append', default=[], type=_added, metavar="'NODE=PACKAGE/TYPE [ARGUMENTS]'",
+                        help='start this node, too')
+    parser.add_argument('--args', action='append', default=[], type=_arguments, metavar="'NODE=ARGUMENTS'",
+                        help="this node's arguments, in the place of the file's")
     parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
     parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
     kinds.add_arguments(parser, RunOptions)
@@ -113,8 +135,16 @@ def words_of(options):
     for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
                           ('--leave-out', options.leave_out)):
         words += [word for name in names for word in (option, name)]
+    words += ['--adopt'] if options.adopt else []
+    words += ['--tolerant'] if options.tolerant else []
     for old, new in options.replace:
         words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(new))]
+    for name, kind, arguments in options.add:
+        words += ['--add', '{}={}{}'.format(name, '/'.join(kind), ' ' + arguments if arguments else '')]
+    for name, pose in options.start:
+        words += ['--start', '{}={}'.format(name, ','.join(map(repr, pose)))]
+    for option, pairs in (('--param', options.param), ('--args', options.args)):
+        words += [word for pair in pairs for word in (option, '='.join(pair))]
     return words
 
 
@@ -143,7 +173,9 @@ def wishes_of(options, parameters, **others):
     return Wishes(parameters={**given, **parameters},
                   launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
                   kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
-                  replaced=tuple(options.replace), with_respawned=options.no_respawn, **others)
+                  replaced=tuple(options.replace), with_respawned=options.no_respawn, is_tolerant=options.tolerant,
+                  added=tuple(options.add), arguments=tuple(options.args), set=tuple(options.param),
+                  starts=tuple(options.start), **others)
 
 
 def _run(options, files, warm):
@@ -161,9 +193,13 @@ def _run(options, files, warm):
     seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)
     with nullcontext() if options.list else temporary_folder(_say) as folder, bags.notes() as notes:
         environment = ((bags.VARIABLE, notes), *((('TMPDIR', folder),) if folder else ()))
-        made = plan.make_plan(files, wishes_of(options, parameters, environment=environment, own_environment=seed,
-                                               is_reversed=options.start_order == 'reversed', parts=options.parts))
-        for line in _lines(made):
+        wishes = wishes_of(options, parameters, environment=environment, own_environment=seed,
+                           is_reversed=options.start_order == 'reversed', parts=options.parts)
+        config = plan.read(files, wishes.is_tolerant or options.adopt)
+        if options.adopt:
+            wishes = _adopted(config, wishes, options)
+        made = plan.plan_of(config, wishes)
+        for line in _lines(made._replace(left_out=[], notes=[]) if options.adopt else made):
             _say(line)
         if options.list:
             return 0
@@ -176,6 +212,30 @@ def _run(options, files, warm):
             parent.start()
             parent.spin()
             return _conclude(parent, made, bags.written(notes), log, options)
+
+
+def _adopted(config, wishes, options):
+    """Tell what is done with a file of others, and return the wishes that say it.
+
+    :raises ConfigurationError: if something cannot work.
+    """
+    from ..launching import adoption
+    found = adoption.adopt(config, wishes)
+    for line in found.done:
+        _say(_printable(line))
+    for line in found.remarks:
+        _say('note: ' + _printable(line))
+    words = [word for word in options.words if word not in ('--adopt', '--list')]
+    words = [*words, *adoption.words_of(wishes, found.wishes), *options.command]
+    _say('the same by options: rosrun move_base_abstract lockstep_launch {}'.format(' '.join(map(shlex.quote, words))))
+    if found.problems:
+        raise ConfigurationError('\n'.join('cannot work: ' + _printable(line)
+                                           for line in found.problems))
+    return found.wishes
+
+
+def _printable(line):
+    return ''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
 
 
 def _conclude(parent, made, found, log, options):
@@ -270,3 +330,37 @@ def _kinds(text):
     if not equals or old.count('/') != 1 or new.count('/') != 1:
         raise argparse.ArgumentTypeError('must be PACKAGE/TYPE=PACKAGE/TYPE, got {}'.format(shown(text)))
     return tuple(old.split('/')), tuple(new.split('/'))
+
+
+def _pair(text, what):
+    name, equals, value = text.partition('=')
+    if not equals or not name.strip('/'):
+        raise argparse.ArgumentTypeError('must be {}, got {}'.format(what, shown(text)))
+    return '/' + name.strip('/'), value
+
+
+def _parameter(text):
+    return _pair(text, 'NAME=VALUE')
+
+
+def _arguments(text):
+    return _pair(text, 'NODE=ARGUMENTS')
+
+
+def _start(text):
+    name, value = _pair(text, 'NODE=X,Y,YAW')
+    try:
+        pose = tuple(float(word) for word in value.split(','))
+    except ValueError:
+        pose = ()
+    if len(pose) != 3 or not all(map(math.isfinite, pose)):
+        raise argparse.ArgumentTypeError('must be NODE=X,Y,YAW [m, m, rad], got {}'.format(shown(text)))
+    return name, pose
+
+
+def _added(text):
+    name, value = _pair(text, 'NODE=PACKAGE/TYPE [ARGUMENTS]')
+    kind, _, arguments = value.partition(' ')
+    if kind.count('/') != 1:
+        raise argparse.ArgumentTypeError('must be NODE=PACKAGE/TYPE [ARGUMENTS], got {}'.format(shown(text)))
+    return name, tuple(kind.split('/')), arguments.strip()
