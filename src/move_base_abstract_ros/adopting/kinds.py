@@ -33,7 +33,7 @@ _TO_DRIVE = 'it drives the robot, and so does ours'
 _LEFT_OUT = [(re.compile('(?:{})/(?:{})'.format(package, kind)), why) for package, kind, why in (
     ('.*', '(?:spawn_?(?:model|urdf|sdf|robot|.*_model)|urdf_spawner|delete_model)(?:\\.py)?', _SPAWNS),
     ('gazebo_ros|gazebo|gazebo_plugins|ros_gz.*|ros_ign.*', '.*', _SIMULATOR),
-    ('stage_ros|stage|flatland_server|mvsim|morse.*|coppeliasim.*|vrep.*|webots_ros|pedsim_simulator',
+    ('stage_ros|stage|stdr_.*|flatland_server|mvsim|morse.*|coppeliasim.*|vrep.*|webots_ros|pedsim_simulator',
      '.*', _SIMULATOR),
     ('controller_manager', '.*', _TO_DRIVE),
     ('amcl|fake_localization|mcl.*|als_ros|robot_pose_ekf|robot_localization', '.*', _PLACE),

@@ -9,6 +9,7 @@ from xml.dom import expatbuilder
 import rospkg
 from rosgraph.names import ns_join
 from roslaunch import substitution_args
+from roslaunch.loader import LoadException
 from roslaunch.xmlloader import XmlParseException, ifunless_test
 
 from . import hooks, neighbours
@@ -24,7 +25,8 @@ _DEEPEST = 100
 
 
 class Missing(NamedTuple):
-    """What a launch file names and is not here. ``kind``: 'include', 'parameters', 'parameter', 'variable'.
+    """What a launch file names and is not here. ``kind``: 'include', 'parameters', 'parameter', 'variable',
+    'argument'.
 
     ``arguments``: of an include, {name: text}. ``namespace``: in which it stands. ``place``: 'FILE:LINE'.
     """
@@ -122,6 +124,11 @@ class Tolerant:
         self._chain.append(self._place)
         try:
             return super()._include_tag(tag, context, ros_config, default_machine, is_core, verbose)
+        except LoadException as error:
+            if not str(error).startswith('unused args'):
+                raise
+            self._missed('argument', str(error), self._chain[-1])  # what the file starts is there by then
+            return None
         finally:
             self._chain.pop()
 
@@ -155,10 +162,13 @@ class Tolerant:
         return place + ''.join(', included at {}'.format(os.path.basename(one)) for one in reversed(self._chain))
 
     def _miss(self, kind, name, namespace='/', arguments=()):
-        one = Missing(kind, name, self._with_chain(self._place), namespace, arguments)
+        self._missed(kind, name, self._with_chain(self._place), namespace, arguments)
+        return ''
+
+    def _missed(self, kind, name, place, namespace='/', arguments=()):
+        one = Missing(kind, name, place, namespace, arguments)
         if one not in self.missing:
             self.missing.append(one)
-        return ''
 
     def _package(self, found, in_eval):
         name = found.group(1)

@@ -54,7 +54,7 @@ def robots_of(config, hints):
                     os.path.basename(one.name)), one.place))
     if not found:
         for hint in hints:
-            if hint.is_robot and hint.source in (poses.STAGE, poses.SPAWNED) and hint.namespace not in known:
+            if hint.is_robot and hint.source != poses.FRAME and hint.namespace not in known:
                 known.add(hint.namespace)
                 found.append(_new(hint.namespace, 'the file starts no move_base, and this robot is there: {}'.format(
                     hint.who), hint.place))

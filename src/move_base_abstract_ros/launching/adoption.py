@@ -304,6 +304,8 @@ def _missing(kind, name):
     if kind == 'variable':
         return "the environment has no {0}, and '{1}' is taken: export {0}=VALUE says another".format(
             name, reading.ENVIRONMENT.get(name, ''))
+    if kind == 'argument':
+        return '{}: roslaunch would refuse that, here they are left out'.format(name)
     if kind == 'include':
         return '{} is not here, and is left out: {}'.format(_short(name), (
             'a robot stands for it' if kinds.stands_for_a_robot(name) else 'what it starts is not started'))
