@@ -1,5 +1,4 @@
 """Where a map's frame lies in Stage's world, from the floor plan of a world file and the map's own file."""
-import math
 import os
 
 import numpy as np
@@ -8,13 +7,10 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.maps.map_files import read_description, read_pixels
 from move_base_abstract.motion import Pose2D
 
+from .worlds import Unknown, turned
+
 _DRAWN = 127  # Stage's threshold: darker pixels are walls
 _ALIKE = 0.03  # of a length
-_EXACT = 1e-9  # of a quarter turn
-
-
-class Unknown(Exception):
-    """The text says why nobody can say where the map's frame lies."""
 
 
 def offset(floor, words):
@@ -42,16 +38,6 @@ def offset(floor, words):
                 floor.width, floor.height, width, height))
     x, y = turned(-origin.x - left * width - floor.width / 2, -origin.y - bottom * height - floor.height / 2, floor.yaw)
     return _rounded(floor.x + x), _rounded(floor.y + y), floor.yaw
-
-
-def turned(x, y, yaw):
-    """Return x, y turned by yaw [rad]; quarter turns are exact."""
-    quarters = yaw / (math.pi / 2)
-    if abs(quarters - round(quarters)) < _EXACT:
-        cosine, sine = ((1, 0), (0, 1), (-1, 0), (0, -1))[round(quarters) % 4]
-    else:
-        cosine, sine = math.cos(yaw), math.sin(yaw)
-    return cosine * x - sine * y, sine * x + cosine * y
 
 
 def _described(words):

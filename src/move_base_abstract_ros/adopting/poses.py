@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from rosgraph.names import ns_join
 
-from . import floors, kinds, worlds
+from . import kinds, worlds
 
 LOCALIZER, STAGE, SPAWNED, FRAME = 'localizer', 'Stage', 'spawned', 'frame'
 _AXES = {'x': 0, 'y': 1, 'yaw': 2, 'a': 2, 'theta': 2, 'th': 2}
@@ -142,9 +142,10 @@ def _offset(config, world):
     maps = [words_of(node.args) for node in config.nodes if kinds.kind_of(node.package, node.type).word == kinds.MAP]
     if not any(maps):
         return None, 'the launch file serves no map'
+    from . import floors  # which needs numpy and Pillow: few launch files do
     try:
         return floors.offset(world.floor, next(filter(None, maps))), ''
-    except floors.Unknown as error:
+    except worlds.Unknown as error:
         return None, str(error)
 
 

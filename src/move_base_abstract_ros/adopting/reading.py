@@ -25,9 +25,9 @@ _DEEPEST = 100
 
 
 class Missing(NamedTuple):
-    """What a launch file names and is not here. ``kind``: 'include', 'parameters', 'parameter', 'variable',
-    'argument'.
+    """What a launch file names and is not here.
 
+    ``kind``: 'include', 'parameters', 'parameter', 'variable', or 'argument', of an include that does not read it.
     ``arguments``: of an include, {name: text}. ``namespace``: in which it stands. ``place``: 'FILE:LINE'.
     """
 

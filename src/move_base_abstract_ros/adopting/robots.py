@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from rosgraph.names import ns_join
 
-from . import floors, kinds, poses
+from . import kinds, poses, worlds
 
 PACKAGE = 'move_base_abstract'
 OWN = ('move_base', 'move_base_abstract_actionserver')
@@ -147,7 +147,7 @@ def in_map(hint, offset):
     """Return the pose of a hint in the map's frame, of which ``offset`` says where it lies in Stage's world."""
     x, y, yaw = hint.pose
     if hint.source == poses.STAGE and offset:
-        x, y = floors.turned(x - offset[0], y - offset[1], -offset[2])
+        x, y = worlds.turned(x - offset[0], y - offset[1], -offset[2])
         x, y, yaw = round(x, 9) + 0.0, round(y, 9) + 0.0, math.remainder(yaw - offset[2], 2 * math.pi)
     return x, y, yaw
 

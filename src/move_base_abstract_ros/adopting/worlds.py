@@ -11,6 +11,12 @@ _MOST_INCLUDED = 50
 _BUILT_IN = ('model', 'window', 'speech_bubble', 'ranger', 'laser', 'fiducial', 'blobfinder', 'gripper', 'actuator',
              'camera', 'bumper', 'wifi', 'lightindicator', 'blinkenlight', 'block', 'sensor', 'loadcell', 'indicator')
 
+_EXACT = 1e-9  # of a quarter turn
+
+
+class Unknown(Exception):
+    """The text says why nobody can say where the map's frame lies."""
+
 
 class World(NamedTuple):
     """``robots``: ((name, (x, y, yaw) [m, m, rad, Stage's world]), ...) in the order in which stage_ros numbers them.
@@ -54,6 +60,16 @@ def read(path):
             width, height = _numbers(values['size'])[:2]
             floor = Floor(x, y, yaw, width, height, os.path.join(folder, values['bitmap'][0]))
     return World(tuple(robots), floor)
+
+
+def turned(x, y, yaw):
+    """Return x, y turned by yaw [rad]; quarter turns are exact."""
+    quarters = yaw / (math.pi / 2)
+    if abs(quarters - round(quarters)) < _EXACT:
+        cosine, sine = ((1, 0), (0, 1), (-1, 0), (0, -1))[round(quarters) % 4]
+    else:
+        cosine, sine = math.cos(yaw), math.sin(yaw)
+    return cosine * x - sine * y, sine * x + cosine * y
 
 
 def _parse(path, defined, models, count):

@@ -10,7 +10,7 @@ _START = ('start_x', 'start_y', 'start_yaw')
 
 
 def add_to(config, wishes):
-    """Add what the wishes ask for to roslaunch's configuration. Return what was done, as texts.
+    """Add what the wishes ask for to roslaunch's configuration.
 
     :raises ConfigurationError: if a node of that name is there already, or is not.
     """
@@ -31,6 +31,10 @@ def add_to(config, wishes):
         _known('--start', name, names)
         for key, value in zip(_START, pose):
             _set(config, '{}/{}'.format(name, key), value)
+
+
+def told(wishes):
+    """Return what was added, and where robots start, as texts."""
     return ['{} is added: {}/{}'.format(name, *kind) for name, kind, _ in wishes.added] + [
         '{} starts at ({:g}, {:g}, {:g})'.format(name, *pose) for name, pose in wishes.starts]
 

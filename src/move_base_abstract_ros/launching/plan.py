@@ -18,7 +18,7 @@ from move_base_abstract.runs.ends import TIME_MASTER
 from ..lockstep.participation import report_delays
 from ..lockstep.programs import binary, recorders
 from ..loopback import PACKAGE, find_executable
-from . import core_file, given, look_ups, roles
+from . import core_file, given, look_ups, roles, start_poses
 
 _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # of a run with another order, wall
 _NOT_COVERED = TIME_MASTER + '/not_covered'
@@ -43,6 +43,7 @@ class Wishes(NamedTuple):
     arguments: tuple = ()  # (name of a node, its arguments)
     set: tuple = ()  # (parameter, text): parameters that stand above the file's
     starts: tuple = ()  # (name of a robot's node, (x, y, yaw)) [m, m, rad]
+    is_told: bool = False  # whether what is added, and where robots start, has been told
 
 
 class Plan(NamedTuple):
@@ -88,14 +89,18 @@ def read(files, is_tolerant=False):
 
 def plan_of(config, wishes):
     """Change a roslaunch configuration into one of a run in lockstep, and return it as a Plan."""
-    notes = given.add_to(config, wishes)
+    said = start_poses.said_by(config)
+    given.add_to(config, wishes)
+    notes = [] if wishes.is_told else given.told(wishes)
     _check_names(config, wishes)
     left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in wishes.left_out]
     config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
-    notes += _replace(config, wishes.replaced)
+    replaced = _replace(config, wishes.replaced)
+    notes += [] if wishes.is_told else replaced
     _refuse_other_clocks(config, (*wishes.forced, *wishes.kept_out))
     fleets = _fleets(config)
     notes += _split(config, fleets, wishes.parts)
+    notes += start_poses.notes_of(config, said, not wishes.is_told)
     launcher = [find_executable('lockstep'), *wishes.launcher]
     found = []
     for node in _others(config):

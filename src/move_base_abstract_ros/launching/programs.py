@@ -82,6 +82,15 @@ def publishes_clock(path):
     return kind == 'script' and any(_CLOCK.search(source) for source in _sources(path) if b'clock' in source)
 
 
+def mentions(path, word):
+    """Return whether a word stands in a Python script, in a module that it imports, or in a binary."""
+    try:
+        kind, path, _ = command_line.find([path])
+    except ValueError:
+        return False
+    return any(word in source for source in (_sources(path) if kind == 'script' else [_read(path)]))
+
+
 def cannot_start(path):
     """Return why a Python script cannot even be imported here, or ''. It is read, not run."""
     try:

@@ -18,6 +18,7 @@ import re
 import shlex
 import sys
 from contextlib import contextmanager, nullcontext
+from xml.etree import ElementTree
 
 from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
@@ -31,6 +32,8 @@ from ..launching import light_imports, warm_client
 from ..process.process_end import leave
 
 _CANNOT, _CRASHED, _BROKEN = 2, 3, 4
+#: in errors of launch files that were written for something that is not here
+_OF_OTHERS = ('publishes /clock', 'does not exist', 'No such file', 'unknown machine', 'environment variable')
 
 
 def main(words=None):
@@ -43,22 +46,38 @@ def main(words=None):
         from ..launching import runner  # noqa: F401 - which imports all the others
         from ..loopback import LoopbackError
     from roslaunch.core import RLException
+    from rospkg import ResourceNotFound
     files = files_of(parser, options.command)
     sys.argv[1:] = []  # roslaunch would take arguments of its files from there
     try:
         with _ros_master(options.use_master, warm):
             code = _run(options, files, warm)
-    except (RLException, SimulatorError, LoopbackError) as error:
-        print('lockstep_launch: {}'.format(_with_argument(str(error))), file=sys.stderr)
+    except (RLException, ResourceNotFound, SimulatorError, LoopbackError) as error:
+        print('lockstep_launch: {}'.format(_with_next(error, files[0][0], options.adopt)), file=sys.stderr)
         code = _CANNOT
     _end_as_python(warm)
     leave(code)  # taking all apart, as Python does it, would take a while
 
 
-def _with_argument(text):
-    """Say where an argument that a launch file asks for is given."""
-    found = re.search("requires the '(\\w+)' arg to be set", text)
-    return '{}: {}:=VALUE behind the file sets it'.format(text, found.group(1)) if found else text
+def _with_next(error, path, adopts):
+    """Return an error's text with what is to be typed next."""
+    from rospkg import ResourceNotFound
+    text = str(error)
+    if re.search("requires the '\\w+' arg to be set", text):
+        return '{}. Behind the file: {}'.format(text, ' '.join(name + ':=VALUE' for name in _wanted(path)))
+    if isinstance(error, ResourceNotFound):
+        name = text.partition('\nROS path')[0].rpartition(': ')[2]
+        text = 'the package {} is not found here; is its workspace sourced?'.format(name)
+    elif not any(words in text for words in _OF_OTHERS):
+        return text
+    return text + ('' if adopts else ' Of a file that was written for Gazebo, Stage or real robots, --adopt leaves out '
+                   'what is not here, and says what it does')
+
+
+def _wanted(path):
+    """Return the names of the arguments that a launch file asks for, and has no value of."""
+    return [tag.get('name') for tag in ElementTree.parse(path).getroot().findall('arg')
+            if tag.get('value') is None and tag.get('default') is None]
 
 
 def _end_as_python(warm):
@@ -199,7 +218,7 @@ def _run(options, files, warm):
         if options.adopt:
             wishes = _adopted(config, wishes, options)
         made = plan.plan_of(config, wishes)
-        for line in _lines(made._replace(left_out=[], notes=[]) if options.adopt else made):
+        for line in _lines(made._replace(left_out=[]) if options.adopt else made):
             _say(line)
         if options.list:
             return 0
@@ -231,7 +250,7 @@ def _adopted(config, wishes, options):
     if found.problems:
         raise ConfigurationError('\n'.join('cannot work: ' + _printable(line)
                                            for line in found.problems))
-    return found.wishes
+    return found.wishes._replace(is_told=True)
 
 
 def _printable(line):
@@ -289,7 +308,7 @@ def _lines(made):
     if made.fleets:
         yield 'fleets: {}'.format(', '.join(shown_text(name) for name in made.fleets))
     for note in made.notes:
-        yield shown_text(note)
+        yield _printable(note)
 
 
 @contextmanager
