@@ -6,6 +6,7 @@ import shlex
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract_experiments.description import ingredients, launch_files
 from move_base_abstract_ros.launching import adoption, look_ups, plan, start_poses  # noqa: TID251 - they read, and start nothing
 from move_base_abstract_ros.nodes import lockstep_launch  # noqa: TID251
 
@@ -370,3 +371,24 @@ def test_what_cannot_be_read_says_what_to_type_next(package, text, expected):
     with pytest.raises(Exception, match='.') as raised:
         plan.read([(path, [])])
     assert expected in lockstep_launch._with_next(raised.value, path, False)
+
+
+def test_an_experiment_adopts_too_and_what_the_file_says_of_places_makes_a_trial_another_one(package):
+    write_map(package)
+    path = write_stage(package, '2.0 1.5 0 0')
+    made = []
+    for first in ('1.0 2.0 0 90.0', '1.0 2.5 0 90.0'):
+        write_stage(package, '2.0 1.5 0 0', first=first)
+        config = launch_files.read([(path, [])], adopts=True)
+        wishes = launch_files.adopted(config, plan.Wishes(parameters={}, kept_out=('/stage', '/map_server')))
+        assert wishes.left_out == ('/stage',)
+        assert wishes.kept_out == ('/stage', '/map_server')
+        ingredients.forget()
+        made.append(ingredients._of_launch(path, (), os.path.dirname(path), (), (), True)[ingredients.PARAMETERS])
+    assert made[0] != made[1]
+
+
+def test_an_experiment_of_a_file_that_cannot_work_says_why(package):
+    path = package('none.launch', '<launch/>')
+    with pytest.raises(ConfigurationError, match='adopt: there is no robot in this file'):
+        launch_files.adopted(launch_files.read([(path, [])], adopts=True), plan.Wishes(parameters={}))
