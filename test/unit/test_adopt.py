@@ -250,13 +250,17 @@ def test_what_cannot_start_here_is_left_out_and_told(package):
     package('scripts/old.py', '#!/usr/bin/env python\nprint "old"\n', 0o755)
     package('scripts/needs.py', '#!/usr/bin/env python3\nimport rospy\nfrom of_a_stranger.msg import Task\n', 0o755)
     package('scripts/good.py', '#!/usr/bin/env python3\nimport os.path\nfrom std_msgs.msg import String\n', 0o755)
+    package('scripts/shell', '#!/usr/bin/env shell_of_nobody\n', 0o755)
+    package('scripts/two.py', '#!/usr/bin/env python_of_nobody\nimport rospy\n', 0o755)  # takes part, by our Python
     path = package('one.launch', """<launch><node pkg="move_base" type="move_base" name="move_base"/>
+      <node pkg="of_a_stranger" type="shell" name="shell"/> <node pkg="of_a_stranger" type="two.py" name="two"/>
       <node pkg="of_a_stranger" type="old.py" name="old"/> <node pkg="of_a_stranger" type="needs.py" name="needs"/>
       <node pkg="of_a_stranger" type="good.py" name="good"/> <node pkg="of_a_stranger" type="not_built" name="cpp"/>
     </launch>""")
     made = adopt(path)
-    assert made.wishes.left_out == ('/old', '/needs', '/cpp')
+    assert made.wishes.left_out == ('/shell', '/old', '/needs', '/cpp')
     text = '\n'.join(made.remarks)
+    assert 'it is a program for shell_of_nobody, which is not here' in text
     assert 'it is not written for this Python (old.py, line 2' in text
     assert 'it imports of_a_stranger.msg (line 3), which is not here' in text
     assert '/cpp (of_a_stranger/not_built) is left out: there is no such program here; build its package' in text

@@ -151,7 +151,9 @@ class _Adoption:
             self._leave(node, kinds.NO_PROGRAM + ('; build its package, or source its workspace'
                                                   if is_loss else ''), is_loss)
             return
-        why = programs.cannot_start(path)
+        why, interpreter = programs.cannot_start(path), programs.missing_interpreter(path)
+        if not why and interpreter and not roles.role_of(node, with_respawned=True).takes_part:
+            why = 'it is a program for {}, which is not here'.format(interpreter)
         if why:
             self._leave(node, why, is_loss=True)
 

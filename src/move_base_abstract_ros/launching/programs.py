@@ -2,6 +2,7 @@
 import ast
 import os
 import re
+import shutil
 import site
 import sys
 from importlib.machinery import PathFinder
@@ -26,6 +27,7 @@ _CLOSED = (*_ROS, 'numpy', 'scipy', 'matplotlib', 'pandas', 'networkx', 'PIL', '
 _CLOCK = re.compile(rb'\bPublisher\(\s*(?:name\s*=\s*)?["\']/?clock["\']')
 _LARGEST = 1 << 20  # bytes of a source that are looked at
 _MOST_FILES = 300
+_LONGEST_FIRST_LINE = 200  # bytes
 
 
 def kind_of(path):
@@ -89,6 +91,14 @@ def mentions(path, word):
     except ValueError:
         return False
     return any(word in source for source in (_sources(path) if kind == 'script' else [_read(path)]))
+
+
+def missing_interpreter(path):
+    """Return the interpreter that a script names and is not here, or ''."""
+    first = _read(path)[:_LONGEST_FIRST_LINE].partition(b'\n')[0].decode('utf-8', 'replace')
+    words = first[2:].strip(' ').split(' ') if first.startswith('#!') else []
+    name = words[1] if len(words) > 1 and os.path.basename(words[0]) == 'env' else ''.join(words[:1])
+    return repr(name)[1:-1] if name and shutil.which(name) is None else ''
 
 
 def cannot_start(path):
