@@ -283,8 +283,12 @@ def test_a_file_without_a_robot_cannot_work(package):
 def test_the_environment_that_a_package_would_have_set_counts(package):
     package('env-hooks/1.sh.em', ': ${OF_A_STRANGER_X:=`rospack find of_a_stranger`/maps}\n')
     path = package('one.launch', """<launch><node pkg="move_base" type="move_base" name="move_base"/>
+      <arg name="of" default="of_nobody"/><param name="joined" value="$(eval find(of) + '/x')"/>
+      <param name="own" value="$(eval find('of_a_stranger'))"/>
       <param name="folder" value="$(env OF_A_STRANGER_X)"/></launch>""")
     config = plan.read([(path, [])], True)
+    assert config.params['/joined'].value == '/not_installed/of_nobody/x'
+    assert config.params['/own'].value.endswith('/src/of_a_stranger')
     assert config.params['/folder'].value.endswith('/of_a_stranger/maps')
 
 

@@ -18,7 +18,6 @@ NOT_INSTALLED = '/not_installed/'  # a package that is not here is a folder belo
 #: what is taken for variables of the environment that launch files ask for and are not set
 ENVIRONMENT = {'TURTLEBOT3_MODEL': 'burger'}
 _FIND = re.compile(r'\$\(find\s+([\w.-]+)\s*\)')
-_FIND_IN_EVAL = re.compile(r'\bfind\(\s*[\'"]([\w.-]+)[\'"]\s*\)')
 _ENV = re.compile(r'\$\(env\s+(\w+)\s*\)')
 _ENV_IN_EVAL = re.compile(r'\benv\(\s*[\'"](\w+)[\'"]\s*\)')
 _DEEPEST = 100
@@ -53,12 +52,16 @@ class Tolerant:
         self._first = None
         self._chain = []
         self._place = ''
-        self._known = {}
+        self._known, self._folders = {}, {}
 
     def load(self, filename, ros_config, core=False, argv=None, verbose=True):
         """As roslaunch's."""
         self._first = None if core else filename
-        super().load(filename, ros_config, core=core, argv=argv, verbose=verbose)
+        substitution_args._rospack = _Packages(self)  # which roslaunch asks where packages are
+        try:
+            super().load(filename, ros_config, core=core, argv=argv, verbose=verbose)
+        finally:
+            substitution_args._rospack = None
         if not core:
             ros_config.missing, ros_config.taken = self.missing, self.taken
 
@@ -66,7 +69,7 @@ class Tolerant:
         """As roslaunch's, with a place that nobody has for a package that is not here."""
         if args and '$' in args and self._first is not None:
             in_eval = args.startswith('$(eval')
-            args = (_FIND_IN_EVAL if in_eval else _FIND).sub(lambda found: self._package(found, in_eval), args)
+            args = args if in_eval else _FIND.sub(self._package, args)
             args = (_ENV_IN_EVAL if in_eval else _ENV).sub(lambda found: self._variable(found, in_eval), args)
         return super().resolve_args(args, context)
 
@@ -170,12 +173,14 @@ class Tolerant:
         if one not in self.missing:
             self.missing.append(one)
 
-    def _package(self, found, in_eval):
-        name = found.group(1)
-        if self._has(name):
-            return found.group()
-        path = NOT_INSTALLED + name
-        return repr(path) if in_eval else path
+    def _package(self, found):
+        return found.group() if self._has(found.group(1)) else NOT_INSTALLED + found.group(1)
+
+    def folder_of(self, name):
+        """Return the folder of a package; one that nobody has, of a package that is not here."""
+        if name not in self._folders:
+            self._folders[name] = rospkg.RosPack().get_path(name) if self._has(name) else NOT_INSTALLED + name
+        return self._folders[name]
 
     def _has(self, name):
         if name not in self._known:
@@ -199,6 +204,18 @@ class Tolerant:
             value = ENVIRONMENT.get(name, '')
             self._miss('variable', name)
         return repr(value) if in_eval else value
+
+
+class _Packages(rospkg.RosPack):
+    """Stands for rospkg's in roslaunch."""
+
+    def __init__(self, loader):
+        super().__init__()
+        self._loader = loader
+
+    def get_path(self, name):
+        """As rospkg's."""
+        return self._loader.folder_of(name)
 
 
 class _Builder(expatbuilder.ExpatBuilderNS):
@@ -225,7 +242,6 @@ def use(folder):
     source = os.path.join(folder, 'src')
     if os.path.isfile(os.path.join(folder, 'setup.py')) and os.path.isdir(source):
         _append('PYTHONPATH', source)
-    substitution_args._rospack = None  # roslaunch's, which has looked through the folders of before
 
 
 def _append(variable, folder):

@@ -85,12 +85,8 @@ def publishes_clock(path):
 
 
 def mentions(path, word):
-    """Return whether a word stands in a Python script, in a module that it imports, or in a binary."""
-    try:
-        kind, path, _ = command_line.find([path])
-    except ValueError:
-        return False
-    return any(word in source for source in (_sources(path) if kind == 'script' else [_read(path)]))
+    """Return whether a word stands in a program's own file; what it imports is not looked into: each start would be."""
+    return word in _read(_behind_relay(path))
 
 
 def missing_interpreter(path):

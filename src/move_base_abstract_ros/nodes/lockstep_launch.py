@@ -63,8 +63,10 @@ def _with_next(error, path, adopts):
     """Return an error's text with what is to be typed next."""
     from rospkg import ResourceNotFound
     text = str(error)
-    if re.search("requires the '\\w+' arg to be set", text):
-        return '{}. Behind the file: {}'.format(text, ' '.join(name + ':=VALUE' for name in _wanted(path)))
+    asked = re.search("requires the '(\\w+)' arg to be set|arg '(\\w+)' is not defined", text)
+    if asked:
+        names = dict.fromkeys([asked.group(1) or asked.group(2), *_wanted(path)])
+        return '{}. Behind the file: {}'.format(text, ' '.join(name + ':=VALUE' for name in names))
     if isinstance(error, ResourceNotFound):
         name = text.partition('\nROS path')[0].rpartition(': ')[2]
         text = 'the package {} is not found here; is its workspace sourced?'.format(name)
