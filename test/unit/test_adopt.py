@@ -156,6 +156,12 @@ def test_a_floor_plan_that_is_turned_turns_the_places_too(package):
     assert made.wishes.starts[0] == ('/robot_0/move_base', (3.0, 1.0, 0.0))
 
 
+def test_the_origin_of_a_floor_plan_moves_its_middle(package):
+    write_map(package)
+    made = adopt(write_stage(package, '0 0 0 0 ] origin [ 2.0 1.5 0 0'))
+    assert made.wishes.starts[0] == ('/robot_0/move_base', (1.0, 2.0, math.pi / 2))
+
+
 def test_the_drawn_part_of_an_image_is_what_stage_stretches(package):
     package('maps/walls.yaml', '')
     row = ' '.join(['255'] * 10 + ['0'] * 40 + ['255'] * 10)

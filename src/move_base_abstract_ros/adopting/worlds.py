@@ -56,9 +56,7 @@ def read(path):
         if kind == 'position' or kind not in _BUILT_IN and 'pose' in values and 'bitmap' not in values:
             robots.append((values.get('name', [''])[0], _pose(values)))
         elif floor is None and 'bitmap' in values and 'size' in values:
-            x, y, yaw = _pose(values)
-            width, height = _numbers(values['size'])[:2]
-            floor = Floor(x, y, yaw, width, height, os.path.join(folder, values['bitmap'][0]))
+            floor = _floor(values, folder)
     return World(tuple(robots), floor)
 
 
@@ -70,6 +68,15 @@ def turned(x, y, yaw):
     else:
         cosine, sine = math.cos(yaw), math.sin(yaw)
     return cosine * x - sine * y, sine * x + cosine * y
+
+
+def _floor(values, folder):
+    """Return the Floor of a model: Stage's ``origin`` is where its middle lies, as seen from its pose."""
+    x, y, yaw = _pose(values)
+    in_x, in_y, turn = _pose({'pose': values.get('origin', [])})
+    in_x, in_y = turned(in_x, in_y, yaw)
+    width, height = _numbers(values['size'])[:2]
+    return Floor(x + in_x, y + in_y, yaw + turn, width, height, os.path.join(folder, values['bitmap'][0]))
 
 
 def _parse(path, defined, models, count):

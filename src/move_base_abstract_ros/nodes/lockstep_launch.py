@@ -78,8 +78,12 @@ def _with_next(error, path, adopts):
 
 def _wanted(path):
     """Return the names of the arguments that a launch file asks for, and has no value of."""
-    return [tag.get('name') for tag in ElementTree.parse(path).getroot().findall('arg')
-            if tag.get('value') is None and tag.get('default') is None]
+    root = ElementTree.parse(path).getroot()
+    given = {tag.get('name') for tag in root.findall('arg') if {'value', 'default'} & set(tag.attrib)}
+    asked = [tag.get('name') for tag in root.findall('arg')]
+    asked += [name for tag in root.iter() for text in tag.attrib.values()
+              for name in re.findall(r'\$\(arg (\w+)\)', text)]
+    return [name for name in dict.fromkeys(asked) if name not in given]
 
 
 def _end_as_python(warm):
