@@ -1,14 +1,13 @@
 """Launch files of others, in the patterns of public packages: what is made of them, and where their robots start."""
 import math
-import os
 import shlex
 
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_experiments.description import ingredients, launch_files
-from move_base_abstract_ros.launching import adoption, look_ups, plan, start_poses  # noqa: TID251 - they read, and start nothing
+from move_base_abstract_ros.launching import adoption, plan  # noqa: TID251 - they read, and start nothing
 from move_base_abstract_ros.nodes import lockstep_launch  # noqa: TID251
+from strangers_package import adopt, package_fixture, write_map, write_stage  # noqa: F401 - a fixture
 
 OUR_ROBOT = (('move_base', 'move_base'), ('move_base_abstract', 'move_base'))
 OUR_MAP = (('map_server', 'map_server'), ('move_base_abstract', 'map_server'))
@@ -31,67 +30,6 @@ GROUP = """<group ns="{0}">
     <node pkg="gazebo_ros" type="spawn_model" name="spawn" args="-urdf -model {0} -x {1} -y {2} -z 0.1 -Y {3}
       -param robot_description"/>
   </group>"""
-WORLD = """# a world
-include "robots.inc"
-floorplan ( name "walls" bitmap "../maps/walls.pgm" size [ 4.0 3.0 0.8 ] pose [ {pose} ] )
-ranger_robot ( pose [ {first} ] name "alice" color "red" laser ( samples 9 ) )
-ranger_robot ( pose [ -1.0 1.0 180.0 ] name "bob" )
-block ( pose [ 9 9 0 0 ] )
-"""
-ROBOTS_INC = """define floorplan model ( boundary 1 )
-define laser ranger ( sensor ( range [ 0 8 ] ) )
-define ranger_robot position ( size [ 0.4 0.4 0.2 ] laser ( ) )
-"""
-STAGE = """<launch>
-  <node pkg="map_server" type="map_server" name="map_server" args="$(dirname)/../maps/walls.yaml"/>
-  <node pkg="stage_ros" type="stageros" name="stage" args="{options} $(dirname)/../worlds/two.world"/>
-  <group ns="{first}"><node pkg="move_base" type="move_base" name="move_base"/></group>
-  <group ns="{second}"><node pkg="move_base" type="move_base" name="move_base"/></group>
-</launch>
-"""
-
-
-@pytest.fixture
-def package(tmp_path, monkeypatch):
-    """Return write(name, text): a file of a package that nobody has built, in launch/ if its name has no folder."""
-    for name in ('ROS_PACKAGE_PATH', 'PYTHONPATH'):
-        monkeypatch.setenv(name, os.environ.get(name, ''))
-    monkeypatch.delenv('TURTLEBOT3_MODEL', raising=False)
-    monkeypatch.setattr('roslaunch.substitution_args._rospack', None)
-    look_ups.packages.cache_clear()
-    folder = tmp_path / 'src' / 'of_a_stranger'
-
-    def write(name, text, mode=0o644):
-        path = folder / name if '/' in name else folder / 'launch' / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        path.chmod(mode)
-        return str(path)
-    write('launch/../package.xml',
-          '<package><name>of_a_stranger</name></package>')
-    yield write
-    look_ups.packages.cache_clear()
-
-
-def adopt(path, *arguments, **others):
-    """Return the Adopted of a launch file."""
-    config = plan.read([(path, list(arguments))], True)
-    return adoption.adopt(config, plan.Wishes(parameters={}, **others))
-
-
-def write_map(package, origin='[0.0, 0.0, 0.0]', columns=40, rows=30):
-    row = ['0'] + ['255'] * (columns - 2) + ['0']
-    wall = ['0'] * columns
-    package('maps/walls.pgm', 'P2\n{} {}\n255\n{}\n'.format(
-        columns, rows, '\n'.join(' '.join(one) for one in [wall, *[row] * (rows - 2), wall])))
-    package('maps/walls.yaml', 'image: walls.pgm\nresolution: 0.1\norigin: {}\nnegate: 0\noccupied_thresh: 0.65\n'
-            'free_thresh: 0.196\n'.format(origin))
-
-
-def write_stage(package, pose, first='1.0 2.0 0 90.0', options='', names=('robot_0', 'robot_1')):
-    package('worlds/two.world', WORLD.format(pose=pose, first=first))
-    package('worlds/robots.inc', ROBOTS_INC)
-    return package('stage.launch', STAGE.format(options=options, first=names[0], second=names[1]))
 
 
 def test_robots_of_gazebo_in_groups_start_where_they_are_spawned(package):
@@ -222,11 +160,13 @@ def test_nodes_of_other_machines_run_here(package):
 
 def test_a_script_that_publishes_the_clock_cannot_work_and_a_clock_is_left_out(package):
     program = '#!/usr/bin/env python3\nimport rospy\nrospy.Publisher("/clock", rospy.AnyMsg)\n'
-    package('scripts/world.py', program, 0o755)
+    other = 'import rospy\nfrom rosgraph_msgs.msg import Clock\nTOPIC = "/clock"\nrospy.Publisher(TOPIC, Clock)\n'
+    package('scripts/world.py', '#!/usr/bin/env python3\n' + other, 0o755)
+    package('scripts/wall.py', '#!/usr/bin/env python3\n' + other.replace('(TOPIC', '("wall"'), 0o755)
     package('scripts/fake_clock.py', program, 0o755)
     path = package('one.launch', """<launch>
       <node pkg="move_base" type="move_base" name="move_base"/>
-      <node pkg="of_a_stranger" type="world.py" name="world"/>
+      <node pkg="of_a_stranger" type="world.py" name="world"/> <node pkg="of_a_stranger" type="wall.py" name="wall"/>
       <node pkg="of_a_stranger" type="fake_clock.py" name="ticker"/>
       <node pkg="rosbag" type="play" name="player" args="--clock x.bag"/></launch>""")
     made = adopt(path)
@@ -330,79 +270,3 @@ def test_a_robot_that_is_not_there_cannot_start_anywhere(package):
     path = package('one.launch', '<launch><node pkg="move_base_abstract" type="move_base" name="move_base"/></launch>')
     with pytest.raises(ConfigurationError, match='--start /b: the launch file has no node of this name; it has /m'):
         plan.plan_of(plan.read([(path, [])]), plan.Wishes(parameters={}, starts=(('/b', (0.0, 0.0, 0.0)),)))
-
-
-LOST = """<launch>
-  <group ns="a"><node pkg="move_base_abstract" type="move_base" name="move_base"/>
-    <node pkg="amcl" type="amcl" name="amcl"><param name="initial_pose_x" value="3"/></node></group>
-  <group ns="b"><node pkg="move_base_abstract" type="move_base" name="move_base"/></group>
-  <group ns="c"><node pkg="move_base_abstract" type="move_base" name="move_base"/></group>
-  <group ns="d"><node pkg="move_base_abstract" type="move_base" name="move_base">{}</node></group>
-  {}
-</launch>"""
-
-
-def notes_of(path):
-    """Return what is told of start poses without --adopt."""
-    config = plan.read([(path, [])])
-    return start_poses.notes_of(config, start_poses.said_by(config))
-
-
-def test_places_that_nobody_reads_are_told_without_adopting(package):
-    first, second = notes_of(package('four.launch', LOST.format('<param name="start_x" value="1"/>', '')))
-    assert '/a/move_base starts at (0, 0, 0), and nobody reads (3, 0, 0) of /a/amcl/initial_pose_*' in first
-    assert '--start /a/move_base=3,0,0' in first
-    assert second == '/b/move_base and /c/move_base start at one place, (0, 0): --start NODE=X,Y,YAW says another'
-
-
-def test_robots_that_are_placed_are_not_told(package):
-    text = LOST.format('', '').replace(
-        'name="move_base"/>', 'name="move_base"><param name="start_y" value="0"/></node>')
-    assert notes_of(package('four.launch', text)) == []
-
-
-@pytest.mark.parametrize(('parameters', 'is_told'), [('', True), ('<param name="stage_offset_x" value="0.0"/>', False)])
-def test_who_places_robots_in_the_world_of_stage_is_told_where_no_offset_is_said(package, monkeypatch, parameters,
-                                                                               is_told):
-    program = package('scripts/place.py', '#!/usr/bin/env python3\nimport rospy\nrospy.Publisher("cmd_pose")\n', 0o755)
-    folder = os.path.dirname(os.path.dirname(program))
-    monkeypatch.setenv('ROS_PACKAGE_PATH', '{}:{}'.format(folder, os.environ['ROS_PACKAGE_PATH']))
-    notes = notes_of(package('one.launch', """<launch>
-      <node pkg="move_base_abstract" type="move_base" name="move_base">{}</node>
-      <node pkg="of_a_stranger" type="place.py" name="placer"/></launch>""".format(parameters)))
-    assert len(notes) == is_told
-    assert all('/placer may place robots by cmd_pose' in note and '/move_base/stage_offset_x=X' in note
-               for note in notes)
-
-
-@pytest.mark.parametrize(('text', 'expected'), [
-    ('<launch><arg name="a"/><arg name="b"/><arg name="c" default="1"/><param name="p" value="$(arg a)"/></launch>',
-     'Behind the file: a:=VALUE b:=VALUE'),
-    ('<launch><include file="$(find of_nobody)/x.launch"/></launch>', 'the package of_nobody is not found here'),
-    ('<launch><include file="/of/nobody/x.launch"/></launch>', '--adopt leaves out what is not here')])
-def test_what_cannot_be_read_says_what_to_type_next(package, text, expected):
-    path = package('one.launch', text)
-    with pytest.raises(Exception, match='.') as raised:
-        plan.read([(path, [])])
-    assert expected in lockstep_launch._with_next(raised.value, path, False)
-
-
-def test_an_experiment_adopts_too_and_what_the_file_says_of_places_makes_a_trial_another_one(package):
-    write_map(package)
-    path = write_stage(package, '2.0 1.5 0 0')
-    made = []
-    for first in ('1.0 2.0 0 90.0', '1.0 2.5 0 90.0'):
-        write_stage(package, '2.0 1.5 0 0', first=first)
-        config = launch_files.read([(path, [])], adopts=True)
-        wishes = launch_files.adopted(config, plan.Wishes(parameters={}, kept_out=('/stage', '/map_server')))
-        assert wishes.left_out == ('/stage',)
-        assert wishes.kept_out == ('/stage', '/map_server')
-        ingredients.forget()
-        made.append(ingredients._of_launch(path, (), os.path.dirname(path), (), (), True)[ingredients.PARAMETERS])
-    assert made[0] != made[1]
-
-
-def test_an_experiment_of_a_file_that_cannot_work_says_why(package):
-    path = package('none.launch', '<launch/>')
-    with pytest.raises(ConfigurationError, match='adopt: there is no robot in this file'):
-        launch_files.adopted(launch_files.read([(path, [])], adopts=True), plan.Wishes(parameters={}))

@@ -32,7 +32,7 @@ MAY_IMPORT = {
         'fleet': 'replacing messages markers robot', 'adopting': '',
         'launching': 'replacing loopback lockstep messages adopting',
         'nodes': 'replacing loopback process lockstep messages transforms maps markers clocks backends robot fleet '
-                 'launching'},
+                 'adopting launching'},
     'move_base_abstract_ros/lockstep': {
         'code': '', 'programs': '', 'ros_master': '', 'exchange': 'ros_master', 'failing': 'code',
         'machine': 'code programs', 'waiting': 'code ros_master failing',

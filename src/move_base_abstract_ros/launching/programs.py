@@ -24,7 +24,9 @@ _ROSPY = ('rospy', 'rostopic', 'rosservice', 'actionlib', 'tf', 'tf2_ros')  # an
 _ROS = (*_ROSPY, 'rosgraph', 'roslib', 'genpy', 'genmsg')
 # Not looked into: those of ROS are known, and the others import no ROS but have hundreds of files.
 _CLOSED = (*_ROS, 'numpy', 'scipy', 'matplotlib', 'pandas', 'networkx', 'PIL', 'yaml', 'cv2', 'sklearn', 'torch')
-_CLOCK = re.compile(rb'\bPublisher\(\s*(?:name\s*=\s*)?["\']/?clock["\']')
+# By the topic's name, or if that is none in quotes by the message's.
+_CLOCK = re.compile(rb'\bPublisher\(\s*(?:name\s*=\s*)?(?:["\']/?clock["\']|(?!["\'])[^(),]+,\s*(?:data_class\s*=\s*)?'
+                    rb'(?:rosgraph_msgs\.msg\.)?Clock\b)')
 _LARGEST = 1 << 20  # bytes of a source that are looked at
 _MOST_FILES = 300
 _LONGEST_FIRST_LINE = 200  # bytes
@@ -81,7 +83,7 @@ def publishes_clock(path):
         kind, path, _ = command_line.find([path])
     except ValueError:
         return False
-    return kind == 'script' and any(_CLOCK.search(source) for source in _sources(path) if b'clock' in source)
+    return kind == 'script' and any(_CLOCK.search(source) for source in _sources(path) if b'lock' in source)
 
 
 def mentions(path, word):

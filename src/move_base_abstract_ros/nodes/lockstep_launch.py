@@ -14,11 +14,9 @@ import atexit
 import json
 import math
 import os
-import re
 import shlex
 import sys
 from contextlib import contextmanager, nullcontext
-from xml.etree import ElementTree
 
 from move_base_abstract.common import kinds
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
@@ -28,12 +26,12 @@ from move_base_abstract.lockstep.run_options import FAIL, RunOptions
 from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
 
+from ..adopting import next_step
+from ..adopting import options as adopting_options
 from ..launching import light_imports, warm_client
 from ..process.process_end import leave
 
 _CANNOT, _CRASHED, _BROKEN = 2, 3, 4
-#: in errors of launch files that were written for something that is not here
-_OF_OTHERS = ('publishes /clock', 'does not exist', 'No such file', 'unknown machine', 'environment variable')
 
 
 def main(words=None):
@@ -53,37 +51,10 @@ def main(words=None):
         with _ros_master(options.use_master, warm):
             code = _run(options, files, warm)
     except (RLException, ResourceNotFound, SimulatorError, LoopbackError) as error:
-        print('lockstep_launch: {}'.format(_with_next(error, files[0][0], options.adopt)), file=sys.stderr)
+        print('lockstep_launch: {}'.format(next_step.with_next(error, files[0][0], options.adopt)), file=sys.stderr)
         code = _CANNOT
     _end_as_python(warm)
     leave(code)  # taking all apart, as Python does it, would take a while
-
-
-def _with_next(error, path, adopts):
-    """Return an error's text with what is to be typed next."""
-    from rospkg import ResourceNotFound
-    text = str(error)
-    asked = re.search("requires the '(\\w+)' arg to be set|arg '(\\w+)' is not defined", text)
-    if asked:
-        names = dict.fromkeys([asked.group(1) or asked.group(2), *_wanted(path)])
-        return '{}. Behind the file: {}'.format(text, ' '.join(name + ':=VALUE' for name in names))
-    if isinstance(error, ResourceNotFound):
-        name = text.partition('\nROS path')[0].rpartition(': ')[2]
-        text = 'the package {} is not found here; is its workspace sourced?'.format(name)
-    elif not any(words in text for words in _OF_OTHERS):
-        return text
-    return text + ('' if adopts else ' Of a file that was written for Gazebo, Stage or real robots, --adopt leaves out '
-                   'what is not here, and says what it does')
-
-
-def _wanted(path):
-    """Return the names of the arguments that a launch file asks for, and has no value of."""
-    root = ElementTree.parse(path).getroot()
-    given = {tag.get('name') for tag in root.findall('arg') if {'value', 'default'} & set(tag.attrib)}
-    asked = [tag.get('name') for tag in root.findall('arg')]
-    asked += [name for tag in root.iter() for text in tag.attrib.values()
-              for name in re.findall(r'\$\(arg (\w+)\)', text)]
-    return [name for name in dict.fromkeys(asked) if name not in given]
 
 
 def _end_as_python(warm):
@@ -98,8 +69,10 @@ def _end_as_python(warm):
 def _parse(words):
     """Return the parser, and the options of a command line."""
     parser = argparse.ArgumentParser(
-        prog='lockstep_launch', description='Run an unchanged launch file in lockstep.',
-        usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
+        prog='lockstep_launch', description='Run an unchanged launch file in lockstep. To begin with: '
+        '--list FILE says who takes part; --adopt --list FILE, of a file that was written for Gazebo, Stage or real '
+        'robots, what is done with it; `verify FILE` whether its runs are the same; `why`, while it runs, what time '
+        'waits for.', usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
         epilog='exit codes: 0 the run came to its end, 1 it did not, 2 it cannot be run like this, 3 a node crashed, '
                '4 a property is broken')
     add_plan_options(parser)
@@ -134,18 +107,7 @@ def add_plan_options(parser):
                         help='this node is not started')
     parser.add_argument('--replace', action='append', default=[], type=_kinds, metavar='PACKAGE/TYPE=PACKAGE/TYPE',
                         help='start nodes of another kind in the place of these, under their names')
-    parser.add_argument('--adopt', action='store_true',
-                        help='do by rule what a file of others needs, and say it as a command line; see docs/adopt.md')
-    parser.add_argument('--tolerant', action='store_true',
-                        help='leave out what the file names and is not installed; its machines are this one')
-    parser.add_argument('--start', action='append', default=[], type=_start, metavar='NODE=X,Y,YAW',
-                        help='where this robot starts [m, m, rad, map frame]')
-    parser.add_argument('--param', action='append', default=[], type=_parameter, metavar='NAME=VALUE',
-                        help="a parameter that stands above the file's")
-    parser.add_argument('--add', action='append', default=[], type=_added, metavar="'NODE=PACKAGE/TYPE [ARGUMENTS]'",
-                        help='start this node, too')
-    parser.add_argument('--args', action='append', default=[], type=_arguments, metavar="'NODE=ARGUMENTS'",
-                        help="this node's arguments, in the place of the file's")
+    adopting_options.add_arguments(parser)
     parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
     parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
     kinds.add_arguments(parser, RunOptions)
@@ -160,17 +122,9 @@ def words_of(options):
     for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
                           ('--leave-out', options.leave_out)):
         words += [word for name in names for word in (option, name)]
-    words += ['--adopt'] if options.adopt else []
-    words += ['--tolerant'] if options.tolerant else []
     for old, new in options.replace:
         words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(new))]
-    for name, kind, arguments in options.add:
-        words += ['--add', '{}={}{}'.format(name, '/'.join(kind), ' ' + arguments if arguments else '')]
-    for name, pose in options.start:
-        words += ['--start', '{}={}'.format(name, ','.join(map(repr, pose)))]
-    for option, pairs in (('--param', options.param), ('--args', options.args)):
-        words += [word for pair in pairs for word in (option, '='.join(pair))]
-    return words
+    return words + adopting_options.words_of(options)
 
 
 def files_of(parser, words):
@@ -198,9 +152,8 @@ def wishes_of(options, parameters, **others):
     return Wishes(parameters={**given, **parameters},
                   launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
                   kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
-                  replaced=tuple(options.replace), with_respawned=options.no_respawn, is_tolerant=options.tolerant,
-                  added=tuple(options.add), arguments=tuple(options.args), set=tuple(options.param),
-                  starts=tuple(options.start), **others)
+                  replaced=tuple(options.replace), with_respawned=options.no_respawn,
+                  **adopting_options.wishes_of(options), **others)
 
 
 def _run(options, files, warm):
@@ -254,8 +207,8 @@ def _adopted(config, wishes, options):
     words = [*words, *adoption.words_of(wishes, found.wishes), *options.command]
     _say('the same by options: rosrun move_base_abstract lockstep_launch {}'.format(' '.join(map(shlex.quote, words))))
     if found.problems:
-        raise ConfigurationError('\n'.join('cannot work: ' + _printable(line)
-                                           for line in found.problems))
+        raise ConfigurationError('\nlockstep_launch: '.join('cannot work: ' + _printable(line)
+                                                            for line in found.problems))
     return found.wishes._replace(is_told=True)
 
 
@@ -309,6 +262,9 @@ def _lines(made):
     for role in made.roles:
         if not role.takes_part:
             yield '{} looks on: {}'.format(shown_text(role.name), shown_text(role.why))
+    if any(role.why.startswith('there is no program') for role in made.roles if not role.takes_part):
+        yield 'programs that are not here: --leave-out NODE; of a file that was written for Gazebo, Stage or real ' \
+              'robots, --adopt --list says what else it needs'
     for name in made.left_out:
         yield '{} is not started'.format(shown_text(name))
     if made.fleets:
@@ -355,37 +311,3 @@ def _kinds(text):
     if not equals or old.count('/') != 1 or new.count('/') != 1:
         raise argparse.ArgumentTypeError('must be PACKAGE/TYPE=PACKAGE/TYPE, got {}'.format(shown(text)))
     return tuple(old.split('/')), tuple(new.split('/'))
-
-
-def _pair(text, what):
-    name, equals, value = text.partition('=')
-    if not equals or not name.strip('/'):
-        raise argparse.ArgumentTypeError('must be {}, got {}'.format(what, shown(text)))
-    return '/' + name.strip('/'), value
-
-
-def _parameter(text):
-    return _pair(text, 'NAME=VALUE')
-
-
-def _arguments(text):
-    return _pair(text, 'NODE=ARGUMENTS')
-
-
-def _start(text):
-    name, value = _pair(text, 'NODE=X,Y,YAW')
-    try:
-        pose = tuple(float(word) for word in value.split(','))
-    except ValueError:
-        pose = ()
-    if len(pose) != 3 or not all(map(math.isfinite, pose)):
-        raise argparse.ArgumentTypeError('must be NODE=X,Y,YAW [m, m, rad], got {}'.format(shown(text)))
-    return name, pose
-
-
-def _added(text):
-    name, value = _pair(text, 'NODE=PACKAGE/TYPE [ARGUMENTS]')
-    kind, _, arguments = value.partition(' ')
-    if kind.count('/') != 1:
-        raise argparse.ArgumentTypeError('must be NODE=PACKAGE/TYPE [ARGUMENTS], got {}'.format(shown(text)))
-    return name, tuple(kind.split('/')), arguments.strip()
