@@ -94,6 +94,24 @@ def test_a_floor_plan_that_is_turned_turns_the_places_too(package):
     assert made.wishes.starts[0] == ('/robot_0/move_base', (3.0, 1.0, 0.0))
 
 
+def test_fake_localization_says_where_the_map_lies_if_no_map_is_served(package):
+    path = write_stage(package, '0 0 0 0')
+    with open(path) as stream:
+        text = stream.read().replace('</launch>', """<node pkg="fake_localization" type="fake_localization" name="fake">
+      <param name="delta_x" value="3.0"/><param name="delta_y" value="1.0"/></node></launch>""")
+    made = adopt(package('stage.launch', text))
+    assert made.wishes.starts[0] == ('/robot_0/move_base', (-2.0, 1.0, math.pi / 2))
+    assert any("the map's frame is at (3, 1, 0) in Stage's world, by delta_* of fake_localization" in line
+               for line in made.done)
+
+
+def test_poses_in_a_mapping_count_too(package):
+    path = package('one.launch', """<launch><node pkg="move_base" type="move_base" name="move_base"/>
+      <node pkg="amcl" type="amcl" name="amcl"><rosparam>{initial_pose: {x: 4.0, y: 2, yaw: 0.5}}</rosparam></node>
+    </launch>""")
+    assert adopt(path).wishes.starts == (('/move_base', (4.0, 2.0, 0.5)),)
+
+
 def test_the_origin_of_a_floor_plan_moves_its_middle(package):
     write_map(package)
     made = adopt(write_stage(package, '0 0 0 0 ] origin [ 2.0 1.5 0 0'))

@@ -14,6 +14,8 @@ def with_next(error, path, adopts):
     if asked:
         names = dict.fromkeys([asked.group(1) or asked.group(2), *_wanted(path)])
         return '{}. Behind the file: {}'.format(text, ' '.join(name + ':=VALUE' for name in names))
+    if path.endswith('.py'):
+        return '{}. It is a launch file of ROS 2; this is ROS 1, whose launch files are XML'.format(text)
     if isinstance(error, ResourceNotFound):
         name = text.partition('\nROS path')[0].rpartition(': ')[2]
         text = 'the package {} is not found here; is its workspace sourced?'.format(name)

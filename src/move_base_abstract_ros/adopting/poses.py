@@ -15,7 +15,7 @@ _BESIDE_AXES = {'initial', 'init', 'pose', 'pos', 'position', 'start', 'robot', 
                 'location', 'point', 'loc', ''}
 _NAMES = ('robot_namespace', 'robot_name', 'ns', 'namespace', 'tf_prefix', 'name', 'model_name', 'robot', 'prefix',
           'model', 'robot_id')
-_INITIAL = re.compile(r'(.*/)([^/]*?)initial_pose_(x|y|a|yaw)')
+_INITIAL = re.compile(r'(.*/)([^/]*?)initial_pose[_/](x|y|a|yaw)')
 _FLAGS = {'-x': 0, '-y': 1, '-Y': 2}
 
 
@@ -43,7 +43,10 @@ class Hint(NamedTuple):
 
 
 class Stage(NamedTuple):
-    """A node that is Stage. ``offset``: x, y, yaw [m, m, rad] of the map's frame in its world, None: ``why`` not."""
+    """A node that is Stage.
+
+    ``offset``: x, y, yaw [m, m, rad] of the map's frame in its world, and ``why``; None, and why nobody knows.
+    """
 
     node: object
     world: str
@@ -127,6 +130,8 @@ def _of_stage(config, node):
         return [], Stage(node, path, None, 'the world file cannot be read: {}'.format(error))
     by_names = '-u' in words
     offset, why = _offset(config, world)
+    if offset is None and _delta(config) is not None:
+        offset, why = _delta(config), 'by delta_* of fake_localization'
     found = []
     for number, (name, pose) in enumerate(world.robots):
         called = name if by_names and name else 'robot_{}'.format(number)
@@ -144,9 +149,20 @@ def _offset(config, world):
         return None, 'the launch file serves no map'
     from . import floors  # which needs numpy and Pillow: few launch files do
     try:
-        return floors.offset(world.floor, next(filter(None, maps))), ''
+        return floors.offset(world.floor, next(filter(None, maps))), 'by floor plan and map'
     except worlds.Unknown as error:
         return None, str(error)
+
+
+def _delta(config):
+    """Return where the map's frame lies in Stage's world by fake_localization's parameters, or None."""
+    for node in config.nodes:
+        if node.package == 'fake_localization':
+            values = [config.params.get('{}/delta_{}'.format(name_of(node), axis)) for axis in ('x', 'y', 'yaw')]
+            x, y, yaw = (0.0 if value is None else _number(value.value) or 0.0 for value in values)
+            if x or y or yaw:
+                return (*worlds.turned(x, y, yaw), yaw)
+    return None
 
 
 def _of_include(one):

@@ -136,6 +136,8 @@ class _Adoption:
             self._leave(node, 'our robots tell this frame themselves')
         elif word == kinds.STATE and 'gui' in node.type:
             self._leave(node, 'it waits for a person')
+        elif word == kinds.STATE and not self._is_described(node):
+            self._leave(node, 'there is no robot_description')
         elif ((node.package, node.type) == ('rosbag', 'play') or kinds.looks_like_a_clock(node.type)) and (
                 roles.has_clock(node)):
             self._leave(node, kinds.CLOCK)
@@ -143,6 +145,11 @@ class _Adoption:
             self._nodelet(node)
         else:
             self._look_for_program(node, word)
+
+    def _is_described(self, node):
+        parts = node.namespace.strip('/').split('/')
+        return any(self._value('/'.join(['', *filter(None, parts[:count]), 'robot_description']), '')
+                   for count in range(len(parts) + 1))
 
     def _look_for_program(self, node, word):
         path = roles.program_of(node)
@@ -244,8 +251,8 @@ class _Adoption:
                                     'map lies there is not known: {} ({}); --start NODE=X,Y,YAW says others'.format(
                                         stage.why, place))
             elif any(stage.offset):
-                self.done.append("the map's frame is at ({:g}, {:g}, {:g}) in Stage's world, by floor plan and map ({})"
-                                 .format(*stage.offset, place))
+                self.done.append("the map's frame is at ({:g}, {:g}, {:g}) in Stage's world, {} ({})".format(
+                    *stage.offset, stage.why, place))
                 for robot in self.robots:
                     self.set += [('{}/stage_offset_{}'.format(robot.name, axis), repr(value))
                                  for axis, value in zip(('x', 'y', 'yaw'), stage.offset) if value
