@@ -29,9 +29,10 @@ MAY_IMPORT = {
         'markers': 'lockstep messages', 'clocks': 'process lockstep messages transforms',
         'backends': 'lockstep messages transforms clocks',
         'robot': 'replacing lockstep messages transforms maps markers clocks backends',
-        'fleet': 'replacing messages markers robot', 'launching': 'replacing loopback lockstep messages',
+        'fleet': 'replacing messages markers robot', 'adopting': '',
+        'launching': 'replacing loopback lockstep messages adopting',
         'nodes': 'replacing loopback process lockstep messages transforms maps markers clocks backends robot fleet '
-                 'launching'},
+                 'adopting launching'},
     'move_base_abstract_ros/lockstep': {
         'code': '', 'programs': '', 'ros_master': '', 'exchange': 'ros_master', 'failing': 'code',
         'machine': 'code programs', 'waiting': 'code ros_master failing',

@@ -14,11 +14,12 @@ import atexit
 import json
 import math
 import os
+import shlex
 import sys
 from contextlib import contextmanager, nullcontext
 
 from move_base_abstract.common import kinds
-from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract.common.lasting_output import outlive_readers
 from move_base_abstract.common.shown import shown, shown_text
@@ -27,6 +28,8 @@ from move_base_abstract.lockstep.run_options import FAIL, RunOptions
 from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
 
+from ..adopting import next_step
+from ..adopting import options as adopting_options
 from ..launching import light_imports, warm_client
 from ..process.process_end import leave
 
@@ -44,6 +47,7 @@ def main(words=None):
         from ..launching import runner  # noqa: F401 - which imports all the others
         from ..loopback import LoopbackError
     from roslaunch.core import RLException
+    from rospkg import ResourceNotFound
     series = options.series and load_json_mapping(options.series)
     files = list(map(tuple, series['files'])) if series else files_of(parser, options.command)
     options.deputy = (series['deputy'], series['address']) if series else ()
@@ -51,8 +55,8 @@ def main(words=None):
     try:
         with _ros_master(options.use_master, warm):
             code = _run(options, files, warm)
-    except (RLException, SimulatorError, LoopbackError) as error:
-        print('lockstep_launch: {}'.format(error), file=sys.stderr)
+    except (RLException, ResourceNotFound, SimulatorError, LoopbackError) as error:
+        print('lockstep_launch: {}'.format(next_step.with_next(error, files[0][0], options.adopt)), file=sys.stderr)
         code = _CANNOT
     _end_as_python(warm)
     leave(code)  # taking all apart, as Python does it, would take a while
@@ -70,8 +74,10 @@ def _end_as_python(warm):
 def read_words(words):
     """Return the parser, and the options of a command line; ``command``: the words behind them."""
     parser = argparse.ArgumentParser(
-        prog='lockstep_launch', description='Run an unchanged launch file in lockstep.',
-        usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
+        prog='lockstep_launch', description='Run an unchanged launch file in lockstep. To begin with: '
+        '--list FILE says who takes part; --adopt --list FILE, of a file that was written for Gazebo, Stage or real '
+        'robots, what is done with it; `verify FILE` whether its runs are the same; `why`, while it runs, what time '
+        'waits for.', usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
         epilog='exit codes: 0 the run came to its end, 1 it did not, 2 it cannot be run like this, 3 a node crashed, '
                '4 a property is broken')
     add_plan_options(parser)
@@ -91,7 +97,9 @@ def read_words(words):
     parser.add_argument('--series', default=None, help=argparse.SUPPRESS)  # from `lockstep_series`
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
     parser.add_argument('--list', action='store_true', help='say who takes part, and start nothing')
-    return parser, parser.parse_args(words)
+    options = parser.parse_args(words)
+    options.words = words[:len(words) - len(options.command)]
+    return parser, options
 
 
 def add_plan_options(parser):
@@ -105,8 +113,7 @@ def add_plan_options(parser):
                         help='this node is not started')
     parser.add_argument('--replace', action='append', default=[], type=_kinds, metavar='PACKAGE/TYPE=PACKAGE/TYPE',
                         help='start nodes of another kind in the place of these, under their names')
-    parser.add_argument('--param', action='append', default=[], type=_parameter, metavar='NAME=VALUE',
-                        help="a parameter that stands above the file's")
+    adopting_options.add_arguments(parser)
     parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
     parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
     kinds.add_arguments(parser, RunOptions)
@@ -121,10 +128,9 @@ def words_of(options):
     for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
                           ('--leave-out', options.leave_out)):
         words += [word for name in names for word in (option, name)]
-    words += [word for pair in options.param for word in ('--param', '='.join(pair))]
     for old, new in options.replace:
         words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(new))]
-    return words
+    return words + adopting_options.words_of(options)
 
 
 def files_of(parser, words):
@@ -152,8 +158,8 @@ def wishes_of(options, parameters, **others):
     return Wishes(parameters={**given, **parameters},
                   launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
                   kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
-                  replaced=tuple(options.replace), set=tuple(options.param),
-                  with_respawned=options.no_respawn, **others)
+                  replaced=tuple(options.replace), with_respawned=options.no_respawn,
+                  **adopting_options.wishes_of(options), **others)
 
 
 def _run(options, files, warm):
@@ -171,10 +177,13 @@ def _run(options, files, warm):
     seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)
     with nullcontext() if options.list else temporary_folder(_say) as folder, bags.notes() as notes:
         environment = ((bags.VARIABLE, notes), *((('TMPDIR', folder),) if folder else ()))
-        made = plan.make_plan(files, wishes_of(options, parameters, environment=environment, own_environment=seed,
-                                               deputy=options.deputy,
-                                               is_reversed=options.start_order == 'reversed', parts=options.parts))
-        for line in _lines(made):
+        wishes = wishes_of(options, parameters, environment=environment, own_environment=seed,
+                           deputy=options.deputy, is_reversed=options.start_order == 'reversed', parts=options.parts)
+        config = plan.read(files, wishes.is_tolerant or options.adopt)
+        if options.adopt:
+            wishes = _adopted(config, wishes, options)
+        made = plan.plan_of(config, wishes)
+        for line in _lines(made._replace(left_out=[]) if options.adopt else made):
             _say(line)
         if options.list:
             return 0
@@ -187,6 +196,30 @@ def _run(options, files, warm):
             parent.start()
             parent.spin()
             return _conclude(parent, made, bags.written(notes), log, options)
+
+
+def _adopted(config, wishes, options):
+    """Tell what is done with a file of others, and return the wishes that say it.
+
+    :raises ConfigurationError: if something cannot work.
+    """
+    from ..launching import adoption
+    found = adoption.adopt(config, wishes)
+    for line in found.done:
+        _say(_printable(line))
+    for line in found.remarks:
+        _say('note: ' + _printable(line))
+    words = [word for word in options.words if word not in ('--adopt', '--list')]
+    words = [*words, *adoption.words_of(wishes, found.wishes), *options.command]
+    _say('the same by options: rosrun move_base_abstract lockstep_launch {}'.format(' '.join(map(shlex.quote, words))))
+    if found.problems:
+        raise ConfigurationError('\nlockstep_launch: '.join('cannot work: ' + _printable(line)
+                                                            for line in found.problems))
+    return found.wishes._replace(is_told=True)
+
+
+def _printable(line):
+    return ''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
 
 
 def _conclude(parent, made, found, log, options):
@@ -235,12 +268,15 @@ def _lines(made):
     for role in made.roles:
         if not role.takes_part:
             yield '{} looks on: {}'.format(shown_text(role.name), shown_text(role.why))
+    if any(role.why.startswith('there is no program') for role in made.roles if not role.takes_part):
+        yield 'programs that are not here: --leave-out NODE; of a file that was written for Gazebo, Stage or real ' \
+              'robots, --adopt --list says what else it needs'
     for name in made.left_out:
         yield '{} is not started'.format(shown_text(name))
     if made.fleets:
         yield 'fleets: {}'.format(', '.join(shown_text(name) for name in made.fleets))
     for note in made.notes:
-        yield shown_text(note)
+        yield _printable(note)
 
 
 @contextmanager
@@ -274,13 +310,6 @@ def _name(text):
     if not text.strip('/'):
         raise argparse.ArgumentTypeError("must be a node's name, got {}".format(shown(text)))
     return '/' + text.strip('/')
-
-
-def _parameter(text):
-    name, equals, value = text.partition('=')
-    if not equals or not name.strip('/'):
-        raise argparse.ArgumentTypeError('must be NAME=VALUE, got {}'.format(shown(text)))
-    return '/' + name.strip('/'), value
 
 
 def _kinds(text):
