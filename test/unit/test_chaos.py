@@ -100,6 +100,10 @@ def test_a_replay_is_read_as_it_was_written(tmp_path):
         assert replay_file.read(path) == one
     assert made().words == ['--chaos-seed', '7', '--chaos-delay', '0.05', '--chaos-only', NAMES[1],
                             '--crashes', 'allow', '--seed', '0']
+    nodes = {'participant': ['/a'], 'onlooker': ['/b'], 'leave_out': ['/c'], 'replace': {'p/a': 'p/b'}}
+    assert made(document=nodes, seed=0).words == [
+        '--crashes', 'allow', '--participant', '/a', '--onlooker', '/b', '--leave-out', '/c', '--replace', 'p/a=p/b',
+        '--seed', '0']
     assert '--chaos-only' in made(only=[]).words and 'none' in made(only=[]).words
     assert not any('chaos' in word for word in made(seed=0).words)
 

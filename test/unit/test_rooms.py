@@ -39,12 +39,12 @@ MAY_IMPORT = {
         'participation': 'ros_master exchange failing waiting',
         'program': 'code programs ros_master failing machine waiting participation'},
     'move_base_abstract_experiments': {
-        'records': '', 'description': 'records', 'report': 'records', 'trials': 'records description',
+        'records': '', 'ending': '', 'description': 'records', 'report': 'records', 'trials': 'records description',
         'carrying': 'description trials', 'results': 'records description trials carrying',
         'sweep': 'records description trials carrying results report',
         'rerun': 'records description trials carrying results',
-        'command': 'description trials results report sweep rerun', '__main__': 'command',
-        'chaos': 'records description trials carrying results'},
+        'command': 'description trials results report sweep rerun ending', '__main__': 'command',
+        'chaos': 'records description trials carrying results ending'},
     'soil_mapping': {
         'config': '', 'seeds': '', 'stopwatch': '', 'environment': '', 'interpolation': '',
         'ground_truth': 'config seeds interpolation', 'mission': 'config seeds stopwatch interpolation',

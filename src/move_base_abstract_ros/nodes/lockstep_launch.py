@@ -105,6 +105,16 @@ def read_words(words):
 def add_plan_options(parser):
     """Add what `lockstep_launch` and `verify` share: what the run is."""
     parser.add_argument('--until', type=_instant, default=0.0, metavar='S', help='end at this simulated instant [s]')
+    add_node_options(parser)
+    adopting_options.add_arguments(parser)
+    parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
+    parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
+    kinds.add_arguments(parser, RunOptions)
+    parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+
+
+def add_node_options(parser):
+    """Add what those two share with `chaos`: which nodes there are, and who of them takes part."""
     parser.add_argument('--participant', action='append', default=[], type=_name, metavar='NODE',
                         help='this node takes part, whatever it looks like')
     parser.add_argument('--onlooker', action='append', default=[], type=_name, metavar='NODE',
@@ -113,11 +123,6 @@ def add_plan_options(parser):
                         help='this node is not started')
     parser.add_argument('--replace', action='append', default=[], type=_kinds, metavar='PACKAGE/TYPE=PACKAGE/TYPE',
                         help='start nodes of another kind in the place of these, under their names')
-    adopting_options.add_arguments(parser)
-    parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
-    parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
-    kinds.add_arguments(parser, RunOptions)
-    parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
 
 
 def words_of(options):
