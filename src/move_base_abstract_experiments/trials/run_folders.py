@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import os
 import stat
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 LOG, MESSAGES = 'events.jsonl', 'messages.jsonl'  # the names of files in a run's own folder
 PRINTED = OUTPUT, PRINTS = 'function.txt', 'trial.txt'  # what a trial's function, and its process, print
@@ -41,7 +41,7 @@ def _below(path: str) -> Folders:
     return Folders(path, os.path.join(path, 'files'), os.path.join(path, 'logs'))
 
 
-def is_as_new(entry: os.DirEntry[str]) -> bool:
+def is_as_new(entry: Any) -> bool:
     """Return whether an entry of a folder is a file in which nothing was printed: the next trial may print into it."""
     about = entry.stat(follow_symlinks=False)
     return (entry.name in PRINTED and stat.S_ISREG(about.st_mode) and about.st_size == 0 and about.st_nlink == 1
