@@ -6,8 +6,8 @@ import math
 def find_links(recording, robots):
     """Return [{'ends': [end, end], 'times': [ns], 'up': [bool]}] of links between what can be shown.
 
-    An end is {'robot': its number among ``robots`` (names)}, or {'name', 'x', 'y'} [m] of a host that stands still. Anybody may
-    write rows: those of another form are left out.
+    An end is {'robot': its number among ``robots`` (names)}, or {'name', 'x', 'y'} [m] of a host that stands still.
+    Anybody may write rows: those of another form are left out.
     """
     numbers = {name: number for number, name in enumerate(robots)}
     places, links = {}, {}
