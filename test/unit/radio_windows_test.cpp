@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "broken.h"
 #include "lockstep/radio/radio.h"
 #include "lockstep_items.h"
 #include "lockstep_walkers.h"
@@ -125,6 +126,25 @@ TEST(RadioWindows, RandomRunsAreThoseOfARadioWithoutWindows) {
     const Texts once = Walkers(actors, seed * 2, network).run();
     ASSERT_EQ(heardOf(once), expected) << seed;
     ASSERT_EQ(Walkers(actors, seed * 2 + 1, network).run(), once) << seed;
+  }
+}
+
+TEST(RadioWindows, TheirRulesAreMissedWhereTheyAreBroken) {
+  const auto runs = [] {
+    std::vector<Texts> found;
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+      found.push_back(
+          Walkers(randomActors(seed), seed,
+                  {"seed 1", "host h* at 10 0 /n*",
+                   "link * * delay 20000000 200000000 loss 0.2 lost retry retry 30000000"})
+              .run());
+    }
+    return found;
+  };
+  const std::vector<Texts> whole = runs();
+  for (const char* rule : {"radio_lookahead_in_the_log", "radio_before_what_is_done_then"}) {
+    const Broken broken(rule);
+    EXPECT_NE(runs(), whole) << rule;
   }
 }
 
