@@ -10,6 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = {path.parent.name for path in (ROOT / 'src').glob('*/__init__.py')}
+EXAMPLES = {path.stem for path in (ROOT / 'examples').glob('*.py')}  # their tests import those beside them
 INSTALLED = [*sorted(path for package in sorted(PACKAGES) for path in (ROOT / 'src' / package).rglob('*.py')),
              *sorted(path for path in (ROOT / 'scripts').iterdir() if path.is_file()),
              *sorted((ROOT / 'examples').glob('*.py'))]
@@ -60,7 +61,7 @@ def wanted():
     """Return {module: the files that import it} of all that is neither Python's own nor this package's."""
     users = {}
     for path in INSTALLED:
-        for module in imported(path) - PACKAGES:
+        for module in imported(path) - PACKAGES - EXAMPLES:
             users.setdefault(module, []).append(str(path.relative_to(ROOT)))
     return {module: files for module, files in users.items() if not of_python_itself(module)}
 
