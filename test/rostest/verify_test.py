@@ -93,6 +93,8 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         self.assertEqual(code, 0, said)
         self.assertIn('verify: identical: 5 runs (plain, order, busy, limited, delays), ', said)
         self.assertIn('and the same bytes in 1 bag\n', said)
+        self.assertIn('verify: next: the search for another order of equal events that breaks it: rosrun '
+                      'move_base_abstract chaos {} '.format(SYSTEM), said)
         self.assertEqual(os.listdir(self.path('tmp')), [])
 
     def test_a_program_that_tells_its_number_differs_and_the_place_is_named(self):
@@ -107,6 +109,8 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         self.assertRegex(said, r'its fields, plain / again:\n  data: [0-9.]+ / [0-9.]+\n')
         self.assertRegex(said, r'/chance: os.getpid in \S+chance.py, line 7: is another number in another run')
         folder = said.partition('logs and outputs are in ')[2].strip()
+        self.assertIn('rosrun move_base_abstract replay {0}/1_plain/events.jsonl {0}/2_again/events.jsonl\n'.format(
+            folder), said)
         self.assertEqual(sorted(os.listdir(folder)), ['1_plain', '2_again'])
         self.assertEqual(set(os.listdir(os.path.join(folder, '1_plain'))), {'events.jsonl', 'output.txt', 'ros_log'})
 
@@ -121,6 +125,11 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         code, said = self.verify('--runs', '2', '--crashes', 'allow', file)
         self.assertEqual(code, 0, said)
         self.assertRegex(said, r'but /breaks crashed at .* \(--crashes allow\)')
+
+    def test_runs_in_which_nothing_happens_are_not_simply_called_identical(self):
+        code, said = self.verify('--runs', '2', '--until', '5', self.launch_file(NODE.format('ticks')))
+        self.assertEqual(code, 4, said)
+        self.assertIn('but there was nothing to compare', said)
 
     def test_a_fleet_in_two_processes_does_the_same(self):
         code, said = self.verify('--conditions', 'plain,hash,split', self.write('fleet.launch', FLEET))

@@ -13,7 +13,7 @@ from move_base_abstract_ros.launching import verification  # noqa: TID251 - it k
         'split: not run: in two processes a fleet has other names, and /fleet crashed at 3.0 s: exit code 1'])])
 def test_a_fleet_that_crashed_is_not_compared_with_one_in_two_processes(tmp_path, fleets, crashes, can, said):
     told = []
-    run = verification.Verification([], str(tmp_path), 1.0, told.append)
+    run = verification.Verification([], [], str(tmp_path), 1.0, told.append)
     run.runs.append(SimpleNamespace(fleets=fleets, crashes=crashes))
     assert (run._can_split(), told) == (can, said)
 

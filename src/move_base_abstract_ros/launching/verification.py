@@ -2,6 +2,7 @@
 import contextlib
 import json
 import os
+import shlex
 import shutil
 import signal
 import subprocess
@@ -54,9 +55,10 @@ class Unfinished(Exception):
 class Verification:
     """Runs of one launch file, each in a folder of its own below ``folder``; ``say`` takes lines for people."""
 
-    def __init__(self, words, folder, time_limit, say):
-        """words: of lockstep_launch; time_limit: s, wall, of a run."""
+    def __init__(self, words, launch, folder, time_limit, say):
+        """words: of lockstep_launch; launch: those of them that name the file; time_limit: s, wall, of a run."""
         self._words = words
+        self._launch = launch
         self._folder = folder
         self._time_limit = time_limit
         self._say = say
@@ -151,6 +153,7 @@ class Verification:
         if found.identical:
             self._say('different: nodes of {} and of {} crash in different ways, after equal events'.format(
                 first.condition.name, run.condition.name))
+            self._say_next('what the nodes have said: less {}', run.output)
             return False
         self._say('different: {} ({}) and {} ({})'.format(first.condition.name, first.condition.what,
                                                           run.condition.name, run.condition.what))
@@ -162,6 +165,7 @@ class Verification:
         self._say('likely causes:')
         for line in difference_report.cause_lines(found.difference, first, run):
             self._say('  ' + line)
+        self._say_next('both runs to look at, side by side: rosrun move_base_abstract replay {} {}', first.log, run.log)
         for one in (first, run):
             _remove(one)
         return False
@@ -174,12 +178,26 @@ class Verification:
         self._say('not compared: other files that nodes write, and what they print')
         for crash in self.runs[0].crashes:
             self._say('but {} (--crashes allow)'.format(crash))
-        labels = list(difference_report.label_lines(self.runs))
+        labels = ['but not called repeatable: {}'.format(label) for label in difference_report.label_lines(self.runs)]
+        if not counts.events and not counts.messages:
+            labels.append('but there was nothing to compare: no robot did anything, and no message went from one '
+                          'participant to another')
         for label in labels:
-            self._say('but not called repeatable: {}'.format(label))
+            self._say(label)
+        if labels:
+            self._say_next('who takes part, and who only looks on: rosrun move_base_abstract lockstep_launch --list '
+                           '{}; of a program that is named in a label, change what is at its place', *self._launch)
+        else:
+            self._say_next('the search for another order of equal events that breaks it: rosrun move_base_abstract '
+                           'chaos {}', *self._launch)
         _remove(self.runs[0])
         return LABELLED if labels else IDENTICAL
 
+
+    def _say_next(self, text, *words):
+        """Say what can be typed next; ``words`` come into the text, or all into its one place."""
+        told = [shlex.quote(word) for word in words]
+        self._say('next: ' + text.format(*(told if text.count('{}') == len(told) else [' '.join(told)])))
 
     def _told_of_bags(self):
         number = len(self.runs[0].bags)

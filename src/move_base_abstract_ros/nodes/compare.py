@@ -11,6 +11,7 @@ Exit codes: 0 identical; 1 different; 2 a file cannot be read, or wrong argument
 """
 
 import argparse
+import shlex
 import sys
 
 from move_base_abstract.runs import event_log
@@ -69,4 +70,9 @@ def _compare(first_path, second_path):
     for log in (first, second):
         for remark in log.remarks():
             print(f'note: {log.name} {remark}' if log.end is None else f'note: {log.name} is {remark}')
-    return 0 if result.identical and bags is None else 1
+    is_same = result.identical and bags is None
+    if not is_same:
+        print('next: both runs to look at, side by side: rosrun move_base_abstract replay {} {}; what is likely to cause '
+              'it: rosrun move_base_abstract verify FILE, of their launch file'.format(
+                  shlex.quote(first_path), shlex.quote(second_path)))
+    return 0 if is_same else 1

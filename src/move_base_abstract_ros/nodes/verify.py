@@ -61,7 +61,7 @@ def _verify(options, launch_words):
         os.close(_FOLDER.make(folder))
     code = None
     try:
-        run = verification.Verification(launch_words, folder, options.time_limit, _say)
+        run = verification.Verification(launch_words, options.command, folder, options.time_limit, _say)
         code = run.verify(_names(options))
         return code
     finally:
@@ -116,6 +116,7 @@ def _words_of_chaos(parser, options):
         parser.error('--chaos: the file says what is run, got {} besides'.format(shown(' '.join(options.command))))
     try:
         made = replay_file.read(options.chaos)
+        options.command = list(made.launch)
         return made.words + made.launch
     except SimulatorError as error:
         parser.error(str(error))

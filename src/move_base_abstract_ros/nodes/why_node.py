@@ -29,6 +29,18 @@ HELP = ('what usually helps: a loop that waits for something waits in ROS time (
         'what computes for long needs patience only')
 _CODE = re.compile(r'(\S+)\+(0x[0-9a-f]+)')  # a place in a binary, as its thread has told it
 _ADDR2LINE_SECONDS = 10.0  # wall
+#: by what a lockstep run does: what can be typed next; FILE is its launch file
+NEXT = {
+    'waiting_for_participants': 'who is waited for, and whether it takes part at all: rosrun move_base_abstract '
+                                'lockstep_launch --list FILE',
+    'paused': 'rosservice call {}/resume',
+    'limited': 'as fast as it goes: without --speed-limit',
+    'idle': 'a run that is to end here: lockstep_launch --end-when-idle FILE',
+    'deadlock': 'who waits for whom, in its log: lockstep_launch --check --log-messages --event-log RUN.jsonl FILE',
+    'zero_delay_loop': 'the messages that go round, in its log: lockstep_launch --log-messages --event-log RUN.jsonl '
+                       'FILE',
+    'ended': 'the run to look at: rosrun move_base_abstract replay RUN.jsonl, its --event-log',
+}
 SHOWN = 10  # participants of a kind that are named one by one
 
 PHASES = {
@@ -53,7 +65,10 @@ def main(words=None):
     except (rospy.ROSException, OSError) as error:
         print(f'why: {error}', file=sys.stderr)
         sys.exit(1)
-    print(json.dumps(as_data(state), indent=2) if arguments.json else '\n'.join(map(shown, lines(state))))
+    if arguments.json:
+        print(json.dumps(as_data(state), indent=2))
+    else:
+        print('\n'.join(map(shown, lines(state, arguments.ns))))
 
 
 def _parse(words):
@@ -75,7 +90,9 @@ def _seconds(text):
 def _ask(topic, timeout):
     """Return the TimeState that the time master sends. Raises rospy.ROSException if none comes in time."""
     if not rosgraph.is_master_online():
-        raise rospy.ROSException(f'no ROS master at {rosgraph.get_master_uri()}')
+        raise rospy.ROSException(f'no ROS master at {rosgraph.get_master_uri()}; a run of lockstep_launch has one of its '
+                                 'own, which its first lines name: ROS_MASTER_URI=http://127.0.0.1:PORT rosrun '
+                                 'move_base_abstract why')
     # Without ROS time: the question must not make this node one of those that use the clock.
     rospy_start.prepare()
     rospy.init_node('why', anonymous=True, disable_rostime=True, disable_signals=True)
@@ -107,8 +124,8 @@ def as_data(message):
     return data
 
 
-def lines(state):
-    """Return the answer as lines for people."""
+def lines(state, name='/time_master'):
+    """Return the answer of the time master of that name as lines for people."""
     if state.mode != 'lockstep':
         return _scaled_lines(state)
     return [f'time {PHASES.get(state.phase, state.phase)}',
@@ -118,7 +135,7 @@ def lines(state):
             *([f'equal events are in the order of {state.chaos}'] if state.chaos else []),
             *([state.reason] if state.reason else []), *([state.event_log_error] if state.event_log_error else []),
             *_gate_lines(state), *_waiting_lines(state),
-            *_participant_lines(state), *_label_lines(state)]
+            *_participant_lines(state), *_label_lines(state), *_next_lines(state, name)]
 
 
 def _scaled_lines(state):
@@ -197,6 +214,13 @@ def _label_lines(state):
     yield from (f'degraded: {why}' for why in state.degraded_because)
     if state.repeatable:
         yield 'repeatable so far'
+
+
+def _next_lines(state, name):
+    if state.phase in NEXT:
+        yield 'next: ' + NEXT[state.phase].format(name.rstrip('/'))
+    elif state.bystanders or state.not_repeatable_because:
+        yield 'next: why a node only looks on: rosrun move_base_abstract lockstep_launch --list FILE'
 
 
 def _some(names):
