@@ -72,7 +72,7 @@ def _compare(first_path, second_path):
             print(f'note: {log.name} {remark}' if log.end is None else f'note: {log.name} is {remark}')
     is_same = result.identical and bags is None
     if not is_same:
-        print('next: both runs to look at, side by side: rosrun move_base_abstract replay {} {}; what is likely to cause '
-              'it: rosrun move_base_abstract verify FILE, of their launch file'.format(
+        print('next: both runs to look at, side by side: rosrun move_base_abstract replay {} {}; what is likely to '
+              'cause it: rosrun move_base_abstract verify FILE, of their launch file'.format(
                   shlex.quote(first_path), shlex.quote(second_path)))
     return 0 if is_same else 1

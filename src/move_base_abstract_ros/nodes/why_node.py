@@ -90,8 +90,8 @@ def _seconds(text):
 def _ask(topic, timeout):
     """Return the TimeState that the time master sends. Raises rospy.ROSException if none comes in time."""
     if not rosgraph.is_master_online():
-        raise rospy.ROSException(f'no ROS master at {rosgraph.get_master_uri()}; a run of lockstep_launch has one of its '
-                                 'own, which its first lines name: ROS_MASTER_URI=http://127.0.0.1:PORT rosrun '
+        raise rospy.ROSException(f'no ROS master at {rosgraph.get_master_uri()}; a run of lockstep_launch has one of '
+                                 'its own, which its first lines name: ROS_MASTER_URI=http://127.0.0.1:PORT rosrun '
                                  'move_base_abstract why')
     # Without ROS time: the question must not make this node one of those that use the clock.
     rospy_start.prepare()
