@@ -155,16 +155,16 @@ class Fleet:
     def place(self, name, pose):
         """Put a robot at ``pose`` (Pose2D, global frame) at once; with a goal it goes on from there."""
         check_kind(pose, Pose2D, 'pose')
-        self._members[name].navigator.place(pose, self.now_ns)
+        self._members[name].navigator.travel.place(pose, self.now_ns)
 
     def hold(self, name, reason):
         """Have a robot stand where it is for ``reason`` (a text), its goal still active, until :meth:`release`."""
         check_kind(reason, str, 'reason')
-        self._members[name].navigator.hold(reason, self.now_ns)
+        self._members[name].navigator.travel.hold(reason, self.now_ns)
 
     def release(self, name, reason):
         """End what :meth:`hold` began; without another reason the robot goes on, planned anew from where it is."""
-        self._members[name].navigator.release(reason, self.now_ns)
+        self._members[name].navigator.travel.release(reason, self.now_ns)
 
     def fail(self, name, kind=None, repair=None):
         """Have a robot fail now, as ``failure_kind`` says or in another way, for ``repair`` [s], None: as is drawn.
@@ -210,7 +210,7 @@ class Fleet:
         for member in self._members.values():
             member.use_map(occupancy)
         for member in self._members.values():
-            member.navigator.map_changed(self.now_ns)
+            member.navigator.travel.map_changed(self.now_ns)
 
     def pose(self, name):
         """Return a robot's present pose (Pose2D, global frame)."""

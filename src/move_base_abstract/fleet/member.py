@@ -78,7 +78,7 @@ class Member:
         self.condition.reset(now_ns)
         self.robot.reset(self._settings.start, now_ns)
         self._stream.tell(motion_of(self.robot, now_ns))
-        self.navigator.tell_stands(now_ns)
+        self.navigator.travel.tell_stands(now_ns)
 
     def remove(self, now_ns):
         """Take it out of the fleet: its goal and its tasks end."""
