@@ -90,7 +90,7 @@ class LockstepClock:
                 topic, node = hearer
                 rospy.logwarn('%s: %s listens to %s, which says nothing on the way: %s is 0', rospy.get_name(), node,
                               topic, parameter)
-                if self.participant.is_member(node):
+                if self.participant.members.is_member(node):
                     self.participant.log(robot.name, 'listens_in_vain', (node, topic, parameter), sub=robot.index)
 
     def show_rates(self, text):
