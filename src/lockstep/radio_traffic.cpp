@@ -10,17 +10,28 @@ namespace move_base_abstract {
 using radio::HostId;
 using radio::Radio;
 
-RadioTraffic::RadioTraffic(radio::Network network, Nanoseconds lookahead, Tell tell, Label label)
+namespace {
+
+// Robots tell how they move when they begin; who has not after this time [ns, simulated] hardly
+// will.
+constexpr Nanoseconds kTimeToTell = kNanosecondsPerSecond;
+
+}  // namespace
+
+RadioTraffic::RadioTraffic(radio::Network network, Nanoseconds lookahead, Voices voices)
     : radio_(std::move(network)),
       watch_(radio_.hosts()),
       lookahead_(lookahead),
-      tell_(std::move(tell)),
-      label_(std::move(label)) {}
+      voices_(std::move(voices)) {}
 
 void RadioTraffic::join(MemberId id, const std::string& name) { fresh_.emplace_back(name, id); }
 
 /** @brief Give hosts to those who have joined, in an order that is that of every run. */
 void RadioTraffic::settle(Nanoseconds now) {
+  if (began_ && !is_said_ && now > *began_ + kTimeToTell) {
+    is_said_ = true;
+    sayWhatIsNot();  // before anything of this instant is done: whoever asks first
+  }
   if (fresh_.empty()) {
     return;
   }
@@ -29,8 +40,12 @@ void RadioTraffic::settle(Nanoseconds now) {
   });
   for (const auto& [name, id] : fresh_) {
     nodes_[id] = radio_.hosts().of(name);
+    if (nodes_[id] == 0) {
+      alone_.emplace_back(name, id);
+    }
   }
   fresh_.clear();
+  began_ = began_.value_or(now);
   watch_.advance(now);
   watch_.meet(now);
 }
@@ -74,7 +89,36 @@ bool RadioTraffic::isWired(std::string_view name) {
  * listens, as recorders do, needs no host. */
 void RadioTraffic::labelIfAlone(HostId from, std::string_view sender) {
   if (from == 0 && labelled_.insert(std::string(sender)).second) {
-    label_(quote(sender) + " is on no host of the network: what it says is not on the radio");
+    voices_.label(quote(sender) +
+                  " is on no host of the network: what it says is not on the radio");
+  }
+}
+
+/** @brief Once, when all have had the time to tell: hosts of which nobody knows where they are, or
+ * that have no nodes, and nodes that are on none. */
+void RadioTraffic::sayWhatIsNot() const {
+  const radio::Hosts& hosts = radio_.hosts();
+  for (HostId id = 1; id <= hosts.count(); ++id) {
+    if (hosts.lacksPlace(id)) {
+      voices_.label("host " + quote(hosts.name(id)) +
+                    " of the network is out of reach wherever places matter: no robot of this name "
+                    "tells how it moves (move_base and fleet of this package do); a fixed place "
+                    "[x, y] is allowed, or links without a range and with a loss that is a number");
+    }
+  }
+  for (const radio::HostRule& rule : hosts.network().hosts) {
+    if (hosts.isWithoutNodes(rule)) {
+      voices_.warn("host " + quote(rule.name) +
+                   " of the network has none of the nodes that take "
+                   "part: nothing of it is simulated");
+    }
+  }
+  for (const auto& [name, id] : alone_) {
+    const auto robot = robots_.lower_bound({id, 0});
+    if (robot == robots_.end() || robot->first.first != id) {
+      voices_.inform(quote(name) +
+                     " is on no host of the network: what it hears is not on the radio");
+    }
   }
 }
 
@@ -115,12 +159,13 @@ Carried RadioTraffic::decided(const Sent& sent, const Radio::Outcome& outcome, N
   has_news_ = true;
   if (outcome.kind == Radio::Outcome::Kind::kLost) {
     ++counts.lost;
-    tell_({sent.order, sent.name, "radio_lost", sent.values + "\"" + outcome.reason + "\"]"});
+    voices_.tell(
+        {sent.order, sent.name, "radio_lost", sent.values + "\"" + outcome.reason + "\"]"});
     return {outcome.at, outcome.reason};
   }
   ++counts.arrived;
   const Nanoseconds arrival = std::max(outcome.at, addSaturated(now, lookahead_));
-  tell_({sent.order, sent.name, "radio", sent.values + std::to_string(arrival) + "]"});
+  voices_.tell({sent.order, sent.name, "radio", sent.values + std::to_string(arrival) + "]"});
   return {arrival};
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -43,11 +44,16 @@ class RadioTraffic : public Carrier {
     std::string values;  // a JSON array
   };
   using Tell = std::function<void(Line)>;
-  using Label = std::function<void(const std::string& why)>;
+  using Say = std::function<void(const std::string&)>;
+  struct Voices {
+    Tell tell;  // of each message between hosts
+    Say label;  // why not all is on the air, or not as it is
+    Say warn;   // of what may be meant otherwise
+    Say inform;
+  };
 
-  /** @param lookahead what each message takes at least [ns, simulated]. @param tell is told of each
-   * one between hosts. @param label why not all is on the air. */
-  RadioTraffic(radio::Network network, Nanoseconds lookahead, Tell tell, Label label);
+  /** @param lookahead what each message takes at least [ns, simulated]. */
+  RadioTraffic(radio::Network network, Nanoseconds lookahead, Voices voices);
 
   /** @brief It takes part: the hosts of those who do so before the first action are numbered in the
    * order of their names. */
@@ -91,19 +97,22 @@ class RadioTraffic : public Carrier {
   void settle(Nanoseconds now);
   radio::HostId hostOf(MemberId id, std::uint32_t sub) const;
   bool isWired(std::string_view name);
+  void sayWhatIsNot() const;
   void labelIfAlone(radio::HostId from, std::string_view sender);
   Carried decided(const Sent& sent, const radio::Radio::Outcome& outcome, Nanoseconds now);
 
   radio::Radio radio_;
   radio::LinkWatch watch_;
   const Nanoseconds lookahead_;
-  const Tell tell_;
-  const Label label_;
+  const Voices voices_;
+  std::optional<Nanoseconds> began_;                     // simulated; nothing: nobody has joined
+  bool is_said_ = false;                                 // what is not simulated
   std::vector<std::pair<std::string, MemberId>> fresh_;  // have joined, and are on no host as yet
   std::map<MemberId, radio::HostId> nodes_;
   std::map<std::pair<MemberId, std::uint32_t>, radio::HostId> robots_;  // of participants
   std::map<std::string, bool, std::less<>> wired_;
   std::set<std::string> labelled_;
+  std::vector<std::pair<std::string, MemberId>> alone_;  // on no host of their own
   std::map<std::uint64_t, Sent> waiting_;
   std::map<Ends, Counts> counts_;
   std::uint64_t ticket_ = 0;

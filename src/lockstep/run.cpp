@@ -69,10 +69,13 @@ void LockstepRun::addRadio() {
   }
   auto carrier = std::make_unique<RadioTraffic>(
       std::move(network), toNanoseconds(settings.lookahead),
-      [this](const RadioTraffic::Line& line) {
-        log.add(line.order, {rounds.now(), line.name, line.kind, line.values, "", ""});
-      },
-      [this](const std::string& why) { labels.addDegraded(why); });
+      RadioTraffic::Voices{
+          [this](const RadioTraffic::Line& line) {
+            log.add(line.order, {rounds.now(), line.name, line.kind, line.values, "", ""});
+          },
+          [this](const std::string& why) { labels.addDegraded(why); },
+          [this](const std::string& what) { messages.say(LockstepMessage::Level::kWarn, what); },
+          [this](const std::string& what) { messages.say(LockstepMessage::Level::kInfo, what); }});
   radio = carrier.get();
   addCarrier(std::move(carrier));
   log.setBefore([this]() {

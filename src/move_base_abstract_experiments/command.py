@@ -1,45 +1,20 @@
 """The command line: rosrun move_base_abstract experiment run|status|rerun|report."""
 import argparse
-import contextlib
 import os
-import signal
 import sys
 
 from move_base_abstract.common.errors import SimulatorError
 
-GOOD, BAD, CANNOT, INTERRUPTED = 0, 1, 2, 130
+from . import ending
+from .ending import CANNOT, INTERRUPTED
+
+GOOD, BAD = 0, 1
 
 
 def main(words):
     """Run the command line; return the exit code: 0 good, 1 some trials failed, 2 it cannot be run like this."""
     options = _parse(words)
-    try:
-        with _ended_as_by_ctrl_c():
-            return options.act(options)
-    except (SimulatorError, OSError) as error:
-        print(f'experiment: {error}', file=sys.stderr)
-        return CANNOT
-    except KeyboardInterrupt:
-        print('experiment: interrupted', file=sys.stderr)
-        return INTERRUPTED
-
-
-@contextlib.contextmanager
-def _ended_as_by_ctrl_c():
-    """Have SIGTERM and SIGHUP (unless it is ignored, as under nohup) end what runs meanwhile as Ctrl-C does."""
-    numbers = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) == signal.SIG_DFL]
-
-    def interrupt(_number, _frame):
-        for number in numbers:  # what ends is ended once
-            signal.signal(number, signal.SIG_IGN)
-        raise KeyboardInterrupt
-    for number in numbers:
-        signal.signal(number, interrupt)
-    try:
-        yield
-    finally:
-        for number in numbers:
-            signal.signal(number, signal.SIG_DFL)
+    return ending.exit_code('experiment', lambda: options.act(options))
 
 
 def _parse(words):

@@ -6,6 +6,7 @@ its default: a file of an older version lacks some. Keys that are not known are 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import os
 import re
@@ -174,9 +175,16 @@ def _read(cls: Type[T], content: Dict[str, Any], where: str, wanted_format: Opti
     if wanted_format and (content.get('format') != wanted_format or isinstance(content['format'], bool)):
         raise ConfigurationError(f"{where}: 'format' must be {wanted_format}, got {shown(content.get('format'))}; "
                                  'another version of this program wrote it')
-    hints = get_type_hints(cls)
-    _check(content, {name: _types_of(hint) for name, hint in hints.items()}, where)
-    return cls(**{name: content[name] for name in hints if name in content})
+    hashable: Any = cls  # which mypy does not believe of a dataclass
+    types = _types_in(hashable)
+    _check(content, types, where)
+    return cls(**{name: content[name] for name in types if name in content})
+
+
+@functools.lru_cache(maxsize=None)  # a table reads a file for each trial
+def _types_in(cls: Any) -> Dict[str, Tuple[type, ...]]:
+    """Return {name: types that its values have in a file of JSON} of a dataclass."""
+    return {name: _types_of(hint) for name, hint in get_type_hints(cls).items()}
 
 
 def _types_of(hint: Any) -> Tuple[type, ...]:

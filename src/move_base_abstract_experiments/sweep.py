@@ -114,14 +114,18 @@ def _check_launch(trial: Trial) -> None:
     from roslaunch.arg_dump import get_args
 
     from move_base_abstract_ros.launching import roles
+    from move_base_abstract_ros.launching.plan import Wishes
     experiment, arguments = trial.experiment, trial.arguments
     path = launch_files.find(trial.launch, experiment.folder)
-    declared = get_args([path])  # roslaunch itself takes no notice of others
+    # roslaunch itself takes no notice of others; and it cannot say them where packages are missing
+    declared = launch_files.arguments_of(path) if experiment.adopt else get_args([path])
     for name in experiment.args:
         if name not in declared:
             raise kinds.unknown('args: the argument', name, declared)
     try:
-        config = launch_files.read([(path, arguments)])
+        config = launch_files.read([(path, arguments)], experiment.adopt)
+        if experiment.adopt:
+            launch_files.adopted(config, Wishes(parameters={}, left_out=experiment.leave_out))
     except ConfigurationError as error:
         raise ConfigurationError(f"launch, with {' '.join(arguments) or 'no arguments'}: {error}") from None
     names = [roles.name_of(node) for node in config.nodes]

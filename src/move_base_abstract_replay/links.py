@@ -6,8 +6,8 @@ import math
 def find_links(recording, robots):
     """Return [{'ends': [end, end], 'times': [ns], 'up': [bool]}] of links between what can be shown.
 
-    An end is {'robot': its number among ``robots`` (names)}, or {'x', 'y'} [m] of a host that stands still. Anybody may
-    write rows: those of another form are left out.
+    An end is {'robot': its number among ``robots`` (names)}, or {'name', 'x', 'y'} [m] of a host that stands still.
+    Anybody may write rows: those of another form are left out.
     """
     numbers = {name: number for number, name in enumerate(robots)}
     places, links = {}, {}
@@ -17,7 +17,7 @@ def find_links(recording, robots):
         values = json.loads(text)
         if kind == 'host' and len(values) == 2 and all(type(one) in (int, float) and math.isfinite(one)
                                                        for one in values):
-            places[name] = {'x': values[0], 'y': values[1]}
+            places[name] = {'name': name, 'x': values[0], 'y': values[1]}
         elif kind == 'link' and len(values) == 3 and all(isinstance(one, str) for one in values):
             times, states = links.setdefault(tuple(values[:2]), ([], []))
             times.append(time_ns)

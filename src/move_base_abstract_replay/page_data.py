@@ -19,7 +19,8 @@ class Run:
         self.recording = recording
         self.motions = Motions(recording)
         self.timelines = find_timelines(recording, list(self.motions.tracks))
-        self.box = _box(self.motions)
+        self.links = find_links(recording, [line.name for line in self.timelines if line.is_robot])
+        self.box = _box(self.motions, self.links)
 
     @property
     def facts(self):
@@ -67,8 +68,7 @@ class Run:
         self._pack_timelines(packer)
         return packer.text({
             'name': self.name, 'begin': recording.begin_ns, 'end': recording.end_ns, 'names': recording.name_of,
-            'links': find_links(recording, [line.name for line in self.timelines if line.is_robot]),
-            'kinds': recording.kind_of, 'states': NAMES, 'limits': self.motions.limits,
+            'links': self.links, 'kinds': recording.kind_of, 'states': NAMES, 'limits': self.motions.limits,
             'rows': [{'name': timeline.name, 'robot': timeline.is_robot} for timeline in self.timelines]})
 
     def _pack_motions(self, packer):
@@ -102,12 +102,13 @@ def _firsts(groups):
     return firsts
 
 
-def _box(motions):
-    """Return (x_min, y_min, x_max, y_max) [m] of all places, or None."""
+def _box(motions, links):
+    """Return (x_min, y_min, x_max, y_max) [m] of all places of robots, and of fixed hosts of a radio; or None."""
     places = [place for track in motions.tracks.values() for motion in track.motions
               for place in (motion.start, motion.goal)]
     if not places:
         return None
+    places += [(end['x'], end['y']) for link in links for end in link['ends'] if 'x' in end]
     return (min(place[0] for place in places), min(place[1] for place in places),
             max(place[0] for place in places), max(place[1] for place in places))
 

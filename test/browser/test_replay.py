@@ -125,6 +125,39 @@ def test_a_way_with_corners_is_one_leg_to_its_goal(browser, pages):
     browser.frame()
 
 
+def test_links_of_the_radio_are_drawn_while_they_are_up(browser, pages):
+    rows = [(S, '', 'link', ('base', 'robot_0', 'up')), (S, '', 'link', ('base', 'robot_1', 'up')),
+            (S, '', 'link', ('robot_0', 'robot_1', 'down')), (S, 'base', 'host', (20.0, 20.0)),
+            (20 * S, '', 'link', ('base', 'robot_1', 'down'))]
+    entries = sorted([*rows, *small_run()], key=lambda entry: entry[0])
+    browser.open(page(pages[0], 'links', entries, map_file=MAP))
+    # The dotted lines that the page draws are kept, as [[x, y] of both ends] [px].
+    browser.run("""
+        window.drawn = [];
+        const P = CanvasRenderingContext2D.prototype, {setLineDash, moveTo, lineTo} = P;
+        let dashed = false, from = null;
+        P.setLineDash = function (dash) { dashed = dash[0] === 2; setLineDash.call(this, dash); };
+        P.moveTo = function (x, y) { from = [x, y]; moveTo.call(this, x, y); };
+        P.lineTo = function (x, y) { if (dashed) window.drawn.push([from, [x, y]]); lineTo.call(this, x, y); };""")
+    for time_ns, expected in ((15 * S, [0, 1]), (30 * S, [0])):
+        browser.run('window.drawn = []; window.replay.seek(arguments[0])', time_ns)
+        browser.wait('return window.drawn.length > 0')
+        browser.frame()
+        drawn = browser.run('return window.drawn')
+        robots = browser.run("""return arguments[0].map((robot) => {
+            const pose = window.replay.runs[0].poseAt(robot, window.replay.time);
+            return [pose.x - 20, pose.y - 20];})""", expected)
+        base, end = drawn[0]
+        scale = (end[0] - base[0]) / robots[0][0]  # px/m
+        assert scale > 0
+        for number, (begin, end) in enumerate(drawn):  # each frame draws them all
+            x, y = robots[number % len(robots)]
+            assert begin == base
+            assert (end[0] - base[0], base[1] - end[1]) == pytest.approx((x * scale, y * scale), abs=0.01)
+        assert len(drawn) % len(robots) == 0
+        assert browser.run('return window.replay.runs[0].hosts.map(({name}) => name)') == ['base']
+
+
 def test_two_runs_stand_side_by_side_and_a_button_shows_the_first_difference(browser, pages):
     browser.open(page(pages[0], 'two', small_run(), small_run((30.0, 4.0))))
     browser.click('#jump')

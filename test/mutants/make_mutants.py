@@ -3,9 +3,9 @@
 
 usage: make_mutants.py FOLDER_OF_SOURCES FOLDER_TO_WRITE TABLE
 
-TABLE has one entry for each place: a line '== RULE FILE', the text of the source, a line '--', and what stands in its
-place. There '@' is isBroken("RULE") and '%' the text itself. Each text must be in its file exactly once: a source that
-has changed ends the build, not the test of a rule.
+TABLE has one entry for each place: a line '== RULE FILE' (its name, or the end of its path), the text of the source, a
+line '--', and what stands in its place. There '@' is isBroken("RULE") and '%' the text itself. Each text must be in its
+file exactly once: a source that has changed ends the build, not the test of a rule.
 """
 import sys
 from pathlib import Path
@@ -27,7 +27,7 @@ def mutate(sources, table):
     """
     mutated = dict(sources)
     for rule, file, text, replacement in entries(table):
-        path = next((path for path in sources if path.name == file), None)
+        path = next((path for path in sources if path.as_posix().endswith('/' + file)), None)
         if path is None or mutated[path].count(text) != 1:
             raise ValueError(f'{rule}: {file} must have this exactly once: {text!r}')
         mutated[path] = mutated[path].replace(text, replacement)

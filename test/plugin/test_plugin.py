@@ -1,4 +1,5 @@
 """The plugin for pytest, as users have it: tests that pass, tests that must fail, and the examples'."""
+import importlib.util
 import os
 import subprocess
 import sys
@@ -154,7 +155,10 @@ def test_tests_that_are_wrong_say_why(session, name):
     assert FAILS[name] in session[0][name], session[1]
 
 
-@pytest.mark.parametrize('name, count', [('test_coordinator.py', 3), ('experiments/test_systems.py', 2)])
+@pytest.mark.parametrize('name, count', [
+    ('test_coordinator.py', 3), ('experiments/test_systems.py', 2), ('test_own_simulator.py', 1),
+    ('test_thousand_robots.py', 1)])
 def test_the_examples_tests_pass(tmp_path, name, count):
-    told, said = results_of(tmp_path, str(ROOT / 'examples' / name))
+    side_by_side = ['-n', '2'] if importlib.util.find_spec('xdist') and count > 1 else []
+    told, said = results_of(tmp_path, *side_by_side, str(ROOT / 'examples' / name))
     assert len(told) == count and set(told.values()) == {''}, said

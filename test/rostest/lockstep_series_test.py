@@ -100,7 +100,7 @@ class LockstepSeries(unittest.TestCase):
 
     def test_each_trial_is_a_run_that_ends_where_the_script_ends_it_and_has_the_same_bytes_again(self):
         code, said = self.run_script(os.path.join(self.study, 'run_trials.py'), '1', '1', options=(
-            '--set', '/compatible_with:=move_base_abstract', '--sleep', 'simulated'))
+            '--param', '/compatible_with=move_base_abstract', '--sleep', 'simulated'))
         self.assertEqual(code, 0, said)
         self.assertEqual(said.count('trial 1 over at 31.100 s, at 10.0'), 2, said)
         first = self.log(1)

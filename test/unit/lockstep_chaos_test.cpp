@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "broken.h"
+#include "lockstep/chaos/chaos.h"
+#include "lockstep/chaos/decisions.h"
 #include "lockstep/chaos/draws.h"
 #include "lockstep_client.h"
 #include "lockstep_items.h"
@@ -208,6 +210,29 @@ TEST(Chaos, TellsWhatHappened) {
   }
   EXPECT_GE(kinds.size(), 2U);
   EXPECT_EQ(all.session.status().chaos, "chaos seed 7 with delays up to 0.1 s");
+}
+
+TEST(Chaos, TellsWhatCameBehindAnEarlierOneOfItsConnection) {
+  chaos::Decisions decisions(7, std::nullopt, true);
+  chaos::Delays delays(decisions, kOne);
+  Nanoseconds before = 0;
+  std::map<bool, int> counts;  // of those that waited and of others
+  for (Nanoseconds sent = 0; sent < kOne; sent += kOne / 1000) {
+    Passage passage{Passage::Kind::kMessage, 1, 2,    "/a", "/b", "/topic",
+                    "std_msgs/Empty",        0, false};
+    passage.from = sent;
+    const Nanoseconds arrives = delays.carry(passage).due;
+    for (const chaos::Decision& decision : decisions.take()) {
+      const bool waited =
+          decision.says.find(", and came behind an earlier one, after ") != std::string::npos;
+      EXPECT_EQ(waited, arrives == before) << decision.says;
+      ++counts[waited];
+    }
+    EXPECT_GE(arrives, before);
+    before = arrives;
+  }
+  EXPECT_GT(counts[true], 0);
+  EXPECT_GT(counts[false], 0);
 }
 
 /** @brief /a and /b call what /c serves, three times in each turn; /c answers all at once. */

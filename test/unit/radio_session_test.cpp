@@ -113,6 +113,52 @@ TEST(RadioSession, WhoIsOnNoHostHearsAtOnceAndIsNamed) {
   EXPECT_EQ(air.next(2), (Texts{"2000000000: deliver 3 1 w"}));
 }
 
+TEST(RadioSession, AHostWhoseRobotTellsNoMotionIsNamedAndWhatIsSentToItIsLost) {
+  for (const bool tells : {false, true}) {
+    Air air("range 5", "robot");
+    air.report(1, 2 * kOne);
+    if (tells) {
+      air.report(2, kNever, {wire::Motion{0, "robot_1", piece(kOne, 10.0, 0.0)}});
+    } else {
+      air.report(2, kNever);
+    }
+    air.next(1);
+    air.report(1, 2 * kOne + 1, {news("x")});
+    EXPECT_TRUE(air.session.status().degraded.empty());
+    EXPECT_NE(air.log().back().find(tells ? "\"range\"]" : "\"no_place\"]"), std::string::npos);
+    air.next(1);
+    air.report(1, kNever);
+    air.log();
+    const auto labels = air.session.status().degraded;
+    ASSERT_EQ(labels.size(), tells ? 0U : 1U);
+    EXPECT_TRUE(tells || labels[0].find("host 'robot_1' of the network is out of reach wherever "
+                                        "places matter") == 0);
+  }
+}
+
+TEST(RadioSession, HostsWithoutNodesAndNodesOnNoHostAreNamedOnce) {
+  Air air("loss 0", "robot");  // where places do not matter
+  air.report(1, 3 * kOne);
+  air.report(2, kNever);
+  air.next(1);
+  air.report(1, kNever);
+  air.log();
+  EXPECT_TRUE(air.session.status().degraded.empty());
+  EXPECT_TRUE(air.said("'/watch' is on no host of the network: what it hears is not on the radio"));
+  EXPECT_FALSE(air.said("none of the nodes"));
+  LockstepSettings settings = Air::on("range 5", "at 10 0");
+  settings.participants = {"/base"};
+  Stage alone(settings);
+  alone.join(1, "/base");
+  alone.grant(1);
+  alone.report(1, 3 * kOne);
+  alone.grant(1);
+  alone.report(1, kNever);
+  alone.session.takeLog();
+  EXPECT_TRUE(alone.said("host 'robot_*' of the network has none of the nodes that take part",
+                         LockstepMessage::Level::kWarn));
+}
+
 TEST(RadioSession, AQueueKeepsItUntilTheRobotComesIntoRange) {
   Air air("range 5 lost queue delay 3 3", "robot");
   air.report(1, kNever, {news("x")});

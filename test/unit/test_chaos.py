@@ -4,7 +4,8 @@ import json
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract_experiments.chaos import failures, replay_file, shrinking
+from move_base_abstract.properties import Gathering
+from move_base_abstract_experiments.chaos import command, failures, replay_file, runs, shrinking
 from move_base_abstract_experiments.records import COMPLETE, Result
 
 NAMES = [f'{number:012x}' for number in range(40)]
@@ -73,6 +74,19 @@ def test_only_what_is_wanted_counts():
     assert found(crashed, wanted=['cra', 'deadlock'], **both) is None
 
 
+def test_a_search_gathers_what_runs_have_stated_up_to_the_first_that_fails():
+    def told(seed, outcome, failure=None):
+        judged = failures.seen(complete(), log({'time_ns': 1, 'robot': '/a', 'kind': 'property', 'values': [
+            'sometimes', 'it waits', outcome]})).judged
+        return runs.Told(runs.Chosen(seed), failure, [], '', judged=judged)
+    failed = told(2, 'held', failures.Failure('crash /a', 'why'))
+    gathered = Gathering()
+    assert command._first_failing(iter([told(0, 'stated'), runs.Told(runs.Chosen(1), None, [], ''), failed, told(
+        3, 'held')]), gathered) is failed
+    assert gathered.sometimes == {('/a', 'it waits'): (2, 1)}
+    assert command._first_failing(iter([told(0, 'stated')]), Gathering()) is None
+
+
 def made(**others):
     return replay_file.Replay(**{**dict(launch=['/x.launch', 'robots:=3'], seed=7, delay=0.05, only=[NAMES[1]],
                                         failure='crash /a', text='it crashed', happened=['a before b'], sha256='0'),
@@ -86,6 +100,10 @@ def test_a_replay_is_read_as_it_was_written(tmp_path):
         assert replay_file.read(path) == one
     assert made().words == ['--chaos-seed', '7', '--chaos-delay', '0.05', '--chaos-only', NAMES[1],
                             '--crashes', 'allow', '--seed', '0']
+    nodes = {'participant': ['/a'], 'onlooker': ['/b'], 'leave_out': ['/c'], 'replace': {'p/a': 'p/b'}}
+    assert made(document=nodes, seed=0).words == [
+        '--crashes', 'allow', '--participant', '/a', '--onlooker', '/b', '--leave-out', '/c', '--replace', 'p/a=p/b',
+        '--seed', '0']
     assert '--chaos-only' in made(only=[]).words and 'none' in made(only=[]).words
     assert not any('chaos' in word for word in made(seed=0).words)
 

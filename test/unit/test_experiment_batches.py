@@ -190,6 +190,15 @@ def test_a_folder_that_is_as_a_new_one_serves_the_next_trial_and_no_other_does(t
     def nothing(_folders):
         pass
 
+    def empty_prints(folders):
+        for folder in folders:
+            with open(os.path.join(folder, run_folders.OUTPUT), 'w'):
+                pass
+
+    def prints(folders):
+        with open(os.path.join(folders.logs, run_folders.OUTPUT), 'w') as stream:
+            stream.write('x')
+
     def a_folder(folders):
         os.mkdir(os.path.join(folders.files, 'd'))
 
@@ -199,5 +208,7 @@ def test_a_folder_that_is_as_a_new_one_serves_the_next_trial_and_no_other_does(t
     def a_link(folders):
         os.rename(folders.logs, folders.logs + '_')
         os.symlink(folders.logs + '_', folders.logs)
-    assert left_by(nothing) == (True, [[], [], []])
+    assert left_by(nothing) == left_by(prints) == (True, [[], [], []])
+    is_new, names = left_by(empty_prints)
+    assert (is_new, sorted(names)) == (True, [[], [], [run_folders.OUTPUT]])  # for the next one's
     assert [left_by(do)[0] for do in (a_folder, another_mode, a_link)] == [False] * 3

@@ -51,6 +51,12 @@ MATTERS = ['walkers/coordinator.py', 'walkers/beside.py', 'walkers/table.csv', '
            'lib/computed.py', 'measure.py', 'near.py', 'input.csv']
 
 
+def told(folder):
+    """Return what a trial that was carried out in a folder says of itself."""
+    with outputs.opened((folder / bundle.OUTPUTS).read_bytes()) as archive:
+        return outputs.result_in(archive).written
+
+
 @pytest.fixture
 def workspace(tmp_path, monkeypatch):
     """A package with programs, modules elsewhere, and an experiment; gives its folder."""
@@ -149,7 +155,7 @@ def test_a_file_that_changes_while_the_experiment_runs_fails_the_trials_that_fol
         ingredients.check(job.files)
     (tmp_path / 'trial').mkdir()
     execution.carry_out(job, str(tmp_path / 'trial'))
-    about = json.loads((tmp_path / 'trial' / 'trial.json').read_text())
+    about = told(tmp_path / 'trial')
     assert (about['status'], 'beside.py is another file' in about['error']) == ('failed', True)
     assert (tmp_path / 'trial' / bundle.OUTPUTS).exists()
 
@@ -194,7 +200,7 @@ def test_a_worker_that_finds_another_program_in_another_place_complains(other_pl
     ingredients.check(job.files)  # those of who has started the experiment are as they were
     (tmp_path / 'trial').mkdir()
     execution.carry_out(job, str(tmp_path / 'trial'))
-    about = json.loads((tmp_path / 'trial' / 'trial.json').read_text())
+    about = told(tmp_path / 'trial')
     other_file = name.rpartition('/')[2] + ' is another file'
     what = 'the parameter /gain is another one' if name.endswith('yaml') else other_file
     assert (about['status'], f'{what} on ' in about['error']) == ('failed', True)

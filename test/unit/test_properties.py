@@ -202,3 +202,6 @@ def test_runs_are_gathered_by_property(tmp_path):
         'departed then never ends',
         'broken in 2 of 3 runs, first in trial_1 (seed 1) at 2.000000000 s: always: /a: one owner',
         'held in none of 3 runs: sometimes: /a: low']
+    gathered.take('again', 3, judgement_on(Run(log_of(tmp_path, (
+        '/a', 'property', 'sometimes', 'low', 'held')))).told())
+    assert gathered.sometimes == {('/a', 'low'): (2, 1)} and not gathered.never_held()

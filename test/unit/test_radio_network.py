@@ -156,7 +156,7 @@ def test_links_of_a_replay():
             (5, '', 'link', '["base", "r", "up"]'), (1, '', 'link', '["base", "nowhere", "up"]'),
             (2, '', 'link', '[1]'), (2, 'x', 'host', '["a", null]')]
     assert find_links(rows, ['q', 'r']) == [
-        {'ends': [{'x': 1.5, 'y': 2}, {'robot': 1}], 'times': [1, 5], 'up': [False, True]}]
+        {'ends': [{'name': 'base', 'x': 1.5, 'y': 2}, {'robot': 1}], 'times': [1, 5], 'up': [False, True]}]
 
 
 def test_command_lines_without_a_network():

@@ -30,21 +30,22 @@ MAY_IMPORT = {
         'markers': 'lockstep messages', 'clocks': 'process lockstep messages transforms',
         'backends': 'lockstep messages transforms clocks',
         'robot': 'replacing lockstep messages transforms maps markers clocks backends',
-        'fleet': 'replacing messages markers robot', 'launching': 'replacing loopback lockstep messages',
+        'fleet': 'replacing messages markers robot', 'adopting': '',
+        'launching': 'replacing loopback lockstep messages adopting',
         'nodes': 'replacing loopback process lockstep messages transforms maps markers clocks backends robot fleet '
-                 'launching'},
+                 'adopting launching'},
     'move_base_abstract_ros/lockstep': {
         'code': '', 'programs': '', 'ros_master': '', 'exchange': 'ros_master', 'failing': 'code',
         'machine': 'code programs', 'waiting': 'code ros_master failing',
         'participation': 'ros_master exchange failing waiting',
         'program': 'code programs ros_master failing machine waiting participation'},
     'move_base_abstract_experiments': {
-        'records': '', 'description': 'records', 'report': 'records', 'trials': 'records description',
+        'records': '', 'ending': '', 'description': 'records', 'report': 'records', 'trials': 'records description',
         'carrying': 'description trials', 'results': 'records description trials carrying',
         'sweep': 'records description trials carrying results report',
         'rerun': 'records description trials carrying results',
-        'command': 'description trials results report sweep rerun', '__main__': 'command',
-        'chaos': 'records description trials carrying results'},
+        'command': 'description trials results report sweep rerun ending', '__main__': 'command',
+        'chaos': 'records description trials carrying results ending'},
     'soil_mapping': {
         'config': '', 'seeds': '', 'stopwatch': '', 'environment': '', 'interpolation': '',
         'ground_truth': 'config seeds interpolation', 'mission': 'config seeds stopwatch interpolation',

@@ -166,17 +166,21 @@ Carried Delays::carry(const Passage& passage) {
              hashOf(passage.receiver_name), hashOf(passage.name)});
   const auto delay =
       static_cast<Nanoseconds>(decisions_.draw(link, static_cast<std::uint64_t>(most_)));
+  Nanoseconds& last = last_[link];
+  const Nanoseconds due = addSaturated(passage.from, delay);
+  const bool waits = last > due;  // for what its connection carries ahead of it
+  last = std::max(last, due);
   if (delay > 0) {
     decisions_.note(passage.from, "delay", [&] {
       static const char* const kinds[] = {"message on ", "call of ", "answer to a call of "};
       return std::string(passage.sender_name) + "'s " +
              kinds[static_cast<std::size_t>(passage.kind)] + std::string(passage.name) +
              " was under way to " + std::string(passage.receiver_name) + " for " +
-             secondsText(delay);
+             secondsText(delay) +
+             (waits ? ", and came behind an earlier one, after " + secondsText(last - passage.from)
+                    : "");
     });
   }
-  Nanoseconds& last = last_[link];
-  last = std::max(last, addSaturated(passage.from, delay));
   return {last};
 }
 

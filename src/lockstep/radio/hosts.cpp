@@ -1,5 +1,6 @@
 #include "hosts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
@@ -60,32 +61,50 @@ Nanoseconds Hosts::standsFrom(HostId id) const {
   return motion == motions_.end() ? 0 : motion->second.end();
 }
 
+bool Hosts::isWithoutNodes(const HostRule& rule) const {
+  return std::none_of(hosts_.begin(), hosts_.end(),
+                      [&rule](const Host& host) { return host.rule == &rule; });
+}
+
+bool Hosts::lacksPlace(HostId id) const {
+  if (place(id, 0)) {
+    return false;
+  }
+  for (HostId other = 1; other <= count(); ++other) {
+    const LinkRule* const link = other == id ? nullptr : rule(id, other);
+    if (link != nullptr && link->needsPlaces()) {
+      return true;
+    }
+  }
+  return false;
+}
+
 /** A host whose place nobody has told is out of reach, where places matter. */
 Hosts::Reach Hosts::reach(const LinkRule& rule, HostId one, HostId other, Nanoseconds now) const {
-  const auto* even = std::get_if<double>(&rule.loss);
-  if (even != nullptr && std::isinf(rule.range)) {
-    return {*even < 1.0, *even};
+  if (!rule.needsPlaces()) {
+    const double loss = std::get<double>(rule.loss);
+    return {loss < 1.0, loss, true};
   }
   const auto from = place(one, now);
   const auto to = place(other, now);
   if (!from || !to) {
-    return {false, 1.0};
+    return {false, 1.0, false};
   }
   const double dx = to->x - from->x;
   const double dy = to->y - from->y;
   double distance = std::sqrt(dx * dx + dy * dy);
   if (distance > rule.range) {
-    return {false, 1.0};
+    return {false, 1.0, true};
   }
   const double walls = rule.wall > 0.0 ? rule.wall * network_.walls.between(*from, *to) : 0.0;
   if (!std::holds_alternative<PathLoss>(rule.loss)) {
     distance += walls;
   }
   if (distance > rule.range) {
-    return {false, 1.0};
+    return {false, 1.0, true};
   }
   const double loss = lossAt(rule.loss, distance, walls);
-  return {loss < 1.0, loss};
+  return {loss < 1.0, loss, true};
 }
 
 }  // namespace move_base_abstract::radio

@@ -47,9 +47,14 @@ class Hosts {
 
   /** @brief What lies between two hosts at an instant. */
   struct Reach {
-    bool is_up;   // a message may get through
-    double loss;  // the probability that it does not
+    bool is_up;      // a message may get through
+    double loss;     // the probability that it does not
+    bool is_placed;  // else it matters where both are, and nobody has told
   };
+  /** @return whether a link of it asks where it is, which nobody has told. */
+  bool lacksPlace(HostId id) const;
+  /** @return whether no node that is there is on a host of @p rule, one of the network's. */
+  bool isWithoutNodes(const HostRule& rule) const;
   Reach reach(const LinkRule& rule, HostId one, HostId other, Nanoseconds now) const;
 
  private:

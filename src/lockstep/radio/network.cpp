@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 #include <stdexcept>
+#include <variant>
 
 #include "clock/shown_text.h"
 #include "patterns.h"
@@ -195,6 +196,10 @@ void readLine(Words& words, Network& network) {
 }
 
 }  // namespace
+
+bool LinkRule::needsPlaces() const {
+  return !std::holds_alternative<double>(loss) || !std::isinf(range);
+}
 
 bool Network::isWired(std::string_view name) const {
   return std::any_of(wired.begin(), wired.end(), [&](const std::string& pattern) {

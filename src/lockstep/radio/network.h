@@ -42,6 +42,9 @@ struct LinkRule {
   OnLoss lost = OnLoss::kDrop;
   Nanoseconds retry = kNanosecondsPerSecond / 5;  // simulated; from a loss to the first other try
   std::uint32_t attempts = 8;                     // of kRetry; then the message is lost
+
+  /** @return whether it matters where its hosts are. */
+  bool needsPlaces() const;
 };
 
 struct Network {

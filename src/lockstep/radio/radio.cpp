@@ -75,7 +75,7 @@ bool Radio::isFull(const Channel& on, std::size_t bytes, Nanoseconds now) const 
 Radio::Outcome Radio::attempt(Channel& on, Waiting& message, Nanoseconds now) {
   const Hosts::Reach reach = hosts_.reach(*on.rule, on.from, on.to, now);
   if (!reach.is_up) {
-    return fail(on, message, lost_by::kRange, now);
+    return fail(on, message, reach.is_placed ? lost_by::kRange : lost_by::kPlace, now);
   }
   on.free = addSaturated(std::max(now, on.free), sendingTime(message.bytes, on.rule->rate));
   if (happens(draw(on.key, message.number, message.attempt, Purpose::kLoss), reach.loss)) {

@@ -21,6 +21,7 @@ using Ticket = std::uint64_t;
 namespace lost_by {
 constexpr const char* kNoLink = "no_link";  // the network has none between the two hosts
 constexpr const char* kRange = "range";     // out of reach
+constexpr const char* kPlace = "no_place";  // the robot of one of both has not told where it is
 constexpr const char* kLoss = "loss";       // by chance
 constexpr const char* kBuffer = "buffer";   // too much waits to be sent
 }  // namespace lost_by

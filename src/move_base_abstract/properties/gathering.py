@@ -11,13 +11,14 @@ class Gathering:
     """Takes what runs have broken, one after the other. ``runs``: how many there were.
 
     ``rows``: of each property that is broken in some run: property, node, text and details (of the first break), runs
-    (how many have broken it), first_run, first_seed, first_instant_ns.
+    (how many have broken it), first_run, first_seed, first_instant_ns. ``sometimes``: of each of these statements,
+    by (node, text), in how many runs it was made, and in how many of these it held.
     """
 
     def __init__(self) -> None:
         self.runs = 0
         self._rows: Dict[Tuple[str, ...], Dict[str, Any]] = {}
-        self._held: Dict[Tuple[str, str], bool] = {}
+        self.sometimes: Dict[Tuple[str, str], Tuple[int, int]] = {}
 
     def take(self, name: str, seed: int, told: Dict[str, Any]) -> None:
         """Take the next run: its name, its seed, and what ``Judgement.told()`` says of it."""
@@ -32,7 +33,8 @@ class Gathering:
             seen.add(key)
         for node, kind, text, outcome in told['statements']:
             if kind == SOMETIMES:
-                self._held[node, text] = self._held.get((node, text), False) or outcome == HELD
+                made, held = self.sometimes.get((node, text), (0, 0))
+                self.sometimes[node, text] = made + 1, held + (outcome == HELD)
 
     @property
     def rows(self) -> List[Dict[str, Any]]:
@@ -41,7 +43,7 @@ class Gathering:
 
     def never_held(self) -> List[Tuple[str, str]]:
         """Return (node, text) of each ``sometimes`` that has held in no run."""
-        return [key for key, has in self._held.items() if not has]
+        return [key for key, (_, held) in self.sometimes.items() if not held]
 
     def lines(self) -> Iterator[str]:
         """Yield all of it in lines."""

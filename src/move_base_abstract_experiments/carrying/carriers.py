@@ -15,6 +15,7 @@ from typing import Optional, Tuple
 from move_base_abstract.common import processes
 
 from ..description.job import Job
+from ..trials import run_folders
 
 _MOST_TRIALS = 1000  # of one process; then another one takes its place, so that what it may keep never grows
 _DONE = b'd'
@@ -92,7 +93,7 @@ def _carry_on(asked: socket.socket, descriptors: Tuple[int, ...]) -> None:
     with asked.makefile('rb') as requests:
         while requests.peek(1):
             job, path, problem = pickle.load(requests)
-            processes.redirect(os.path.join(path, 'trial.txt'))
+            processes.redirect(os.path.join(path, run_folders.PRINTS))
             execution.carry_out(job, path, problem)
             asked.sendall(_DONE)
     series.end()

@@ -19,7 +19,7 @@ from ..description import ingredients, plan, worker_files
 from ..description.experiment import Experiment
 from ..description.job import NUMPY, ROS, Common, Job
 from ..description.trial import Trial
-from ..trials import bundle, functions
+from ..trials import bundle, functions, run_folders
 from . import spool, warm_ros
 
 _END_S = 10.0  # wall
@@ -99,7 +99,7 @@ class WarmProcess:
             path = os.path.join(answer['path'], bundle.OUTPUTS)
             has_left = os.path.exists(path)
             content = _taken(path, target) if has_left else None
-            text = '' if has_left else _end_of(os.path.join(answer['path'], 'trial.txt'))
+            text = '' if has_left else _end_of(os.path.join(answer['path'], run_folders.PRINTS))
             self._socket.sendall(b'taken\n')
         except socket.timeout:
             raise WorkerError(f'the trial did not end within {limit:g} s of wall time, not even by its time_limit'

@@ -104,9 +104,10 @@ def _serve(client: socket.socket, folder: str) -> None:
 def _is_emptied(path: str) -> bool:
     """Empty a trial's folder for the next one; return whether it is as a new one."""
     shutil.rmtree(os.path.join(path, 'again'), ignore_errors=True)
-    for name in os.listdir(path):
-        if name != run_folders.RUN:
-            os.unlink(os.path.join(path, name))
+    with os.scandir(path) as entries:
+        for entry in entries:
+            if entry.name != run_folders.RUN and not run_folders.is_as_new(entry):
+                os.unlink(entry.path)
     return run_folders.empty_again(os.path.join(path, run_folders.RUN))
 
 
@@ -119,7 +120,7 @@ def _run(job: Job, path: str, problem: Optional[str], carrier: carriers.Carrier,
             processes.end_all_children()
         return code
     pid = processes.fork(lambda: _carry_out(job, path, problem, descriptors),
-                         os.path.join(path, 'trial.txt'), new_session=True)
+                         os.path.join(path, run_folders.PRINTS), new_session=True)
     code = _await(pid, client, descriptors[1])
     processes.end_all_children()
     return code

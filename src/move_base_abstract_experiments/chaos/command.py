@@ -3,19 +3,20 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
 import time
-from typing import Any, Dict, Sequence, Tuple
+from typing import Any, Dict, Iterable, Optional, Sequence, Tuple
 
 from move_base_abstract.common import kinds
-from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep.run_options import RunOptions
+from move_base_abstract.properties import Gathering
 
+from .. import ending
 from . import replay_file
 from .replay_file import Replay
-from .runs import Chosen, Runs, Told, document_of
+from .runs import PARTS, Chosen, Runs, Told, document_of
 
-GOOD, FAILED, CANNOT, OTHER, INTERRUPTED = 0, 1, 2, 3, 130
+GOOD, FAILED, OTHER = 0, 1, 3
 _LARGEST_SEED = 2147483647
 _OWN = ('chaos_seed', 'chaos_delay', 'chaos_only', 'lookahead')  # of RunOptions, which this command sets itself
 
@@ -23,17 +24,11 @@ _OWN = ('chaos_seed', 'chaos_delay', 'chaos_only', 'lookahead')  # of RunOptions
 def main(words: Sequence[str]) -> int:
     """Run the command line; return the exit code."""
     parser, options = _parse(words)
-    try:
-        return _replay(options) if options.replay else _search(parser, options)
-    except (SimulatorError, OSError) as error:
-        print(f'chaos: {error}', file=sys.stderr)
-        return CANNOT
-    except KeyboardInterrupt:
-        print('chaos: interrupted', file=sys.stderr)
-        return INTERRUPTED
+    return ending.exit_code('chaos', lambda: _replay(options) if options.replay else _search(parser, options))
 
 
 def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Namespace]:
+    from move_base_abstract_ros.nodes import lockstep_launch
     parser = argparse.ArgumentParser(
         prog='chaos', usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]\n       %(prog)s --replay FILE',
         description='Run a launch file with other legal orders of equal events, until something fails.',
@@ -51,7 +46,7 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
                         '%(default)s)')
     parser.add_argument('--replay', metavar='FILE', help='run what failed again, and say whether it is the same')
     parser.add_argument('--until', type=float, default=0.0, metavar='S', help='end so many simulated s after the start')
-    parser.add_argument('--leave-out', action='append', default=[], metavar='NODE', help='this node is not started')
+    lockstep_launch.add_node_options(parser)
     parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
     kinds.add_arguments(parser, RunOptions)
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
@@ -87,11 +82,12 @@ def _count(text: str) -> int:
 
 
 def _document_options(options: argparse.Namespace) -> Dict[str, Any]:
-    """Return the keys of an experiment's file that the options say."""
+    """Return the keys of an experiment's file that the options say, and those of PARTS."""
     record = kinds.of_arguments(RunOptions, options)
     found = {one.key or one.field: list(value) if isinstance(value, tuple) else value
              for one, value in kinds.collected(record, lambda _one: True)}
-    found.update({'leave_out': options.leave_out} if options.leave_out else {})
+    found.update({name: getattr(options, name) for name in (*PARTS, 'leave_out') if getattr(options, name)})
+    found.update({'replace': {'/'.join(old): '/'.join(new) for old, new in options.replace}} if options.replace else {})
     found.update({'until': options.until} if options.until else {})
     return {**found, **({'seed': options.seed} if options.seed else {})}
 
@@ -106,14 +102,27 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
               options.property) as runs:
         # The stated order comes first: what fails there needs no chaos.
         seeds = [Chosen(0), *map(Chosen, range(first, last + 1))]
-        found = next((told for told in runs.each(seeds) if told.failure is not None), None)
+        gathered = Gathering()
+        found = _first_failing(runs.each(seeds), gathered)
         passed = time.monotonic() - begin
         _say(f"{_counted(runs.count, 'run')} in {passed:.1f} s of wall time, {60 * runs.count / passed:.0f} a minute")
+        for (node, text), (made, held) in gathered.sometimes.items():
+            _say(f"sometimes: {node}: {text}: came true in {held or 'none'} of the {_counted(made, 'run')} that say it")
         if found is None:
             _say(f'nothing failed in the stated order and with the seeds {first} to {last}')
             return GOOD
         made = Replay([path, *arguments], found.chosen.seed, options.delay, [], '', '', more)
         return _tell(runs, found, made, options.output)
+
+
+def _first_failing(told: Iterable[Told], gathered: Gathering) -> Optional[Told]:
+    """Return the first that fails; ``gathered`` takes what all up to that one have stated."""
+    for one in told:
+        if one.judged is not None:
+            gathered.take(f'seed {one.chosen.seed}', one.chosen.seed, one.judged.told())
+        if one.failure is not None:
+            return one
+    return None
 
 
 def _tell(runs: Runs, found: Told, made: Replay, output: str) -> int:

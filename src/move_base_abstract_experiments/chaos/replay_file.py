@@ -38,10 +38,12 @@ class Replay:
         :raises ConfigurationError: if they are none.
         """
         given = self.document
-        others = {key: given[key] for key in given if key not in ('leave_out', 'until', 'seed')}
+        nodes = {key: f"--{key.replace('_', '-')}" for key in ('participant', 'onlooker', 'leave_out')}
+        others = {key: given[key] for key in given if key not in (*nodes, 'replace', 'until', 'seed')}
         chaos = {'chaos_seed': self.seed, 'chaos_delay': self.delay, 'chaos_only': self.only or ['none']}
         words = kinds.words_of(kinds.read(RunOptions, '', {**others, 'crashes': ALLOW, **(chaos if self.seed else {})}))
-        words += [word for name in self.document.get('leave_out', ()) for word in ('--leave-out', str(name))]
+        words += [word for key, flag in nodes.items() for name in given.get(key, ()) for word in (flag, str(name))]
+        words += [word for pair in dict(given.get('replace', {})).items() for word in ('--replace', '='.join(pair))]
         words += ['--until', repr(1.0 + float(self.document['until']))] if 'until' in self.document else []
         return words + ['--seed', str(self.document.get('seed', 0))]
 

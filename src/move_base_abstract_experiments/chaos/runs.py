@@ -10,15 +10,17 @@ from types import TracebackType
 from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.properties import Judgement
 
 from ..carrying import jobs
-from ..description import plan, spec
+from ..description import launch_files, plan, spec
 from ..description.job import Job
 from ..results import outputs
 from ..trials.run_folders import LOG
 from ..trials.run_plan import DECISIONS
 from . import failures, shrinking
 
+PARTS = ('participant', 'onlooker')  # options: names of nodes that take part, and look on, whatever they look like
 _TIME_LIMIT_S = 120.0  # wall, of a run
 
 
@@ -37,14 +39,28 @@ class Told(NamedTuple):
     decisions: List[Dict[str, Any]]
     digest: str
     problem: str = ''  # why nothing is known of it
+    judged: Optional[Judgement] = None  # its properties
 
 
 def document_of(path: str, arguments: Sequence[str], options: Dict[str, Any]) -> Dict[str, Any]:
     """Return what an experiment's file would say of a launch file, ARG:=VALUE words and further options."""
     args = dict(word.split(':=', 1) for word in arguments)
+    parts = [tuple(options.pop(name, ())) for name in PARTS]
+    if any(parts):
+        options['participants'] = _participants(path, arguments, options, *parts)
     until = {'idle': True, **({'seconds': options.pop('until')} if options.get('until') else {})}
     return {'experiment': 'chaos', 'launch': path, 'args': args, 'until': until, 'time_limit': _TIME_LIMIT_S,
             'record': {'files': [DECISIONS]}, **options}
+
+
+def _participants(path: str, arguments: Sequence[str], options: Dict[str, Any], forced: Tuple[str, ...],
+                  kept_out: Tuple[str, ...]) -> List[str]:
+    """Return who takes part by the rule of lockstep_launch, if these nodes do and those do not."""
+    from move_base_abstract_ros.launching.plan import Wishes, name_anonymous_ones_alike, plan_of
+    name_anonymous_ones_alike()
+    wishes = Wishes({}, forced=forced, kept_out=kept_out, left_out=tuple(options.get('leave_out', ())), replaced=[
+        (tuple(old.split('/')), tuple(new.split('/'))) for old, new in options.get('replace', {}).items()])
+    return list(plan_of(launch_files.read([(path, arguments)]), wishes).participants)
 
 
 class Runs:
@@ -140,7 +156,7 @@ class Runs:
         seen = failures.seen(result, log)
         made = [*[json.loads(line) for line in (decisions or b'').splitlines()], *failures.buggified(seen)]
         return Told(chosen, failures.of_run(seen, self._wanted), sorted(made, key=lambda one: int(one['time_ns'])),
-                    hashlib.sha256(log).hexdigest() if log is not None else '')
+                    hashlib.sha256(log).hexdigest() if log is not None else '', judged=seen.judged)
 
     def _job_of(self, chosen: Chosen) -> Job:
         trial = self._job.trial

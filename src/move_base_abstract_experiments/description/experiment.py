@@ -155,6 +155,8 @@ class Experiment(RunOptions):
     replace: Dict[str, str] = option(map_of(_PROGRAM, _PROGRAM), {}, '`{move_base/move_base: '
                                      'move_base_abstract/move_base}`: other programs in the place of these',
                                      systems=_LAUNCH)
+    adopt: bool = option(FLAG, False, 'what a launch file of others needs is done [by rule](adopt.md): `move_base` '
+                         'replaced, simulators left out, start poses taken from it', systems=_LAUNCH, is_part=True)
     args: Dict[str, Any] = option(
         map_of(SCALAR), {}, 'of the launch file or the function; `{NAME}` stands for a factor, for `seed` or '
         '`replication`', systems=('launch', 'function'))

@@ -49,7 +49,7 @@ def of_trial(trial: Trial) -> Made:
     experiment, first, found = trial.experiment, trial.first, {PACKAGE: _own()}
     if experiment.launch:
         found.update(_of_launch(first.launch, tuple(first.arguments), experiment.folder, experiment.leave_out,
-                                tuple(sorted(experiment.replace.items()))))
+                                tuple(sorted(experiment.replace.items())), experiment.adopt))
     paths = {os.path.join(experiment.folder, name) for name in experiment.inputs}
     paths |= set(network.files_of(trial.network, experiment.folder))
     for word, after in zip(experiment.command, [*experiment.command[1:], '']):
@@ -63,7 +63,7 @@ def of_trial(trial: Trial) -> Made:
 
 @lru_cache(maxsize=None)
 def _of_launch(launch: str, arguments: Tuple[str, ...], folder: str, left_out: Tuple[str, ...],
-               replaced: Tuple[Tuple[str, str], ...]) -> Made:
+               replaced: Tuple[Tuple[str, str], ...], adopts: bool = False) -> Made:
     """Return {path or PARAMETERS: digest} of a launch file with arguments; {} where it is on the workers only."""
     from move_base_abstract_ros.launching import plan, roles
     try:
@@ -72,29 +72,34 @@ def _of_launch(launch: str, arguments: Tuple[str, ...], folder: str, left_out: T
         return {}
     plan.name_anonymous_ones_alike()  # counted anew each time: the same names
     try:
-        config = launch_files.read([(path, arguments)])
+        config = launch_files.read([(path, arguments)], adopts)
+        wishes = plan.Wishes(parameters={}, left_out=left_out, replaced=tuple(
+            (tuple(old.split('/')), tuple(new.split('/'))) for old, new in replaced))
+        wishes = launch_files.adopted(config, wishes) if adopts else wishes
     except ConfigurationError:
         return {one: digest(one) for one in launch_files.with_includes(path)}  # the check, or the worker, complains
     paths: Set[str] = {os.path.realpath(one) for one in [*launch_files.with_includes(path), *config.roslaunch_files]}
     words = [str(param.value) for param in config.params.values() if isinstance(param.value, str)]
     for node in config.nodes:
-        if roles.name_of(node) not in left_out:
-            package, kind = dict(replaced).get(f'{node.package}/{node.type}', f'{node.package}/{node.type}').split('/')
-            paths |= _of_node(package, kind)
+        if roles.name_of(node) not in wishes.left_out:
+            kind = (node.package, node.type)
+            paths |= _of_node(*dict(wishes.replaced).get(kind, kind))
             words += [*_split(node.args), *_split(node.launch_prefix)]
     values = sorted((key, repr(param.value)) for key, param in config.params.items())
+    values += [('adopted', repr((wishes.added, wishes.arguments, wishes.set, wishes.starts)))] if adopts else []
     found = {one: digest(one) for one in paths | _named(words, folder)}
     return {**found, PARAMETERS: hashlib.sha256(json.dumps(values).encode('utf-8', 'surrogatepass')).hexdigest()}
 
 
 @lru_cache(maxsize=None)
-def parameters(launch: str, arguments: Tuple[str, ...], folder: str) -> Tuple[Tuple[str, str], ...]:
+def parameters(launch: str, arguments: Tuple[str, ...], folder: str,
+               adopts: bool = False) -> Tuple[Tuple[str, str], ...]:
     """Return ((name, value as text), ...) of a launch file's parameters, without the folders of files in them.
 
     They are () where the launch file is not here, or cannot be read.
     """
     try:
-        config = launch_files.read([(launch_files.find(launch, folder), arguments)])
+        config = launch_files.read([(launch_files.find(launch, folder), arguments)], adopts)
     except ConfigurationError:
         return ()
     return tuple(sorted((key, _PATH.sub(_without_folder, repr(param.value))) for key, param in config.params.items()))

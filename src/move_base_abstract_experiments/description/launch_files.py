@@ -27,13 +27,16 @@ def core() -> Any:
     return roslaunch.config.load_config_default([], None, verbose=False, assign_machines=False)
 
 
-def read(files: Iterable[Tuple[str, Iterable[str]]]) -> Any:
-    """Return roslaunch's configuration of files, [(path, [ARG:=VALUE])]. :raises ConfigurationError: as it says it."""
+def read(files: Iterable[Tuple[str, Iterable[str]]], adopts: bool = False) -> Any:
+    """Return roslaunch's configuration of files, [(path, [ARG:=VALUE])]. :raises ConfigurationError: as it says it.
+
+    adopts: what they name and is not here is left out.
+    """
     from roslaunch.core import RLException
     from roslaunch.loader import LoadException
     from roslaunch.xmlloader import XmlLoader, XmlParseException
     config = copy.deepcopy(core())
-    loader = XmlLoader()
+    loader = _tolerant() if adopts else XmlLoader()
     loader.ignore_unset_args = False
     try:
         for path, arguments in files:
@@ -42,6 +45,31 @@ def read(files: Iterable[Tuple[str, Iterable[str]]]) -> Any:
     except (RLException, XmlParseException, LoadException) as error:
         raise ConfigurationError(str(error)) from None
     return config
+
+
+def _tolerant() -> Any:
+    from move_base_abstract_ros.launching.core_file import TolerantLoader
+    return TolerantLoader()
+
+
+def arguments_of(path: str) -> List[str]:
+    """Return the names of the arguments in a launch file's text."""
+    try:
+        return [tag.get('name', '') for tag in xml.etree.ElementTree.parse(path).iter('arg')]
+    except (OSError, xml.etree.ElementTree.ParseError) as error:
+        raise ConfigurationError(f'launch: {path}: {error}') from None
+
+
+def adopted(config: Any, wishes: Any) -> Any:
+    """Return wishes with what a configuration that was read with ``adopts`` needs.
+
+    :raises ConfigurationError: if something in it cannot work.
+    """
+    from move_base_abstract_ros.launching import adoption
+    found = adoption.adopt(config, wishes._replace(kept_out=()))  # which may be all that are not named
+    if found.problems:
+        raise ConfigurationError('adopt: ' + '; '.join(found.problems))
+    return found.wishes._replace(kept_out=wishes.kept_out, is_told=True)
 
 
 def find(text: str, folder: str) -> str:

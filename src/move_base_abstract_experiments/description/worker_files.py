@@ -34,7 +34,9 @@ def _own_folder() -> str:
 def parameters(trial: Trial) -> Tuple[Tuple[str, str], ...]:
     """Return ((name, value), ...) of the parameters of a trial's launch file, without the folders of files."""
     first = trial.first
-    return ingredients.parameters(first.launch, tuple(first.arguments), trial.experiment.folder) if first.launch else ()
+    experiment = trial.experiment
+    return ingredients.parameters(first.launch, tuple(first.arguments), experiment.folder,
+                                  experiment.adopt) if first.launch else ()
 
 
 def check(job: Job) -> List[str]:

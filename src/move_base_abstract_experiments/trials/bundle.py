@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import fnmatch
 import hashlib
+import io
 import json
 import os
 import stat
 import tarfile
 import urllib.parse
-from typing import Any, List, Optional, Sequence, Tuple
+from typing import IO, Any, List, Optional, Sequence, Tuple
 
 from ..records import Result
 from . import run_folders
@@ -64,18 +65,22 @@ def pack(path: str, folders: Optional[Folders], patterns: Sequence[str], result:
         result.fail(f'its outputs are more than {MOST_BYTES} bytes; allowed: at most that')
         members, has_all_logs = [], True
     members += _prints(path, folders, has_all_logs)
-    with open(os.path.join(path, 'trial.json'), 'w', encoding='utf-8') as stream:
-        stream.write(json.dumps(result.written, allow_nan=False))
+    told = json.dumps(result.written, allow_nan=False).encode()
     size = sum(os.lstat(source).st_size for source, _ in members)
     part = os.path.join(path, OUTPUTS + '.part')
     packing: Any = {'mode': 'w:gz', 'compresslevel': 1} if size > _COMPRESSED_FROM else {'mode': 'w'}
     with tarfile.open(part, **packing, format=tarfile.GNU_FORMAT) as archive:
-        for source, name in [(os.path.join(path, 'trial.json'), 'trial.json'), *members]:
+        _add(archive, 'trial.json', io.BytesIO(told), len(told))
+        for source, name in members:
             with open(source, 'rb') as stream:
-                about_file = tarfile.TarInfo(name)  # nobody looks at whose file it was, and when
-                about_file.size = os.fstat(stream.fileno()).st_size
-                archive.addfile(about_file, stream)
+                _add(archive, name, stream, os.fstat(stream.fileno()).st_size)
     os.rename(part, os.path.join(path, OUTPUTS))
+
+
+def _add(archive: tarfile.TarFile, name: str, stream: IO[bytes], size: int) -> None:
+    about_file = tarfile.TarInfo(name)  # nobody looks at whose file it was, and when
+    about_file.size = size
+    archive.addfile(about_file, stream)
 
 
 def _prints(path: str, folders: Optional[Folders], has_all: bool) -> Members:
@@ -85,8 +90,8 @@ def _prints(path: str, folders: Optional[Folders], has_all: bool) -> Members:
         ends = ('.txt', '.log') if has_all else ('.txt',)
         found = [(os.path.join(folders.logs, name), 'logs/' + safe_name(name))
                  for name in sorted(os.listdir(folders.logs)) if name.endswith(ends)]
-    if has_all and not any(name == 'logs/trial.txt' for _, name in found):
-        found.append((os.path.join(path, 'trial.txt'), 'logs/trial.txt'))
+    if has_all and not any(name == 'logs/' + run_folders.PRINTS for _, name in found):
+        found.append((os.path.join(path, run_folders.PRINTS), 'logs/' + run_folders.PRINTS))
     return [(source, name) for source, name in found if _is_plain_and_not_empty(source) and _cut(source)]
 
 

@@ -35,7 +35,6 @@ from ..description.job import Job
 from ..description.trial import Trial
 from . import run_folders, termination
 
-OUTPUT = 'function.txt'  # what a trial's function prints
 LOOPBACK = 'move_base_abstract_experiments.carrying.warm_loopback'  # there if a function starts nodes by it
 _NUMPY = 'numpy.random'
 _MOST_BYTES = 1 << 20
@@ -230,8 +229,8 @@ def run_trial(job: Job, folders: run_folders.Folders) -> Returned:
     processes.adopt_orphans()
     processes.block_child_signal()
     os.environ.update(environment(folders))
-    return Returned(*call(lambda: perform(job, folders), experiment.time_limit, os.path.join(folders.logs, OUTPUT),
-                          folders.files))
+    output = os.path.join(folders.logs, run_folders.OUTPUT)
+    return Returned(*call(lambda: perform(job, folders), experiment.time_limit, output, folders.files))
 
 
 def environment(folders: run_folders.Folders) -> Dict[str, str]:

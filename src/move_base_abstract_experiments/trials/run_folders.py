@@ -3,9 +3,11 @@ from __future__ import annotations
 
 import os
 import stat
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 LOG, MESSAGES = 'events.jsonl', 'messages.jsonl'  # the names of files in a run's own folder
+PRINTED = OUTPUT, PRINTS = 'function.txt', 'trial.txt'  # what a trial's function, and its process, print
+_OWNERS = stat.S_IRUSR | stat.S_IWUSR
 RUN = 'run'  # the name of the folder below a trial's own
 
 
@@ -39,10 +41,18 @@ def _below(path: str) -> Folders:
     return Folders(path, os.path.join(path, 'files'), os.path.join(path, 'logs'))
 
 
+def is_as_new(entry: Any) -> bool:
+    """Return whether an entry of a folder is a file in which nothing was printed: the next trial may print into it."""
+    about = entry.stat(follow_symlinks=False)
+    return (entry.name in PRINTED and stat.S_ISREG(about.st_mode) and about.st_size == 0 and about.st_nlink == 1
+            and stat.S_IMODE(about.st_mode) & _OWNERS == _OWNERS)
+
+
 def empty_again(path: str) -> bool:
     """Empty a folder in which make_folders() has made others; return whether all is as it was when they were new.
 
-    For the next trial: three folders that are made and removed cost more than the files in them.
+    For the next trial: three folders that are made and removed cost more than the files in them. Of what was printed
+    empty files stay.
     """
     folders = _below(path)
     own = os.lstat(path)
@@ -53,7 +63,7 @@ def empty_again(path: str) -> bool:
                 return False
             with os.scandir(folder) as entries:
                 for entry in entries:
-                    if entry.path not in folders:
+                    if entry.path not in folders and not (folder == folders.logs and is_as_new(entry)):
                         os.unlink(entry.path)
     except OSError:  # a folder in it, for one
         return False

@@ -52,9 +52,11 @@ def plan_of(run: Run) -> Tuple[Any, List[str]]:
     plan.name_anonymous_ones_alike()
     trial = run.job.trial
     config = launch_files.read([(launch_files.find(trial.launch, trial.experiment.folder), trial.arguments)]
-                               if trial.launch else [])
+                               if trial.launch else [], trial.experiment.adopt)
     _add_own_nodes(config, run)
-    return config, plan.plan_of(config, _wishes(config, run)).participants
+    wishes = _wishes(config, run)
+    wishes = launch_files.adopted(config, wishes) if trial.experiment.adopt else wishes
+    return config, plan.plan_of(config, wishes).participants
 
 
 def _add_own_nodes(config: Any, run: Run) -> None:

@@ -24,7 +24,7 @@ from move_base_abstract.common.errors import SimulatorError
 
 from ..description import program_files
 from ..description.job import Job
-from . import functions
+from . import functions, run_folders
 from .run_folders import Folders
 
 LABEL = 'isolation: batch: trials before it may have run in its process'
@@ -129,7 +129,7 @@ def _carry_on(asked: socket.socket) -> None:
 
 def _answer(job: Job, folders: Folders, watch: _Watch) -> Tuple[str, bool]:
     """Return what came out of a trial, as JSON, and whether it has left something behind."""
-    processes.redirect(os.path.join(folders.logs, functions.OUTPUT))
+    processes.redirect(os.path.join(folders.logs, run_folders.OUTPUT))
     os.chdir(folders.files)
     os.environ.update(functions.environment(folders))
     hook = threading.excepthook

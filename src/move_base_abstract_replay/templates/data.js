@@ -42,6 +42,8 @@ class Run {
     this.states = about.states;
     this.rows = about.rows;
     this.links = about.links;
+    const fixed = this.links.flatMap(({ends}) => ends).filter((end) => end.robot === undefined);
+    this.hosts = [...new Map(fixed.map((host) => [host.name, host])).values()]; // of the radio
     this.robots = about.rows.filter((row) => row.robot).length;
     this.events = this.event_time.length;
     this.legs = new Array(this.robots); // the latest that was asked for

@@ -136,6 +136,7 @@ class MapView {
     const poses = [];
     for (let robot = 0; robot < this.run.robots; robot += 1) poses.push(this.run.poseAt(robot, this.player.time));
     this.drawLinks(context, poses);
+    this.run.hosts.forEach((host) => this.drawHost(context, host, width));
     poses.forEach((pose, robot) => pose && this.drawWay(context, robot, pose));
     poses.forEach((pose, robot) => pose && this.drawRobot(context, robot, pose));
     poses.forEach((pose, robot) => pose && this.drawName(context, robot, pose, width));
@@ -172,18 +173,30 @@ class MapView {
     context.stroke();
   }
 
-  // The links of the radio that are up.
+  // The links of the radio that are up: dashed, since ways are lines, too.
   drawLinks(context, poses) {
     context.strokeStyle = COLOURS.accent;
-    context.lineWidth = 1;
-    context.globalAlpha = 0.35;
+    context.lineWidth = 1.5;
+    context.globalAlpha = 0.55;
+    context.setLineDash([2, 4]);
     context.beginPath();
     for (const [one, other] of this.run.linksAt(this.player.time, poses)) {
       context.moveTo(this.toX(one.x), this.toY(one.y));
       context.lineTo(this.toX(other.x), this.toY(other.y));
     }
     context.stroke();
+    context.setLineDash([]);
     context.globalAlpha = 1;
+  }
+
+  // A host of the radio that stands still.
+  drawHost(context, {name, x, y}, width) {
+    context.lineWidth = 1.5;
+    context.strokeStyle = COLOURS.accent;
+    context.fillStyle = COLOURS.panel;
+    context.fillRect(this.toX(x) - 5, this.toY(y) - 5, 10, 10);
+    context.strokeRect(this.toX(x) - 5, this.toY(y) - 5, 10, 10);
+    this.drawText(context, name, {x, y}, width);
   }
 
   colour(robot) {
@@ -251,6 +264,11 @@ class MapView {
   drawName(context, robot, pose, width) {
     const {name} = this.run.rows[robot];
     if (this.run.robots > NAMED_ROBOTS && name !== this.player.chosen) return;
+    this.drawText(context, name, pose, width);
+  }
+
+  // Beside a place; bold if it is that of the chosen robot.
+  drawText(context, name, pose, width) {
     context.font = `${name === this.player.chosen ? '600 ' : ''}12px ${FONT}`;
     context.textBaseline = 'middle';
     context.lineWidth = 3;

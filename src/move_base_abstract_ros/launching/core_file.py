@@ -5,6 +5,7 @@ import rospkg
 from roslaunch.loader import convert_value
 from roslaunch.xmlloader import XmlLoader
 
+from ..adopting.reading import Tolerant
 from . import look_ups
 
 
@@ -17,6 +18,10 @@ class Loader(XmlLoader):
         if known:
             return convert_value(known + '\n', ptype)
         return super().param_value(verbose, name, ptype, value, textfile, binfile, command)
+
+
+class TolerantLoader(Tolerant, Loader):
+    """The same of files of others, which may name what is not here."""
 
 
 def _answer(command):

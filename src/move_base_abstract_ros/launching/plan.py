@@ -18,7 +18,7 @@ from move_base_abstract.runs.ends import TIME_MASTER
 from ..lockstep.participation import report_delays
 from ..lockstep.programs import binary, recorders
 from ..loopback import PACKAGE, find_executable
-from . import core_file, roles
+from . import core_file, given, look_ups, roles, start_poses
 
 _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # of a run with another order, wall
 _NOT_COVERED = TIME_MASTER + '/not_covered'
@@ -39,7 +39,12 @@ class Wishes(NamedTuple):
     is_reversed: bool = False  # whether nodes start one after another, the last of the launch file first
     parts: int = 0  # processes that a fleet is split into; 0: as the file says
     deputy: tuple = ()  # (name, address) of the node that takes part for a script, with which the run ends
-    set_parameters: tuple = ()  # (name, value) on the ROS master, above the launch file's
+    is_tolerant: bool = False  # what the file names and is not here is left out; all machines are this one
+    added: tuple = ()  # (name, (package, type), arguments) of nodes that the file has not
+    arguments: tuple = ()  # (name of a node, its arguments)
+    set: tuple = ()  # (parameter, text): parameters that stand above the file's
+    starts: tuple = ()  # (name of a robot's node, (x, y, yaw)) [m, m, rad]
+    is_told: bool = False  # whether what is added, and where robots start, has been told
 
 
 class Plan(NamedTuple):
@@ -68,27 +73,37 @@ def make_plan(files, wishes):
 
     :raises ConfigurationError: if the files cannot be run like this; :raises roslaunch.core.RLException: its own.
     """
-    return plan_of(read(files), wishes)
+    return plan_of(read(files, wishes.is_tolerant), wishes)
 
 
-def read(files):
-    """Return roslaunch's configuration of launch files. :raises roslaunch.core.RLException: its own."""
-    return roslaunch.config.load_config_default(files, None, loader=core_file.Loader(), verbose=False)
+def read(files, is_tolerant=False):
+    """Return roslaunch's configuration of launch files. :raises roslaunch.core.RLException: its own.
+
+    is_tolerant: what they name and is not here is left out, and told by the configuration's ``missing``.
+    """
+    loader = core_file.TolerantLoader() if is_tolerant else core_file.Loader()
+    config = roslaunch.config.load_config_default(files, None, loader=loader, verbose=False)
+    if is_tolerant and config.taken:
+        look_ups.packages.cache_clear()
+    return config
 
 
 def plan_of(config, wishes):
     """Change a roslaunch configuration into one of a run in lockstep, and return it as a Plan."""
     if wishes.deputy:
         _add_deputy(config, *wishes.deputy)
-    for name, value in wishes.set_parameters:
-        _set(config, name, value)
+    said = start_poses.said_by(config)
+    given.add_to(config, wishes)
+    notes = [] if wishes.is_told else given.told(wishes)
     _check_names(config, wishes)
     left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in wishes.left_out]
     config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
-    notes = _replace(config, wishes.replaced)
+    replaced = _replace(config, wishes.replaced)
+    notes += [] if wishes.is_told else replaced
     _refuse_other_clocks(config, (*wishes.forced, *wishes.kept_out))
     fleets = _fleets(config)
     notes += _split(config, fleets, wishes.parts)
+    notes += start_poses.notes_of(config, said, not wishes.is_told)
     launcher = [find_executable('lockstep'), *wishes.launcher]
     found = []
     for node in _others(config):
@@ -144,9 +159,9 @@ def name_anonymous_ones_alike():
 
 def _check_names(config, wishes):
     names = [roles.name_of(node) for node in config.nodes]
-    for option, given in (('--participant', wishes.forced), ('--onlooker', wishes.kept_out),
+    for option, asked in (('--participant', wishes.forced), ('--onlooker', wishes.kept_out),
                           ('--leave-out', wishes.left_out)):
-        for name in given:
+        for name in asked:
             if name not in names:
                 raise ConfigurationError('{} {}: the launch file has no node of this name; it has {}'.format(
                     option, name, ', '.join(names) or 'none'))

@@ -1,6 +1,8 @@
 """What kind of program a file is: whether it is a rospy or a roscpp one, and so can take part in lockstep."""
+import ast
 import os
 import re
+import shutil
 import site
 import sys
 from importlib.machinery import PathFinder
@@ -22,9 +24,12 @@ _ROSPY = ('rospy', 'rostopic', 'rosservice', 'actionlib', 'tf', 'tf2_ros')  # an
 _ROS = (*_ROSPY, 'rosgraph', 'roslib', 'genpy', 'genmsg')
 # Not looked into: those of ROS are known, and the others import no ROS but have hundreds of files.
 _CLOSED = (*_ROS, 'numpy', 'scipy', 'matplotlib', 'pandas', 'networkx', 'PIL', 'yaml', 'cv2', 'sklearn', 'torch')
-_CLOCK = re.compile(rb'\bPublisher\(\s*(?:name\s*=\s*)?["\']/?clock["\']')
+# By the topic's name, or if that is none in quotes by the message's.
+_CLOCK = re.compile(rb'\bPublisher\(\s*(?:name\s*=\s*)?(?:["\']/?clock["\']|(?!["\'])[^(),]+,\s*(?:data_class\s*=\s*)?'
+                    rb'(?:rosgraph_msgs\.msg\.)?Clock\b)')
 _LARGEST = 1 << 20  # bytes of a source that are looked at
 _MOST_FILES = 300
+_LONGEST_FIRST_LINE = 200  # bytes
 
 
 def kind_of(path):
@@ -78,7 +83,57 @@ def publishes_clock(path):
         kind, path, _ = command_line.find([path])
     except ValueError:
         return False
-    return kind == 'script' and any(_CLOCK.search(source) for source in _sources(path) if b'clock' in source)
+    return kind == 'script' and any(_CLOCK.search(source) for source in _sources(path) if b'lock' in source)
+
+
+def mentions(path, word):
+    """Return whether a word stands in a program's own file; what it imports is not looked into: each start would be."""
+    return word in _read(_behind_relay(path))
+
+
+def missing_interpreter(path):
+    """Return the interpreter that a script names and is not here, or ''."""
+    first = _read(path)[:_LONGEST_FIRST_LINE].partition(b'\n')[0].decode('utf-8', 'replace')
+    words = first[2:].strip(' ').split(' ') if first.startswith('#!') else []
+    name = words[1] if len(words) > 1 and os.path.basename(words[0]) == 'env' else ''.join(words[:1])
+    return repr(name)[1:-1] if name and shutil.which(name) is None else ''
+
+
+def cannot_start(path):
+    """Return why a Python script cannot even be imported here, or ''. It is read, not run."""
+    try:
+        kind, path, _ = command_line.find([path])
+        path = _behind_relay(path)
+        tree = ast.parse(_read(path), path) if kind == 'script' else None
+    except SyntaxError as error:
+        return 'it is not written for this Python ({}, line {}: {})'.format(
+            os.path.basename(path), error.lineno, error.msg)
+    except ValueError:
+        return ''
+    folders = [os.path.dirname(os.path.realpath(path)), *sys.path[1:]]
+    for node in tree.body if tree else ():
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [
+            node.module] if isinstance(node, ast.ImportFrom) and not node.level else []
+        for name in names:
+            if not _is_importable(name, folders):
+                return 'it imports {} (line {}), which is not here'.format(name, node.lineno)
+    return ''
+
+
+def _is_importable(name, folders):
+    if name.partition('.')[0] in (*sys.builtin_module_names, '__future__'):
+        return True
+    for part in name.split('.'):
+        try:
+            spec = PathFinder.find_spec(part, folders)
+        except (ImportError, ValueError):
+            return True
+        if spec is None:
+            return False
+        if not spec.submodule_search_locations:
+            return True  # what a module has below its name, its own code says (os.path)
+        folders = [*spec.submodule_search_locations, *_extended(spec.origin, part)]
+    return True
 
 
 def _sources(path):

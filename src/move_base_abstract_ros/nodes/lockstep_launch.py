@@ -14,21 +14,22 @@ import atexit
 import json
 import math
 import os
+import shlex
 import sys
 from contextlib import contextmanager, nullcontext
 
 from move_base_abstract.common import kinds
-from move_base_abstract.common.bounded_yaml import REQUEST, load_yaml_text
-from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.json_files import load_json_mapping
 from move_base_abstract.common.lasting_output import outlive_readers
-from move_base_abstract.common.ros_names import is_namespace
 from move_base_abstract.common.shown import shown, shown_text
 from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep.run_options import FAIL, RunOptions
 from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
 
+from ..adopting import next_step
+from ..adopting import options as adopting_options
 from ..launching import light_imports, warm_client
 from ..process.process_end import leave
 
@@ -46,6 +47,7 @@ def main(words=None):
         from ..launching import runner  # noqa: F401 - which imports all the others
         from ..loopback import LoopbackError
     from roslaunch.core import RLException
+    from rospkg import ResourceNotFound
     series = options.series and load_json_mapping(options.series)
     files = list(map(tuple, series['files'])) if series else files_of(parser, options.command)
     options.deputy = (series['deputy'], series['address']) if series else ()
@@ -53,8 +55,8 @@ def main(words=None):
     try:
         with _ros_master(options.use_master, warm):
             code = _run(options, files, warm)
-    except (RLException, SimulatorError, LoopbackError) as error:
-        print('lockstep_launch: {}'.format(error), file=sys.stderr)
+    except (RLException, ResourceNotFound, SimulatorError, LoopbackError) as error:
+        print('lockstep_launch: {}'.format(next_step.with_next(error, files[0][0], options.adopt)), file=sys.stderr)
         code = _CANNOT
     _end_as_python(warm)
     leave(code)  # taking all apart, as Python does it, would take a while
@@ -72,8 +74,10 @@ def _end_as_python(warm):
 def read_words(words):
     """Return the parser, and the options of a command line; ``command``: the words behind them."""
     parser = argparse.ArgumentParser(
-        prog='lockstep_launch', description='Run an unchanged launch file in lockstep.',
-        usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
+        prog='lockstep_launch', description='Run an unchanged launch file in lockstep. To begin with: '
+        '--list FILE says who takes part; --adopt --list FILE, of a file that was written for Gazebo, Stage or real '
+        'robots, what is done with it; `verify FILE` whether its runs are the same; `why`, while it runs, what time '
+        'waits for.', usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
         epilog='exit codes: 0 the run came to its end, 1 it did not, 2 it cannot be run like this, 3 a node crashed, '
                '4 a property is broken')
     add_plan_options(parser)
@@ -93,12 +97,24 @@ def read_words(words):
     parser.add_argument('--series', default=None, help=argparse.SUPPRESS)  # from `lockstep_series`
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
     parser.add_argument('--list', action='store_true', help='say who takes part, and start nothing')
-    return parser, parser.parse_args(words)
+    options = parser.parse_args(words)
+    options.words = words[:len(words) - len(options.command)]
+    return parser, options
 
 
 def add_plan_options(parser):
     """Add what `lockstep_launch` and `verify` share: what the run is."""
     parser.add_argument('--until', type=_instant, default=0.0, metavar='S', help='end at this simulated instant [s]')
+    add_node_options(parser)
+    adopting_options.add_arguments(parser)
+    parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
+    parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
+    kinds.add_arguments(parser, RunOptions)
+    parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+
+
+def add_node_options(parser):
+    """Add what those two share with `chaos`: which nodes there are, and who of them takes part."""
     parser.add_argument('--participant', action='append', default=[], type=_name, metavar='NODE',
                         help='this node takes part, whatever it looks like')
     parser.add_argument('--onlooker', action='append', default=[], type=_name, metavar='NODE',
@@ -107,12 +123,6 @@ def add_plan_options(parser):
                         help='this node is not started')
     parser.add_argument('--replace', action='append', default=[], type=_kinds, metavar='PACKAGE/TYPE=PACKAGE/TYPE',
                         help='start nodes of another kind in the place of these, under their names')
-    parser.add_argument('--set', action='append', default=[], type=_setting, metavar='NAME:=VALUE',
-                        help="set a parameter of this absolute name, above the launch file's; VALUE is YAML")
-    parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
-    parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
-    kinds.add_arguments(parser, RunOptions)
-    parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
 
 
 def words_of(options):
@@ -123,11 +133,9 @@ def words_of(options):
     for option, names in (('--participant', options.participant), ('--onlooker', options.onlooker),
                           ('--leave-out', options.leave_out)):
         words += [word for name in names for word in (option, name)]
-    for name, value in options.set:
-        words += ['--set', '{}:={}'.format(name, json.dumps(value))]
     for old, new in options.replace:
         words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(new))]
-    return words
+    return words + adopting_options.words_of(options)
 
 
 def files_of(parser, words):
@@ -155,8 +163,8 @@ def wishes_of(options, parameters, **others):
     return Wishes(parameters={**given, **parameters},
                   launcher=('--sleep', options.sleep, '--seed', str(options.seed)), forced=tuple(options.participant),
                   kept_out=tuple(options.onlooker), left_out=tuple(options.leave_out),
-                  replaced=tuple(options.replace), set_parameters=tuple(options.set),
-                  with_respawned=options.no_respawn, **others)
+                  replaced=tuple(options.replace), with_respawned=options.no_respawn,
+                  **adopting_options.wishes_of(options), **others)
 
 
 def _run(options, files, warm):
@@ -174,10 +182,13 @@ def _run(options, files, warm):
     seed = () if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),)
     with nullcontext() if options.list else temporary_folder(_say) as folder, bags.notes() as notes:
         environment = ((bags.VARIABLE, notes), *((('TMPDIR', folder),) if folder else ()))
-        made = plan.make_plan(files, wishes_of(options, parameters, environment=environment, own_environment=seed,
-                                               deputy=options.deputy,
-                                               is_reversed=options.start_order == 'reversed', parts=options.parts))
-        for line in _lines(made):
+        wishes = wishes_of(options, parameters, environment=environment, own_environment=seed,
+                           deputy=options.deputy, is_reversed=options.start_order == 'reversed', parts=options.parts)
+        config = plan.read(files, wishes.is_tolerant or options.adopt)
+        if options.adopt:
+            wishes = _adopted(config, wishes, options)
+        made = plan.plan_of(config, wishes)
+        for line in _lines(made._replace(left_out=[]) if options.adopt else made):
             _say(line)
         if options.list:
             return 0
@@ -190,6 +201,30 @@ def _run(options, files, warm):
             parent.start()
             parent.spin()
             return _conclude(parent, made, bags.written(notes), log, options)
+
+
+def _adopted(config, wishes, options):
+    """Tell what is done with a file of others, and return the wishes that say it.
+
+    :raises ConfigurationError: if something cannot work.
+    """
+    from ..launching import adoption
+    found = adoption.adopt(config, wishes)
+    for line in found.done:
+        _say(_printable(line))
+    for line in found.remarks:
+        _say('note: ' + _printable(line))
+    words = [word for word in options.words if word not in ('--adopt', '--list')]
+    words = [*words, *adoption.words_of(wishes, found.wishes), *options.command]
+    _say('the same by options: rosrun move_base_abstract lockstep_launch {}'.format(' '.join(map(shlex.quote, words))))
+    if found.problems:
+        raise ConfigurationError('\nlockstep_launch: '.join('cannot work: ' + _printable(line)
+                                                            for line in found.problems))
+    return found.wishes._replace(is_told=True)
+
+
+def _printable(line):
+    return ''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
 
 
 def _conclude(parent, made, found, log, options):
@@ -238,12 +273,15 @@ def _lines(made):
     for role in made.roles:
         if not role.takes_part:
             yield '{} looks on: {}'.format(shown_text(role.name), shown_text(role.why))
+    if any(role.why.startswith('there is no program') for role in made.roles if not role.takes_part):
+        yield 'programs that are not here: --leave-out NODE; of a file that was written for Gazebo, Stage or real ' \
+              'robots, --adopt --list says what else it needs'
     for name in made.left_out:
         yield '{} is not started'.format(shown_text(name))
     if made.fleets:
         yield 'fleets: {}'.format(', '.join(shown_text(name) for name in made.fleets))
     for note in made.notes:
-        yield shown_text(note)
+        yield _printable(note)
 
 
 @contextmanager
@@ -277,16 +315,6 @@ def _name(text):
     if not text.strip('/'):
         raise argparse.ArgumentTypeError("must be a node's name, got {}".format(shown(text)))
     return '/' + text.strip('/')
-
-
-def _setting(text):
-    name, sign, value = text.partition(':=')
-    if not sign or not name.startswith('/') or not is_namespace(name) or not name.strip('/'):
-        raise argparse.ArgumentTypeError('must be /NAME:=VALUE, got {}'.format(shown(text)))
-    try:
-        return name, load_yaml_text(value, name, REQUEST)
-    except SimulatorError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _kinds(text):

@@ -66,7 +66,7 @@ def _run(folder, options, words):
     import roslaunch.scriptapi  # noqa: F401
     from roslaunch.core import RLException
 
-    from ..launching.series import Series
+    from ..launching.scripted.series import Series
     from ..replacing.replaced import replace
     os.environ['ROS_MASTER_URI'] = _NO_MASTER
     series = Series(find_executable('lockstep_launch'), options, folder, _name(words[0]))

@@ -10,7 +10,7 @@ import types
 
 import rospy
 
-from ..lockstep.participation.rospy_time import set_rostime
+from ...lockstep.participation.rospy_time import set_rostime
 from .deputy_link import CALLBACK, DONE, ERROR, REQUEST, Function, LinkClosed, Thing
 
 #: functions of rospy that the deputy calls

@@ -1,0 +1,13 @@
+"""A test of thousand_robots.py, with fewer: they need no ROS, and so no fixture of the plugin."""
+import re
+
+import thousand_robots
+
+
+def test_each_robot_drives_one_goal_after_the_other(capsys):
+    """Twice the same goals and kilometres; how long it takes differs."""
+    said = []
+    for _ in range(2):
+        thousand_robots.main(20, 0.5)
+        said.append(re.match(r'20 robots, 0\.5 h: (\d+) goals, (\d+\.\d) km, ', capsys.readouterr().out).groups())
+    assert said[0] == said[1] and int(said[0][0]) > 20 and float(said[0][1]) > 20.0

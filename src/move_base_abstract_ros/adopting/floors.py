@@ -1,0 +1,72 @@
+"""Where a map's frame lies in Stage's world, from the floor plan of a world file and the map's own file."""
+import os
+
+import numpy as np
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.maps.map_files import read_description, read_pixels
+from move_base_abstract.motion import Pose2D
+
+from .worlds import Unknown, turned
+
+_DRAWN = 127  # Stage's threshold: darker pixels are walls
+_ALIKE = 0.03  # of a length
+
+
+def offset(floor, words):
+    """Return x, y [m], yaw [rad] of the origin of a map's frame in Stage's world. :raises Unknown: why nobody knows.
+
+    Stage stretches what is drawn in an image to the size of its model; map_server takes the whole image.
+
+    :param words: of map_server: a YAML file, or an image and its resolution.
+    """
+    if floor is None:
+        raise Unknown('the world file has no floor plan with an image and a size')
+    try:
+        image, resolution, origin = _described(words)
+        rows, columns = read_pixels(image).shape[:2]
+    except ConfigurationError as error:
+        raise Unknown('the map cannot be read: {}'.format(error)) from None
+    if origin.yaw:
+        raise Unknown('the map is turned')
+    width, height = columns * resolution, rows * resolution
+    left, bottom, right, top = (0.0, 0.0, 1.0, 1.0)
+    if not _alike(floor, width, height):
+        left, bottom, right, top = _drawn(floor.image)
+        if not _alike(floor, width * (right - left), height * (top - bottom)):
+            raise Unknown('the floor plan is {:g} m x {:g} m, the map {:g} m x {:g} m'.format(
+                floor.width, floor.height, width, height))
+    x, y = turned(-origin.x - left * width - floor.width / 2, -origin.y - bottom * height - floor.height / 2, floor.yaw)
+    return _rounded(floor.x + x), _rounded(floor.y + y), floor.yaw
+
+
+def _described(words):
+    """Return the image of a map, its resolution [m] and its origin."""
+    if len(words) > 1 and not words[0].endswith(('.yaml', '.yml')):
+        try:
+            return words[0], float(words[1]), Pose2D()
+        except ValueError:
+            raise Unknown('the map has no resolution') from None
+    found = read_description(words[0])
+    return found.image, found.resolution, found.origin
+
+
+def _alike(floor, width, height):
+    return abs(floor.width - width) <= _ALIKE * width and abs(floor.height - height) <= _ALIKE * height
+
+
+def _drawn(image):
+    """Return left, bottom, right, top of what is drawn in an image, as shares of its width and height."""
+    try:
+        dark = read_pixels(os.path.abspath(image))[:, :, 0] < _DRAWN
+    except ConfigurationError as error:
+        raise Unknown("the floor plan's image cannot be read: {}".format(error)) from None
+    rows, columns = np.flatnonzero(dark.any(axis=1)), np.flatnonzero(dark.any(axis=0))
+    if not len(rows):
+        raise Unknown("nothing is drawn in the floor plan's image")
+    return (float(columns[0]) / dark.shape[1], 1.0 - float(rows[-1] + 1) / dark.shape[0],
+            float(columns[-1] + 1) / dark.shape[1], 1.0 - float(rows[0]) / dark.shape[0])
+
+
+def _rounded(value):
+    return round(value, 6) + 0.0

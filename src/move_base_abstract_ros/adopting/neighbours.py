@@ -1,0 +1,80 @@
+"""Packages that lie beside a launch file, in a checkout that nobody has built or sourced."""
+import os
+from xml.etree import ElementTree
+
+_LEVELS = 3  # above the file's own package
+_DEPTH = 5
+_MOST_FOLDERS = 3000
+_NOT_ABOVE = ('/', '/home', '/opt', '/tmp', '/usr', '/var', '/root', '/work', os.path.expanduser('~'))
+
+
+def find(name, path):
+    """Return the folder of a package that lies beside a launch file, or None.
+
+    The folders around the file are looked through, the nearest first: its own package, then up to three above that,
+    but none above a repository's.
+    """
+    for folder in _around(os.path.dirname(os.path.abspath(path))):
+        found = packages_below(folder).get(name)
+        if found is not None:
+            return found
+    return None
+
+
+def own_package(path):
+    """Return the folder of the package that a file belongs to, or None."""
+    folder = os.path.dirname(os.path.abspath(path))
+    while not os.path.isfile(os.path.join(folder, 'package.xml')):
+        if folder == os.path.dirname(folder):
+            return None
+        folder = os.path.dirname(folder)
+    return folder
+
+
+def _around(folder):
+    """Yield the folders that a package may lie below, the nearest first."""
+    while not os.path.isfile(os.path.join(folder, 'package.xml')):
+        above = os.path.dirname(folder)
+        if above in _NOT_ABOVE or os.path.isdir(os.path.join(folder, '.git')):
+            yield folder  # a file outside of any package: what lies below the last folder that is somebody's own
+            return
+        folder = above
+    for _level in range(1 + _LEVELS):
+        yield folder
+        if os.path.exists(os.path.join(folder, '.git')) or os.path.dirname(folder) in _NOT_ABOVE:
+            return
+        folder = os.path.dirname(folder)
+
+
+def packages_below(folder):
+    """Return {name: folder} of the packages in a folder and below it."""
+    found, waiting = {}, [(folder, 0)]
+    for _count in range(_MOST_FOLDERS):
+        if not waiting:
+            break
+        here, depth = waiting.pop(0)
+        name = _name_of(os.path.join(here, 'package.xml'))
+        if name is not None:
+            found.setdefault(name, here)
+        elif depth < _DEPTH:
+            waiting += [(one, depth + 1) for one in _folders_in(here)]
+    return found
+
+
+def _folders_in(folder):
+    try:
+        with os.scandir(folder) as entries:
+            return sorted(one.path for one in entries if one.is_dir(follow_symlinks=False)
+                          and not one.name.startswith('.'))
+    except OSError:
+        return []
+
+
+def _name_of(path):
+    """Return the name in a package's file, None if there is no such file, '' of one that nobody could read."""
+    try:
+        return (ElementTree.parse(path).findtext('name') or '').strip()
+    except OSError:
+        return None
+    except ElementTree.ParseError:
+        return ''

@@ -1,0 +1,73 @@
+"""Options of lockstep_launch and verify that say what is done with a launch file of others."""
+import argparse
+import math
+
+from move_base_abstract.common.shown import shown
+
+
+def add_arguments(parser):
+    """Have a command line take them."""
+    parser.add_argument('--adopt', action='store_true',
+                        help='do by rule what a file of others needs, and say it as a command line; see docs/adopt.md')
+    parser.add_argument('--tolerant', action='store_true',
+                        help='leave out what the file names and is not installed; its machines are this one')
+    parser.add_argument('--start', action='append', default=[], type=_start, metavar='NODE=X,Y,YAW',
+                        help='where this robot starts [m, m, rad, map frame]')
+    parser.add_argument('--param', action='append', default=[], type=_parameter, metavar='NAME=VALUE',
+                        help="a parameter that stands above the file's")
+    parser.add_argument('--add', action='append', default=[], type=_added, metavar="'NODE=PACKAGE/TYPE [ARGUMENTS]'",
+                        help='start this node, too')
+    parser.add_argument('--args', action='append', default=[], type=_arguments, metavar="'NODE=ARGUMENTS'",
+                        help="this node's arguments, in the place of the file's")
+
+
+def words_of(options):
+    """Return the words of a command line that say the same."""
+    words = [option for option, is_given in (('--adopt', options.adopt), ('--tolerant', options.tolerant)) if is_given]
+    for name, kind, arguments in options.add:
+        words += ['--add', '{}={}{}'.format(name, '/'.join(kind), ' ' + arguments if arguments else '')]
+    for name, pose in options.start:
+        words += ['--start', '{}={}'.format(name, ','.join(map(repr, pose)))]
+    for option, pairs in (('--param', options.param), ('--args', options.args)):
+        words += [word for pair in pairs for word in (option, '='.join(pair))]
+    return words
+
+
+def wishes_of(options):
+    """Return {field: value} of what a plan is asked for by them."""
+    return {'is_tolerant': options.tolerant, 'added': tuple(options.add), 'arguments': tuple(options.args),
+            'set': tuple(options.param), 'starts': tuple(options.start)}
+
+
+def _pair(text, what):
+    name, equals, value = text.partition('=')
+    if not equals or not name.strip('/'):
+        raise argparse.ArgumentTypeError('must be {}, got {}'.format(what, shown(text)))
+    return '/' + name.strip('/'), value
+
+
+def _parameter(text):
+    return _pair(text, 'NAME=VALUE')
+
+
+def _arguments(text):
+    return _pair(text, 'NODE=ARGUMENTS')
+
+
+def _start(text):
+    name, value = _pair(text, 'NODE=X,Y,YAW')
+    try:
+        pose = tuple(float(word) for word in value.split(','))
+    except ValueError:
+        pose = ()
+    if len(pose) != 3 or not all(map(math.isfinite, pose)):
+        raise argparse.ArgumentTypeError('must be NODE=X,Y,YAW [m, m, rad], got {}'.format(shown(text)))
+    return name, pose
+
+
+def _added(text):
+    name, value = _pair(text, 'NODE=PACKAGE/TYPE [ARGUMENTS]')
+    kind, _, arguments = value.partition(' ')
+    if kind.count('/') != 1:
+        raise argparse.ArgumentTypeError('must be NODE=PACKAGE/TYPE [ARGUMENTS], got {}'.format(shown(text)))
+    return name, tuple(kind.split('/')), arguments.strip()

@@ -1,0 +1,232 @@
+"""What a launch file says of the places of its robots, whoever was to read it: each a Hint."""
+import math
+import os
+import re
+import shlex
+from typing import NamedTuple
+
+from rosgraph.names import ns_join
+
+from . import kinds, worlds
+
+LOCALIZER, STAGE, SPAWNED, FRAME = 'localizer', 'Stage', 'spawned', 'frame'
+_AXES = {'x': 0, 'y': 1, 'yaw': 2, 'a': 2, 'theta': 2, 'th': 2}
+_BESIDE_AXES = {'initial', 'init', 'pose', 'pos', 'position', 'start', 'robot', 'spawn', 'origin', 'coord', 'model',
+                'location', 'point', 'loc', ''}
+_NAMES = ('robot_namespace', 'robot_name', 'ns', 'namespace', 'tf_prefix', 'name', 'model_name', 'robot', 'prefix',
+          'model', 'robot_id')
+_INITIAL = re.compile(r'(.*/)([^/]*?)initial_pose[_/](x|y|a|yaw)')
+_FLAGS = {'-x': 0, '-y': 1, '-Y': 2}
+
+
+class Hint(NamedTuple):
+    """One place of a robot as a launch file says it.
+
+    ``source``: LOCALIZER (a pose in the map's frame), STAGE (in Stage's world), SPAWNED (in Gazebo's world), FRAME (of
+    odometry in the map's frame). ``pose``: (x, y, yaw) [m, m, rad]. ``names``: what the robot may be called.
+    ``is_robot``: whether it is surely a robot, and not a thing. ``who``: what says so, ``place``: where.
+    """
+
+    source: str
+    pose: tuple
+    namespace: str
+    names: frozenset
+    who: str
+    place: str = ''
+    is_robot: bool = True
+
+    @property
+    def shown(self):
+        """The hint in words."""
+        place = ' ({})'.format(self.place) if self.place else ''
+        return '({:g}, {:g}, {:g}) of {}{}'.format(*self.pose, self.who, place)
+
+
+class Stage(NamedTuple):
+    """A node that is Stage.
+
+    ``offset``: x, y, yaw [m, m, rad] of the map's frame in its world, and ``why``; None, and why nobody knows.
+    """
+
+    node: object
+    world: str
+    offset: object
+    why: str
+
+
+def hints(config):
+    """Return the Hints of a roslaunch configuration, in the order in which its files say them, and its Stages."""
+    found = [*_of_parameters(config)]
+    stages = []
+    for node in config.nodes:
+        word = kinds.kind_of(node.package, node.type).word
+        if word == kinds.FRAME:
+            found += _of_frame(node)
+        elif node.package in ('stage_ros', 'stage') or node.type == 'stageros':
+            more, stage = _of_stage(config, node)
+            found += more
+            stages.append(stage)
+        elif word == kinds.LEFT_OUT:
+            found += _of_spawner(node)
+    for one in getattr(config, 'missing', ()):
+        if one.kind == 'include':
+            found += _of_include(one)
+    return found, stages
+
+
+def _of_parameters(config):
+    """Yield what localizers are told: parameters whose names end in initial_pose_x, _y, _a, wherever they are."""
+    places = {name_of(node): node.filename or '' for node in config.nodes}
+    found = {}
+    for key, param in config.params.items():
+        parts = _INITIAL.fullmatch(key)
+        value = _number(param.value)
+        if parts and value is not None:
+            found.setdefault((parts.group(1), parts.group(2)), [0.0] * 3)[_AXES[parts.group(3)]] = value
+    for (above, prefix), pose in found.items():
+        owner = above.rstrip('/') or '/'
+        namespace = owner.rpartition('/')[0] + '/' if owner in places else owner
+        names = tokens(owner, prefix)
+        yield Hint(LOCALIZER, tuple(pose), absolute(namespace), names, '{}{}initial_pose_*'.format(above, prefix),
+                   places.get(owner, ''))
+
+
+def _of_spawner(node):
+    words = words_of(node.args)
+    pose, is_there = _flags(words)
+    if not is_there and not re.search('spawn', node.type):
+        return
+    named = [after for word, after in zip(words, words[1:]) if word in ('-model', '-robot_namespace', '-entity')]
+    namespace = next((after for word, after in zip(words, words[1:]) if word == '-robot_namespace'), node.namespace)
+    yield Hint(SPAWNED, pose, absolute(namespace), tokens(node.namespace, *named, node.name or ''),
+               'the spawner {}'.format(name_of(node)), node.filename or '', _is_robot(words))
+
+
+def _is_robot(words):
+    """Return whether a spawner's words are of a robot: its model is a parameter, in URDF, and not a file of a thing."""
+    return '-param' in words and '-sdf' not in words and any('robot' in word for word in words)
+
+
+def _of_frame(node):
+    words = words_of(node.args)
+    numbers = [_number(word) for word in words[:7]]
+    if len(words) < 8 or None in numbers[:6]:
+        return
+    is_quaternion = numbers[6] is not None and len(words) >= 9
+    yaw = 2 * math.atan2(numbers[5], numbers[6]) if is_quaternion else numbers[3]
+    parent, child = (words[7:9] if is_quaternion else words[6:8])
+    if parent.strip('/').endswith('map') and 'odom' in child:
+        yield Hint(FRAME, (numbers[0], numbers[1], yaw), node.namespace, tokens(node.namespace, child, node.name),
+                   'the frame {} of {}'.format(child, name_of(node)), node.filename or '')
+
+
+def _of_stage(config, node):
+    words = words_of(node.args)
+    path = next((word for word in reversed(words) if not word.startswith('-')), '')
+    place = node.filename or ''
+    try:
+        world = worlds.read(path)
+    except (OSError, ValueError) as error:
+        return [], Stage(node, path, None, 'the world file cannot be read: {}'.format(error))
+    by_names = '-u' in words
+    offset, why = _offset(config, world)
+    if offset is None and _delta(config) is not None:
+        offset, why = _delta(config), 'by delta_* of fake_localization'
+    found = []
+    for number, (name, pose) in enumerate(world.robots):
+        called = name if by_names and name else 'robot_{}'.format(number)
+        is_alone = len(world.robots) == 1 and not by_names
+        namespace = node.namespace if is_alone else ns_join(node.namespace, called)
+        names = tokens(node.namespace, called, name) if not is_alone else tokens(node.namespace, name)
+        found.append(Hint(STAGE, pose, absolute(namespace), names,
+                          "{} in Stage's world {}".format(called, os.path.basename(path)), place))
+    return found, Stage(node, path, offset, why)
+
+
+def _offset(config, world):
+    maps = [words_of(node.args) for node in config.nodes if kinds.kind_of(node.package, node.type).word == kinds.MAP]
+    if not any(maps):
+        return None, 'the launch file serves no map'
+    from . import floors  # which needs numpy and Pillow: few launch files do
+    try:
+        return floors.offset(world.floor, next(filter(None, maps))), 'by floor plan and map'
+    except worlds.Unknown as error:
+        return None, str(error)
+
+
+def _delta(config):
+    """Return where the map's frame lies in Stage's world by fake_localization's parameters, or None."""
+    for node in config.nodes:
+        if node.package == 'fake_localization':
+            values = [config.params.get('{}/delta_{}'.format(name_of(node), axis)) for axis in ('x', 'y', 'yaw')]
+            x, y, yaw = (0.0 if value is None else _number(value.value) or 0.0 for value in values)
+            if x or y or yaw:
+                return (*worlds.turned(x, y, yaw), yaw)
+    return None
+
+
+def _of_include(one):
+    """Yield what is handed to a launch file that is not here."""
+    pose, is_there = [0.0] * 3, False
+    for name, text in one.arguments:
+        words = name.lower().split('_')
+        axis = [word for word in words if word in _AXES]
+        if len(axis) == 1 and _number(text) is not None and {re.sub(r'\d+$', '', word) for word in words
+                                                             if word not in _AXES} <= _BESIDE_AXES:
+            pose[_AXES[axis[0]]], is_there = _number(text), True
+        elif '-x' in text.split() or '-y' in text.split():
+            flags, is_there = _flags(words_of(text))
+            pose[:] = flags
+    if is_there:
+        base = os.path.basename(one.name)
+        named = [text for name, text in one.arguments if name in _NAMES]
+        source = LOCALIZER if 'amcl' in base or any('initial' in name for name, _ in one.arguments) else SPAWNED
+        namespace = absolute(named[0]) if named and one.namespace == '/' else one.namespace
+        yield Hint(source, tuple(pose), absolute(namespace), tokens(one.namespace, *named),
+                   'what is handed to {}'.format(base), one.place)
+
+
+def _flags(words):
+    """Return the pose in the words of a spawner, and whether there is one."""
+    pose, is_there = [0.0] * 3, False
+    for word, after in zip(words, words[1:]):
+        if word in _FLAGS and _number(after) is not None:
+            pose[_FLAGS[word]], is_there = _number(after), True
+    return tuple(pose), is_there
+
+
+def words_of(text):
+    """Return the words of a node's arguments, as a shell splits them; by spaces, if it cannot."""
+    try:
+        return shlex.split(text or '')
+    except ValueError:
+        return (text or '').split()
+
+
+def _number(value):
+    if isinstance(value, bool):
+        return None
+    try:
+        found = float(value)
+    except (TypeError, ValueError):
+        return None
+    return found if math.isfinite(found) else None
+
+
+def tokens(*texts):
+    """Return the words of names that may be a robot's, in lower case: each whole, and its parts between slashes."""
+    found = set()
+    for text in texts:
+        whole = (text or '').strip('/ ').lower()
+        found |= {whole, *whole.split('/')}
+    return frozenset(found - {'', 'map', 'odom', 'amcl', 'robot', 'base_link', 'base_footprint'})
+
+
+def absolute(namespace):
+    """Return a namespace with a slash before and behind it."""
+    return '/' + '{}/'.format((namespace or '').strip('/')).lstrip('/')
+
+
+def name_of(node):
+    """Return the full name of a roslaunch Node."""
+    return ns_join(node.namespace, node.name or node.type)

@@ -1,0 +1,255 @@
+"""A loader of launch files that leaves out what a file names and is not installed here, and notes it with its place."""
+import os
+import re
+import shlex
+import shutil
+from typing import NamedTuple
+from xml.dom import expatbuilder
+
+import rospkg
+from rosgraph.names import ns_join
+from roslaunch import substitution_args
+from roslaunch.loader import LoadException
+from roslaunch.xmlloader import XmlParseException, ifunless_test
+
+from . import hooks, neighbours
+
+NOT_INSTALLED = '/not_installed/'  # a package that is not here is a folder below this, which nobody has
+#: what is taken for variables of the environment that launch files ask for and are not set
+ENVIRONMENT = {'TURTLEBOT3_MODEL': 'burger'}
+_FIND = re.compile(r'\$\(find\s+([\w.-]+)\s*\)')
+_ENV = re.compile(r'\$\(env\s+(\w+)\s*\)')
+_ENV_IN_EVAL = re.compile(r'\benv\(\s*[\'"](\w+)[\'"]\s*\)')
+_DEEPEST = 100
+
+
+class Missing(NamedTuple):
+    """What a launch file names and is not here.
+
+    ``kind``: 'include', 'parameters', 'parameter', 'variable', or 'argument', of an include that does not read it.
+    ``arguments``: of an include, {name: text}. ``namespace``: in which it stands. ``place``: 'FILE:LINE'.
+    """
+
+    kind: str
+    name: str
+    place: str
+    namespace: str = '/'
+    arguments: tuple = ()
+
+
+class Tolerant:
+    """What a loader of roslaunch does otherwise, to stand before it among the bases of a class.
+
+    ``missing``: what was left out. ``taken``: {package: folder} of those that lie beside the file. Of nodes
+    ``filename`` is their place.
+    """
+
+    def __init__(self, *arguments, **others):
+        """As roslaunch's."""
+        super().__init__(*arguments, **others)
+        self.missing = []
+        self.taken = {}
+        self._first = None
+        self._chain = []
+        self._place = ''
+        self._known, self._folders = {}, {}
+
+    def load(self, filename, ros_config, core=False, argv=None, verbose=True):
+        """As roslaunch's."""
+        self._first = None if core else filename
+        substitution_args._rospack = _Packages(self)  # which roslaunch asks where packages are
+        try:
+            super().load(filename, ros_config, core=core, argv=argv, verbose=verbose)
+        finally:
+            substitution_args._rospack = None
+        if not core:
+            ros_config.missing, ros_config.taken = self.missing, self.taken
+
+    def resolve_args(self, args, context):
+        """As roslaunch's, with a place that nobody has for a package that is not here."""
+        if args and '$' in args and self._first is not None:
+            in_eval = args.startswith('$(eval')
+            args = args if in_eval else _FIND.sub(self._package, args)
+            args = (_ENV_IN_EVAL if in_eval else _ENV).sub(lambda found: self._variable(found, in_eval), args)
+        return super().resolve_args(args, context)
+
+    def opt_attrs(self, tag, context, attrs):
+        """As roslaunch's."""
+        self._note(tag, context)
+        return super().opt_attrs(tag, context, attrs)
+
+    def reqd_attrs(self, tag, context, attrs):
+        """As roslaunch's."""
+        self._note(tag, context)
+        return super().reqd_attrs(tag, context, attrs)
+
+    def load_rosparam(self, context, ros_config, cmd, param, file_, text, verbose=True, subst_function=None):
+        """As roslaunch's."""
+        if cmd == 'load' and file_ is not None and not os.path.isfile(file_):
+            self._miss('parameters', file_, context.ns)
+            return
+        super().load_rosparam(context, ros_config, cmd, param, file_, text, verbose, subst_function)
+
+    def param_value(self, verbose, name, ptype, value, textfile, binfile, command):
+        """As roslaunch's; '' where a file, or a program, is not there."""
+        path = textfile or binfile
+        if path and not os.path.isfile(path) or command and not _is_there(command):
+            return self._miss('parameter', '{}: {}'.format(name, path or command))
+        try:
+            return super().param_value(verbose, name, ptype, value, textfile, binfile, command)
+        except (ValueError, OSError):
+            if not command:
+                raise
+            return self._miss('parameter', '{}: {}'.format(name, command))
+
+    def _parse_launch(self, filename, verbose):
+        if self._first is None:
+            return super()._parse_launch(filename, verbose)
+        try:
+            with open(filename, 'rb') as stream:
+                root = _Builder().parseFile(stream).getElementsByTagName('launch')
+        except Exception as error:
+            raise XmlParseException('{}: Invalid roslaunch XML syntax: {}'.format(filename, error)) from None
+        if len(root) != 1:
+            raise XmlParseException('{}: Invalid roslaunch XML syntax: no root <launch> tag'.format(filename))
+        return root[0]
+
+    def _include_tag(self, tag, context, ros_config, default_machine, is_core, verbose):
+        if is_core or not ifunless_test(self, tag, context):
+            return None
+        path = self.resolve_args(tag.attributes['file'].value, context)
+        self._note(tag, context)
+        if not os.path.isfile(path):
+            self._miss('include', path, *self._asked(tag, context))
+            return None
+        if len(self._chain) > _DEEPEST:
+            raise XmlParseException('{}: files include one another without an end'.format(self._place))
+        self._chain.append(self._place)
+        try:
+            return super()._include_tag(tag, context, ros_config, default_machine, is_core, verbose)
+        except LoadException as error:
+            if not str(error).startswith('unused args'):
+                raise
+            self._missed('argument', str(error), self._chain[-1])  # what the file starts is there by then
+            return None
+        finally:
+            self._chain.pop()
+
+    def _asked(self, tag, context):
+        """Return the namespace of an include, and its arguments, ((name, text), ...)."""
+        namespace, passed = self.opt_attrs(tag, context, ('ns', 'pass_all_args'))
+        found = dict(context.resolve_dict.get('arg', {})) if (passed or '').lower() in ('true', '1') else {}
+        for one in tag.getElementsByTagName('arg'):
+            if ifunless_test(self, one, context):
+                name, value, default = self.opt_attrs(one, context, ('name', 'value', 'default'))
+                found[name] = value if value is not None else default
+        return ns_join(context.ns, namespace) if namespace else context.ns, tuple(
+            (name, text) for name, text in found.items() if isinstance(text, str))
+
+    def _machine_tag(self, tag, context, ros_config, verbose=True):
+        return None  # all run on this computer
+
+    def _node_tag(self, tag, context, ros_config, default_machine, is_test=False, verbose=True):
+        self._note(tag, context)
+        place = self._place
+        node = super()._node_tag(tag, context, ros_config, default_machine, is_test=is_test, verbose=verbose)
+        if node is not None and self._first is not None:
+            self._has(node.package)
+            node.filename, node.machine_name = self._with_chain(place), None  # roslaunch only shows it
+        return node
+
+    def _note(self, tag, context):
+        self._place = '{}:{}'.format(getattr(context, 'filename', self._first), getattr(tag, 'line', '?'))
+
+    def _with_chain(self, place):
+        return place + ''.join(', included at {}'.format(os.path.basename(one)) for one in reversed(self._chain))
+
+    def _miss(self, kind, name, namespace='/', arguments=()):
+        self._missed(kind, name, self._with_chain(self._place), namespace, arguments)
+        return ''
+
+    def _missed(self, kind, name, place, namespace='/', arguments=()):
+        one = Missing(kind, name, place, namespace, arguments)
+        if one not in self.missing:
+            self.missing.append(one)
+
+    def _package(self, found):
+        return found.group() if self._has(found.group(1)) else NOT_INSTALLED + found.group(1)
+
+    def folder_of(self, name):
+        """Return the folder of a package; one that nobody has, of a package that is not here."""
+        if name not in self._folders:
+            self._folders[name] = rospkg.RosPack().get_path(name) if self._has(name) else NOT_INSTALLED + name
+        return self._folders[name]
+
+    def _has(self, name):
+        if name not in self._known:
+            self._known[name] = is_package(name) or self._take(name)
+        return self._known[name]
+
+    def _take(self, name):
+        """Take a package from beside the file, if it lies there, for this process and those that it starts."""
+        folder = neighbours.find(name, self._first)
+        if folder is not None:
+            self.taken[name] = folder
+            use(folder)
+        return folder is not None
+
+    def _variable(self, found, in_eval):
+        name = found.group(1)
+        if name in os.environ:
+            return found.group()
+        value = hooks.value_of(name, self._first)
+        if value is None:
+            value = ENVIRONMENT.get(name, '')
+            self._miss('variable', name)
+        return repr(value) if in_eval else value
+
+
+class _Packages(rospkg.RosPack):
+    """Stands for rospkg's in roslaunch."""
+
+    def __init__(self, loader):
+        super().__init__()
+        self._loader = loader
+
+    def get_path(self, name):
+        """As rospkg's."""
+        return self._loader.folder_of(name)
+
+
+class _Builder(expatbuilder.ExpatBuilderNS):
+    """Python's builder of documents, whose elements know their line."""
+
+    def start_element_handler(self, name, attributes):
+        """As Python's."""
+        super().start_element_handler(name, attributes)
+        self.curNode.line = self._parser.CurrentLineNumber
+
+
+def is_package(name):
+    """Return whether a package is found here."""
+    try:
+        rospkg.RosPack().get_path(name)
+        return True
+    except rospkg.ResourceNotFound:
+        return False
+
+
+def use(folder):
+    """Have a package be found by this process and by those that it starts, with the modules in its ``src``."""
+    _append('ROS_PACKAGE_PATH', folder)
+    source = os.path.join(folder, 'src')
+    if os.path.isfile(os.path.join(folder, 'setup.py')) and os.path.isdir(source):
+        _append('PYTHONPATH', source)
+
+
+def _append(variable, folder):
+    folders = [one for one in os.environ.get(variable, '').split(os.pathsep) if one]
+    if folder not in folders:
+        os.environ[variable] = os.pathsep.join([*folders, folder])
+
+
+def _is_there(command):
+    words = shlex.split(command)
+    return bool(words) and shutil.which(words[0]) is not None

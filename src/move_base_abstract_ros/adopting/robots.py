@@ -1,0 +1,156 @@
+"""Who the robots of a launch file are, and which of the places that it says is whose."""
+import math
+import os
+from typing import NamedTuple
+
+from rosgraph.names import ns_join
+
+from . import kinds, poses, worlds
+
+PACKAGE = 'move_base_abstract'
+OWN = ('move_base', 'move_base_abstract_actionserver')
+_FAR = 0.05  # m: places that differ by more are told
+
+
+class Robot(NamedTuple):
+    """A robot: the full ``name`` of its move_base, its ``namespace``, what it may be called.
+
+    ``added``: why it gets a move_base though the file starts none, or ''. ``place``: where the file says it.
+    """
+
+    name: str
+    namespace: str
+    names: frozenset
+    added: str = ''
+    place: str = ''
+
+
+class Start(NamedTuple):
+    """Where a robot starts: ``hint`` says it, None: nobody does; ``pose`` in the map's frame.
+
+    ``others``: (hint, pose) of those that say another one. ``by_order``: whether only the order in the file says whose
+    it is.
+    """
+
+    robot: Robot
+    hint: object
+    pose: tuple
+    others: tuple
+    by_order: bool
+
+
+def robots_of(config, hints):
+    """Return the Robots of a configuration, in the order of its nodes."""
+    nodes = [node for node in config.nodes if _is_robot(node)]
+    found = [Robot(poses.name_of(node), node.namespace, _names(config, node), place=node.filename or '')
+             for node in nodes]
+    known = {one.namespace for one in found}
+    for one in getattr(config, 'missing', ()):
+        if one.kind == 'include' and kinds.stands_for_a_robot(one.name):
+            namespace = _namespace_of(one)
+            if namespace not in known:
+                known.add(namespace)
+                found.append(_new(namespace, '{} is not here, which by its name starts one'.format(
+                    os.path.basename(one.name)), one.place))
+    if not found:
+        for hint in hints:
+            if hint.is_robot and hint.source != poses.FRAME and hint.namespace not in known:
+                known.add(hint.namespace)
+                found.append(_new(hint.namespace, 'the file starts no move_base, and this robot is there: {}'.format(
+                    hint.who), hint.place))
+    return _told_apart(found)
+
+
+def _is_robot(node):
+    return kinds.kind_of(node.package, node.type).word == kinds.ROBOT or node.package == PACKAGE and node.type in OWN
+
+
+def _new(namespace, why, place):
+    return Robot(ns_join(namespace, 'move_base'), namespace, poses.tokens(namespace), why, place)
+
+
+def _namespace_of(include):
+    named = [text for name, text in include.arguments if name in ('robot_namespace', 'ns', 'namespace', 'robot_name')]
+    return poses.absolute(named[0] if include.namespace == '/' and named else include.namespace)
+
+
+def _names(config, node):
+    name = poses.name_of(node)
+    values = [config.params[key].value for key in (name + '/tf_prefix', node.namespace + 'tf_prefix')
+              if key in config.params]
+    frames = [config.params[key].value for costmap in ('global_costmap', 'local_costmap')
+              for key in ['{}/{}/robot_base_frame'.format(name, costmap)] if key in config.params]
+    prefixes = [str(frame).rpartition('/')[0] for frame in frames]
+    targets = [new.strip('/').partition('/')[0] for _old, new in node.remap_args if '/' in new.strip('/')]
+    own = (node.name or '').replace('move_base', '').strip('_')
+    return poses.tokens(node.namespace, own, *map(str, values), *prefixes, *targets)
+
+
+def _told_apart(robots):
+    """Take away the names that several robots have."""
+    names = [name for robot in robots for name in robot.names]
+    return [robot._replace(names=frozenset(name for name in robot.names if names.count(name) == 1))
+            for robot in robots]
+
+
+def starts_of(robots, hints, stages):
+    """Return a Start of each robot, and the hints that are nobody's."""
+    whose, by_order = {}, set()
+    for source in (poses.LOCALIZER, poses.STAGE, poses.SPAWNED, poses.FRAME):
+        of_source = [hint for hint in hints if hint.source == source]
+        known, guessed = _assigned(robots, of_source)
+        whose.update({**known, **guessed})
+        by_order |= set(guessed)
+    found = [_start(robot, [hint for hint in hints if whose.get(hint) == robot.name], stages, by_order)
+             for robot in robots]
+    return found, [hint for hint in hints if hint not in whose and hint.is_robot and hint.source != poses.FRAME]
+
+
+def _assigned(robots, hints):
+    """Return {hint: name of its robot}, of one source, by namespace or name, and the same by order in the file."""
+    found = {}
+    for robot in robots:
+        best = max((_score(robot, hint, len(robots)) for hint in hints), default=0)
+        fitting = [hint for hint in hints if _score(robot, hint, len(robots)) == best and hint not in found]
+        if best and (len(fitting) == 1 or best > 1 and fitting):
+            found[fitting[0]] = robot.name
+    taken = set(found.values())
+    robots_left = [robot for robot in robots if robot.name not in taken]
+    hints_left = [hint for hint in hints if hint not in found and hint.is_robot]
+    is_plain = len(robots_left) == len(hints_left)
+    return found, dict(zip(hints_left, (robot.name for robot in robots_left))) if is_plain else {}
+
+
+def _score(robot, hint, count):
+    if robot.namespace == hint.namespace and (robot.namespace != '/' or count == 1):
+        return 3 + hint.is_robot
+    if robot.names & hint.names:
+        return 2
+    return 1 if count == 1 and hint.is_robot else 0
+
+
+def _start(robot, hints, stages, by_order):
+    offset = next((stage.offset for stage in stages if stage.offset is not None), None)
+    by_source = {hint.source: hint for hint in reversed(hints)}
+    stage, localizer = by_source.get(poses.STAGE), by_source.get(poses.LOCALIZER)
+    order = [stage if offset else None, localizer if localizer and any(localizer.pose) else None, stage,
+             by_source.get(poses.SPAWNED), localizer, by_source.get(poses.FRAME)]
+    chosen = next((hint for hint in order if hint is not None), None)
+    if chosen is None:
+        return Start(robot, None, (0.0, 0.0, 0.0), (), False)
+    pose = in_map(chosen, offset)
+    others = tuple(hint for hint in hints if hint is not chosen and _differ(in_map(hint, offset), pose))
+    return Start(robot, chosen, pose, tuple((hint, in_map(hint, offset)) for hint in others), chosen in by_order)
+
+
+def in_map(hint, offset):
+    """Return the pose of a hint in the map's frame, of which ``offset`` says where it lies in Stage's world."""
+    x, y, yaw = hint.pose
+    if hint.source == poses.STAGE and offset:
+        x, y = worlds.turned(x - offset[0], y - offset[1], -offset[2])
+        x, y, yaw = round(x, 9) + 0.0, round(y, 9) + 0.0, math.remainder(yaw - offset[2], 2 * math.pi)
+    return x, y, yaw
+
+
+def _differ(one, other):
+    return max(abs(a - b) for a, b in zip(one[:2], other[:2])) > _FAR

@@ -1,0 +1,343 @@
+"""What people do by hand to run a launch file of others, by rule: as options that somebody could have given."""
+import os
+import shlex
+from typing import NamedTuple
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.config.settings import read_settings
+
+from ..adopting import kinds, poses, reading, robots
+from ..loopback import PACKAGE
+from . import programs, roles
+
+_STAGE_ARGUMENT = 1  # of move_base_abstract_actionserver: the simulator
+_OWN_CLOCKS = ('stage_ros', 'stage', 'gazebo')
+_READ_ELSEWHERE = ('lockstep_rank', 'lockstep_charge', 'foresee', 'events_only', 'log_motion')
+_SAME_PLACE = 0.01  # m
+
+
+class Adopted(NamedTuple):
+    """``wishes``: with what was found. ``done``, ``remarks``, ``problems``: texts; with a problem nothing can run."""
+
+    wishes: object
+    done: tuple
+    remarks: tuple
+    problems: tuple
+
+
+def adopt(config, wishes):
+    """Return what is to be done with a configuration that a tolerant loader has read, as an Adopted.
+
+    What the wishes ask for already stays as it is.
+    """
+    return _Adoption(config, wishes).adopted()
+
+
+def words_of(before, after):
+    """Return the words of a command line that make of the one wishes the other."""
+    words = ['--tolerant'] if after.is_tolerant and not before.is_tolerant else []
+    words += ['--no-respawn'] if after.with_respawned and not before.with_respawned else []
+
+    def new(field):
+        return [one for one in getattr(after, field) if one not in getattr(before, field)]
+    for name, kind, arguments in new('added'):
+        words += ['--add', '{}={}{}'.format(name, '/'.join(kind), ' ' + arguments if arguments else '')]
+    for name in new('left_out'):
+        words += ['--leave-out', name]
+    for old, kind in new('replaced'):
+        words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(kind))]
+    for name, arguments in new('arguments'):
+        words += ['--args', '{}={}'.format(name, arguments)]
+    for key, text in new('set'):
+        words += ['--param', '{}={}'.format(key, text)]
+    for name, pose in new('starts'):
+        words += ['--start', '{}={}'.format(name, ','.join(repr(float(value)) for value in pose))]
+    return words
+
+
+class _Adoption:
+    def __init__(self, config, wishes):
+        self.config = config
+        self.wishes = wishes
+        self.done, self.remarks, self.problems = [], [], []
+        self.left_out, self.added, self.arguments, self.set = [], [], [], []
+        self.hints, self.stages = poses.hints(config)
+        self.robots = robots.robots_of(config, self.hints)
+
+    def adopted(self):
+        """Go through nodes, robots and what is missing."""
+        starts = self._starts()
+        self._say_missing()
+        replaced = self._nodes()
+        self._robots()
+        self._add_maps()
+        self._frames()
+        self._stage_offsets()
+        kept = [node for node in self.config.nodes if not self._is_out(node)]
+        self._clocks(kept)
+        self._fatal(kept)
+        wishes = self.wishes._replace(
+            is_tolerant=True, left_out=(*self.wishes.left_out, *self.left_out),
+            replaced=(*self.wishes.replaced, *replaced), added=(*self.wishes.added, *self.added),
+            arguments=(*self.wishes.arguments, *self.arguments), set=(*self.set, *self.wishes.set),
+            starts=(*self.wishes.starts, *starts),
+            with_respawned=self.wishes.with_respawned or any(
+                node.respawn for node in kept if kinds.kind_of(node.package, node.type).word == kinds.ELSE))
+        return Adopted(wishes, tuple(self.done), tuple(self.remarks), tuple(self.problems))
+
+    def _is_out(self, node):
+        return roles.name_of(node) in (*self.left_out, *self.wishes.left_out)
+
+    def _is_kept(self, node):
+        return roles.name_of(node) in (*self.wishes.forced, *self.wishes.kept_out)
+
+    def _say_missing(self):
+        for name, folder in sorted(getattr(self.config, 'taken', {}).items()):
+            self.done.append('the package {} is taken from {}'.format(name, folder))
+        grouped = {}
+        for one in getattr(self.config, 'missing', ()):
+            grouped.setdefault((one.kind, one.name), []).append(one.place)
+        for (kind, name), places in grouped.items():
+            where = places[0] if len(places) == 1 else '{}, and {} more places'.format(places[0], len(places) - 1)
+            self.remarks.append('{} ({})'.format(_missing(kind, name), where))
+
+    def _nodes(self):
+        """Decide of each node. Return what is replaced by what."""
+        replaced = []
+        for node in self.config.nodes:
+            if self._is_out(node) or self._is_kept(node) or node.package == PACKAGE:
+                continue
+            kind = (node.package, node.type)
+            word = kinds.kind_of(*kind).word
+            if any(kind == old for old, _new in self.wishes.replaced):
+                continue
+            if word == kinds.ROBOT or word == kinds.MAP and self._serves_map(node):
+                if word == kinds.ROBOT or roles.program_of(node) is None:
+                    replaced += [] if (kind, (PACKAGE, word_to_type(word))) in replaced else [
+                        (kind, (PACKAGE, word_to_type(word)))]
+            elif word != kinds.MAP:
+                self._keep_or_leave(node, word)
+        for old, new in replaced:
+            self.done.append('{} in the place of {}'.format('/'.join(new), '/'.join(old)))
+        return replaced
+
+    def _serves_map(self, node):
+        path = next(iter(poses.words_of(node.args)), '')
+        if not os.path.isfile(path):
+            self._leave(node, 'its map {} is not here'.format(_short(path) or '(no name)'), is_loss=True)
+            return False
+        return True
+
+    def _keep_or_leave(self, node, word):
+        why = kinds.kind_of(node.package, node.type).why
+        if word == kinds.LEFT_OUT:
+            self._leave(node, why)
+        elif word == kinds.FRAME and _is_of_robots(node):
+            self._leave(node, 'our robots tell this frame themselves')
+        elif word == kinds.STATE and 'gui' in node.type:
+            self._leave(node, 'it waits for a person')
+        elif word == kinds.STATE and not self._is_described(node):
+            self._leave(node, 'there is no robot_description')
+        elif ((node.package, node.type) == ('rosbag', 'play') or kinds.looks_like_a_clock(node.type)) and (
+                roles.has_clock(node)):
+            self._leave(node, kinds.CLOCK)
+        elif node.package == 'nodelet':
+            self._nodelet(node)
+        else:
+            self._look_for_program(node, word)
+
+    def _is_described(self, node):
+        parts = node.namespace.strip('/').split('/')
+        return any(self._value('/'.join(['', *filter(None, parts[:count]), 'robot_description']), '')
+                   for count in range(len(parts) + 1))
+
+    def _look_for_program(self, node, word):
+        path = roles.program_of(node)
+        if path is None:
+            is_loss = word in (kinds.ELSE, kinds.FRAME) and node.package not in ('rviz', 'rqt_gui', 'image_view')
+            self._leave(node, kinds.NO_PROGRAM + ('; build its package, or source its workspace'
+                                                  if is_loss else ''), is_loss)
+            return
+        why, interpreter = programs.cannot_start(path), programs.missing_interpreter(path)
+        if not why and interpreter and not roles.role_of(node, with_respawned=True).takes_part:
+            why = 'it is a program for {}, which is not here'.format(interpreter)
+        if why:
+            self._leave(node, why, is_loss=True)
+
+    def _nodelet(self, node):
+        words = poses.words_of(node.args)
+        package = words[1].partition('/')[0] if words[:1] == ['load'] and len(words) > 1 else ''
+        if package and not reading.is_package(package):
+            self._leave(node, 'there is no package {} here'.format(package), is_loss=True)
+
+    def _leave(self, node, why, is_loss=False):
+        name = roles.name_of(node)
+        self.left_out.append(name)
+        (self.remarks if is_loss else self.done).append('{} ({}/{}) is left out: {} ({})'.format(
+            name, node.package, node.type, why, _place(node)))
+
+    def _robots(self):
+        for robot in self.robots:
+            if robot.added:
+                self.added.append((robot.name, (PACKAGE, 'move_base'), ''))
+                self.done.append('{} is added: {} ({})'.format(robot.name, robot.added, robot.place))
+        if not self.robots:
+            self.problems.append(
+                'there is no robot in this file: no node is a move_base, and nothing places one. Another file of its '
+                'package may start the navigation; --add /NAMESPACE/move_base={}/move_base adds one'.format(PACKAGE))
+
+    def _add_maps(self):
+        for one in getattr(self.config, 'missing', ()):
+            path = next((text for name, text in one.arguments if 'map' in name and os.path.isfile(text)
+                         and text.endswith(('.yaml', '.yml'))), None) if one.kind == 'include' else None
+            name = (one.namespace if one.namespace.endswith('/') else one.namespace + '/') + 'map_server'
+            if path and name not in [found for found, _kind, _args in self.added]:
+                self.added.append((name, (PACKAGE, 'map_server'), shlex.quote(path)))
+                self.done.append('{} is added: {} is handed {} ({})'.format(
+                    name, _short(one.name), os.path.basename(path), one.place))
+
+    def _starts(self):
+        """Return (name, pose) of the robots whose place the file says, and tell of all."""
+        asked = dict(self.wishes.starts)
+        found, unused = robots.starts_of(self.robots, self.hints, self.stages)
+        starts = []
+        for start in found:
+            name = start.robot.name
+            if name in asked or any(name + '/' + key in self.config.params for key in ('start_x', 'start_y')):
+                continue
+            if start.hint is None:
+                if not self._is_placed_by_arguments(name):
+                    self.remarks.append(
+                        '{0} starts at (0, 0, 0): the file says no place; --start {0}=X,Y,YAW does'.format(name))
+                continue
+            starts.append((name, start.pose))
+            self.done.append('{} starts at ({:g}, {:g}, {:g}): {}{}'.format(
+                name, *start.pose, start.hint.shown, ', whose it is by the order in the file' * start.by_order))
+            for other, pose in start.others:
+                self.remarks.append('{} could start elsewhere: {}; --start {}={} has it there'.format(
+                    name, other.shown, name, ','.join('{:g}'.format(value) for value in pose)))
+        for hint in unused:
+            self.remarks.append('{} is no robot of this run: {}'.format(hint.shown, 'nothing there is a move_base'))
+        self._one_place([start.pose for start in found])
+        return starts
+
+    def _is_placed_by_arguments(self, name):
+        return any(roles.name_of(node) == name and node.type != 'move_base' and len(poses.words_of(node.args)) > 4
+                   for node in self.config.nodes)
+
+    def _one_place(self, found):
+        for number, pose in enumerate(found):
+            same = [robot.name for robot, other in zip(self.robots, found)
+                    if max(abs(a - b) for a, b in zip(pose[:2], other[:2])) < _SAME_PLACE]
+            if len(same) > 1 and self.robots[number].name == same[0]:
+                self.remarks.append('{} start at one place, ({:g}, {:g}): --start NODE=X,Y,YAW says another'.format(
+                    ' and '.join(same), *pose[:2]))
+
+    def _frames(self):
+        """Give robots whose frames would be the same a tf_prefix each."""
+        for robot in self.robots if len(self.robots) > 1 else ():
+            prefix = robot.namespace.strip('/') or next(iter(sorted(robot.names)), '')
+            frame = self._value(robot.name + '/global_costmap/robot_base_frame', 'base_link')
+            has_prefix = any(key in self.config.params for key in (
+                robot.name + '/tf_prefix', robot.namespace + 'tf_prefix'))
+            if prefix and not has_prefix and '/' not in str(frame).strip('/') and prefix not in str(frame):
+                self.set.append((robot.name + '/tf_prefix', prefix))
+
+    def _stage_offsets(self):
+        for stage in self.stages:
+            place = _place(stage.node)
+            if stage.offset is None:
+                self.remarks.append("places in Stage's world are taken as they are, as places of the map: where the "
+                                    'map lies there is not known: {} ({}); --start NODE=X,Y,YAW says others'.format(
+                                        stage.why, place))
+            elif any(stage.offset):
+                self.done.append("the map's frame is at ({:g}, {:g}, {:g}) in Stage's world, {} ({})".format(
+                    *stage.offset, stage.why, place))
+                for robot in self.robots:
+                    self.set += [('{}/stage_offset_{}'.format(robot.name, axis), repr(value))
+                                 for axis, value in zip(('x', 'y', 'yaw'), stage.offset) if value
+                                 and '{}/stage_offset_{}'.format(robot.name, axis) not in self.config.params]
+
+    def _clocks(self, kept):
+        for node in kept:
+            name = roles.name_of(node)
+            if roles.has_clock(node, (*self.wishes.forced, *self.wishes.kept_out)):
+                self.problems.append(
+                    "{0} ({1}/{2}) publishes /clock, and in lockstep that is the time master's: two would make time "
+                    'jump ({3}). --leave-out {0} starts it not; --participant {0} keeps it, if it only could'.format(
+                        name, node.package, node.type, _place(node)))
+
+    def _fatal(self, kept):
+        """Tell of robots that would end with an error, and have those of other simulators be our own."""
+        for node in kept:
+            name = roles.name_of(node)
+            if kinds.kind_of(node.package, node.type).word != kinds.ROBOT and not (
+                    node.package == PACKAGE and node.type in robots.OWN):
+                continue
+            words = poses.words_of(node.args)
+            if node.type == robots.OWN[1] and words[_STAGE_ARGUMENT:][:1] and words[_STAGE_ARGUMENT] in _OWN_CLOCKS:
+                words[_STAGE_ARGUMENT] = 'builtin'
+                self.arguments.append((name, ' '.join(map(shlex.quote, words))))
+                self.done.append('{} has no simulator beside it: its second argument is builtin'.format(name))
+            if self._value(name + '/backend', 'builtin') in _OWN_CLOCKS:
+                self.set.append((name + '/backend', 'builtin'))
+                self.done.append('{} has no simulator beside it: its backend is builtin'.format(name))
+            try:
+                read_settings(self._below(name), name)
+            except ConfigurationError as error:
+                self.problems.append('{} would end with an error: {}; --param NAME=VALUE sets another ({})'.format(
+                    name, error, _place(node)))
+
+    def _below(self, name):
+        """Return the parameters below a node's name, as the parameter server has them."""
+        found = {}
+        given = {key: param.value for key, param in self.config.params.items()}
+        for key, value in {**given, **dict(self.wishes.set)}.items():
+            if key.startswith(name + '/'):
+                *above, last = key[len(name) + 1:].split('/')
+                here = found
+                for part in above:
+                    here = here.setdefault(part, {})
+                    if not isinstance(here, dict):
+                        break
+                else:
+                    here[last] = value
+        return {key: value for key, value in found.items() if key not in _READ_ELSEWHERE}
+
+    def _value(self, key, default):
+        return self.config.params[key].value if key in self.config.params else default
+
+
+def _missing(kind, name):
+    """Say that something that a launch file names is not here, and what becomes of it."""
+    if kind == 'variable':
+        return "the environment has no {0}, and '{1}' is taken: export {0}=VALUE says another".format(
+            name, reading.ENVIRONMENT.get(name, ''))
+    if kind == 'argument':
+        return '{}: roslaunch would refuse that, here they are left out'.format(name)
+    if kind == 'include':
+        return '{} is not here, and is left out: {}'.format(_short(name), (
+            'a robot stands for it' if kinds.stands_for_a_robot(name) else 'what it starts is not started'))
+    return '{} is not here, so that its {} not set, and defaults count'.format(
+        _short(name), 'parameters are' if kind == 'parameters' else 'parameter is')
+
+
+def word_to_type(word):
+    """Return the type of this package's node of that kind."""
+    return 'map_server' if word == kinds.MAP else 'move_base'
+
+
+def _is_of_robots(node):
+    words = [word.strip('/') for word in poses.words_of(node.args)]
+    frames = words[7:9] if len(words) >= 9 else words[6:8]
+    return len(frames) == 2 and (
+        'odom' in frames[1] and ('map' in frames[0] or 'world' in frames[0])
+        or 'base' in frames[1] and 'odom' in frames[0])
+
+
+def _short(path):
+    return path.replace(reading.NOT_INSTALLED, '')
+
+
+def _place(node):
+    return node.filename or ''

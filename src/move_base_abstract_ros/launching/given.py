@@ -1,0 +1,56 @@
+"""What a command line adds to a launch file: nodes, arguments, parameters, and where robots start."""
+import roslaunch.core
+from roslaunch.loader import convert_value
+
+from move_base_abstract.common.errors import ConfigurationError
+
+from . import roles
+
+_START = ('start_x', 'start_y', 'start_yaw')
+
+
+def add_to(config, wishes):
+    """Add what the wishes ask for to roslaunch's configuration.
+
+    :raises ConfigurationError: if a node of that name is there already, or is not.
+    """
+    names = [roles.name_of(node) for node in config.nodes]
+    for name, (package, kind), arguments in wishes.added:
+        if name in names:
+            raise ConfigurationError('--add {}: the launch file has a node of this name'.format(name))
+        config.nodes.append(_node(config, name, package, kind, arguments))
+        names.append(name)
+    for name, arguments in wishes.arguments:
+        _known('--args', name, names)
+        for node in config.nodes:
+            if roles.name_of(node) == name:
+                node.args = arguments
+    for key, text in wishes.set:
+        _set(config, key, convert_value(text, 'auto'))
+    for name, pose in wishes.starts:
+        _known('--start', name, names)
+        for key, value in zip(_START, pose):
+            _set(config, '{}/{}'.format(name, key), value)
+
+
+def told(wishes):
+    """Return what was added, and where robots start, as texts."""
+    return ['{} is added: {}/{}'.format(name, *kind) for name, kind, _ in wishes.added] + [
+        '{} starts at ({:g}, {:g}, {:g})'.format(name, *pose) for name, pose in wishes.starts]
+
+
+def _known(option, name, names):
+    if name not in names:
+        raise ConfigurationError('{} {}: the launch file has no node of this name; it has {}'.format(
+            option, name, ', '.join(names) or 'none'))
+
+
+def _node(config, name, package, kind, arguments):
+    namespace, _, base = name.rpartition('/')
+    node = roslaunch.core.Node(package, kind, name=base, namespace=namespace + '/', args=arguments)
+    node.machine = config.machines['']
+    return node
+
+
+def _set(config, key, value):
+    config.params[key] = roslaunch.core.Param(key, value)

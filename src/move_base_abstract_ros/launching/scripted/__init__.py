@@ -1,0 +1,1 @@
+"""Scripts that start launch files one after another: each of these becomes a run in lockstep."""

@@ -1,0 +1,85 @@
+"""Start poses that nobody reads are told; experiments adopt; what to type after an error."""
+import os
+
+import pytest
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract_experiments.description import ingredients, launch_files
+from move_base_abstract_ros.adopting import next_step  # noqa: TID251 - it reads, and starts nothing
+from move_base_abstract_ros.launching import plan, start_poses  # noqa: TID251
+from strangers_package import package_fixture, write_map, write_stage  # noqa: F401 - a fixture
+
+LOST = """<launch>
+  <group ns="a"><node pkg="move_base_abstract" type="move_base" name="move_base"/>
+    <node pkg="amcl" type="amcl" name="amcl"><param name="initial_pose_x" value="3"/></node></group>
+  <group ns="b"><node pkg="move_base_abstract" type="move_base" name="move_base"/></group>
+  <group ns="c"><node pkg="move_base_abstract" type="move_base" name="move_base"/></group>
+  <group ns="d"><node pkg="move_base_abstract" type="move_base" name="move_base">{}</node></group>
+  {}
+</launch>"""
+
+
+def notes_of(path):
+    """Return what is told of start poses without --adopt."""
+    config = plan.read([(path, [])])
+    return start_poses.notes_of(config, start_poses.said_by(config))
+
+
+def test_places_that_nobody_reads_are_told_without_adopting(package):
+    first, second = notes_of(package('four.launch', LOST.format('<param name="start_x" value="1"/>', '')))
+    assert '/a/move_base starts at (0, 0, 0), and nobody reads (3, 0, 0) of /a/amcl/initial_pose_*' in first
+    assert '--start /a/move_base=3,0,0' in first
+    assert second == '/b/move_base and /c/move_base start at one place, (0, 0): --start NODE=X,Y,YAW says another'
+
+
+def test_robots_that_are_placed_are_not_told(package):
+    text = LOST.format('', '').replace(
+        'name="move_base"/>', 'name="move_base"><param name="start_y" value="0"/></node>')
+    assert notes_of(package('four.launch', text)) == []
+
+
+@pytest.mark.parametrize(('parameters', 'is_told'), [('', True), ('<param name="stage_offset_x" value="0.0"/>', False)])
+def test_who_places_robots_in_the_world_of_stage_is_told_where_no_offset_is_said(package, monkeypatch, parameters,
+                                                                               is_told):
+    program = package('scripts/place.py', '#!/usr/bin/env python3\nimport rospy\nrospy.Publisher("cmd_pose")\n', 0o755)
+    folder = os.path.dirname(os.path.dirname(program))
+    monkeypatch.setenv('ROS_PACKAGE_PATH', '{}:{}'.format(folder, os.environ['ROS_PACKAGE_PATH']))
+    notes = notes_of(package('one.launch', """<launch>
+      <node pkg="move_base_abstract" type="move_base" name="move_base">{}</node>
+      <node pkg="of_a_stranger" type="place.py" name="placer"/></launch>""".format(parameters)))
+    assert len(notes) == is_told
+    assert all('/placer may place robots by cmd_pose' in note and '/move_base/stage_offset_x=X' in note
+               for note in notes)
+
+
+@pytest.mark.parametrize(('text', 'expected'), [
+    ('<launch><arg name="a"/><arg name="b"/><arg name="c" default="1"/><param name="p" value="$(arg a)"/></launch>',
+     'Behind the file: a:=VALUE b:=VALUE'),
+    ('<launch><include file="$(find of_nobody)/x.launch"/></launch>', 'the package of_nobody is not found here'),
+    ('<launch><include file="/of/nobody/x.launch"/></launch>', '--adopt leaves out what is not here')])
+def test_what_cannot_be_read_says_what_to_type_next(package, text, expected):
+    path = package('one.launch', text)
+    with pytest.raises(Exception, match='.') as raised:
+        plan.read([(path, [])])
+    assert expected in next_step.with_next(raised.value, path, False)
+
+
+def test_an_experiment_adopts_too_and_what_the_file_says_of_places_makes_a_trial_another_one(package):
+    write_map(package)
+    path = write_stage(package, '2.0 1.5 0 0')
+    made = []
+    for first in ('1.0 2.0 0 90.0', '1.0 2.5 0 90.0'):
+        write_stage(package, '2.0 1.5 0 0', first=first)
+        config = launch_files.read([(path, [])], adopts=True)
+        wishes = launch_files.adopted(config, plan.Wishes(parameters={}, kept_out=('/stage', '/map_server')))
+        assert wishes.left_out == ('/stage',)
+        assert wishes.kept_out == ('/stage', '/map_server')
+        ingredients.forget()
+        made.append(ingredients._of_launch(path, (), os.path.dirname(path), (), (), True)[ingredients.PARAMETERS])
+    assert made[0] != made[1]
+
+
+def test_an_experiment_of_a_file_that_cannot_work_says_why(package):
+    path = package('none.launch', '<launch/>')
+    with pytest.raises(ConfigurationError, match='adopt: there is no robot in this file'):
+        launch_files.adopted(launch_files.read([(path, [])], adopts=True), plan.Wishes(parameters={}))
