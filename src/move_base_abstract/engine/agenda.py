@@ -13,16 +13,16 @@ class Agenda:
     def __init__(self, queue: EventQueue, robot_index: int) -> None:
         self._queue = queue
         self._robot_index = robot_index
-        self._events: List[Event] = []
+        self.events: List[Event] = []
 
     def at(self, due_ns: int, action: Callable[[int, int], object]) -> None:
         """Call ``action(due_ns, now_ns)`` at ``due_ns`` [ns]."""
-        if self._events:
-            self._events = [event for event in self._events if event.action is not None]
-        self._events.append(self._queue.schedule(due_ns, self._robot_index, action))
+        if self.events:
+            self.events = [event for event in self.events if event.action is not None]
+        self.events.append(self._queue.schedule(due_ns, self._robot_index, action))
 
     def clear(self) -> None:
         """Call nothing of all this."""
-        for event in self._events:
+        for event in self.events:
             event.action = None  # as Event.cancel
-        self._events.clear()
+        self.events.clear()

@@ -112,7 +112,7 @@ class Navigator:
                 self._tell(WheelsStopped(now_ns, self.robot.name))
             if Aimed in self._hearers:
                 self._tell(Aimed(now_ns, self.robot.name, pose, goal.height, self._frames.orientation(goal, pose)))
-            self.travel.begin(now_ns)
+            self.travel.go(self.planner.corners(self.robot.pose_at(now_ns), pose), now_ns)
 
     def _bad_place(self, goal, text, now_ns):
         self._tell(Warned(now_ns, self.robot.name, text))
@@ -241,7 +241,8 @@ class Navigator:
             (self._ledger.finish, aborted(fault_text(error)), now_ns), (self._tell, GoalChanged(now_ns, robot.name))))
 
     def _forget_goal(self, now_ns):
-        self._agenda.clear()
+        if self._agenda.events:
+            self._agenda.clear()
         self.travel.aim(None)
         if Abandoned in self._hearers:
             self._tell(Abandoned(now_ns, self.robot.name))

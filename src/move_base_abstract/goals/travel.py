@@ -41,18 +41,12 @@ class Travel:
         self.target = target
         self._waits_for_release = False
 
-    def begin(self, now_ns):
-        """Go to the target from where the robot stands, by the way that is planned now."""
-        self._go(self._planner.corners(self._robot.pose_at(now_ns), self.target), now_ns)
-
     def _go_on(self, now_ns):
-        """The same again; to give up takes as long as for a new goal."""
-        if self._planner.goes_straight:
-            self._go((), now_ns)
-        else:
-            self.begin(now_ns)
+        """Go on to the target from where the robot stands; to give up takes as long as for a new goal."""
+        self.go(() if self._planner.goes_straight else self._planner.corners(
+            self._robot.pose_at(now_ns), self.target), now_ns)
 
-    def _go(self, corners, now_ns):
+    def go(self, corners, now_ns):
         """Go to the target by ``corners``; None: there is no way."""
         if corners is None:
             self._fail_to_plan(now_ns)
@@ -163,7 +157,7 @@ class Travel:
             corners = planner.corners(pose, self.target)
             if corners is not None:
                 self._agenda.clear()
-                self._go(corners, now_ns)
+                self.go(corners, now_ns)
         elif not planner.is_clear([(pose.x, pose.y), *leg.corners_ahead(now_ns), (self.target.x, self.target.y)]):
             self._agenda.clear()
             self.halt(now_ns)
