@@ -25,8 +25,9 @@ from simpy.events import NORMAL, URGENT, Event
 from .common.arguments import as_float
 from .common.units import NS_PER_S, check_reachable, seconds_to_ns
 from .common.unknown_keys import check_keys
-from .fleet.fleet import AFTER_USERS, Fleet
+from .fleet.fleet import Fleet
 from .fleet.robot_view import RobotView
+from .fleet.user_calls import AFTER_USERS
 from .goals.outcome import GoalState
 from .runs.trace import KINDS
 from .scenario import Scenario

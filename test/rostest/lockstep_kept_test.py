@@ -8,6 +8,7 @@ over at once, in fewer rounds.
 import re
 import sys
 import unittest
+from types import SimpleNamespace
 
 import rostest
 from lockstep_roscpp_run import Program, Runs, own
@@ -85,18 +86,14 @@ class FakeMaster:
         return 1, '', name in self.values
 
 
-class FakeWindow:
-    is_open = False
-
-
 class FakeParticipant:
     class scheduler:  # noqa: N801
         is_mine = staticmethod(lambda: True)
         wait_round = staticmethod(lambda: None)
 
     def __init__(self):
-        self.names = {0: '/me'}
-        self.window = FakeWindow()
+        self.members = SimpleNamespace(own_name='/me')
+        self.rounds = SimpleNamespace(window=SimpleNamespace(is_open=False))
         self.items = []
 
     def add_aside(self, item):
@@ -141,7 +138,7 @@ class AskingAgainTest(unittest.TestCase):
         self.parameters.settle()
         self.assertEqual([self.get(), self.get(), self.master.asked][2], 3)
         self.parameters = Parameters(self.participant, self.master)
-        self.participant.window.is_open = True
+        self.participant.rounds.window.is_open = True
         self.answers = self.parameters.answers()
         self.assertEqual([self.get(), self.get(), self.master.asked][2], 5)
 

@@ -79,15 +79,15 @@ class NavigatorRig(NoClient):
         return self.told()
 
     def place(self, pose):
-        self.navigator.place(pose, self.simulation.now_ns)
+        self.navigator.travel.place(pose, self.simulation.now_ns)
         return self.told()
 
     def hold(self, reason):
-        self.navigator.hold(reason, self.simulation.now_ns)
+        self.navigator.travel.hold(reason, self.simulation.now_ns)
         return self.told()
 
     def release(self, reason):
-        self.navigator.release(reason, self.simulation.now_ns)
+        self.navigator.travel.release(reason, self.simulation.now_ns)
         return self.told()
 
     def _lookup(self, frame_id, stamp_ns):

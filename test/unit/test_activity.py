@@ -24,11 +24,11 @@ def test_idle_travelling_waiting_working_held_and_failed():
     fleet.run(S)
     assert doing(fleet) == ['working', 'waiting', 'travelling']
     navigator = fleet._members['c'].navigator
-    navigator.hold('gate', S)
+    navigator.travel.hold('gate', S)
     assert doing(fleet)[2] == 'held: gate'
-    navigator.hold('yard ' + 'x' * 40, S)
+    navigator.travel.hold('yard ' + 'x' * 40, S)
     assert doing(fleet)[2] == 'held: gate, yard xxxxxxxxxxxxxxxxxxxx...'
-    navigator.release('yard ' + 'x' * 40, S)
+    navigator.travel.release('yard ' + 'x' * 40, S)
     fleet.fail('c', 'stall', 5.0)
     assert doing(fleet)[2] == 'failed: stall, held: gate'
 

@@ -264,7 +264,7 @@ def test_the_charge_can_be_set_and_what_it_passes_is_told():
 def test_the_clock_starting_anew_changes_no_charge():
     fleet = fleet_of(ambient_power=3.6)
     fleet.run(30 * S)
-    member = fleet._member('bot')
+    member = fleet._members['bot']
     fleet.simulation.restart(5 * S)
     member.condition.restart(-25 * S)
     member.navigator.restart(30 * S, 5 * S)

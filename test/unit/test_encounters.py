@@ -70,7 +70,7 @@ def drive(tmp_path, law, names, seed, steps=False):
     for name in names:
         send(name)
     places = {name: [] for name in names}
-    while steps and any(fleet._member(name).navigator.is_active for name in names):
+    while steps and any(fleet._members[name].navigator.is_active for name in names):
         for name in names:
             pose = fleet.pose(name)
             places[name].append((pose.x, pose.y))
@@ -153,7 +153,7 @@ def test_who_stands_may_be_sent_elsewhere(tmp_path, what):
     assert fleet.robot('a').activity == 'held: encounter with b'
     if what == 'cancel':
         fleet.cancel('a')
-        assert not fleet._member('a').navigator.held_for
+        assert not fleet._members['a'].navigator.travel.held_for
     elif what == 'send':
         fleet.send('a', 0.0, 5.0)
         assert fleet.robot('a').activity == 'travelling'
@@ -161,7 +161,7 @@ def test_who_stands_may_be_sent_elsewhere(tmp_path, what):
         fleet.place('a', Pose2D(0.0, 20.0))
         assert fleet.robot('a').activity == 'held: encounter with b'
     fleet.run()
-    assert not fleet._member('a').navigator.held_for
+    assert not fleet._members['a'].navigator.travel.held_for
     assert [row[3] for row in rows(fleet, 'ended') if row[1] == 'b'] == ['SUCCEEDED']
 
 

@@ -81,7 +81,7 @@ class World:
         assert not any(state.waiting for state in fleet.zones)
         for name in NAMES:
             member = fleet._members[name]
-            assert not member.navigator.is_active and not member.navigator.held_for and member.robot.leg is None
+            assert not member.navigator.is_active and not member.navigator.travel.held_for and member.robot.leg is None
             assert member.tasks._ledger.active is None and not member.tasks.is_waiting
             pose = fleet.pose(name)
             for zone, state in zip(fleet.scenario.zones, fleet.zones):

@@ -26,7 +26,7 @@ def test_what_was_made_for_an_onlooker_does_not_take_the_place_of_what_a_partici
     monkeypatch.setattr(rospy, 'Publisher', lambda *_args, **_kwds: SimpleNamespace(impl=SimpleNamespace(latch=None)))
     making = Making()
     outlet = outlets.LatchedOutlet('/topic', None, making)
-    outlet._shown = ()
+    outlet._kept = (), None
     onlooker = threading.Thread(target=outlet.greet, args=(None,))
     onlooker.start()
     making.has_begun.wait()

@@ -48,7 +48,8 @@ def on_the_way(rig, **how):
 def test_it_stands_at_its_exact_pose_and_goes_on_from_there_when_released(rig):
     robot = on_the_way(rig)
     assert robot.advance(50.0) == []
-    assert (robot.navigator.is_active, robot.navigator.target, robot.navigator.held_for) == (True, GOAL, ('door',))
+    travel = robot.navigator.travel
+    assert (robot.navigator.is_active, travel.target, travel.held_for) == (True, GOAL, ('door',))
     assert robot.release('door') == [held(at=50), departed(20.0, 50)]
     assert robot.advance(99.0) == reached('g', 20.0, 57)
     assert robot.robot.distance_at(99 * S) == 20.0
@@ -155,7 +156,7 @@ def test_put_elsewhere_it_goes_on_from_there(rig):
 def test_held_at_the_instant_of_its_arrival_it_arrives_when_released(rig):
     robot = rig()
     robot.send('g', 4.0, 0.0)
-    robot.simulation.queue.schedule(2 * S, -1, lambda due_ns, _now_ns: robot.navigator.hold('door', due_ns))
+    robot.simulation.queue.schedule(2 * S, -1, lambda due_ns, _now_ns: robot.navigator.travel.hold('door', due_ns))
     assert robot.advance(2.0) == [held('door', at=2), stands(4.0, 2)]
     robot.advance(3.0)
     robot.release('door')
@@ -180,7 +181,7 @@ class Gate:
 
 def test_a_gate_may_hold_the_robot_at_its_departure(rig):
     robot, gate = rig(), Gate()
-    robot.navigator.set_gate(gate)
+    robot.navigator.travel.set_gate(gate)
     assert robot.send('g', 4.0, 0.0)[-2:] == [held('border', at=0), stands(0.0, 0)]
     assert robot.advance(9.0) == []
     robot.release('border')
@@ -195,7 +196,7 @@ def test_the_end_of_a_goal_leaves_the_hold_but_a_reset_ends_it(rig, end, outcome
     robot = on_the_way(rig)
     end(robot.navigator)
     assert robot.told() == [STOP, ('result', 'g', 'ABORTED', outcome.text, 3 * S)] + [held(at=3)] * (not left)
-    assert robot.navigator.held_for == left
+    assert robot.navigator.travel.held_for == left
 
 
 def test_when_the_clock_starts_anew_the_goal_ends_and_the_hold_stays(rig):

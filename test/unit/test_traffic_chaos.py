@@ -48,7 +48,7 @@ class Chaos:
                 assert name not in area.robots or name not in area.waiting
         for name in fleet.names:
             waits = [area.name for area in fleet.zones if name in area.waiting]
-            held = [reason for reason in fleet._members[name].navigator.held_for if reason != 'x']
+            held = [reason for reason in fleet._members[name].navigator.travel.held_for if reason != 'x']
             assert held == ([', '.join('zone ' + zone for zone in waits)] if waits else [])
             assert not waits or fleet._members[name].navigator.is_active
 

@@ -176,11 +176,11 @@ class Participant:
         step = self._give_up if aborts else self._go_on
         self._stands[reason] = self._encounters.simulation.queue.schedule(
             now_ns + max(1, seconds_to_ns(seconds)), self.index, lambda due_ns, _now_ns: step(reason, due_ns))
-        self._navigator.hold(reason, now_ns)
+        self._navigator.travel.hold(reason, now_ns)
 
     def _go_on(self, reason: str, now_ns: int) -> None:
         del self._stands[reason]
-        self._navigator.release(reason, now_ns)
+        self._navigator.travel.release(reason, now_ns)
 
     def _give_up(self, _reason: str, now_ns: int) -> None:
         self._navigator.shut_down(NO_CONTROL, now_ns)  # by which it stands for nobody any more
@@ -189,7 +189,7 @@ class Participant:
         """The goal on whose way it stood has ended, or gives way to another one."""
         if self._stands and (not self._navigator.is_active or self._held_goal != self.goal_number):
             for reason in self._forget_stands():
-                self._navigator.release(reason, now_ns)
+                self._navigator.travel.release(reason, now_ns)
 
     def _forget_stands(self) -> List[str]:
         reasons = list(self._stands)

@@ -5,10 +5,11 @@ The instants at which the charge passes a threshold follow from it, to the nanos
 from __future__ import annotations
 
 import math
+import operator
 import sys
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, List, Mapping, Optional, Tuple, Union
 
 from ..common.parameter_table import Parameter, number
 from ..common.units import LAST_NS, NS_PER_S
@@ -110,7 +111,7 @@ class Battery:
         self._energy = settings.energy
         self._course: Union[_Even, _Driving] = _Even(0.0, simulation.now_ns)
         self.since_ns = simulation.now_ns  # of the formula
-        self._passed = self._count(self._soc)  # how many levels the charge is not above
+        self._levels = _Levels(settings.levels, self._soc)
         self._alarm = Alarm(simulation.queue, robot.index, self._is_heard)
         robot.follow(self._motion_changed)
         stream.subscribe('battery', {LoadChanged: self._load_changed})
@@ -127,12 +128,12 @@ class Battery:
     @property
     def is_empty(self) -> bool:
         """Whether the robot stands because of it."""
-        return self._passed == len(self.settings.levels)
+        return self._levels.passed == len(self.settings.levels)
 
     @property
     def is_low(self) -> bool:
         """Whether the charge has fallen to a threshold."""
-        return self._passed > 0
+        return self._levels.passed > 0
 
     @property
     def current(self) -> Any:
@@ -162,7 +163,7 @@ class Battery:
         """The robot is about to be put to its start, its navigator is reset already: as at the start."""
         self._soc, self._course = self.settings.start, _Even(0.0, now_ns)
         self._tool_works, self._load = False, 0.0
-        self._passed = 0
+        self._levels.passed = 0
         self._pass_levels(now_ns, is_told=False)
 
     def restart(self, by_ns: int) -> None:
@@ -184,7 +185,7 @@ class Battery:
 
     def begin(self, now_ns: int) -> None:
         """The robot is whole, at ``now_ns`` [ns]: what is so from the beginning is told from now on."""
-        self._passed = 0
+        self._levels.passed = 0
         self._pass_levels(now_ns, is_told=False)
         self._motion_changed(now_ns)
 
@@ -200,7 +201,10 @@ class Battery:
         is_same_leg = isinstance(driven, _Driving) and driven.leg is leg
         if isinstance(driven, _Driving) and not is_same_leg and now_ns > driven.leg.depart_ns:
             self._soc = max(0.0, self._soc - driven.energy.stopping(now_ns) / self._energy)
-        charger = self._charger_at(now_ns) if leg is None else None
+        charger = None
+        if leg is None:
+            pose = self._robot.pose_at(now_ns)
+            charger = next((zone for zone in self._chargers if zone.contains(pose.x, pose.y)), None)
         if charger is not self.charger:
             before, self.charger = self.charger, charger
             self._stream.tell(Charging(now_ns, self._robot.name, (charger or before).name, charger is not None))
@@ -215,18 +219,14 @@ class Battery:
             self._course = _Even(-current * settings.nominal_voltage, now_ns)
         self._schedule(now_ns)
 
-    def _charger_at(self, now_ns: int) -> Any:
-        pose = self._robot.pose_at(now_ns)
-        return next((zone for zone in self._chargers if zone.contains(pose.x, pose.y)), None)
-
-    def _count(self, soc: float) -> int:
-        return sum(soc <= level for level in self.settings.levels)
-
     def _schedule(self, now_ns: int) -> None:
         """Have the next level noticed at its instant."""
-        due_ns, found = None, self._next_level()
+        due_ns, found = None, self._levels.next(self._course.is_charging, self._soc)
         if found is not None:
-            level, is_passed = found
+            level, is_beyond = found
+
+            def is_passed(at_ns: int) -> bool:
+                return is_beyond(self.soc_at(at_ns), level)
             due_ns = now_ns if is_passed(now_ns) else self._course.first_ns(
                 self._soc - level, self._energy, is_passed)
         if due_ns is None:
@@ -234,21 +234,8 @@ class Battery:
         else:
             self._alarm.set(due_ns, self._notice)
 
-    def _next_level(self) -> Optional[Tuple[float, Callable[..., Any]]]:
-        """Return (level, test of the state of charge) of the next that may be passed, or None."""
-        levels = self.settings.levels
-        if self._course.is_charging:
-            if self._passed:
-                level = levels[self._passed - 1]
-                return level, lambda at_ns: self.soc_at(at_ns) > level
-            return (1.0, lambda at_ns: self.soc_at(at_ns) >= 1.0) if self._soc < 1.0 else None
-        if self._passed == len(levels):
-            return None
-        level = levels[self._passed]
-        return level, lambda at_ns: self.soc_at(at_ns) <= level
-
     def _notice(self, now_ns: int) -> None:
-        if self._course.is_charging and not self._passed:
+        if self._course.is_charging and not self._levels.passed:
             self._settle(now_ns)  # the charger feeds the robot, and no more
             self._soc = 1.0
             self._stream.tell(ChargePassed(now_ns, self._robot.name, 1.0, FULL))
@@ -258,18 +245,40 @@ class Battery:
 
     def _pass_levels(self, now_ns: int, is_told: bool = True) -> None:
         """Note where the charge is among the levels."""
-        was_empty, before = self.is_empty, self._passed
-        self._passed = self._count(self.soc_at(now_ns))
-        levels = self.settings.levels
-        passed = [(levels[index], BELOW if levels[index] else EMPTY) for index in range(before, self._passed)]
-        risen = [(levels[index], ABOVE) for index in range(before - 1, self._passed - 1, -1)]
+        was_empty = self.is_empty
+        passed = self._levels.take(self.soc_at(now_ns))
         with ExitStack() as rest:  # which comes whatever goes wrong with telling it
             if self.is_empty and not was_empty:
                 rest.callback(self._navigator.disable, self.REASON, BATTERY_EMPTY, now_ns)
             elif was_empty and not self.is_empty:
                 rest.callback(self._navigator.enable, self.REASON)
-            for level, what in (passed or risen) if is_told else ():
+            for level, what in passed if is_told else ():
                 self._stream.tell(ChargePassed(now_ns, self._robot.name, level, what))
+
+
+class _Levels:
+    """The thresholds of a charge, falling, the last one 0; ``passed``: how many of them ``soc`` is not above."""
+
+    def __init__(self, levels: Tuple[float, ...], soc: float) -> None:
+        self._levels = levels
+        self.passed = self._count(soc)
+
+    def _count(self, soc: float) -> int:
+        return sum(soc <= level for level in self._levels)
+
+    def next(self, is_charging: bool, soc: float) -> Optional[Tuple[float, Callable[[float, float], bool]]]:
+        """Return (level, when a charge is beyond it) of the next that may be passed, or None."""
+        if not is_charging:
+            return None if self.passed == len(self._levels) else (self._levels[self.passed], operator.le)
+        if self.passed:
+            return self._levels[self.passed - 1], operator.gt
+        return (1.0, operator.ge) if soc < 1.0 else None
+
+    def take(self, soc: float) -> List[Tuple[float, str]]:
+        """The charge is ``soc``: return (level, BELOW, EMPTY or ABOVE) of those that it has passed, in their order."""
+        before, self.passed = self.passed, self._count(soc)
+        return [(level, BELOW if level else EMPTY) for level in self._levels[before:self.passed]] or [
+            (level, ABOVE) for level in reversed(self._levels[self.passed:before])]
 
 
 class _Even:

@@ -39,7 +39,7 @@ class Condition:
         failing = self.failing
         failed = ['failed: ' + failing.failure.kind] if failing is not None and failing.failure is not None else []
         empty = ['battery empty'] if self.battery is not None and self.battery.is_empty else []
-        held = [reason for reason in self._navigator.held_for
+        held = [reason for reason in self._navigator.travel.held_for
                 if failing is None or not failed or reason != failing.REASON]
         return ', '.join(failed + empty + (['held: ' + ', '.join(held)] if held else []))
 

@@ -94,7 +94,7 @@ class Failing:
             else:
                 if kind == STUCK:
                     rest.callback(self._giving_up.begin, now_ns)
-                rest.callback(self._navigator.hold, self.REASON, now_ns)
+                rest.callback(self._navigator.travel.hold, self.REASON, now_ns)
                 if kind == SILENT:
                     rest.callback(self._navigator.go_silent)
             self._pause(now_ns)
@@ -116,7 +116,7 @@ class Failing:
             return False
         with ExitStack() as rest:  # as above
             rest.callback(self._goal_changed, now_ns)
-            rest.callback(self._navigator.release, self.REASON, now_ns)
+            rest.callback(self._navigator.travel.release, self.REASON, now_ns)
             if failure.kind == ABORT:
                 rest.callback(self._navigator.enable, self.REASON)
             elif failure.kind == SILENT:

@@ -8,8 +8,6 @@
 The robots are those of the nodes, with the same settings, and time is kept in the same integer nanoseconds.
 """
 import itertools
-import warnings
-from functools import partial
 
 from ..common.arguments import as_float, as_instant, check_kind
 from ..common.errors import ConfigurationError, TimeError
@@ -18,10 +16,9 @@ from ..common.units import NS_PER_S, seconds_to_ns
 from ..encounters.control import make_encounters
 from ..energy.battery import STATE_OF_CHARGE
 from ..engine.simulation import Simulation
-from ..faults.failures import KINDS, REQUEST, check_request
+from ..faults.failures import REQUEST, check_request
 from ..goals.navigator import GoalPose
 from ..motion.geometry import Pose2D, quaternion_of_yaw
-from ..motion.recorded_range import WARNING
 from ..runs.event_log_file import End, write_event_log
 from ..runs.trace import TraceEntry, as_entries
 from ..scenario import Scenario, make_robot
@@ -29,15 +26,11 @@ from ..sensing.surroundings import Surroundings
 from ..tasks.arrivals import check_task
 from ..tasks.place_tasks import Rooms
 from ..traffic.control import DeadlockPolicy, Traffic
-from .member import Member
+from .member import Member, Members
 from .robot_view import RobotView
+from .user_calls import UserCalls
 
 __all__ = ['Fleet', 'TraceEntry']
-
-#: what a user schedules comes after the robots' own events of the same instant
-_USER_INDEX = 2 ** 31 - 1
-#: behind these: processes
-AFTER_USERS = _USER_INDEX + 2
 
 
 class Fleet:
@@ -57,18 +50,15 @@ class Fleet:
         self._trace = None if trace is None else list(trace)
         self._rows = []  # of the trace, that nobody has read
         self._write = None if trace is None else self._rows.append
-        self._on_event = on_event
+        self._user_calls = UserCalls(self.simulation, on_event, on_end, on_worked)
         self.scenario = scenario
-        self._on_end = on_end
-        self._on_worked = on_worked
         self._rooms = None if scenario.places is None else Rooms(self.simulation, scenario.places)
         self._planner = planner
         self._occupancy = occupancy
         self.traffic = Traffic(self.simulation, scenario.zones, DeadlockPolicy(scenario.deadlock))
         self.surroundings = Surroundings()
         self.encounters = make_encounters(self.simulation, scenario)
-        self._members = {}
-        self._has_warned = False  # of goals outside of what was recorded
+        self._members = Members()
         self._indices = itertools.count()
         for spec in scenario.robots:
             self._add(spec)
@@ -119,7 +109,7 @@ class Fleet:
 
     def remove(self, name):
         """Remove a robot; its goal, if any, is aborted."""
-        self._member(name).remove(self.now_ns)
+        self._members[name].remove(self.now_ns)
         del self._members[name]
 
     def reset(self):
@@ -137,7 +127,7 @@ class Fleet:
         if not type(goal_id) is type(frame) is str:
             check_kind(goal_id, str, 'goal_id')
             check_kind(frame, str, 'frame')
-        member = self._members.get(name) or self._member(name)
+        member = self._members[name]
         goal_id = goal_id or '{}-{}'.format(name, next(member.goal_numbers))
         goal = GoalPose(frame, 0, (x, y), quaternion_of_yaw(yaw))
         member.navigator.receive(goal_id, 0, goal, self.simulation.now_ns)
@@ -145,7 +135,7 @@ class Fleet:
 
     def cancel(self, name, goal_id=''):
         """Cancel a robot's goal ``goal_id``, or whatever goal it has."""
-        self._member(name).navigator.cancel(goal_id, 0, self.now_ns)
+        self._members[name].navigator.cancel(goal_id, 0, self.now_ns)
 
     def work(self, name, task, goal_id=''):
         """Have a robot, which stands there, do the ``task`` (:class:`arrivals.Task`) now; return the goal's id.
@@ -155,52 +145,52 @@ class Fleet:
         check_task(task)
         check_kind(goal_id, str, 'goal_id')
         goal_id = goal_id or task.task_id
-        self._worker(name).take(goal_id, 0, task, self.now_ns)
+        self._members[name].worker.take(goal_id, 0, task, self.now_ns)
         return goal_id
 
     def cancel_work(self, name, goal_id=''):
         """Cancel a robot's task ``goal_id``, or whatever task it has."""
-        self._worker(name).cancel(goal_id, 0, self.now_ns)
+        self._members[name].worker.cancel(goal_id, 0, self.now_ns)
 
     def place(self, name, pose):
         """Put a robot at ``pose`` (Pose2D, global frame) at once; with a goal it goes on from there."""
         check_kind(pose, Pose2D, 'pose')
-        self._member(name).navigator.place(pose, self.now_ns)
+        self._members[name].navigator.travel.place(pose, self.now_ns)
 
     def hold(self, name, reason):
         """Have a robot stand where it is for ``reason`` (a text), its goal still active, until :meth:`release`."""
         check_kind(reason, str, 'reason')
-        self._member(name).navigator.hold(reason, self.now_ns)
+        self._members[name].navigator.travel.hold(reason, self.now_ns)
 
     def release(self, name, reason):
         """End what :meth:`hold` began; without another reason the robot goes on, planned anew from where it is."""
-        self._member(name).navigator.release(reason, self.now_ns)
+        self._members[name].navigator.travel.release(reason, self.now_ns)
 
     def fail(self, name, kind=None, repair=None):
         """Have a robot fail now, as ``failure_kind`` says or in another way, for ``repair`` [s], None: as is drawn.
 
         Return whether it has: one that has failed already does not. Nothing fails with ``failure_kind: none``.
         """
-        failing = self._failing(name)
+        failing = self._members[name].failing
         check_request(kind, repair, "robot '{}'".format(name))
         return failing.fail(REQUEST, self.now_ns, kind, repair)
 
     def repair(self, name):
         """Repair a robot now; return whether it had failed."""
-        return self._failing(name).repair(self.now_ns)
+        return self._members[name].failing.repair(self.now_ns)
 
     def set_charge(self, name, state_of_charge):
         """Have a robot's battery charged by ``state_of_charge`` (0..1) from now on."""
-        battery, where = self._battery(name), "robot '{}'".format(name)
+        battery, where = self._members[name].battery, "robot '{}'".format(name)
         battery.set(checked(state_of_charge, 'state_of_charge', STATE_OF_CHARGE, where), self.now_ns)
 
     def set_tool(self, name, works):
         """Have a robot's tool work from now on, or rest: it takes ``tool_power``."""
-        self._battery(name).set_tool(works, self.now_ns)
+        self._members[name].battery.set_tool(works, self.now_ns)
 
     def condition(self, name):
         """Return a robot's :class:`.condition.Condition`."""
-        return self._member(name).condition
+        return self._members[name].condition
 
     def close_zone(self, name, closed=True):
         """Let no robot into a zone from now on, or with ``closed=False`` let them in again.
@@ -220,19 +210,19 @@ class Fleet:
         for member in self._members.values():
             member.use_map(occupancy)
         for member in self._members.values():
-            member.navigator.map_changed(self.now_ns)
+            member.navigator.travel.map_changed(self.now_ns)
 
     def pose(self, name):
         """Return a robot's present pose (Pose2D, global frame)."""
-        return self._member(name).robot.pose_at(self.now_ns)
+        return self._members[name].robot.pose_at(self.now_ns)
 
     def scan(self, name):
         """Return what a robot's laser measures now (:class:`.laser.Scan`), by its ``scan_`` parameters."""
-        return self._member(name).scan(self.now_ns)
+        return self._members[name].scan(self.now_ns)
 
     def distance(self, name):
         """Return the distance that a robot has driven so far [m]."""
-        return self._member(name).robot.distance_at(self.now_ns)
+        return self._members[name].robot.distance_at(self.now_ns)
 
     def at(self, time_ns, action):
         """Call ``action(fleet)`` at ``time_ns`` [ns], a whole number.
@@ -242,7 +232,7 @@ class Fleet:
         time_ns = as_instant(time_ns, 'time_ns')
         if time_ns < self.now_ns:
             raise TimeError('time {} ns is past, it is {} ns'.format(time_ns, self.now_ns))
-        self.simulation.queue.schedule(time_ns, _USER_INDEX, lambda due_ns, _now_ns: action(self))
+        self._user_calls.at(time_ns, lambda _due_ns, _now_ns: action(self))
 
     def run(self, until_ns=None, until=None):
         """Let all happen up to ``until_ns`` [ns] or ``until`` [s], or to the end of all events; return the time [ns].
@@ -273,54 +263,5 @@ class Fleet:
             self.now_ns, not self.simulation.queue.is_busy(),
             [name for name, member in self._members.items() if member.navigator.is_active]))
 
-    def _warn_of_beyond(self, event):
-        if not self._has_warned:
-            self._has_warned = True
-            warnings.warn(WARNING.format(event.robot, event.words), stacklevel=2)
-
     def _add(self, spec):
         self._members[spec.name] = Member(self, spec, next(self._indices), self._planner, self._occupancy)
-
-    def _worker(self, name):
-        tasks = self._member(name).tasks
-        if tasks is None:
-            raise ConfigurationError("robot '{}' cannot work: the scenario has no places; allowed: a list, also an "
-                                     'empty one'.format(name))
-        return tasks
-
-    def _member(self, name):
-        try:
-            return self._members[name]
-        except KeyError:
-            raise ConfigurationError("robot '{}' is unknown; there are: {}".format(
-                name, ', '.join(list(self._members)[:10]) or 'none')) from None
-
-    def _failing(self, name):
-        failing = self._member(name).condition.failing
-        if failing is None:
-            raise ConfigurationError("robot '{}': failure_kind: got none; allowed, for a robot that is to fail: "
-                                     "{}".format(name, ', '.join(KINDS)))
-        return failing
-
-    def _battery(self, name):
-        battery = self._member(name).condition.battery
-        if battery is None:
-            raise ConfigurationError("robot '{}': battery_capacity: got 0; allowed, for a battery: > 0 [Ah]".format(
-                name))
-        return battery
-
-    def _tell_event(self, row):
-        """Tell the user of a row of the trace: when what it belongs to is over, at the end of this instant."""
-        self._call_later(row[0], lambda _due_ns, _now_ns: self._on_event(*as_entries([row])))
-
-    def _tell_end(self, listener, event):
-        """Tell ``listener`` of the end of a goal or a task, likewise."""
-        self._call_later(event.time_ns, partial(_call, listener, event, self.simulation))
-
-    def _call_later(self, time_ns, call):
-        now_ns = self.simulation.now_ns
-        self.simulation.queue.schedule(time_ns if time_ns > now_ns else now_ns, _USER_INDEX, call)
-
-
-def _call(listener, event, simulation, _due_ns, _now_ns):
-    listener(event.robot, event.goal_id, event.state, event.text, simulation.now_ns)

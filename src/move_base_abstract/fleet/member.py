@@ -1,9 +1,10 @@
 """One robot of a fleet in plain Python: its parts, and who is told what of it."""
 import itertools
 
-from ..common.errors import FrameError
+from ..common.errors import ConfigurationError, FrameError
+from ..faults.failures import KINDS
 from ..goals.client import NoClient
-from ..goals.events import Beyond, Ended, TaskEnded, motion_of, robot_stream
+from ..goals.events import motion_of, robot_stream
 from ..goals.outcome import ROBOT_REMOVED, ROBOT_RESET
 from ..maps.map_check import MapCheck
 from ..sensing.laser import Laser
@@ -22,7 +23,9 @@ class Member:
         self._settings = settings
         self.goal_numbers = itertools.count(1)
         self._stream = robot_stream()
-        self._subscribe(values['log_motion'])
+        if fleet._write is not None:
+            write(self._stream, 'trace', fleet._write, values['log_motion'])
+        fleet._user_calls.subscribe(self._stream, values['log_motion'])
         self._map_check = None
         if occupancy is not None and values['use_map']:
             self._map_check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
@@ -42,17 +45,29 @@ class Member:
                                          has_failed=lambda: self.condition.is_out_of_order)
         self.condition.begin(fleet.now_ns)
 
-    def _subscribe(self, with_motion):
-        """Have what the fleet's user wants to know told: the trace, then events, then endings."""
-        fleet = self._fleet
-        for name, take in (('trace', fleet._write), ('users', fleet._on_event and fleet._tell_event)):
-            if take is not None:
-                write(self._stream, name, take, with_motion)
-        self._stream.subscribe('shown', {Beyond: fleet._warn_of_beyond})
-        for kind, listener in ((Ended, fleet._on_end), (TaskEnded, fleet._on_worked)):
-            if listener is not None:
-                self._stream.subscribe('users', {kind: lambda event, listener=listener: fleet._tell_end(
-                    listener, event)})
+    @property
+    def worker(self):
+        """Who does its tasks (PlaceTaskRunner). :raises ConfigurationError: in a world without places."""
+        if self.tasks is None:
+            raise ConfigurationError("robot '{}' cannot work: the scenario has no places; allowed: a list, also an "
+                                     'empty one'.format(self.robot.name))
+        return self.tasks
+
+    @property
+    def failing(self):
+        """Its Failing. :raises ConfigurationError: for a robot that never fails."""
+        if self.condition.failing is None:
+            raise ConfigurationError("robot '{}': failure_kind: got none; allowed, for a robot that is to fail: "
+                                     '{}'.format(self.robot.name, ', '.join(KINDS)))
+        return self.condition.failing
+
+    @property
+    def battery(self):
+        """Its Battery. :raises ConfigurationError: for a robot without one."""
+        if self.condition.battery is None:
+            raise ConfigurationError("robot '{}': battery_capacity: got 0; allowed, for a battery: > 0 [Ah]".format(
+                self.robot.name))
+        return self.condition.battery
 
     def reset(self, now_ns):
         """Bring it back to its start, without goals."""
@@ -63,7 +78,7 @@ class Member:
         self.condition.reset(now_ns)
         self.robot.reset(self._settings.start, now_ns)
         self._stream.tell(motion_of(self.robot, now_ns))
-        self.navigator.tell_stands(now_ns)
+        self.navigator.travel.tell_stands(now_ns)
 
     def remove(self, now_ns):
         """Take it out of the fleet: its goal and its tasks end."""
@@ -87,6 +102,14 @@ class Member:
             self._laser = Laser(self._settings.laser, self._settings.values['seed'], self.robot.name)
         occupancy = None if self._map_check is None else self._map_check.occupancy
         return self._fleet.surroundings.scan(self.robot, self._laser, occupancy, now_ns)
+
+
+class Members(dict):
+    """The robots of a fleet by name, in the order of their indices; one that is not there is an error that says so."""
+
+    def __missing__(self, name):
+        raise ConfigurationError("robot '{}' is unknown; there are: {}".format(
+            name, ', '.join(list(self)[:10]) or 'none'))
 
 
 def _no_lookup(frame_id, _stamp_ns):

@@ -29,7 +29,7 @@ class RobotView:
     @property
     def activity(self):
         """What it does, in a word or two: travelling, waiting, working, charging, idle, failed, held."""
-        member = self._fleet._member(self.name)
+        member = self._fleet._members[self.name]
         return activity(member.navigator, member.condition, member.tasks)
 
     def distance_to(self, x, y):

@@ -77,10 +77,10 @@ class Window:
         done.clear()
         return items
 
-    def next_turn(self) -> Tuple[int, int, List[Item]]:
-        """Return (time [ns], microstep, items) of that turn, as of a grant."""
+    def next_turn(self) -> Tuple[int, List[Item]]:
+        """Return (time [ns], items) of that turn, as of a grant."""
         now_ns, self.walks_to_ns = self.walks_to_ns, None
-        return now_ns, 0, self.arrived(now_ns)
+        return now_ns, self.arrived(now_ns)
 
     def arrived(self, now_ns: int) -> List[Item]:
         """Return what was kept for ``now_ns`` [ns], as a list of items."""

@@ -1,4 +1,4 @@
-"""Traffic: zones and lanes with place for some robots only, on top of Navigator.hold.
+"""Traffic: zones and lanes with place for some robots only, on top of Travel.hold.
 
 A robot asks for a place when it comes to the border. If there is none it waits there, outside, its goal active; first
 come, first served, at one instant the lower robot index first, and nobody overtakes. It gives a place back when it
@@ -162,7 +162,7 @@ class Traveller:
         self._reason: Optional[str] = None  # for which it is held here
         stream.subscribe('traffic', {Stands: self._stands, Abandoned: lambda event: self.abandons(event.time_ns),
                                      BrokenOff: self._put_in_order})
-        navigator.set_gate(self)
+        navigator.travel.set_gate(self)
 
     def serve(self, step: Callable[[Traveller, int], object], now_ns: int) -> None:
         """Do the ``step`` (a function of this class) in another's turn; what goes wrong is this robot's alone."""
@@ -200,7 +200,7 @@ class Traveller:
     def _end_hold(self, now_ns: int) -> None:
         reason, self._reason = self._reason, None
         if reason is not None:
-            self._navigator.release(reason, now_ns)
+            self._navigator.travel.release(reason, now_ns)
 
     def departs(self, leg: Any, now_ns: int) -> Optional[str]:
         """The robot starts on ``leg``: return for what it has to wait where it is, or None; see Navigator.set_gate."""
@@ -277,7 +277,8 @@ class Traveller:
         for area in request.areas:
             self._traffic.freed(area)  # there may be place for more
         self._end_hold(now_ns)
-        if self._leg is None and self.request is None and not self._navigator.held_for:  # there is no way any more
+        # if there is no way any more
+        if self._leg is None and self.request is None and not self._navigator.travel.held_for:
             self._give_back_what_was_granted(now_ns)
 
     def _give_back_what_was_granted(self, now_ns: int) -> None:
@@ -308,7 +309,7 @@ class Traveller:
         try:
             reason = self._cross(due_ns)
             if reason is not None:
-                self._navigator.hold(reason, due_ns)
+                self._navigator.travel.hold(reason, due_ns)
             self.settle(due_ns)
         except Exception as error:
             self._navigator.break_off(error)

@@ -40,30 +40,29 @@ class Missing(NamedTuple):
 class Tolerant:
     """What a loader of roslaunch does otherwise, to stand before it among the bases of a class.
 
-    ``missing``: what was left out. ``taken``: {package: folder} of those that lie beside the file. Of nodes
-    ``filename`` is their place.
+    ``missing``: what was left out. What it has read has this, too, and ``taken``: {package: folder} of those that lie
+    beside the file. Of nodes ``filename`` is their place.
     """
 
     def __init__(self, *arguments, **others):
         """As roslaunch's."""
         super().__init__(*arguments, **others)
         self.missing = []
-        self.taken = {}
+        self._packages = _Packages()
         self._first = None
         self._chain = []
         self._place = ''
-        self._known, self._folders = {}, {}
 
     def load(self, filename, ros_config, core=False, argv=None, verbose=True):
         """As roslaunch's."""
-        self._first = None if core else filename
-        substitution_args._rospack = _Packages(self)  # which roslaunch asks where packages are
+        self._first = self._packages.first = None if core else filename
+        substitution_args._rospack = self._packages  # which roslaunch asks where packages are
         try:
             super().load(filename, ros_config, core=core, argv=argv, verbose=verbose)
         finally:
             substitution_args._rospack = None
         if not core:
-            ros_config.missing, ros_config.taken = self.missing, self.taken
+            ros_config.missing, ros_config.taken = self.missing, self._packages.taken
 
     def resolve_args(self, args, context):
         """As roslaunch's, with a place that nobody has for a package that is not here."""
@@ -154,7 +153,7 @@ class Tolerant:
         place = self._place
         node = super()._node_tag(tag, context, ros_config, default_machine, is_test=is_test, verbose=verbose)
         if node is not None and self._first is not None:
-            self._has(node.package)
+            self._packages.has(node.package)
             node.filename, node.machine_name = self._with_chain(place), None  # roslaunch only shows it
         return node
 
@@ -174,26 +173,7 @@ class Tolerant:
             self.missing.append(one)
 
     def _package(self, found):
-        return found.group() if self._has(found.group(1)) else NOT_INSTALLED + found.group(1)
-
-    def folder_of(self, name):
-        """Return the folder of a package; one that nobody has, of a package that is not here."""
-        if name not in self._folders:
-            self._folders[name] = rospkg.RosPack().get_path(name) if self._has(name) else NOT_INSTALLED + name
-        return self._folders[name]
-
-    def _has(self, name):
-        if name not in self._known:
-            self._known[name] = is_package(name) or self._take(name)
-        return self._known[name]
-
-    def _take(self, name):
-        """Take a package from beside the file, if it lies there, for this process and those that it starts."""
-        folder = neighbours.find(name, self._first)
-        if folder is not None:
-            self.taken[name] = folder
-            use(folder)
-        return folder is not None
+        return found.group() if self._packages.has(found.group(1)) else NOT_INSTALLED + found.group(1)
 
     def _variable(self, found, in_eval):
         name = found.group(1)
@@ -207,15 +187,33 @@ class Tolerant:
 
 
 class _Packages(rospkg.RosPack):
-    """Stands for rospkg's in roslaunch."""
+    """Stands for rospkg's in roslaunch. ``first``: the file that is read; ``taken``: as of :class:`Tolerant`."""
 
-    def __init__(self, loader):
+    def __init__(self):
         super().__init__()
-        self._loader = loader
+        self.first = None
+        self.taken = {}
+        self._known, self._folders = {}, {}
 
     def get_path(self, name):
-        """As rospkg's."""
-        return self._loader.folder_of(name)
+        """Return the folder of a package; one that nobody has, of a package that is not here."""
+        if name not in self._folders:
+            self._folders[name] = rospkg.RosPack().get_path(name) if self.has(name) else NOT_INSTALLED + name
+        return self._folders[name]
+
+    def has(self, name):
+        """Return whether a package is here, or is now: from beside the file."""
+        if name not in self._known:
+            self._known[name] = is_package(name) or self._take(name)
+        return self._known[name]
+
+    def _take(self, name):
+        """Take a package from beside the file, if it lies there, for this process and those that it starts."""
+        folder = neighbours.find(name, self.first)
+        if folder is not None:
+            self.taken[name] = folder
+            use(folder)
+        return folder is not None
 
 
 class _Builder(expatbuilder.ExpatBuilderNS):

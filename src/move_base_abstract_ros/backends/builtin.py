@@ -30,8 +30,7 @@ class BuiltinBackend:
                                                                                               self._base_frame)
         # Without a map odom is the global frame; tf allows no frame to be its own parent.
         self._odom_in_map = InFrame(global_frame, odom_frame) if odom_frame != global_frame else None
-        self._tf_stamp_ns = -1
-        self._tf_told = None  # the pose and the shift that tf was told last
+        self._tf_told = -1, None  # the stamp, and the pose and the shift, that tf was told last
         self.shift = None
         self._poses, self._odometry = LatchedOutlets(), LatchedOutlets()
         self._poses.add(names.topic('robot_pose'), *(
@@ -52,19 +51,19 @@ class BuiltinBackend:
 
     def heartbeat(self, pose, stamp_ns):
         """Publish tf only. tf takes one pose per instant, so a jump is dated 1 ns after what was said before."""
-        if stamp_ns <= self._tf_stamp_ns:
-            if (pose, self.shift) == self._tf_told:
+        told_ns, told = self._tf_told
+        if stamp_ns <= told_ns:
+            if (pose, self.shift) == told:
                 return
-            stamp_ns = self._tf_stamp_ns + 1
-        rollback.changes(self, '_tf_stamp_ns')
+            stamp_ns = told_ns + 1
         rollback.changes(self, '_tf_told')
-        self._tf_stamp_ns, self._tf_told = stamp_ns, (pose, self.shift)
+        self._tf_told = stamp_ns, (pose, self.shift)
         shift = self.shift
         tf_hub.send(self._base_frame, lambda: self._transforms(pose, shift, stamp_ns))
 
     def looks(self, pose, stamp_ns):
         """Publish tf of the instant of a scan, unless what was said is later already."""
-        if stamp_ns > self._tf_stamp_ns:
+        if stamp_ns > self._tf_told[0]:
             self.heartbeat(pose, stamp_ns)
 
     def is_heard(self):
@@ -85,7 +84,7 @@ class BuiltinBackend:
 
     def restart(self):
         """Time has started anew."""
-        self._tf_stamp_ns = -1
+        self._tf_told = -1, None
 
     def close(self):
         """Leave the graph."""

@@ -5,15 +5,13 @@ turn; a thread without the turn may only look (:meth:`LockstepClock.look_ns`), u
 """
 import threading
 
-import rospy
-
 from move_base_abstract.engine.simulation import Simulation
-from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.scheduler import TurnLost
 
 from ..lockstep.exchange import rollback
 from ..messages import outlets
 from .fault_log import FaultLog
+from .hearers import Hearers
 
 
 class LockstepClock:
@@ -28,10 +26,7 @@ class LockstepClock:
         self.participant = None
         self._join = join
         self._has_onlookers = self._ever_had_onlookers = False
-        self._silent_to = set()
-        self._looked_at = {}  # (robot's index, parameter): outlets.changes() when hearers were looked at
-        self._rates = None
-        self._is_rates_note_due = False
+        self.hearers = None
         self._has_causal_rows = False
 
     def start(self):
@@ -40,6 +35,7 @@ class LockstepClock:
             self.participant = self._join()
         except TurnLost:
             return False  # why has been told, and the node ends
+        self.hearers = Hearers(self.participant)
         with self.lock:
             self.simulation = Simulation(self.participant.now_ns, FaultLog())
         self.participant.constant('/tf_static')
@@ -78,39 +74,10 @@ class LockstepClock:
         """Wait until ``condition()`` holds, for at most ``seconds``: simulated ones. The caller has the turn."""
         self.participant.wait_until(condition, seconds, what)
 
-    def falls_silent(self, robot, teller, parameter):
-        """Name once each of ``teller.hearers()``, (topic, node), to whom ``robot`` says nothing: ``parameter`` is 0."""
-        changes = outlets.changes()
-        if self._looked_at.get((robot.index, parameter)) == changes:
-            return
-        self._looked_at[robot.index, parameter] = changes
-        for hearer in teller.hearers():
-            if hearer not in self._silent_to:
-                self._silent_to.add(hearer)
-                topic, node = hearer
-                rospy.logwarn('%s: %s listens to %s, which says nothing on the way: %s is 0', rospy.get_name(), node,
-                              topic, parameter)
-                if self.participant.is_member(node):
-                    self.participant.log(robot.name, 'listens_in_vain', (node, topic, parameter), sub=robot.index)
-
-    def show_rates(self, text):
-        """Have the state say ``text()``: what is told at which rate, and to whom."""
-        self._rates = text
-
-    def rates_changed(self):
-        """What :meth:`show_rates` says has changed; the caller has the turn."""
-        if self._rates is not None and not self._is_rates_note_due:
-            self._is_rates_note_due = True
-            self.participant.add(self._rates_note)
-
-    def _rates_note(self):
-        self._is_rates_note_due = False
-        return wire.note(wire.NoteKind.TELLS, self._rates())
-
     def listeners_changed(self):
         """Somebody listens no more, or hears less of it than before."""
         if self.simulation is not None and self.participant.scheduler.acts():
-            self.rates_changed()
+            self.hearers.rates_changed()
 
     def listener_came(self):
         """Somebody begins to listen to what robots tell: a participant, in this one's turn, or anybody else."""
@@ -124,7 +91,7 @@ class LockstepClock:
             self._has_onlookers = self._ever_had_onlookers = True  # it takes no part: it is told from the next turn on
 
     def _wake(self):
-        self.rates_changed()
+        self.hearers.rates_changed()
         with outlets.nobody_hears():
             self.simulation.wake()
 

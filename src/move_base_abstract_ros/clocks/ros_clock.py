@@ -15,6 +15,7 @@ from move_base_abstract.supervision.clock_source import ClockSource, Step
 
 from ..process.clock_watch import watch_clock
 from .fault_log import FaultLog
+from .hearers import NoHearers
 from .throttle import WallThrottle
 
 _POLL_SECONDS = 0.01
@@ -30,6 +31,7 @@ class RosClock:
     def __init__(self):
         self.lock = threading.RLock()
         self.simulation = None
+        self.hearers = NoHearers()
         self._restart_followers = []
         self._source = ClockSource()
         self._behind_throttle = WallThrottle(_WARNINGS_RATE)
@@ -82,12 +84,6 @@ class RosClock:
         """
         self._restart_followers.append(follower)
 
-    def show_rates(self, _text):
-        """As of LockstepClock; what is told at a rate is told anyhow."""
-
-    def rates_changed(self):
-        """As of :meth:`show_rates`."""
-
     def leave_restarts(self, follower):
         """Call it no more."""
         self._restart_followers.remove(follower)
@@ -106,9 +102,6 @@ class RosClock:
         deadline = time.monotonic() + seconds
         while not condition() and time.monotonic() < deadline and not rospy.is_shutdown():
             time.sleep(_WAIT_POLL_SECONDS)
-
-    def falls_silent(self, _robot, _teller, _parameter):
-        """As of LockstepClock; what is switched off here was switched off by name."""
 
     def wall_to_ns(self, seconds):
         """Return how far simulated time [ns] moves in ``seconds`` of the wall clock, at its present speed.

@@ -6,7 +6,6 @@ from nav_msgs.msg import OccupancyGrid
 
 from move_base_abstract.maps.costmaps import Window
 
-from ..lockstep.exchange import rollback
 from ..messages import conversions
 from ..messages.outlets import LatchedOutlet, LatchedOutlets
 from ..messages.packing import InFrame, of_message
@@ -30,7 +29,6 @@ class CostmapTopics:
         self._costmaps = settings.costmaps
         self._map = robot_map
         self._throttle = host.throttle(_WINDOW_RATE)
-        self._latest = None
         self._grid = rospy.Publisher(names.own('global_costmap/costmap'), OccupancyGrid, queue_size=1, latch=True)
         self._window = LatchedOutlet(names.own('local_costmap/costmap'), OccupancyGrid, self._pack_window,
                                      queue_size=1)
@@ -49,8 +47,6 @@ class CostmapTopics:
     def moved(self, pose, stamp_ns, is_event):
         """Show the robot at ``pose`` (global frame); ``is_event``: it starts or stands, which no cap leaves out."""
         self._footprints.show(pose, stamp_ns)
-        rollback.changes(self, '_latest')
-        self._latest = pose, stamp_ns
         if is_event or self._throttle.ready():
             self._window.show()
 
@@ -70,11 +66,11 @@ class CostmapTopics:
     def _show_map(self, message, _occupancy):
         """Publish the map's own message: all robots of the process share it."""
         self._grid.publish(message)
-        if self._latest is not None:
+        if self._footprints.shown is not None:
             self._window.show()
 
     def _pack_window(self):
-        pose, stamp_ns = self._latest
+        pose, stamp_ns = self._footprints.shown
         window = self._costmaps.window
         x, y = window.corner(pose)
         grid = _grid(self._local_frame, stamp_ns, x, y, window)

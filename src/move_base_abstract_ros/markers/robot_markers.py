@@ -95,7 +95,7 @@ class RobotMarkers:
         """Return the :class:`View` of the robot at ``now_ns`` [ns]; the caller holds the clock's lock."""
         robot, leg = self._navigator.robot, self._navigator.robot.leg
         way = (leg.start, *(Pose2D(x, y) for x, y in leg.corners), leg.end) if leg else None
-        return View(robot.pose_at(now_ns), self._navigator.target, way, self._state(), self._is_changing)
+        return View(robot.pose_at(now_ns), self._navigator.travel.target, way, self._state(), self._is_changing)
 
 
 class _Board(rospy.SubscribeListener):

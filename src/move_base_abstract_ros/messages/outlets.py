@@ -182,32 +182,33 @@ class LatchedOutlet(Outlet):
 
     def __init__(self, topic, message_type, make, queue_size=10, tcp_nodelay=False):
         self._make = make
-        self._shown = None
-        self._sent = None
+        self._kept = None, None  # what was shown, or the packer of what was sent
         self._greeting = threading.Lock()  # onlookers come in threads of rospy's
         super().__init__(topic, message_type, queue_size, tcp_nodelay, latch=True)
 
     def show(self, *shown):
         """Send ``make(*shown)`` if anybody listens, and keep it for those who come later."""
-        rollback.changes(self, '_shown')
-        rollback.changes(self, '_sent')
-        self._shown, self._sent = shown, None
+        self._keep(shown, None)
         if self.is_heard():
             super().send(self._make(*shown))
 
     def send(self, pack):
         """Send what ``pack`` makes, and keep it for those who come later."""
-        rollback.changes(self, '_sent')
-        self._sent = pack
+        self._keep(None, pack)
         super().send(pack)
+
+    def _keep(self, shown, pack):
+        rollback.changes(self, '_kept')
+        self._kept = shown, pack
 
     def greet(self, _peer_publish):
         """Make the latched message, which rospy is about to send to a new listener."""
         with self._greeting:  # what was made for one who came before must not take the place of this
-            if self._sent is not None:
-                self.latch(self._sent)
-            elif self._shown is not None:
-                self.latch(self._make(*self._shown))
+            shown, pack = self._kept
+            if pack is not None:
+                self.latch(pack)
+            elif shown is not None:
+                self.latch(self._make(*shown))
 
 
 class LatchedOutlets:
@@ -215,7 +216,7 @@ class LatchedOutlets:
 
     def __init__(self):
         self._outlets = ()
-        self._shown = None
+        self.shown = None  # last
         self._is_heard = False
         self._lock = threading.Lock()  # listeners come and go in threads of rospy's
 
@@ -225,8 +226,8 @@ class LatchedOutlets:
 
     def show(self, *shown):
         """Send what was shown to those who listen, in the order in which the topics came, and keep it for others."""
-        rollback.changes(self, '_shown')
-        self._shown = shown
+        rollback.changes(self, 'shown')
+        self.shown = shown
         if self._is_heard:
             for outlet in self._outlets:
                 if outlet.is_heard():
@@ -248,8 +249,8 @@ class LatchedOutlets:
         """Make what a newcomer to ``outlet`` gets."""
         with self._lock:  # what was made for one who came before must not take the place of this
             self._is_heard = True
-            if self._shown is not None:
-                outlet.latch(outlet.make(*self._shown))
+            if self.shown is not None:
+                outlet.latch(outlet.make(*self.shown))
 
     def end(self):
         """Look whether anybody is left, now that somebody has gone."""

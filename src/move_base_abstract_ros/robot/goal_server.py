@@ -92,7 +92,7 @@ class GoalServer:
 
     def _departed(self, _event):
         if not self._navigator.feedback.frequency:
-            self._clock.falls_silent(self._navigator.robot, self._shell, 'feedback_freq')
+            self._clock.hearers.falls_silent(self._navigator.robot, self._shell, 'feedback_freq')
 
     def _ended(self, event):
         self._shell.publish_result(event, _NO_RESULT, event.time_ns)

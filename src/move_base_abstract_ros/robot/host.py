@@ -77,8 +77,8 @@ class Host:
         self._robot_count = 0
         self.surroundings = Surroundings()
         self._has_warned = False  # of goals outside of what was recorded
-        self.rates = Rates(clock.rates_changed)
-        clock.show_rates(self.rates.text)
+        self.rates = Rates(clock.hearers.rates_changed)
+        clock.hearers.show_rates(self.rates.text)
         self.status_heartbeat = Heartbeat(self, self.options.status_frequency, _STATUS_RATE_CAP)
         self._tf_heartbeats = {}
         self._diagnostics = None

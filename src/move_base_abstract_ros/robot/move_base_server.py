@@ -166,7 +166,7 @@ class MoveBaseServer:
             self.navigator.robot.set_motion(settings.limits, settings.tolerances)
             self.navigator.robot.reset(settings.start, now_ns)
             self._stream.tell(motion_of(self.navigator.robot, now_ns))
-            self.navigator.tell_stands(now_ns)
+            self.navigator.travel.tell_stands(now_ns)
 
     def _restart(self, before_ns, now_ns):
         self._publisher.restart()
@@ -213,8 +213,8 @@ class MoveBaseServer:
 
     def _map_changed(self):
         with self._clock.lock:
-            if self.navigator.target is not None:
-                self.navigator.map_changed(self._clock.now_ns())
+            if self.navigator.travel.target is not None:
+                self.navigator.travel.map_changed(self._clock.now_ns())
 
     def _prefetch(self, goal):
         self._map.wait()

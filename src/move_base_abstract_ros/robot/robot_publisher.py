@@ -66,9 +66,9 @@ class RobotPublisher:
         if self._updates is not None:
             self._updates.start(event.time_ns)
         else:
-            self._clock.falls_silent(self._robot, self._backend, 'pose_update_freq')
+            self._clock.hearers.falls_silent(self._robot, self._backend, 'pose_update_freq')
             if not self._beats:
-                self._clock.falls_silent(self._robot, tf_hub, 'tf_heartbeat_freq')
+                self._clock.hearers.falls_silent(self._robot, tf_hub, 'tf_heartbeat_freq')
 
     def _stands(self, event):
         self._stand(event.time_ns)

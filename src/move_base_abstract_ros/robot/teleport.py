@@ -71,5 +71,5 @@ class Teleport:
                     conversions.from_pose(message))
             except (FrameError, ValueError) as error:
                 return str(error)
-            self._navigator.place(pose, now_ns)
+            self._navigator.travel.place(pose, now_ns)
         return ''

@@ -39,7 +39,7 @@ class _EarlyFrames:
 
     def wait(self):
         """Wait for all outsiders that publish static transforms; they are latched, so each has something to say."""
-        takes_part = lockstep.participant().is_member  # what participants say comes in a later round
+        takes_part = lockstep.participant().members.is_member  # what participants say comes in a later round
         expected = {name for name in _publishers(_STATIC) if not takes_part(name)}
         deadline = time.monotonic() + _STATIC_SECONDS
         while not expected <= self._heard and not rospy.is_shutdown():

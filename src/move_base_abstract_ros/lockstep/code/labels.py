@@ -54,7 +54,7 @@ class Told:
         participant = self.participant
         if participant is not None:
             text = '{} in {}, line {}: {}'.format(*place)
-            rospy.logwarn('%s: %s', participant.names[0], text)
+            rospy.logwarn('%s: %s', participant.members.own_name, text)
             participant.label(text)
 
 

@@ -99,12 +99,12 @@ class MemberLinks:
     @property
     def hearers(self):
         """The names of the nodes at which what is sent has any effect."""
-        return [self._participant.names.get(member, '') for member in self._hear(wire.Hearing.NEWS)]
+        return [self._participant.members.names.get(member, '') for member in self._hear(wire.Hearing.NEWS)]
 
     @property
     def hearers_of_repetition(self):
         """The names of the nodes at which what says nothing new has any effect."""
-        return [self._participant.names.get(member, '') for member in self._hear(wire.Hearing.ALL)]
+        return [self._participant.members.names.get(member, '') for member in self._hear(wire.Hearing.ALL)]
 
     @property
     def is_heard(self):
@@ -125,7 +125,7 @@ class MemberLinks:
 
     def has_name(self, name):
         """Return whether the node is one of them."""
-        return any(self._participant.names.get(member) == name for member in self.members)
+        return any(self._participant.members.names.get(member) == name for member in self.members)
 
     def write_data(self, data):
         """Have a serialised message, with its length before it, in the report."""
@@ -169,7 +169,7 @@ class PublisherLink(MemberLinks):
     def __init__(self, participant, topic, impl, member, header):
         super().__init__(participant, topic, 0, impl)
         self.members = [member]
-        self.endpoint_id = participant.uris.get(header['callerid'], header['callerid'])
+        self.endpoint_id = participant.members.uris.get(header['callerid'], header['callerid'])
         self.callerid_pub = header['callerid']
         self.header = header
         self.is_latched = header['latching'] == '1'

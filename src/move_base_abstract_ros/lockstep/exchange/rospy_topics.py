@@ -49,7 +49,7 @@ def _replace_connecting(topics):
 
     def adding(add_connection):
         def _add_connection(self, connection):
-            if self.resolved_name not in topics.excluded and participant.is_member(connection.endpoint_id):
+            if self.resolved_name not in topics.excluded and participant.members.is_member(connection.endpoint_id):
                 connection.close()
                 return False
             if not _is_onlooker(self, topics, connection):
@@ -67,7 +67,7 @@ def _replace_connecting(topics):
 
     def creating(create_transport):
         def _create_transport(self, resolved_name, pub_uri, protocol_params):
-            if resolved_name not in topics.excluded and pub_uri in participant.uris.values():
+            if resolved_name not in topics.excluded and pub_uri in participant.members.uris.values():
                 return 1, 'through the time master', 0
             return create_transport(self, resolved_name, pub_uri, protocol_params)
         return _create_transport

@@ -182,7 +182,7 @@ class Services:
                 code, _, (_, _, offered) = rospy.client.get_master().getSystemState()
         except (OSError, ValueError):
             return False
-        members = set(self._participant.names.values())
+        members = set(self._participant.members.names.values())
         return code == 1 and any(service == name and not members.issuperset(nodes) for service, nodes in offered)
 
 

@@ -90,8 +90,8 @@ class Topics:
     def on_publisher(self, number, member, type_name, md5, latched, definition):
         """A participant publishes what this one listens to."""
         return lambda: self._connect_publisher(number, member, {
-            'callerid': self._participant.names.get(member, ''), 'topic': self._names[number], 'type': type_name,
-            'md5sum': md5, 'latching': '1' if latched else '0', 'message_definition': definition})
+            'callerid': self._participant.members.names.get(member, ''), 'topic': self._names[number],
+            'type': type_name, 'md5sum': md5, 'latching': '1' if latched else '0', 'message_definition': definition})
 
     def _connect_publisher(self, number, member, header):
         impl = registration.get_topic_manager().get_subscriber_impl(self._names[number])
@@ -194,16 +194,16 @@ class Topics:
     def outside(self, impl, messages, connection, deliver):
         """Messages have come from a node that does not take part, or over a connection that does not count."""
         participant = self._participant
-        is_free = impl.resolved_name in self.excluded or (participant.is_starting
+        is_free = impl.resolved_name in self.excluded or (participant.rounds.is_starting
                                                           and impl.resolved_name in self.constants)
         if participant.scheduler.is_closed or is_free:
             deliver(messages, connection)
             return
-        if participant.is_member(connection.callerid_pub):
+        if participant.members.is_member(connection.callerid_pub):
             return
 
         def take():
-            if participant.is_member(connection.callerid_pub):
+            if participant.members.is_member(connection.callerid_pub):
                 return  # it has joined in the meantime
             participant.label('a message on {} came from {}, which does not take part'.format(
                 impl.resolved_name, connection.callerid_pub))

@@ -145,7 +145,7 @@ def _tell(what, path, offset):
         return
     place = '{}+{:#x}'.format(os.path.basename(path), offset) if path else 'code without a file'
     text = '{} ({})'.format(WORDS[what].format(_limit(), _LIMIT), place)
-    rospy.logwarn('%s: %s', participant.names[0], text)
+    rospy.logwarn('%s: %s', participant.members.own_name, text)
     participant.label(text)
 
 

@@ -174,6 +174,6 @@ def _await_others(participant):
     try:
         for thread in others:
             thread.join()
-        participant.let_time_pass()
+        participant.rounds.let_time_pass()
     except TurnLost:
         pass

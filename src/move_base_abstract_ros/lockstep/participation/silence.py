@@ -29,7 +29,7 @@ def _watch(participant, limit):
     round_number, since, told = None, 0.0, None
     while not participant.scheduler.is_closed:
         select.select([], [], [], min(_LONGEST_GAP, limit / _LOOKS_PER_LIMIT))
-        granted, now = participant.granted, time.monotonic()
+        granted, now = participant.rounds.granted, time.monotonic()
         if granted != round_number:
             round_number, since = granted, now
         elif granted is not None and granted != told and now - since >= limit:

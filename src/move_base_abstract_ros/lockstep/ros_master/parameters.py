@@ -64,7 +64,7 @@ class Parameters:
         while self._untold:
             method, *arguments = self._untold.popleft()
             with aside():
-                getattr(master, method)(self._participant.names[0], *arguments)
+                getattr(master, method)(self._participant.members.own_name, *arguments)
 
     # --- changes ----------------------------------------------------------------------------------------------------
 
@@ -103,9 +103,9 @@ class Parameters:
         kept = self._kept.get((method, name))
         if kept is None or not self._keeps:
             with aside():
-                code, _, value = getattr(self._master, method)(self._participant.names[0], name)
+                code, _, value = getattr(self._master, method)(self._participant.members.own_name, name)
             kept = code, value
-            if not self._participant.window.is_open:  # else it is not told of changes
+            if not self._participant.rounds.window.is_open:  # else it is not told of changes
                 self._kept[method, name] = kept
         return kept
 

@@ -72,9 +72,9 @@ class Queries:
     def _registrations(self):
         """Return what is to be shown, and what the ROS master knows."""
         with aside():
-            code, _, state = self._master.getSystemState(self._participant.names[0])
+            code, _, state = self._master.getSystemState(self._participant.members.own_name)
         state = state if code == 1 else [[], [], []]
-        return Registrations(state, self._participant.there, self._participant.gone), state
+        return Registrations(state, self._participant.members.there, self._participant.members.gone), state
 
     def _published(self, ask, *_arguments):
         code, message, pairs = ask()
@@ -95,16 +95,16 @@ class Queries:
     def _state(self, ask, *_arguments):
         code, message, state = ask()
         if code == 1:
-            there = Registrations(state, self._participant.there, self._participant.gone)
+            there = Registrations(state, self._participant.members.there, self._participant.members.gone)
             state = there.state()
             self._tell(there.strangers())
         return [code, message, state]
 
     def _node(self, ask, _caller, node):
         participant = self._participant
-        if node in participant.gone:
+        if node in participant.members.gone:
             return [-1, 'unknown node [{}]'.format(node), '']
-        if node not in participant.there and node not in KNOWN:
+        if node not in participant.members.there and node not in KNOWN:
             self._tell([node])
         return ask()
 

@@ -1,0 +1,28 @@
+"""What a robot has ahead of it, any number of things, which may all be given up at once."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Callable, List
+
+if TYPE_CHECKING:
+    from .event_queue import Event, EventQueue
+
+
+class Agenda:
+    """Events of the robot with ``robot_index`` in ``queue`` (EventQueue)."""
+
+    def __init__(self, queue: EventQueue, robot_index: int) -> None:
+        self._queue = queue
+        self._robot_index = robot_index
+        self.events: List[Event] = []
+
+    def at(self, due_ns: int, action: Callable[[int, int], object]) -> None:
+        """Call ``action(due_ns, now_ns)`` at ``due_ns`` [ns]."""
+        if self.events:
+            self.events = [event for event in self.events if event.action is not None]
+        self.events.append(self._queue.schedule(due_ns, self._robot_index, action))
+
+    def clear(self) -> None:
+        """Call nothing of all this."""
+        for event in self.events:
+            event.action = None  # as Event.cancel
+        self.events.clear()

@@ -1,0 +1,54 @@
+"""What a fleet's user is told, and called for: events and endings, at the end of their instant."""
+import warnings
+from functools import partial
+
+from ..goals.events import Beyond, Ended, TaskEnded
+from ..motion.recorded_range import WARNING
+from ..runs.trace import as_entries
+from .robot_rows import write
+
+#: what a user schedules comes after the robots' own events of the same instant
+_USER_INDEX = 2 ** 31 - 1
+#: behind these: processes
+AFTER_USERS = _USER_INDEX + 2
+
+
+class UserCalls:
+    """Of one fleet: ``on_event(entry)``, ``on_end`` and ``on_worked`` as of :class:`.Fleet`, each may be None."""
+
+    def __init__(self, simulation, on_event, on_end, on_worked):
+        self._simulation = simulation
+        self._on_event = on_event
+        self._listeners = [(kind, listener) for kind, listener in ((Ended, on_end), (TaskEnded, on_worked))
+                           if listener is not None]
+        self._has_warned = False  # of goals outside of what was recorded
+
+    def subscribe(self, stream, with_motion):
+        """Have the user told of what a robot's ``stream`` (Stream) tells: events, then endings."""
+        if self._on_event is not None:
+            write(stream, 'users', self._tell_event, with_motion)
+        stream.subscribe('shown', {Beyond: self._warn_of_beyond})
+        for kind, listener in self._listeners:
+            stream.subscribe('users', {kind: partial(self._tell_end, listener)})
+
+    def at(self, time_ns, call):
+        """Call ``call(due_ns, now_ns)`` at ``time_ns`` [ns], which is not past."""
+        self._simulation.queue.schedule(time_ns, _USER_INDEX, call)
+
+    def _tell_event(self, row):
+        """Tell of a row of the trace: when what it belongs to is over, at the end of this instant."""
+        self.at(max(row[0], self._simulation.now_ns), lambda _due_ns, _now_ns: self._on_event(*as_entries([row])))
+
+    def _tell_end(self, listener, event):
+        """Tell ``listener`` of the end of a goal or a task, likewise."""
+        now_ns = self._simulation.now_ns
+        self.at(event.time_ns if event.time_ns > now_ns else now_ns, partial(_call, listener, event, self._simulation))
+
+    def _warn_of_beyond(self, event):
+        if not self._has_warned:
+            self._has_warned = True
+            warnings.warn(WARNING.format(event.robot, event.words), stacklevel=2)
+
+
+def _call(listener, event, simulation, _due_ns, _now_ns):
+    listener(event.robot, event.goal_id, event.state, event.text, simulation.now_ns)

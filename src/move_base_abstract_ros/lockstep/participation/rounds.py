@@ -1,0 +1,214 @@
+"""The rounds of a participant: what it reports when nobody in it can go on, and what the next grant has it do."""
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.lockstep import open_waits, wire
+from move_base_abstract.lockstep.charge import NoCharge
+from move_base_abstract.lockstep.scheduler import Scheduler, TurnLost
+from move_base_abstract.lockstep.window import Window
+
+from ..exchange.connection import Closed
+from ..exchange.foresight import Foresight
+from ..waiting import pools
+from . import finish, garbage
+from .report_delays import make_beginning, make_delay
+from .rospy_time import set_rostime
+
+_SENDS = (wire.SEND, wire.CALL, wire.RESPONSE)
+
+
+class Rounds:
+    """Of one ``participant`` (Participant), whose scheduler's channel they are.
+
+    ``last_words``: functions that are called when a turn is over, before it is reported.
+    """
+
+    def __init__(self, participant, connection, charge):
+        self.scheduler = Scheduler(self)
+        self.charge = charge
+        self.window = Window()
+        self.last_words = []
+        self.number = 0
+        self.is_granted = self.is_at_rest = False
+        self.is_starting = True
+        self._participant = participant
+        self._connection = connection
+        self._items = []
+        self._is_charged = type(charge) is not NoCharge
+        self._foresight = self._source_is_background = None
+        self._has_mail = False
+        self._told = ''
+        self._delay = self._begin = None
+        self._handlers = {}
+
+    def begin(self, name, handlers):
+        """Wait for the first grant, as the node ``name``; ``handlers``: who takes in what grants list, by its kind."""
+        self._delay, self._begin = make_delay(name), make_beginning(name)
+        self._handlers = {**handlers, wire.HAPPENED: self._on_happened}
+        self.await_grant()
+
+    def set_source(self, source, foresees):
+        """Have events driven by the grants, as of :meth:`.Participant.set_source`.
+
+        ``foresees()``: whether what it foresees is told beforehand, asked if it could be.
+        """
+        self.scheduler.set_source(source)
+        self._source_is_background = getattr(source, 'is_background', None)
+        if not self._is_charged and hasattr(source, 'foresee') and foresees():
+            self._foresight = Foresight(source)
+
+    def add(self, item):
+        """Have ``item`` (bytes, or a function that returns them at the end of the round) in the next report."""
+        if self.scheduler.acts():
+            self._items.append(item)
+        elif not self.scheduler.is_closed:
+            self.scheduler.from_outside(lambda: self._items.append(item))
+
+    def add_aside(self, item):
+        """The same, for what nobody waits for: a thread that does nothing else may still be one that looks."""
+        self._items.append(item)
+
+    @property
+    def granted(self):
+        """The number of the round that is being worked on, None if none is; from any thread."""
+        return self.number if self.is_granted and not self.scheduler.is_closed else None
+
+    def exchange(self):
+        """Report and wait for the next grant; return what is to be done in it, in order (for the scheduler)."""
+        pools.await_results(self.scheduler)
+        deferred = self.let_time_pass()
+        next_ns = self.scheduler.now_ns if deferred else self.scheduler.next_ns()
+        is_resting = self.scheduler.is_resting
+        if is_resting:
+            self._items.append(wire.rest())
+        self._report(next_ns, may_foresee=not (deferred or is_resting))
+        actions = self.await_grant()
+        # Nothing has come, and nothing else was asked for.
+        self.is_at_rest = is_resting and not (
+            self._has_mail or self.scheduler.has_outside or next_ns <= self.scheduler.now_ns)
+        return deferred + actions + garbage.due()
+
+    def goes_on_to(self, due_ns):
+        """Begin the turn at ``due_ns`` [ns] as :meth:`exchange` would if nothing but time came; else return False."""
+        if self._foresight is None or not self.window.is_open or due_ns >= self.window.first_arrival_ns:
+            return False
+        self._end_turn()
+        self.is_starting = False
+        is_free = not (self._is_background() or self.scheduler.has_outside)
+        if is_free and self.window.walk(due_ns, self.scheduler.now_ns, self._items):
+            self._begin_turn(*self.window.next_turn())
+            return True
+        return False
+
+    def let_time_pass(self):
+        """Charge the round that ends, if it has sent anything; return what has come meanwhile."""
+        try:
+            cost_ns = self.charge.cost_ns(self.scheduler.now_ns) if self._is_charged and self._sends else 0
+        except ConfigurationError as error:
+            self._items.clear()  # what would have left after the charged time
+            self._participant.label(str(error))
+            self._participant.leave()
+            finish.end_node(str(error), False)
+            raise TurnLost() from None
+        return self._compute(cost_ns) if cost_ns > 0 else []
+
+    @property
+    def _sends(self):
+        """Whether this round has sent anything to others."""
+        return any(not callable(item) and item[0] in _SENDS for item in self._items)
+
+    def _compute(self, cost_ns):
+        """Let simulated time pass, after which the round's messages leave; return what has come meanwhile."""
+        held = self._items[:]
+        self._items.clear()
+        until_ns = self.scheduler.now_ns + cost_ns
+        deferred = []
+        while self.scheduler.now_ns < until_ns:
+            self._report(until_ns)
+            deferred += self.await_grant()
+        self._items[:0] = held
+        return deferred
+
+    def take_items(self):
+        """Return the items (bytes) of all turns that are to be reported now."""
+        self._end_turn()
+        return self.window.take_walked(self._items)
+
+    def _end_turn(self):
+        for tell in self.last_words:
+            tell()
+        self._items[:] = [item() if callable(item) else item for item in self._items]
+
+    def _report(self, next_ns, may_foresee=False):
+        is_background = may_foresee and self.scheduler.now_ns < next_ns < wire.NEVER and self._is_background()
+        if self.window.is_open:
+            self.is_starting = may_foresee = False
+            self._end_turn()
+            is_free = not (is_background or self.scheduler.has_outside)
+            if is_free and self.window.walk(next_ns, self.scheduler.now_ns, self._items):
+                return
+            is_background = is_background and self.window.first_arrival_ns == wire.NEVER
+            next_ns = min(next_ns, self.window.first_arrival_ns)
+        waits, told = self.scheduler.open_waits, ''
+        if waits and next_ns == wire.NEVER:
+            told = ', '.join('{} waits for {}'.format(task.name, task.waits_for or 'another thread') for task in waits)
+        if told != self._told:
+            self._told = told
+            self._items.append(wire.note(wire.NoteKind.WAITS_FOR, told))
+        owed, idle = open_waits.split(waits) if waits else ((), ())
+        self._items += [wire.idle(len(idle))] if idle else []
+        self.is_granted = self.is_starting = False
+        if is_background:
+            self._items.append(wire.background())
+        elif (may_foresee and self._foresight is not None and self.scheduler.can_foresee
+              and next_ns > self.scheduler.now_ns):
+            next_ns = self._foresight.tell(self.scheduler.next_besides_source_ns(), self._items)
+        if self._delay is not None:
+            self._delay()
+        try:
+            self._connection.send(wire.report(self.number, False, next_ns, len(owed), self.take_items()))
+        except Closed as error:
+            self._participant.lost(str(error))
+
+    def _is_background(self):
+        """Whether only onlookers would notice, if time did not go on to the next event."""
+        return (self._source_is_background is not None and self.scheduler.can_foresee
+                and self.scheduler.next_besides_source_ns() == wire.NEVER and self._source_is_background())
+
+    def await_grant(self):
+        """Return what the next grant lists, as functions to be called in this order."""
+        if self.window.walks_to_ns is not None:
+            return self._begin_turn(*self.window.next_turn())
+        try:
+            while True:
+                kind, body = self._connection.receive()
+                if kind == wire.GRANT:
+                    if self._begin is not None:
+                        self._begin()
+                    self.number, now_ns, _, items = wire.read_grant(body)
+                    return self._begin_turn(now_ns, self.window.take(items, now_ns))
+                self._participant.take_in(kind, body)
+        except (Closed, wire.WireError) as error:
+            return self._participant.lost(str(error))
+
+    def _begin_turn(self, now_ns, items):
+        self.is_granted, self._has_mail = True, any(item[0] != wire.CHANGED for item in items)
+        self.charge.begin()
+        if now_ns != self.scheduler.now_ns:
+            self.scheduler.now_ns = self.scheduler.shown_ns[0] = now_ns
+            set_rostime(now_ns)
+        actions = []
+        for item in items:
+            action = self._handlers[item[0]](*item[1:])
+            if action is not None:
+                actions.append(action)
+        return actions
+
+    def _on_happened(self, count):
+        """At once, before all else: what was told beforehand, and has not happened, is taken back."""
+        self._foresight.came_to_pass(count)
+
+    def knock(self):
+        """Ask for a grant; from any thread."""
+        try:
+            self._connection.send(wire.frame(wire.KNOCK))
+        except Closed:
+            pass
