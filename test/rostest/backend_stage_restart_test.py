@@ -58,7 +58,8 @@ class Restart(unittest.TestCase):
         self.stage.kill()
         self.stage.wait()
         type(self).left = self.truth.messages[-1]
-        self.warning('/fleet', 'Stage has fallen silent', '/robot_0/base_pose_ground_truth, /robot_1/base_pose')
+        for robot in ('/robot_0', '/robot_1'):  # in one line, or on a busy machine in two
+            self.warning('/fleet', 'Stage has fallen silent', robot + '/base_pose_ground_truth')
         self.assertEqual(self.client.endings(self.goal), [])
 
     def test_2_a_stage_that_starts_anew_ends_goals_and_tasks_and_that_is_told_of(self):

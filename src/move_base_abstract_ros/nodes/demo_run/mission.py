@@ -15,6 +15,7 @@ from nav_msgs.msg import Odometry
 from move_base_abstract.motion.geometry import quaternion_of_yaw
 
 SERVER_TIMEOUT = 30.0  # s, wall
+POSES_TIMEOUT = 5.0  # s, wall, for poses that come behind their result
 STILL_M = 1e-9  # a shorter way between two poses counts as standing
 
 
@@ -36,6 +37,10 @@ class Odometer:
         """Whether the robot's first pose has come."""
         return self._last is not None
 
+    def has_come_to(self, stamp):
+        """Whether a pose of this simulated instant [s], or of a later one, has come."""
+        return self._last is not None and self._last[0] >= stamp - 1e-9
+
     def _add(self, message):
         here = (message.header.stamp.to_sec(), message.pose.pose.position.x, message.pose.pose.position.y)
         if self._last is not None:
@@ -52,6 +57,7 @@ class RobotRun:
     def __init__(self, plan):
         self.plan = plan
         self.goals_done = 0
+        self.ended = 0.0  # stamp of the last result [s]
         self.odometer = Odometer(f'/{plan.name}/base_pose_ground_truth')
         self._client = ActionClient(f'/{plan.name}/move_base', MoveBaseAction)
         self._handle = None  # a client forgets a goal whose handle is gone
@@ -124,6 +130,15 @@ class MissionRun:
             if ended is not None:
                 last_stamp = max(last_stamp, self._finish_goal(*ended))
         self.ended = last_stamp, time.monotonic()
+        if self._participant is None:
+            self._await_poses()
+
+    def _await_poses(self):
+        """On the scaled clock a robot's last pose may come behind its result: wait for it."""
+        deadline = time.monotonic() + POSES_TIMEOUT
+        while time.monotonic() < deadline and not all(
+                robot.odometer.has_come_to(robot.ended) for robot in self.robots):
+            time.sleep(0.02)
 
     def _next_ended(self, period):
         """Return the next (robot, handle) of a goal that has ended; None if there is none within ``period`` [s]."""
@@ -146,8 +161,8 @@ class MissionRun:
         robot.goals_done += 1
         if robot.goals_done < len(robot.plan.goals):
             robot.send_next(self._events)
-        result = handle.comm_state_machine.latest_result
-        return result.header.stamp.to_sec()
+        robot.ended = handle.comm_state_machine.latest_result.header.stamp.to_sec()
+        return robot.ended
 
 
 def make_goal(place, frame_id='map'):
