@@ -29,10 +29,10 @@ from ..sensing.surroundings import Surroundings
 from ..tasks.arrivals import check_task
 from ..tasks.place_tasks import Rooms
 from ..traffic.control import DeadlockPolicy, Traffic
-from .member import Member
+from .member import FleetWarning, Member
 from .robot_view import RobotView
 
-__all__ = ['Fleet', 'TraceEntry']
+__all__ = ['Fleet', 'FleetWarning', 'TraceEntry']
 
 #: what a user schedules comes after the robots' own events of the same instant
 _USER_INDEX = 2 ** 31 - 1
@@ -47,7 +47,8 @@ class Fleet:
     With ``trace=None`` nothing is recorded; else :attr:`trace` is a list that begins with these entries. ``occupancy``
     (OccupancyMap, its frame the global one) is the map of the robots with ``use_map``; ``planner`` is in the place of
     what the settings ask for. ``on_worked``: as ``on_end``, of tasks at places (:meth:`work`). ``on_event(entry)`` is
-    called with each :class:`TraceEntry`, at the end of its instant and in the order of the trace.
+    called with each :class:`TraceEntry`, at the end of its instant and in the order of the trace. :attr:`warnings` says
+    why goals have no plan, and what else a node's log would say: [:class:`FleetWarning`, ...], empty with no trace.
     """
 
     def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=(), occupancy=None,
@@ -68,6 +69,7 @@ class Fleet:
         self.surroundings = Surroundings()
         self.encounters = make_encounters(self.simulation, scenario)
         self._members = {}
+        self.warnings = []
         self._has_warned = False  # of goals outside of what was recorded
         self._indices = itertools.count()
         for spec in scenario.robots:
@@ -272,6 +274,10 @@ class Fleet:
         write_event_log(path, self.trace, self._start_ns, End(
             self.now_ns, not self.simulation.queue.is_busy(),
             [name for name, member in self._members.items() if member.navigator.is_active]))
+
+    def _note(self, warning):
+        if self._trace is not None:
+            self.warnings.append(warning)
 
     def _warn_of_beyond(self, event):
         if not self._has_warned:

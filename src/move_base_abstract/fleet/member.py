@@ -1,15 +1,25 @@
 """One robot of a fleet in plain Python: its parts, and who is told what of it."""
 import itertools
+from typing import NamedTuple
 
 from ..common.errors import FrameError
 from ..goals.client import NoClient
-from ..goals.events import Beyond, Ended, TaskEnded, motion_of, robot_stream
+from ..goals.events import Beyond, Ended, TaskEnded, Warned, motion_of, robot_stream
 from ..goals.outcome import ROBOT_REMOVED, ROBOT_RESET
 from ..maps.map_check import MapCheck
 from ..sensing.laser import Laser
 from ..tasks.place_tasks import PlaceTaskRunner
 from .robot_parts import make_planner, make_robot_parts
 from .robot_rows import tell_start, write
+
+
+class FleetWarning(NamedTuple):
+    """At ``time_ns`` [ns] something was wrong with the goal ``goal_id`` of ``robot``, or, '', with where it is."""
+
+    time_ns: int
+    robot: str
+    goal_id: str
+    text: str
 
 
 class Member:
@@ -48,11 +58,15 @@ class Member:
         for name, take in (('trace', fleet._write), ('users', fleet._on_event and fleet._tell_event)):
             if take is not None:
                 write(self._stream, name, take, with_motion)
-        self._stream.subscribe('shown', {Beyond: fleet._warn_of_beyond})
+        self._stream.subscribe('shown', {Beyond: fleet._warn_of_beyond, Warned: self._warned})
         for kind, listener in ((Ended, fleet._on_end), (TaskEnded, fleet._on_worked)):
             if listener is not None:
                 self._stream.subscribe('users', {kind: lambda event, listener=listener: fleet._tell_end(
                     listener, event)})
+
+    def _warned(self, event):
+        active = self._ledger.active
+        self._fleet._note(FleetWarning(*event[:2], active.goal_id if active is not None else '', event.text))
 
     def reset(self, now_ns):
         """Bring it back to its start, without goals."""

@@ -200,10 +200,8 @@ class LanePlanner(StraightLinePlanner):
 
     def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
         """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
-        refusal = self.refusal(goal)
-        if refusal is None and self.reachable(goal):
-            return 'No lanes lead from ({:g}, {:g}) to the goal ({:g}, {:g}).'.format(start.x, start.y, goal.x, goal.y)
-        return refusal
+        return super().refusal_of_way(start, goal) or (
+            'No lanes lead from ({:g}, {:g}) to the goal ({:g}, {:g}).'.format(start.x, start.y, goal.x, goal.y))
 
     def corners(self, start: Pose2D, goal: Pose2D) -> Optional[PlannedWay]:
         """Return the :class:`.PlannedWay`, or None where there is no way."""
