@@ -20,6 +20,7 @@ from .findings import Finding
 from .ways import MOST_WAYS, leg_between
 
 _MOST_CIRCLES = 5_000
+_SLACK = 0.01  # m, by which boxes are larger than what they hold
 
 
 def check_capacities(world):
@@ -27,7 +28,7 @@ def check_capacities(world):
     areas = Areas(world)
     arrows = networkx.DiGraph()
     arrows.add_nodes_from(areas.all)
-    for drivers in world.drivers if areas.all else ():
+    for drivers in world.drivers if areas.touch() else ():
         if drivers.planner is None:
             continue
         pairs = list(dict.fromkeys(_pairs(world, drivers, areas.zones)))
@@ -65,6 +66,21 @@ class Areas:
         self._areas = [*self.zones, *self._lanes.values()]
         self._numbers = {id(area): number for number, area in enumerate(self._areas)}
         self.all = range(len(self._areas))
+
+    def touch(self):
+        """Return whether any two of them may touch: else nobody comes from one into another."""
+        boxes = []
+        for way in self._ways:
+            xs, ys = zip(*way)
+            boxes.append((min(xs) - _SLACK, min(ys) - _SLACK, max(xs) + _SLACK, max(ys) + _SLACK))
+        boxes.sort()
+        for number, (_, low, right, high) in enumerate(boxes):
+            for other in boxes[number + 1:]:
+                if other[0] > right:
+                    break
+                if other[1] <= high and other[3] >= low:
+                    return True
+        return False
 
     def capacity(self, number):
         """Return for how many robots there is place."""
@@ -171,8 +187,8 @@ def _least_circle(world, areas, arrows, part):
         'can_lock', names[0], '{} robots can lock up for good: in {}, and from there in {} again, each robot waits for '
         'the next. It is the least of the circles among {} zones and lanes'.format(
             best, ' -> '.join(shown), names[0], len(part)),
-        areas.where(circle[0]), 'more room on one of them, one-way lanes, a zone around all of them with capacity {}, or '
-        'a coordinator that sends fewer robots there'.format(best - 1), (), tuple(areas.way(one) for one in circle))
+        areas.where(circle[0]), 'more room on one of them, one-way lanes, a zone around all of them with capacity {}, '
+        'or a coordinator that sends fewer robots there'.format(best - 1), (), tuple(areas.way(one) for one in circle))
 
 
 def _sum(areas, circle):

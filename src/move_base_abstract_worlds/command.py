@@ -7,13 +7,17 @@ Exit codes: 0 nothing found, or made; 1 something was found; 2 a file cannot be 
 """
 import argparse
 import json
+import os
 import sys
 from itertools import groupby
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.shown import shown
 
 from .findings import KINDS
+from .sites import KINDS as KINDS_OF_SITES
+from .sites import make_site
 
 _FORMAT = '{"format": "move_base_abstract scenario check 1",\n'
 _MOST_OF_A_KIND = 20  # in the terminal; the JSON has all
@@ -48,7 +52,46 @@ def _parse(words):
     check.add_argument('--json', metavar='OUT.json', help='the findings as JSON, likewise; - for the standard output, '
                        'in place of the text')
     check.set_defaults(run=_check)
+    _add_make(commands)
     return parser.parse_args(words)
+
+
+def _add_make(commands):
+    make = commands.add_parser('make', help='make a scenario by sizes', description='Make a scenario by sizes: net of '
+                               'lanes, places, chargers, map. The same sizes are the same files.')
+    kinds = make.add_subparsers(metavar='KIND', required=True)
+    for kind, (what, sizes, _) in KINDS_OF_SITES.items():
+        one = kinds.add_parser(kind, help=what, description=what)
+        one.add_argument('--out', required=True, metavar='FOLDER', help='a new folder, an empty one, or one that this '
+                         'program made as a scenario; nothing else is replaced')
+        for size in sizes:
+            one.add_argument('--' + size.name.replace('_', '-'), type=_whole(size), default=size.default, metavar='N',
+                             help='{} (default: {})'.format(size.what, size.default))
+        one.set_defaults(run=_make, kind=kind)
+
+
+def _whole(size):
+    """Return the type of an argument: a whole number within the bounds of a Size."""
+    def convert(text):
+        if not text.isdecimal() or not size.least <= int(text[:20]) <= size.most:
+            raise argparse.ArgumentTypeError('got {}; allowed: a whole number in {}..{}'.format(
+                shown(text), size.least, size.most))
+        return int(text)
+    return convert
+
+
+def _make(options):
+    from .layout import write_site  # numpy takes a while to import
+    _, sizes, defaults = KINDS_OF_SITES[options.kind]
+    values = {size.name: getattr(options, size.name) for size in sizes}
+    site = make_site(options.kind, values)
+    words = ' '.join(['scenario make', options.kind] + ['--{} {}'.format(name.replace('_', '-'), value)
+                                                        for name, value in values.items()])
+    write_site(site, values['robots'], defaults, words, options.out)
+    print('{}: {} robots, {} nodes, {} lanes, {} places, {} chargers, {} orders'.format(
+        os.path.join(options.out, 'scenario.yaml'), values['robots'], len(site.nodes), len(site.edges),
+        len(site.places), sum('charger' in zone for zone in site.zones), len(site.orders)))
+    return 0
 
 
 def _check(options):

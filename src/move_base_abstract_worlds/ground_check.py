@@ -5,7 +5,7 @@ from move_base_abstract.maps.way_clearance import way_clearance
 
 from .findings import Finding, listed
 from .net_check import node_place
-from .ways import MOST_WAYS
+from .ways import MOST_WAYS, alike
 
 
 def check_ground(world):
@@ -62,22 +62,23 @@ def _targets(world):
     """Targets that are refused, and those to which no way leads from some starts."""
     batteries = any(start.spec.settings.battery is not None for start in world.starts)
     targets = [target for target in world.targets if target.what != 'charger' or batteries]
-    is_too_much = len(targets) * len(world.starts) > MOST_WAYS
-    if is_too_much:
-        yield Finding('not_checked', 'ways', '{} robots and {} places are more than {} ways: only those from the first '
-                      'robot of each kind were looked at'.format(len(world.starts), len(targets), MOST_WAYS),
-                      os.path.basename(world.path), 'check a scenario with fewer robots')
+    groups = [(drivers, starts) for drivers in world.drivers for starts in alike(drivers)]
+    if len(targets) * len(groups) > MOST_WAYS:
+        yield Finding('not_checked', 'ways', '{} robots and {} places are more than {} ways'.format(
+            len(world.starts), len(targets), MOST_WAYS), os.path.basename(world.path),
+            'check a scenario with fewer robots')
+        return
     for target in targets:
-        refused, lost, whys, count = [], [], [], 0
-        for drivers in world.drivers:
-            for start in drivers.starts[:1] if is_too_much else drivers.starts:
-                begin, planner = start.spec.settings.start, drivers.planner
-                count += 1
-                if planner is not None and planner.corners(begin, target.pose) is None:
-                    (lost if planner.reachable(target.pose) else refused).append(start.spec.name)
-                    whys.append(planner.refusal_of_way(begin, target.pose) or '')
+        refused, lost, whys = [], [], []
+        for drivers, starts in groups:
+            begin, planner = starts[0].spec.settings.start, drivers.planner
+            if planner is not None and planner.corners(begin, target.pose) is None:
+                names = refused if not planner.reachable(target.pose) else lost
+                names += [start.spec.name for start in starts]
+                whys.append(planner.refusal_of_way(begin, target.pose) or '')
         if whys:
-            yield _of_target(target, 'place_in_wall' if refused else 'unreachable', refused + lost, count, whys[0])
+            yield _of_target(target, 'place_in_wall' if refused else 'unreachable', refused + lost, len(world.starts),
+                             whys[0])
 
 
 def _of_target(target, kind, names, count, why):

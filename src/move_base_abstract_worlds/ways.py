@@ -1,9 +1,14 @@
 """Ways and legs of robots that do not drive yet, by the planners and laws by which they will."""
+import networkx
+
+from move_base_abstract.maps.lane_planner import NEAR, LaneWays
 from move_base_abstract.motion.robot import Robot
 from move_base_abstract.motion.route import CornerLaw
 
+from .net_check import graph_of
+
 #: so many ways are asked for by one check at most; beyond, it says that it did not look
-MOST_WAYS = 20_000
+MOST_WAYS = 100_000
 
 
 def leg_between(drivers, begin, goal):
@@ -21,3 +26,23 @@ def leg_between(drivers, begin, goal):
         return robot.depart(goal, 0, corners)
     except ValueError:  # so far away that no number holds it
         return None
+
+
+def alike(drivers):
+    """Return the starts of ``drivers`` in groups, [[Start, ...], ...]: from those of one the same places are reached."""
+    values = drivers.settings.values
+    if drivers.planner is None or values['routes'] == 'none':
+        return [list(drivers.starts)]
+    if drivers.lanes is None:
+        return [[start] for start in drivers.starts]
+    ways = LaneWays.on(drivers.lanes, drivers.settings.limits.max_speed)
+    graph = graph_of(drivers.lanes)
+    parts = {name: number for number, part in enumerate(networkx.strongly_connected_components(graph)) for name in part}
+    places = {(pose.x, pose.y) for pose in drivers.lanes.nodes.values()}
+    groups = {}
+    for start in drivers.starts:
+        nodes = ways.meeting_nodes(start.xy)
+        # who is on a lane may have a goal ahead on it, to which nobody else gets
+        is_alone = start.xy not in places and ways.distance_to(start.xy) <= NEAR
+        groups.setdefault(start.xy if is_alone else parts[nodes[0]], []).append(start)
+    return list(groups.values())

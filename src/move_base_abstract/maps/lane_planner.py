@@ -101,7 +101,7 @@ class LaneWays:
         return self._ways[key]
 
     def meeting_nodes(self, place: Tuple[float, float], to_goal: bool = False) -> List[str]:
-        """Return at which nodes who is at ``place`` ((x, y), m) comes onto the net; ``to_goal``: leaves it for there."""
+        """Return at which nodes one comes onto the net from ``place`` ((x, y), m); ``to_goal``: leaves it for there."""
         return [access.node for access in self._accesses(place, to_goal)]
 
     def distance_to(self, place: Tuple[float, float]) -> float:
