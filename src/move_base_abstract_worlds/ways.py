@@ -37,7 +37,8 @@ def alike(drivers):
         return [[start] for start in drivers.starts]
     ways = LaneWays.on(drivers.lanes, drivers.settings.limits.max_speed)
     graph = graph_of(drivers.lanes)
-    parts = {name: number for number, part in enumerate(networkx.strongly_connected_components(graph)) for name in part}
+    parts = {name: number for number, names in enumerate(networkx.strongly_connected_components(graph))
+             for name in names}
     places = {(pose.x, pose.y) for pose in drivers.lanes.nodes.values()}
     groups = {}
     for start in drivers.starts:
