@@ -28,7 +28,7 @@ def check_capacities(world):
     areas = Areas(world)
     arrows = networkx.DiGraph()
     arrows.add_nodes_from(areas.all)
-    for drivers in world.drivers if areas.touch() else ():
+    for drivers in world.drivers if world.scenario.deadlock != 'avoid' and areas.touch() else ():
         if drivers.planner is None:
             continue
         pairs = list(dict.fromkeys(_pairs(world, drivers, areas.zones)))

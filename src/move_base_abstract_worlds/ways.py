@@ -29,7 +29,7 @@ def leg_between(drivers, begin, goal):
 
 
 def alike(drivers):
-    """Return the starts of ``drivers`` in groups, [[Start, ...], ...]: from those of one the same places are reached."""
+    """Return the starts of ``drivers`` in groups, [[Start, ...], ...]: those of one reach the same places."""
     values = drivers.settings.values
     if drivers.planner is None or values['routes'] == 'none':
         return [list(drivers.starts)]

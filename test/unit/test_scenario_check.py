@@ -179,6 +179,9 @@ def test_a_ring_of_lanes_locks_with_as_many_robots_as_it_has_room_for(tmp_path):
     assert locks(of(1)) == [('lane a - b', 4)]
     assert locks(of(1, capacity=2)) == []  # there are 4 robots, it takes 8
     assert locks(of(2, capacity=2)) == [('lane a - b', 8)]
+    path = of(1)
+    path.write_text(path.read_text() + 'deadlock: avoid\n')
+    assert locks(path) == []
     fleet = Fleet(read_scenario(of(1)))  # and it does
     for name, goal in zip('abcd', 'cdab'):
         fleet.send('r{}_0'.format(name), *map(float, SQUARE[goal]))
