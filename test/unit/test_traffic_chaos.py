@@ -57,3 +57,15 @@ def test_whatever_is_asked_of_robots_who_is_inside_has_a_place_and_who_waits_has
     for seed in range(12):
         first, second = Chaos(seed), Chaos(seed)
         assert first.fleet.trace == second.fleet.trace and first.held > 0
+
+
+def test_who_waits_and_is_put_into_the_full_zone_goes_on_from_inside():
+    fleet = Fleet(make_scenario({
+        'defaults': {'max_speed': 2.0}, 'zones': [{'name': 'gate', 'rectangle': [4, -1, 6, 1], 'capacity': 1}],
+        'robots': [{'name': 'a', 'start_x': 5.0}, {'name': 'b'}]}))
+    fleet.send('b', 10.0, 0.0)
+    fleet.at(9 * S, lambda fleet: fleet.place('b', Pose2D(5.5, 0.0)))
+    fleet.run()
+    assert [entry.kind for entry in fleet.trace if entry.robot == 'b' and entry.time_ns == 9 * S] == [
+        'stands', 'entered', 'released', 'departed']
+    assert fleet.trace[-1].values[1] == 'SUCCEEDED'

@@ -263,9 +263,9 @@ class Traveller:
         pose = self._pose = self._navigator.robot.pose_at(now_ns)
         self._give_back([area for area in self.held if area.outline is None or not area.outline.contains(
             pose.x, pose.y)], now_ns)
+        self._take_what_holds_it(now_ns, pose)  # before it goes on, which it does from inside
         if self.request is not None:
             self.abandons(now_ns)
-        self._take_what_holds_it(now_ns, pose)
         self._traffic.serve(now_ns)
 
     def abandons(self, now_ns: int) -> None:
