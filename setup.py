@@ -10,7 +10,8 @@ DATA = {'move_base_abstract': ['py.typed'],
         'move_base_abstract_replay': ['templates/*'],
         'move_base_abstract_ros': ['lockstep/programs/follow/*.py'],
         'soil_mapping': ['data/*.npy', 'data/*.csv', 'data/README.md', '*.txt']}
-PLAIN = ('move_base_abstract', 'move_base_abstract_experiments', 'move_base_abstract_replay')  # without ROS
+PLAIN = ('move_base_abstract', 'move_base_abstract_experiments', 'move_base_abstract_replay',
+         'move_base_abstract_worlds')  # without ROS
 
 
 def for_catkin():
@@ -26,7 +27,8 @@ def for_pip():
         'name': 'move_base_abstract', 'version': about.find('version').text, 'license': about.find('license').text,
         'description': ' '.join(about.find('description').text.split()),
         'packages': [name for name in find_packages('src') if name.split('.')[0] in PLAIN],
-        'package_dir': {'': 'src'}, 'package_data': {name: DATA[name] for name in PLAIN}, 'python_requires': '>=3.8',
+        'package_dir': {'': 'src'}, 'package_data': {name: DATA[name] for name in PLAIN if name in DATA},
+        'python_requires': '>=3.8',
         'install_requires': ['PyYAML', 'Jinja2', 'Pillow', 'networkx', 'numpy'],
         'extras_require': {'processes': ['simpy'],
                            'experiments': ['cryptography', 'distributed', 'matplotlib', 'pandas', 'scipy']}}

@@ -37,7 +37,7 @@ _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
 MAX_ROBOTS = 100_000  # of a scenario; ten thousand are the most that have been driven
 _COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
 _SEED = Parameter('seed', 0, integer(0), 'a whole number >= 0')
-_DEADLOCK = Parameter('deadlock', 'wait', one_of('wait', 'abort'), "'wait' or 'abort'")
+_DEADLOCK = Parameter('deadlock', 'wait', one_of('wait', 'abort', 'avoid'), "'wait', 'abort' or 'avoid'")
 _ENCOUNTERS = Parameter('encounters', 'none', one_of('calibrated', 'none'), "'calibrated' or 'none'")
 _STEP = Parameter('step', 0.0, number(), 'a finite number [m]')
 

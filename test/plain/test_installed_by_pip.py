@@ -96,6 +96,14 @@ runpy.run_module('move_base_abstract_replay', run_name='__main__')
     assert 'bot' in (tmp_path / 'run.html').read_text()
 
 
+def test_a_scenario_is_made_and_checked_without_ros(python, tmp_path):
+    executable, _ = python
+    assert 'ward/scenario.yaml: 4 robots' in output_of(
+        executable, '-m', 'move_base_abstract_worlds', 'make', 'ward', '--out', tmp_path / 'ward')
+    assert output_of(executable, '-m', 'move_base_abstract_worlds', 'check',
+                     tmp_path / 'ward' / 'scenario.yaml').endswith('nothing found\n')
+
+
 @pytest.fixture(scope='module')
 def experiment(python, tmp_path_factory):
     """The folder of an experiment of functions that has run, and how its command line is called."""

@@ -184,7 +184,7 @@ def test_what_cannot_be_reached_and_why():
                       (Pose2D(5.5, 5.5), 'The goal (5.5, 5.5) lies in an occupied cell of the map.'),
                       (Pose2D(4.5, 5.5), 'The goal (4.5, 5.5) lies nearer to an occupied cell of the map than the '
                                          'inscribed radius of the robot, 1 m.'),
-                      (Pose2D(9.5, 1.5), None)):
+                      (Pose2D(9.5, 1.5), 'The goal (9.5, 1.5) lies outside of world_bounds, [0, 0, 9, 10].')):
         assert (ways.corners(start, goal), ways.plan(start, goal)) == (None, [])
         assert ways.refusal_of_way(start, goal) == why
     ways = planner(blocked)

@@ -13,6 +13,7 @@ S = NS_PER_S
 TURN_NS = 6_283_185_307
 FIELD = WorldBounds(-10.0, -10.0, 10.0, 10.0)
 OUTSIDE = Pose2D(20.0, 0.0)
+BEYOND = ('warn', 'The goal (20, 0) lies outside of world_bounds, [-10, -10, 10, 10].')
 STOP = ('stop wheels',)
 ANOTHER = 'This goal was canceled because another goal was received by the simple action server'
 NO_PLAN = 'Failed to find a valid plan. Even after executing recovery behaviors.'
@@ -68,14 +69,14 @@ def make_robot(rig, policy=None):
 
 def test_a_goal_out_of_reach_is_given_up_at_once_by_default(rig):
     robot = make_robot(rig)
-    assert robot.send('g', 20.0, 0.0) == [STOP, ('target', OUTSIDE, 0), *given_up('g', 0)]
+    assert robot.send('g', 20.0, 0.0) == [STOP, ('target', OUTSIDE, 0), BEYOND, *given_up('g', 0)]
     assert robot.send('inside', 10.0, 0.0) == begins(Pose2D(10.0, 0.0), 0)
 
 
 def test_a_goal_out_of_reach_is_given_up_as_upstream_does_after_25_seconds_and_two_rotations(rig):
     robot = make_robot(rig, RecoveryPolicy(fast=False))
     robot.advance(100.0)
-    assert robot.send('g', 20.0, 0.0) == [STOP, ('target', OUTSIDE, 100 * S)]
+    assert robot.send('g', 20.0, 0.0) == [STOP, ('target', OUTSIDE, 100 * S), BEYOND]
     assert robot.advance(999.0) == [
         ('recovery', 'conservative_reset', 0, 4, 105 * S), ('recovery', 'rotate_recovery', 1, 4, 110 * S),
         ('recovery', 'aggressive_reset', 2, 4, 115 * S + TURN_NS),

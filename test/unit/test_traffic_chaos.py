@@ -17,7 +17,7 @@ class Chaos:
                   'capacity': pick.choice([1, 2])}
                  for k, (x, y) in enumerate((pick.randint(-8, 4), pick.randint(-8, 4)) for _ in range(5))]
         self.fleet = Fleet(make_scenario({
-            'zones': zones, 'deadlock': pick.choice(['wait', 'abort']), 'robots': [
+            'zones': zones, 'deadlock': pick.choice(['wait', 'abort', 'avoid']), 'robots': [
                 {'name': 'r{}'.format(k), **dict(zip(('start_x', 'start_y'), self._place()))} for k in range(8)],
             'defaults': {'max_speed': 2.0, 'acceleration': pick.choice([0.0, 1.0]), 'turn_rate': 1.0}}), start_ns=0)
         for step in range(60):
@@ -57,3 +57,15 @@ def test_whatever_is_asked_of_robots_who_is_inside_has_a_place_and_who_waits_has
     for seed in range(12):
         first, second = Chaos(seed), Chaos(seed)
         assert first.fleet.trace == second.fleet.trace and first.held > 0
+
+
+def test_who_waits_and_is_put_into_the_full_zone_goes_on_from_inside():
+    fleet = Fleet(make_scenario({
+        'defaults': {'max_speed': 2.0}, 'zones': [{'name': 'gate', 'rectangle': [4, -1, 6, 1], 'capacity': 1}],
+        'robots': [{'name': 'a', 'start_x': 5.0}, {'name': 'b'}]}))
+    fleet.send('b', 10.0, 0.0)
+    fleet.at(9 * S, lambda fleet: fleet.place('b', Pose2D(5.5, 0.0)))
+    fleet.run()
+    assert [entry.kind for entry in fleet.trace if entry.robot == 'b' and entry.time_ns == 9 * S] == [
+        'stands', 'entered', 'released', 'departed']
+    assert fleet.trace[-1].values[1] == 'SUCCEEDED'

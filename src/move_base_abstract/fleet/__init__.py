@@ -2,4 +2,4 @@
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {
-    'fleet': 'Fleet TraceEntry', 'robot_view': 'RobotView'})
+    'fleet': 'Fleet FleetWarning TraceEntry', 'robot_view': 'RobotView'})

@@ -26,11 +26,11 @@ from ..sensing.surroundings import Surroundings
 from ..tasks.arrivals import check_task
 from ..tasks.place_tasks import Rooms
 from ..traffic.control import DeadlockPolicy, Traffic
-from .member import Member, Members
+from .member import FleetWarning, Member, Members
 from .robot_view import RobotView
 from .user_calls import UserCalls
 
-__all__ = ['Fleet', 'TraceEntry']
+__all__ = ['Fleet', 'FleetWarning', 'TraceEntry']
 
 
 class Fleet:
@@ -40,7 +40,8 @@ class Fleet:
     With ``trace=None`` nothing is recorded; else :attr:`trace` is a list that begins with these entries. ``occupancy``
     (OccupancyMap, its frame the global one) is the map of the robots with ``use_map``; ``planner`` is in the place of
     what the settings ask for. ``on_worked``: as ``on_end``, of tasks at places (:meth:`work`). ``on_event(entry)`` is
-    called with each :class:`TraceEntry`, at the end of its instant and in the order of the trace.
+    called with each :class:`TraceEntry`, at the end of its instant and in the order of the trace. :attr:`warnings` says
+    why goals have no plan, and what else a node's log would say: [:class:`FleetWarning`, ...], empty with no trace.
     """
 
     def __init__(self, scenario=Scenario(()), start_ns=NS_PER_S, on_end=None, planner=None, trace=(), occupancy=None,
@@ -59,6 +60,7 @@ class Fleet:
         self.surroundings = Surroundings()
         self.encounters = make_encounters(self.simulation, scenario)
         self._members = Members()
+        self.warnings = []
         self._indices = itertools.count()
         for spec in scenario.robots:
             self._add(spec)
@@ -262,6 +264,10 @@ class Fleet:
         write_event_log(path, self.trace, self._start_ns, End(
             self.now_ns, not self.simulation.queue.is_busy(),
             [name for name, member in self._members.items() if member.navigator.is_active]))
+
+    def _note(self, warning):
+        if self._trace is not None:
+            self.warnings.append(warning)
 
     def _add(self, spec):
         self._members[spec.name] = Member(self, spec, next(self._indices), self._planner, self._occupancy)

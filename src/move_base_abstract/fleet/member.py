@@ -1,16 +1,26 @@
 """One robot of a fleet in plain Python: its parts, and who is told what of it."""
 import itertools
+from typing import NamedTuple
 
 from ..common.errors import ConfigurationError, FrameError
 from ..faults.failures import KINDS
 from ..goals.client import NoClient
-from ..goals.events import motion_of, robot_stream
+from ..goals.events import Warned, motion_of, robot_stream
 from ..goals.outcome import ROBOT_REMOVED, ROBOT_RESET
 from ..maps.map_check import MapCheck
 from ..sensing.laser import Laser
 from ..tasks.place_tasks import PlaceTaskRunner
 from .robot_parts import make_planner, make_robot_parts
 from .robot_rows import tell_start, write
+
+
+class FleetWarning(NamedTuple):
+    """At ``time_ns`` [ns] something was wrong with the goal ``goal_id`` of ``robot``, or, '', with where it is."""
+
+    time_ns: int
+    robot: str
+    goal_id: str
+    text: str
 
 
 class Member:
@@ -26,6 +36,7 @@ class Member:
         if fleet._write is not None:
             write(self._stream, 'trace', fleet._write, values['log_motion'])
         fleet._user_calls.subscribe(self._stream, values['log_motion'])
+        self._stream.subscribe('shown', {Warned: self._warned})
         self._map_check = None
         if occupancy is not None and values['use_map']:
             self._map_check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
@@ -68,6 +79,10 @@ class Member:
             raise ConfigurationError("robot '{}': battery_capacity: got 0; allowed, for a battery: > 0 [Ah]".format(
                 self.robot.name))
         return self.condition.battery
+
+    def _warned(self, event):
+        active = self._ledger.active
+        self._fleet._note(FleetWarning(*event[:2], active.goal_id if active is not None else '', event.text))
 
     def reset(self, now_ns):
         """Bring it back to its start, without goals."""

@@ -155,11 +155,9 @@ class GridPlanner(StraightLinePlanner):
 
     def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
         """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
-        refusal = self.refusal(goal)
-        if refusal is None and self.reachable(goal):
-            return 'No way leads from ({:g}, {:g}) to the goal ({:g}, {:g}) on the map for a robot of {:g} m.'.format(
-                start.x, start.y, goal.x, goal.y, self._radius)
-        return refusal
+        return super().refusal_of_way(start, goal) or (
+            'No way leads from ({:g}, {:g}) to the goal ({:g}, {:g}) on the map for a robot of {:g} m.'.format(
+                start.x, start.y, goal.x, goal.y, self._radius))
 
     def corners(self, start: Pose2D, goal: Pose2D) -> Optional[Corners]:
         """Return the corners ((x, y), ...) [m] of the way, () for a straight one, or None where there is no way."""

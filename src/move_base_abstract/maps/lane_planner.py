@@ -100,6 +100,15 @@ class LaneWays:
                 self._ways.popitem(last=False)
         return self._ways[key]
 
+    def meeting_nodes(self, place: Tuple[float, float], to_goal: bool = False) -> List[str]:
+        """Return at which nodes one comes onto the net from ``place`` ((x, y), m); ``to_goal``: leaves it for there."""
+        return [access.node for access in self._accesses(place, to_goal)]
+
+    def distance_to(self, place: Tuple[float, float]) -> float:
+        """Return how far ``place`` ((x, y), m) is from the nearest node or lane [m]."""
+        nearest = float(np.hypot(*(self._nodes_xy - place).T).min())
+        return min(nearest, float(self._pieces_away(place)[1].min())) if len(self._pieces) else nearest
+
     def _find(self, start: Tuple[float, float], goal: Tuple[float, float]) -> Optional[PlannedWay]:
         if math.dist(start, goal) <= NEAR:
             return PlannedWay()
@@ -163,13 +172,18 @@ class LaneWays:
         """Return (number of a lane, of its piece, share of that) for each lane that ``place`` lies on."""
         if not len(self._pieces):
             return []
-        begin, along = self._pieces[:, 2:4], self._pieces[:, 4:6] - self._pieces[:, 2:4]
-        shares = np.clip(((place - begin) * along).sum(1) / (along * along).sum(1), 0.0, 1.0)
-        near = np.flatnonzero(np.hypot(*(begin + shares[:, None] * along - place).T) <= NEAR)
+        shares, far = self._pieces_away(place)
+        near = np.flatnonzero(far <= NEAR)
         found: Dict[int, Tuple[int, float]] = {}
         for one in near:
             found.setdefault(int(self._pieces[one, 0]), (int(self._pieces[one, 1]), float(shares[one])))
         return [(number, *where) for number, where in found.items()]
+
+    def _pieces_away(self, place: Tuple[float, float]) -> Tuple[Any, Any]:
+        """Return for each piece of the lanes where on it is nearest to ``place`` (share), and how far that is [m]."""
+        begin, along = self._pieces[:, 2:4], self._pieces[:, 4:6] - self._pieces[:, 2:4]
+        shares = np.clip(((place - begin) * along).sum(1) / (along * along).sum(1), 0.0, 1.0)
+        return shares, np.hypot(*(begin + shares[:, None] * along - place).T)
 
     def _along_one_lane(self, start: Tuple[float, float],
                         goal: Tuple[float, float]) -> List[Tuple[int, Any, Any]]:
@@ -200,10 +214,8 @@ class LanePlanner(StraightLinePlanner):
 
     def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
         """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
-        refusal = self.refusal(goal)
-        if refusal is None and self.reachable(goal):
-            return 'No lanes lead from ({:g}, {:g}) to the goal ({:g}, {:g}).'.format(start.x, start.y, goal.x, goal.y)
-        return refusal
+        return super().refusal_of_way(start, goal) or (
+            'No lanes lead from ({:g}, {:g}) to the goal ({:g}, {:g}).'.format(start.x, start.y, goal.x, goal.y))
 
     def corners(self, start: Pose2D, goal: Pose2D) -> Optional[PlannedWay]:
         """Return the :class:`.PlannedWay`, or None where there is no way."""

@@ -83,7 +83,11 @@ class StraightLinePlanner:
 
     def refusal_of_way(self, _start: Pose2D, goal: Pose2D) -> Optional[str]:
         """Return why there is no way to ``goal``, as a text, or None."""
-        return self.refusal(goal)
+        refusal = self.refusal(goal)
+        if refusal is None and not self._bounds.contains(goal):
+            return 'The goal ({:g}, {:g}) lies outside of world_bounds, [{:g}, {:g}, {:g}, {:g}].'.format(
+                goal.x, goal.y, self._bounds.x_min, self._bounds.y_min, self._bounds.x_max, self._bounds.y_max)
+        return refusal
 
     def reachable(self, goal: Pose2D) -> bool:
         """Return whether ``goal`` can be reached at all."""

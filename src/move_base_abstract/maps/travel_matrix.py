@@ -150,8 +150,8 @@ class MatrixPlanner(StraightLinePlanner):
 
     def refusal_of_way(self, start: Pose2D, goal: Pose2D) -> Optional[str]:
         """Return why there is no way from ``start`` to ``goal``, as a text, or None."""
-        refusal = self.refusal(goal)
-        if refusal or not self.reachable(goal):
+        refusal = super().refusal_of_way(start, goal)
+        if refusal is not None:
             return refusal
         name = self._at(goal)
         if name is None:

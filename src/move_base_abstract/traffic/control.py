@@ -7,7 +7,6 @@ comes to the border on its way out, and where it comes out of one area into anot
 from __future__ import annotations
 
 from contextlib import ExitStack
-from enum import Enum
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from ..common.errors import ConfigurationError
@@ -18,6 +17,7 @@ from ..maps.lane_map import LaneMap
 from .area import Area, Request
 from .outline import BORDER
 from .passages import instant_at
+from .safe_states import DeadlockPolicy, first_to_go_on, is_safe, needs_of
 from .waiting_circle import waiting_circle
 from .way import ZoneIndex, crossings, stays_on_lanes
 
@@ -32,13 +32,6 @@ if TYPE_CHECKING:
 
 #: who only leaves an area comes before all that robots do at the instant
 _LEAVING_INDEX = -1
-
-
-class DeadlockPolicy(Enum):
-    """What becomes of a circle of waiting: nothing, or the goal of the robot that closed it is aborted."""
-
-    WAIT = 'wait'
-    ABORT = 'abort'
 
 
 class Traffic:
@@ -59,6 +52,8 @@ class Traffic:
         self._dirty: List[Area] = []  # areas in which there may be place now, in the order in which that came
         self._serves = False
         self._is_told = True
+        self._travellers: Dict[Traveller, bool] = {}  # in the order in which they came
+        self._has_moved = False  # anything of which :meth:`may_take` depends
 
     def join(self, navigator: Navigator, network: object, stream: Stream) -> Optional[Traveller]:
         """Return the :class:`Traveller` of a robot that is there from now on, None if nothing here concerns it.
@@ -74,6 +69,7 @@ class Traffic:
         if lanes is None and not self._zones:
             return None
         traveller = Traveller(self, navigator, lanes.source if lanes is not None else None, stream)
+        self._travellers[traveller] = True
         traveller.placed(self.simulation.now_ns)
         return traveller
 
@@ -104,6 +100,14 @@ class Traffic:
         if area.queue and area not in self._dirty:
             self._dirty.append(area)
 
+    def may_take(self, traveller: Traveller, areas: Tuple[Area, ...]) -> bool:
+        """Return whether ``traveller`` may have one of the places in ``areas``; see :mod:`.safe_states`."""
+        return self.policy is not DeadlockPolicy.AVOID or not areas or is_safe(self._travellers, traveller, areas)
+
+    def left_by(self, traveller: Traveller) -> None:
+        """``traveller`` is no more."""
+        self._travellers.pop(traveller, None)
+
     def areas(self) -> List[Area]:
         """Return all areas: the zones in the order of the scenario, then the lanes."""
         return [*self._zones.values(), *self._lanes.values()]
@@ -111,6 +115,7 @@ class Traffic:
     def changed(self, *areas: Area) -> None:
         """Who holds a place in ``areas`` or waits for one is another now; :meth:`serve` says so."""
         self._is_told = False
+        self._has_moved = True
         for area in areas:
             area.changed()
 
@@ -124,6 +129,8 @@ class Traffic:
             return  # who called it further up goes on with it
         self._serves = True
         try:
+            if self.policy is DeadlockPolicy.AVOID:
+                self._serve_safely(now_ns)
             while self._dirty:
                 area = self._dirty[0]
                 request = area.queue[0] if area.queue else None
@@ -140,9 +147,22 @@ class Traffic:
             for changed in self._followers:
                 changed()
 
+    def _serve_safely(self, now_ns: int) -> None:
+        """Let those in who may, in the order in which they asked; who may not is passed over."""
+        while self._has_moved:
+            self._has_moved = False
+            self._dirty.clear()
+            request = first_to_go_on(self._travellers)
+            if request is not None:
+                request.traveller.serve(Traveller.go_on, now_ns)
+                self._has_moved = True
+
 
 class Traveller:
-    """One robot in traffic. ``held``: {Area: True}, where it holds a place, in the order in which it came there."""
+    """One robot in traffic. ``held``: {Area: True}, where it holds a place, in the order in which it came there.
+
+    ``needs``: the areas (Area, ...) that it has yet to come into on its way, up to where it holds no place at all.
+    """
 
     def __init__(self, traffic: Traffic, navigator: Navigator, source: Optional[str],
                  stream: Stream) -> None:
@@ -150,6 +170,7 @@ class Traveller:
         self.name = navigator.robot.name
         self.held: Dict[Area, bool] = {}
         self.request: Optional[Request] = None
+        self.needs: Tuple[Area, ...] = ()
         self._traffic = traffic
         self._navigator = navigator
         self._source = source
@@ -176,7 +197,7 @@ class Traveller:
         now_ns = event.time_ns
         self._forget_crossings()
         granted, pose = self._granted, self._navigator.robot.pose_at(now_ns)
-        self._leg, self._granted, self.request, self._pose = None, (), None, pose
+        self._leg, self._granted, self.request, self._pose, self.needs = None, (), None, pose, ()
         self.held.clear()
         told: List[Union[Entered, Left]] = []
         for area in self._traffic.areas():
@@ -211,6 +232,7 @@ class Traveller:
         if source is not None:
             stays += tuple(stays_on_lanes(leg, lambda edge: self._traffic.lane(source, edge)))
         self._crossings = crossings(stays, self.held) if leg.distance > BORDER else []
+        self.needs = needs_of(self._crossings, self.held)
         if self._crossings and self._crossings[0].distance == 0.0:
             return self._cross(now_ns)
         self._await_crossing()
@@ -241,13 +263,14 @@ class Traveller:
         pose = self._pose = self._navigator.robot.pose_at(now_ns)
         self._give_back([area for area in self.held if area.outline is None or not area.outline.contains(
             pose.x, pose.y)], now_ns)
+        self._take_what_holds_it(now_ns, pose)  # before it goes on, which it does from inside
         if self.request is not None:
             self.abandons(now_ns)
-        self._take_what_holds_it(now_ns, pose)
         self._traffic.serve(now_ns)
 
     def abandons(self, now_ns: int) -> None:
         """Where the robot was going it goes no more: it leaves the queues, and stands where it stands."""
+        self.needs = ()
         if self.request is not None:
             request, self.request = self.request, None
             request.withdraw()
@@ -265,6 +288,7 @@ class Traveller:
         self._forget_crossings()
         self.abandons(now_ns)
         self._give_back(list(self.held), now_ns)
+        self._traffic.left_by(self)
         self._traffic.serve(now_ns)
 
     def go_on(self, now_ns: int) -> None:
@@ -318,9 +342,11 @@ class Traveller:
         """The robot is at its next crossing: it comes in and leaves, or has to wait; return for what, or None."""
         crossing = self._crossings.pop(0)
         enters = tuple(area for area in crossing.enters if area not in self.held)
-        if all(area.has_room() and not area.queue for area in enters):
+        is_first = self._traffic.policy is DeadlockPolicy.AVOID or not any(area.queue for area in enters)
+        if is_first and all(area.has_room() for area in enters) and self._traffic.may_take(self, enters):
             self._take(enters, now_ns)
             self._give_back(crossing.leaves, now_ns)
+            self.needs = needs_of(self._crossings, self.held)
             self._await_crossing()
             return None
         self._forget_crossings()

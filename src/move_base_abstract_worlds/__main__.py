@@ -1,0 +1,6 @@
+"""The command scenario, where there is no ROS: python3 -m move_base_abstract_worlds check FILE."""
+import sys
+
+from .command import main
+
+sys.exit(main())

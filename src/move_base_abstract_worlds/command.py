@@ -1,0 +1,134 @@
+"""Check a scenario before it runs, or make one by sizes.
+
+    rosrun move_base_abstract scenario check FILE [--map MAP.yaml] [--picture OUT.png] [--json OUT.json]
+    rosrun move_base_abstract scenario make warehouse --out FOLDER [--aisles 10] [--robots 50]
+
+Exit codes: 0 nothing found, or made; 1 something was found; 2 a file cannot be read or written, or wrong arguments.
+"""
+import argparse
+import json
+import os
+import sys
+from itertools import groupby
+
+from move_base_abstract.common import own_files
+from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.shown import shown
+
+from .findings import KINDS
+from .sites import KINDS as KINDS_OF_SITES
+from .sites import make_site
+
+_FORMAT = '{"format": "move_base_abstract scenario check 1",\n'
+_MOST_OF_A_KIND = 20  # in the terminal; the JSON has all
+
+
+def main(words=None):
+    """Do what the command line asks for, and exit with the code."""
+    options = _parse(words)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors='backslashreplace')  # names may hold what a terminal cannot show
+    try:
+        code = options.run(options)
+    except SimulatorError as error:
+        print('scenario: {}'.format(error), file=sys.stderr)
+        code = 2
+    sys.exit(code)
+
+
+def _parse(words):
+    parser = argparse.ArgumentParser(
+        prog='scenario', description='Check a scenario before it runs, or make one by sizes.',
+        epilog='exit codes: 0 nothing found, or made; 1 something was found; 2 a file cannot be read or written')
+    commands = parser.add_subparsers(metavar='COMMAND', required=True)
+    check = commands.add_parser('check', help='say what is wrong with a scenario', description=(
+        'Say what is wrong with a scenario: where robots cannot start or go, what they do not reach with their charge, '
+        'and which capacities can lock.'))
+    check.add_argument('scenario', metavar='FILE', help='a scenario file')
+    check.add_argument('--map', metavar='MAP.yaml', help='the map, as map_server takes it (default: map.yaml beside '
+                       'the scenario, if it is there)')
+    check.add_argument('--picture', metavar='OUT.png', help='a picture of it, findings in red; one that this program '
+                       'made is replaced, nothing else is')
+    check.add_argument('--json', metavar='OUT.json', help='the findings as JSON, likewise; - for the standard output, '
+                       'in place of the text')
+    check.set_defaults(run=_check)
+    _add_make(commands)
+    return parser.parse_args(words)
+
+
+def _add_make(commands):
+    make = commands.add_parser('make', help='make a scenario by sizes', description='Make a scenario by sizes: net of '
+                               'lanes, places, chargers, map. The same sizes are the same files.')
+    kinds = make.add_subparsers(metavar='KIND', required=True)
+    for kind, (what, sizes, _) in KINDS_OF_SITES.items():
+        one = kinds.add_parser(kind, help=what, description=what)
+        one.add_argument('--out', required=True, metavar='FOLDER', help='a new folder, an empty one, or one that this '
+                         'program made as a scenario; nothing else is replaced')
+        for size in sizes:
+            one.add_argument('--' + size.name.replace('_', '-'), type=_whole(size), default=size.default, metavar='N',
+                             help='{} (default: {})'.format(size.what, size.default))
+        one.set_defaults(run=_make, kind=kind)
+
+
+def _whole(size):
+    """Return the type of an argument: a whole number within the bounds of a Size."""
+    def convert(text):
+        if not text.isdecimal() or not size.least <= int(text[:20]) <= size.most:
+            raise argparse.ArgumentTypeError('got {}; allowed: a whole number in {}..{}'.format(
+                shown(text), size.least, size.most))
+        return int(text)
+    return convert
+
+
+def _make(options):
+    from .layout import write_site  # numpy takes a while to import
+    _, sizes, defaults = KINDS_OF_SITES[options.kind]
+    values = {size.name: getattr(options, size.name) for size in sizes}
+    site = make_site(options.kind, values)
+    words = ' '.join(['scenario make', options.kind] + ['--{} {}'.format(name.replace('_', '-'), value)
+                                                        for name, value in values.items()])
+    write_site(site, values['robots'], defaults, words, options.out)
+    print('{}: {} robots, {} nodes, {} lanes, {} places, {} chargers, {} orders'.format(
+        os.path.join(options.out, 'scenario.yaml'), values['robots'], len(site.nodes), len(site.edges),
+        len(site.places), sum('charger' in zone for zone in site.zones), len(site.orders)))
+    return 0
+
+
+def _check(options):
+    from .check import findings_of  # numpy and networkx take a while to import
+    from .world import read_world
+    world = read_world(options.scenario, options.map)
+    findings = findings_of(world)
+    if options.json == '-':
+        print(_json_text(world, findings), end='')
+    else:
+        _tell(world, findings)
+    if options.json not in (None, '-'):
+        own_files.check_file(options.json, lambda line: line == _FORMAT.encode())
+        with own_files.whole_file(options.json, 'w', encoding='utf-8') as stream:
+            stream.write(_json_text(world, findings))
+    if options.picture is not None:
+        from .picture import write_picture
+        write_picture(world, findings, options.picture)
+    return 1 if findings else 0
+
+
+def _tell(world, findings):
+    print('{}: {} robots, {} zones, {} places, {} nodes; map: {}'.format(
+        world.path, len(world.starts), len(world.scenario.zones), len(world.scenario.places or ()),
+        sum(len(net.nodes) for net in world.nets.values()), world.map_path or 'none'))
+    headlines = dict(KINDS)
+    for kind, own in groupby(findings, key=lambda one: one.kind):
+        group = list(own)
+        print('\n{} ({}): {}'.format(kind, len(group), headlines[kind]))
+        for one in group[:_MOST_OF_A_KIND]:
+            print('  ' + one.text().replace('\n', '\n  '))
+        if len(group) > _MOST_OF_A_KIND:
+            print('  ... and {} more of this kind: --json has all'.format(len(group) - _MOST_OF_A_KIND))
+    print('\n{}'.format('{} findings'.format(len(findings)) if findings else 'nothing found'))
+
+
+def _json_text(world, findings):
+    """Return the findings as JSON, whose first line says what it is."""
+    content = {'scenario': world.path, 'map': world.map_path, 'findings': [one.record() for one in findings]}
+    return _FORMAT + json.dumps(content, indent=1)[1:].lstrip('\n') + '\n'

@@ -1,0 +1,55 @@
+"""What is found in a scenario: a value each, in the words that the user reads."""
+from typing import NamedTuple, Tuple
+
+#: in the order in which they are told: (kind, what it is about)
+KINDS = (
+    ('start_in_wall', 'robots that start where they cannot be'),
+    ('starts_overlap', 'robots that start on one another'),
+    ('place_in_wall', 'places, chargers and goals that the map or the bounds refuse'),
+    ('node_in_wall', 'nodes and lanes in walls'),
+    ('off_net', 'places, chargers and goals off the net of lanes'),
+    ('dead_end', 'dead ends of the net of lanes'),
+    ('unreachable', 'what nobody, or not everybody, can get to'),
+    ('out_of_charge', 'chargers and charge'),
+    ('can_lock', 'capacities that can lock'),
+    ('beyond_calibration', 'goals beyond what a calibration was fitted to'),
+    ('not_checked', 'what could not be checked'),
+)
+
+
+class Finding(NamedTuple):
+    """One finding: its ``kind`` (of KINDS), ``name`` of what it is about, ``what`` was found, ``where``, ``advice``.
+
+    ``points``: ((x, y), ...) [m, global frame], for the picture; ``ways``: ((x, y), ...) each, likewise.
+    """
+
+    kind: str
+    name: str
+    what: str
+    where: str
+    advice: str
+    points: Tuple[Tuple[float, float], ...] = ()
+    ways: Tuple[Tuple[Tuple[float, float], ...], ...] = ()
+
+    def text(self) -> str:
+        """Return it as the lines of a terminal."""
+        return '{}: {}\n    where: {}\n    do: {}'.format(self.name, self.what, self.where, self.advice)
+
+    def record(self) -> dict:
+        """Return it as a value of JSON."""
+        return {'kind': self.kind, 'name': self.name, 'what': self.what, 'where': self.where, 'advice': self.advice,
+                'points': [list(point) for point in self.points]}
+
+
+def in_order(findings):
+    """Return ``findings`` by kind, and of one kind as they came."""
+    order = [kind for kind, _ in KINDS]
+    return sorted(findings, key=lambda one: order.index(one.kind))
+
+
+def listed(names, most=5):
+    """Return some names as a text: 'a, b and 3 more'."""
+    names = list(names)
+    if len(names) <= most:
+        return ', '.join(names)
+    return '{} and {} more'.format(', '.join(names[:most]), len(names) - most)

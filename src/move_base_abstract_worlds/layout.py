@@ -1,0 +1,111 @@
+"""A site that is being laid out: nodes, lanes, places, zones, starts, walls; and the files of its scenario."""
+import os
+from dataclasses import dataclass, field
+
+import numpy as np
+import yaml
+
+from move_base_abstract.common import own_files
+from move_base_abstract.common.errors import ConfigurationError
+
+FOLDER = own_files.FolderKind('scenario', ['scenario.yaml', 'lanes.yaml', 'map.yaml', 'map.pgm', 'orders.csv'])
+_MOST_CELLS = 4_000  # of a side of the map
+_FREE, _OCCUPIED = 254, 0
+
+
+@dataclass
+class Site:
+    """What lies where [m]; names are given once. ``walls``: [(x_min, y_min, x_max, y_max), ...] that are occupied."""
+
+    #: (x_min, y_min, x_max, y_max), around which there is a wall
+    box: tuple
+    nodes: dict = field(default_factory=dict)  # {name: (x, y)}
+    edges: list = field(default_factory=list)
+    places: list = field(default_factory=list)
+    zones: list = field(default_factory=list)
+    starts: list = field(default_factory=list)  # (x, y) where robots may start, the first ones first
+    walls: list = field(default_factory=list)
+    orders: list = field(default_factory=list)  # (s, name of a place)
+
+    def lane(self, begin, end, one_way=True, capacity=None):
+        """Add a lane from node to node."""
+        self.edges.append({'from': begin, 'to': end, **({'one_way': True} if one_way else {}),
+                           **({'capacity': capacity} if capacity else {})})
+
+    def place(self, name, node, **work):
+        """Add a place where a node is."""
+        x, y = self.nodes[node]
+        self.places.append({'name': name, 'x': x, 'y': y, **work})
+
+    def charger(self, name, x, y, half=0.8):
+        """Add a charger with room for one robot, the node in its middle, too."""
+        self.nodes[name] = x, y
+        self.zones.append({'name': name, 'rectangle': [x - half, y - half, x + half, y + half], 'capacity': 1,
+                           'charger': True})
+
+    def draw_orders(self, count, seconds, names, dice):
+        """Have ``count`` orders arrive within ``seconds``, each at one of the places ``names``; ``dice``: a Random."""
+        instants = sorted(round(dice.uniform(0.0, seconds), 3) for _ in range(count))
+        self.orders = [(instant, dice.choice(names)) for instant in instants]
+
+
+def write_site(site, robots, defaults, words, folder):
+    """Write the files of a scenario with so many ``robots`` into a ``folder``; ``words``: how it was asked for.
+
+    :raises ConfigurationError: if something is in the folder that this program did not make, or robots have no room.
+    :raises OutputError: if it cannot be written.
+    """
+    if robots > len(site.starts):
+        raise ConfigurationError('--robots: got {}; allowed: at most {} of them start at a place of their own in a '
+                                 'world of these sizes'.format(robots, len(site.starts)))
+    head = '# Made by: {}\n'.format(words)
+    marker = FOLDER.make(folder)
+    try:
+        _write(folder, 'lanes.yaml', head + _yaml({
+            'nodes': [{'name': name, 'x': x, 'y': y} for name, (x, y) in site.nodes.items()], 'edges': site.edges}))
+        _write_map(folder, head, site)
+        if site.orders:
+            _write(folder, 'orders.csv', 'time,place\n' + ''.join('{},{}\n'.format(*order) for order in site.orders))
+        _write(folder, 'scenario.yaml', head + _yaml({
+            'lanes': 'lanes.yaml', 'defaults': {'routes': 'lanes', **defaults},
+            'robots': [{'name': 'robot_{}'.format(number), 'start_x': x, 'start_y': y}
+                       for number, (x, y) in enumerate(site.starts[:robots])],
+            'zones': site.zones, 'places': site.places,
+            **({'arrivals': [{'name': 'orders', 'file': 'orders.csv'}]} if site.orders else {})}))
+    finally:
+        os.close(marker)
+
+
+def _yaml(value):
+    return yaml.safe_dump(_rounded(value), sort_keys=False, default_flow_style=None, width=120)
+
+
+def _rounded(value):
+    """Return ``value`` with numbers to the millimetre, lists in place of tuples."""
+    if isinstance(value, float):
+        return round(value, 3)
+    if isinstance(value, dict):
+        return {key: _rounded(one) for key, one in value.items()}
+    return [_rounded(one) for one in value] if isinstance(value, (list, tuple)) else value
+
+
+def _write_map(folder, head, site):
+    left, low, right, high = site.box
+    resolution = 0.1 * 2 ** max(0, int(np.ceil(np.log2(max(right - left, high - low) / 0.1 / _MOST_CELLS))))
+    columns, rows = (int(round(side / resolution)) for side in (right - left, high - low))
+    shades = np.full((rows, columns), _FREE, np.uint8)  # the first row in the south
+    for x_min, y_min, x_max, y_max in site.walls:
+        begin = [int(round(value / resolution)) for value in (x_min - left, y_min - low)]
+        end = [int(round(value / resolution)) for value in (x_max - left, y_max - low)]
+        shades[max(0, begin[1]):max(0, end[1]), max(0, begin[0]):max(0, end[0])] = _OCCUPIED
+    shades[[0, -1]] = shades[:, [0, -1]] = _OCCUPIED
+    with own_files.whole_file(os.path.join(folder, 'map.pgm'), 'wb') as stream:
+        stream.write('P5\n{} {}\n255\n'.format(columns, rows).encode() + shades[::-1].tobytes())
+    _write(folder, 'map.yaml', head + _yaml({
+        'image': 'map.pgm', 'resolution': resolution, 'origin': [left, low, 0.0], 'negate': 0, 'occupied_thresh': 0.65,
+        'free_thresh': 0.196}))
+
+
+def _write(folder, name, text):
+    with own_files.whole_file(os.path.join(folder, name), 'w', encoding='utf-8') as stream:
+        stream.write(text)

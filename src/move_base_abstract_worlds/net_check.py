@@ -1,0 +1,86 @@
+"""The net of lanes: nodes that nobody gets to, dead ends, and what lies off it."""
+import os
+
+import networkx
+
+from move_base_abstract.maps.lane_planner import NEAR, LaneWays
+
+from .findings import Finding, listed
+
+
+def check_net(world):
+    """Yield the :class:`.Finding` values of all nets of lanes."""
+    for net in world.nets.values():
+        graph = graph_of(net)
+        yield from _dead_ends(net, graph)
+        yield from _unreachable(world, net, graph)
+        yield from _off_net(world, net)
+
+
+def graph_of(net):
+    """Return the directed graph of a LaneMap: one edge for each direction in which a lane may be driven."""
+    graph = networkx.DiGraph()
+    graph.add_nodes_from(net.nodes)
+    for edge in net.edges:
+        graph.add_edge(edge.begin, edge.end)
+        if not edge.one_way:
+            graph.add_edge(edge.end, edge.begin)
+    return graph
+
+
+def node_place(net, name):
+    """Return where in which file a node stands, as a text."""
+    return '{}: nodes[{}]'.format(os.path.basename(net.source), list(net.nodes).index(name))
+
+
+def _dead_ends(net, graph):
+    """Parts of the net that robots come into and never out of: components without a lane that leads out of them."""
+    order = {name: number for number, name in enumerate(net.nodes)}
+    parts = networkx.condensation(graph)
+    sinks = [sorted(parts.nodes[part]['members'], key=order.get) for part in parts
+             if not parts.out_degree(part) and parts.in_degree(part)]
+    for names in sorted(sinks, key=lambda names: order[names[0]]):
+        points = tuple((net.nodes[name].x, net.nodes[name].y) for name in names)
+        what = ('no lane leads away from it: who comes there stays' if len(names) == 1 else
+                'who comes to these {} nodes never gets out of them again'.format(len(names)))
+        yield Finding('dead_end', 'node{} {}'.format('s' * (len(names) > 1), listed(names)), what,
+                      node_place(net, names[0]), 'add a lane that leads away, or make one of those that lead there '
+                      'two-way', points)
+
+
+def _unreachable(world, net, graph):
+    """Nodes to which no lanes lead from where robots start."""
+    reached = dict.fromkeys(net.nodes, 0)
+    without = {name: [] for name in net.nodes}
+    known = {}
+    starts = [(drivers, start) for drivers in world.drivers_on(net) for start in drivers.starts]
+    for drivers, start in starts:
+        begins = tuple(LaneWays.on(net, drivers.settings.limits.max_speed).meeting_nodes(start.xy))
+        if begins not in known:
+            known[begins] = set(begins).union(*(networkx.descendants(graph, node) for node in begins))
+        for name in net.nodes:
+            if name in known[begins]:
+                reached[name] += 1
+            elif len(without[name]) < 4:
+                without[name].append(start.spec.name)
+    for name, count in reached.items():
+        if count < len(starts):
+            what = 'no lanes lead there from where robots start' if not count else (
+                'no lanes lead there from the start of {} of {} robots ({})'.format(
+                    len(starts) - count, len(starts), listed(without[name], 3)))
+            yield Finding('unreachable', 'node {}'.format(name), what, node_place(net, name),
+                          'add a lane that leads there, turn a one-way lane round, or take the node out',
+                          ((net.nodes[name].x, net.nodes[name].y),))
+
+
+def _off_net(world, net):
+    """Targets that are reached by leaving the net: from the nearest node straight, whatever lies between."""
+    ways = LaneWays.on(net, world.drivers_on(net)[0].settings.limits.max_speed)
+    for target in world.targets:
+        far = ways.distance_to(target.xy)
+        if far > NEAR:
+            node = ways.meeting_nodes(target.xy, to_goal=True)[0]
+            yield Finding('off_net', '{} {}'.format(target.what, target.name), 'lies {:.2f} m from the nearest lane or '
+                          'node: robots leave the net at node {} and go straight there, whatever lies between'.format(
+                              far, node), target.where, 'put a node there, with a lane to it', (target.xy,),
+                          ((target.xy, (net.nodes[node].x, net.nodes[node].y)),))

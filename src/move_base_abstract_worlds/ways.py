@@ -1,0 +1,49 @@
+"""Ways and legs of robots that do not drive yet, by the planners and laws by which they will."""
+import networkx
+
+from move_base_abstract.maps.lane_planner import NEAR, LaneWays
+from move_base_abstract.motion.robot import Robot
+from move_base_abstract.motion.route import CornerLaw
+
+from .net_check import graph_of
+
+#: so many ways are asked for by one check at most; beyond, it says that it did not look
+MOST_WAYS = 100_000
+
+
+def leg_between(drivers, begin, goal):
+    """Return the leg of a robot of ``drivers`` from ``begin`` to ``goal`` (Pose2D), from rest to rest, or None.
+
+    At full speed, as :meth:`.Robot.depart` makes it: without overhead, factors and traffic.
+    """
+    corners = None if drivers.planner is None else drivers.planner.corners(begin, goal)
+    if corners is None:
+        return None
+    settings = drivers.settings
+    robot = Robot(0, 'robot', begin, settings.limits, settings.tolerances, 0, CornerLaw(settings.values['corners']),
+                  settings.phases, 1, settings.original)
+    try:
+        return robot.depart(goal, 0, corners)
+    except ValueError:  # so far away that no number holds it
+        return None
+
+
+def alike(drivers):
+    """Return the starts of ``drivers`` in groups, [[Start, ...], ...]: those of one reach the same places."""
+    values = drivers.settings.values
+    if drivers.planner is None or values['routes'] == 'none':
+        return [list(drivers.starts)]
+    if drivers.lanes is None:
+        return [[start] for start in drivers.starts]
+    ways = LaneWays.on(drivers.lanes, drivers.settings.limits.max_speed)
+    graph = graph_of(drivers.lanes)
+    parts = {name: number for number, names in enumerate(networkx.strongly_connected_components(graph))
+             for name in names}
+    places = {(pose.x, pose.y) for pose in drivers.lanes.nodes.values()}
+    groups = {}
+    for start in drivers.starts:
+        nodes = ways.meeting_nodes(start.xy)
+        # who is on a lane may have a goal ahead on it, to which nobody else gets
+        is_alone = start.xy not in places and ways.distance_to(start.xy) <= NEAR
+        groups.setdefault(start.xy if is_alone else parts[nodes[0]], []).append(start)
+    return list(groups.values())

@@ -1,0 +1,160 @@
+"""A scenario as the checks see it: who starts where, with which planner, and where robots may be sent."""
+import os
+from dataclasses import dataclass
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+
+from move_base_abstract.common.bounded_yaml import load_yaml_file
+from move_base_abstract.fleet.robot_parts import make_planner
+from move_base_abstract.maps.lane_map import LaneMap
+from move_base_abstract.maps.map_check import MapCheck
+from move_base_abstract.maps.map_files import load_map, read_description
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.scenario import read_scenario
+from move_base_abstract.tasks.arrivals import Listed
+
+_MAP = 'map.yaml'  # beside a scenario: what `scenario make` writes
+_MOST_GOALS = 2_000  # of files of tasks
+
+
+class Target(NamedTuple):
+    """Where robots may be sent: ``what`` it is ('place', 'charger', 'goal'), its name, its pose, where it is said."""
+
+    what: str
+    name: str
+    pose: Pose2D
+    where: str
+
+    @property
+    def xy(self):
+        """Its place (x, y) [m]."""
+        return self.pose.x, self.pose.y
+
+
+class Start(NamedTuple):
+    """A robot (RobotSpec) and where in the file it is said."""
+
+    spec: Any
+    where: str
+
+    @property
+    def xy(self):
+        """Where it starts (x, y) [m]."""
+        return self.spec.settings.start.x, self.spec.settings.start.y
+
+    @property
+    def radius(self):
+        """The radius of the circle in its footprint [m]."""
+        return self.spec.settings.costmaps.global_footprint.inscribed_radius
+
+
+class Drivers(NamedTuple):
+    """Robots (Start) that find their ways alike, by one ``planner``; None: it asks for a map, and there is none."""
+
+    planner: Any
+    starts: Tuple[Start, ...]
+
+    @property
+    def settings(self):
+        """The settings of the first of them."""
+        return self.starts[0].spec.settings
+
+    @property
+    def lanes(self) -> Optional[LaneMap]:
+        """The net of lanes by which they drive, if they do."""
+        network = self.settings.network
+        return network if isinstance(network, LaneMap) else None
+
+
+@dataclass
+class World:
+    """The scenario in the file ``path``, the map (OccupancyMap) in the file ``map_path``, and what they mean."""
+
+    path: str
+    scenario: Any
+    map_path: Optional[str]
+    occupancy: Any
+    starts: List[Start]
+    drivers: List[Drivers]
+    targets: List[Target]
+
+    @property
+    def nets(self) -> Dict[str, LaneMap]:
+        """The nets of lanes by which robots drive, {path: LaneMap}."""
+        return {drivers.lanes.source: drivers.lanes for drivers in self.drivers if drivers.lanes is not None}
+
+    def drivers_on(self, net) -> List[Drivers]:
+        """Return those who drive on a net (LaneMap)."""
+        return [drivers for drivers in self.drivers if drivers.lanes is not None and drivers.lanes.source == net.source]
+
+
+def read_world(path, map_path=None):
+    """Return the :class:`World` of a scenario; ``map_path``: the map's YAML file, None: ``map.yaml`` beside it, if any.
+
+    :raises ConfigurationError: if a file cannot be read or used.
+    """
+    path = str(path)
+    if map_path is None:
+        beside = os.path.join(os.path.dirname(path), _MAP)
+        map_path = beside if os.path.isfile(beside) else None
+    occupancy = None if map_path is None else load_map(read_description(map_path))
+    scenario = read_scenario(path, None if occupancy is None else {'use_map': True})
+    starts = [Start(spec, where) for spec, where in zip(scenario.robots, _wheres(path))]
+    return World(path, scenario, map_path, occupancy, starts, _drivers(starts, occupancy), _targets(path, scenario))
+
+
+def _wheres(path):
+    """Return where in the file each robot is said, in the order of their indices."""
+    name = os.path.basename(path)
+    return ['{}: robots[{}]'.format(name, index) for index, group in enumerate(load_yaml_file(path).get('robots') or [])
+            for _ in range(group.get('count', 1))]
+
+
+def _drivers(starts, occupancy):
+    groups = {}
+    for start in starts:
+        settings = start.spec.settings
+        values = settings.values
+        key = (values['routes'], getattr(settings.network, 'source', None), settings.limits, settings.tolerances,
+               values['corners'], values['use_map'], values['allow_unknown'], values['allow_occupied_goals'],
+               start.radius, settings.bounds, values['calibration'], values['compatible_with'],
+               values['travel_matrix'], settings.battery and (settings.battery.mechanics, settings.battery.energy,
+                                                              settings.battery.ambient_power))
+        groups.setdefault(key, []).append(start)
+    return [Drivers(_planner(group[0].spec.settings, occupancy), tuple(group)) for group in groups.values()]
+
+
+def _planner(settings, occupancy):
+    values = settings.values
+    check = None
+    if occupancy is not None and values['use_map']:
+        check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
+    return None if check is None and values['routes'] == 'grid' else make_planner(settings, check)
+
+
+def _targets(path, scenario):
+    name = os.path.basename(path)
+    places = [Target('place', place.name, place.pose, '{}: places[{}]'.format(name, index))
+              for index, place in enumerate((scenario.places or {}).values())]
+    nodes = [(pose.x, pose.y) for net in {id(spec.settings.network): spec.settings.network for spec in scenario.robots
+                                          if isinstance(spec.settings.network, LaneMap)}.values()
+             for pose in net.nodes.values()]
+    chargers = []
+    for index, zone in enumerate(scenario.zones):
+        if zone.charger is not None:
+            inside = [xy for xy in [target.xy for target in places] + nodes if zone.contains(*xy)]
+            xy = inside[0] if inside else _inner_point(zone.outline)
+            chargers.append(Target('charger', zone.name, Pose2D(*xy), '{}: zones[{}]'.format(name, index)))
+    goals = [Target('goal', task.task_id, task.pose, '{}: arrivals[{}], row {}'.format(name, index, number))
+             for index, arrivals in enumerate(scenario.arrivals) if isinstance(arrivals, Listed)
+             for number, task, _ in arrivals.rows if not task.place]
+    return places + chargers + goals[:_MOST_GOALS]
+
+
+def _inner_point(outline):
+    """Return a place (x, y) [m] in an Outline: the middle of its box, or of the first piece of that line."""
+    left, low, right, high = outline.box
+    x, y = (left + right) / 2.0, (low + high) / 2.0
+    if outline.contains(x, y):
+        return x, y
+    pieces = outline.pieces_inside(((left - 1.0, y), (right + 1.0, y)))
+    return ((left - 1.0 + sum(pieces[0]) / 2.0) if pieces else x), y
