@@ -4,8 +4,8 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 # One goal after the other: two that install at the same time would be in each other's way.
 .NOTPARALLEL:
-.PHONY: help deps build demo test explore lint bench study study-trial experiment picture clean
-.PHONY: deps-test deps-lint deps-bench deps-study deps-experiment deps-picture
+.PHONY: help deps build demo docs test explore lint bench study study-trial experiment picture clean
+.PHONY: deps-docs deps-test deps-lint deps-bench deps-study deps-experiment deps-picture
 
 WS := $(CURDIR)/.ws
 # Debian's own Python, the one that ROS was built for; another python3 may come first on PATH.
@@ -37,7 +37,7 @@ deps:  ## install what is missing to build and to run: Debian packages, by apt
 	@tools/install_deps
 
 # What other targets need besides; it comes before `build`, so that all is installed at once.
-deps-test deps-lint deps-bench deps-study deps-experiment deps-picture:
+deps-docs deps-test deps-lint deps-bench deps-study deps-experiment deps-picture:
 	@tools/install_deps $(patsubst deps-%,%,$@)
 
 build: deps  ## build the catkin package in .ws/
@@ -85,6 +85,9 @@ study: deps-study build  ## the whole study in .ws/study, resumable; STUDY_1X=1 
 
 picture: deps-picture deps-study build  ## take the pictures of the README: RViz on a screen without a monitor
 	@$(ENTER) $(PYTHON) tools/take_picture.py && $(PYTHON) tools/take_soil_picture.py
+
+docs: deps-docs build  ## the documentation site, .ws/docs/html/index.html; a broken link is an error
+	@$(ENTER) $(PYTHON) tools/build_docs.py '$(WS)/docs'
 
 clean:  ## remove everything that was built
 	rm -rf '$(WS)'
