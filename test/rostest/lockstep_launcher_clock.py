@@ -13,7 +13,8 @@ import rospy
 from move_base_abstract.msg import TimeState
 from move_base_abstract_ros.time_master_client import TimeMasterClient
 
-_OVER = ('idle', 'deadlock', 'zero_delay_loop', 'ended')
+_OVER = ('deadlock', 'zero_delay_loop', 'ended')
+_IDLE = 10  # states in a row: on its way to the instant asked for, a run may be idle for a moment
 
 
 def main():
@@ -21,14 +22,17 @@ def main():
     rospy.init_node('launcher_clock', disable_rostime=True)
     TimeMasterClient().run_until(until)
     deadline = time.monotonic() + limit
+    idle = 0
     while True:
         state = rospy.wait_for_message('/time_master/state', TimeState)
-        is_there = state.phase == 'paused' and state.sim_time.to_sec() >= until
-        if is_there or state.phase in _OVER or time.monotonic() > deadline:
+        idle = idle + 1 if state.phase == 'idle' else 0
+        is_over = (state.phase == 'paused' and state.sim_time.to_sec() >= until or state.phase in _OVER
+                   or idle >= _IDLE)
+        if is_over or time.monotonic() > deadline:
             break
         time.sleep(0.02)
     print(json.dumps({
-        'is_over': is_there or state.phase in _OVER, 'phase': state.phase, 'time': state.sim_time.to_sec(),
+        'is_over': is_over, 'phase': state.phase, 'time': state.sim_time.to_sec(),
         'reason': state.reason, 'waiting_for': ['{} owes {}'.format(one.name, one.owes) for one in state.waiting_for],
         'repeatable': state.repeatable, 'not_repeatable_because': state.not_repeatable_because,
         'degraded_because': state.degraded_because}))
