@@ -178,6 +178,10 @@ class _Adoption:
 
     def _robots(self):
         for robot in self.robots:
+            if not robot.has_name:
+                self.problems.append(
+                    '{!r} is no name that ROS takes for a robot; allowed: letters, digits and _ between slashes ({}); '
+                    'if an argument of the file says it: NAME:=VALUE'.format(robot.name, robot.place))
             if robot.added:
                 self.added.append((robot.name, (PACKAGE, 'move_base'), ''))
                 self.done.append('{} is added: {} ({})'.format(robot.name, robot.added, robot.place))
@@ -315,6 +319,11 @@ def _missing(kind, name):
             name, reading.ENVIRONMENT.get(name, ''))
     if kind == 'argument':
         return '{}: roslaunch would refuse that, here they are left out'.format(name)
+    if kind == 'relative':
+        return '{} is taken from beside the file that includes it: roslaunch would not look there'.format(name)
+    if kind == 'value':
+        return '{0} is not set: it has no value, or an integer beyond 32 bits, which roslaunch would refuse; ' \
+            '--param {0}=VALUE says one'.format(name)
     if kind == 'include':
         return '{} is not here, and is left out: {}'.format(_short(name), (
             'a robot stands for it' if kinds.stands_for_a_robot(name) else 'what it starts is not started'))
