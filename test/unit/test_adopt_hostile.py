@@ -4,7 +4,7 @@ import os
 import pytest
 from roslaunch.core import RLException  # noqa: TID251 - what its loader of files raises
 
-from move_base_abstract_ros.adopting import poses, reading, worlds  # noqa: TID251 - they read, and start nothing
+from move_base_abstract_ros.adopting import neighbours, poses, reading, worlds  # noqa: TID251 - they read, and start nothing
 from move_base_abstract_ros.launching import plan  # noqa: TID251
 from strangers_package import adopt, package_fixture  # noqa: F401 - a fixture
 
@@ -53,6 +53,28 @@ def test_parameters_that_no_server_takes_are_not_set_and_told(package):
     assert sum('has no value' in line and 'one.launch:1' in line for line in adopt(path).remarks) == 4
 
 
+@pytest.mark.parametrize('text', ['a: &a {b: *a}\n', 'a0: &a0 [1, 2, 3, 4, 5, 6, 7, 8, 9]\n' + ''.join(
+    'a{0}: &a{0} {{{1}}}\n'.format(k, ', '.join('k{}: *a{}'.format(one, k - 1) for one in range(9)))
+    for k in range(1, 9))])
+def test_parameters_that_stand_for_more_than_anybody_holds_are_refused(package, text):
+    package('bomb.yaml', text)
+    with pytest.raises(RLException, match='with aliases 500000 values') as caught:
+        adopt(package('one.launch', '<launch><rosparam file="$(dirname)/bomb.yaml" command="load"/></launch>'))
+    assert 'one.launch:1' in str(caught.value)
+
+
+def test_aliases_are_read(package):
+    package('a.yaml', 'a: &a {x: 1}\nb: *a\nc: "*"\n')
+    path = package('one.launch', '<launch><rosparam file="$(dirname)/a.yaml" command="load"/></launch>')
+    assert plan.read([(path, [])], True).params['/b/x'].value == 1
+
+
+def test_a_package_file_that_is_a_pipe_is_none(tmp_path):
+    (tmp_path / 'inner').mkdir()
+    os.mkfifo(str(tmp_path / 'inner' / 'package.xml'))
+    assert neighbours.packages_below(str(tmp_path)) == {}
+
+
 def test_a_localizer_outside_of_namespaces_is_no_robot_where_robots_are_put_into_some(package):
     path = package('two.launch', """<launch><group ns="jackal0">{}</group><group ns="jackal1">{}</group>
       <node pkg="amcl" type="amcl" name="amcl_jackal0"><param name="initial_pose_x" value="0.0"/></node>
@@ -79,6 +101,18 @@ def test_numbers_that_are_no_place_do_not_count(package, number):
     made = adopt(package('one.launch', """<launch>{}<node pkg="amcl" type="amcl" name="amcl">
       <param name="initial_pose_x" value="{}"/></node></launch>""".format(ROBOT, number)))
     assert made.wishes.starts == () and made.problems == ()
+
+
+@pytest.mark.parametrize(('text', 'expected'), [
+    ('image: gone.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n',
+     'gone.pgm, is not here'), ('[1, 2', 'its map cannot be read'), (None, 'maps/a.yaml is not here')])
+def test_a_map_that_cannot_be_served_is_left_out_and_told(package, text, expected):
+    if text is not None:
+        package('maps/a.yaml', text)
+    made = adopt(package('one.launch', """<launch>{}<node pkg="map_server" type="map_server" name="map_server"
+      args="$(dirname)/../maps/a.yaml"/></launch>""".format(ROBOT)))
+    assert made.wishes.left_out == ('/map_server',)
+    assert any(expected in line and 'one.launch:1' in line for line in made.remarks)
 
 
 def world_of(tmp_path, text):

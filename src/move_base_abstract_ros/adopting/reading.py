@@ -7,11 +7,14 @@ from typing import NamedTuple
 from xml.dom import expatbuilder
 
 import rospkg
+import yaml
 from rosgraph.names import ns_join
 from roslaunch import substitution_args
 from roslaunch.core import RLException
 from roslaunch.loader import LoadException
 from roslaunch.xmlloader import XmlParseException, ifunless_test
+
+from move_base_abstract.common import bounded_yaml
 
 from . import hooks, neighbours
 
@@ -102,6 +105,8 @@ class Tolerant:
         if cmd == 'load' and file_ is not None and not os.path.isfile(file_):
             self._miss('parameters', file_, context.ns)
             return
+        if cmd == 'load':
+            _check_size(_start_of(file_) if file_ is not None else text or '')
         super().load_rosparam(context, ros_config, cmd, param, file_, text, verbose, subst_function)
         self._without_refused(ros_config, self._with_chain(self._place))
 
@@ -281,6 +286,35 @@ def _append(variable, folder):
     folders = [one for one in os.environ.get(variable, '').split(os.pathsep) if one]
     if folder not in folders:
         os.environ[variable] = os.pathsep.join([*folders, folder])
+
+
+def _start_of(path):
+    try:
+        with open(path, encoding='utf-8', errors='replace') as stream:
+            return stream.read(bounded_yaml.FILE.size + 1)
+    except OSError:
+        return ''  # roslaunch says so
+
+
+def _check_size(text):
+    """Refuse YAML that stands for more than roslaunch could take apart: its aliases of aliases have no bound there."""
+    try:
+        root = yaml.compose(text, Loader=yaml.SafeLoader) if '*' in text else None
+    except (yaml.YAMLError, RecursionError):
+        return  # roslaunch says so
+    if len(text) > bounded_yaml.FILE.size or root is not None and _values(root, {}) > bounded_yaml.FILE.values:
+        raise XmlParseException('parameters of more than {} characters, or with aliases {} values'.format(
+            bounded_yaml.FILE.size, bounded_yaml.FILE.values))
+
+
+def _values(node, known):
+    """Return how many values a node of YAML stands for; of one that holds itself more than anybody allows."""
+    if id(node) not in known:
+        known[id(node)] = 2 * bounded_yaml.FILE.values  # while it is counted: only one that holds itself comes back
+        parts = node.value if isinstance(node, yaml.CollectionNode) else ()
+        parts = [one for pair in parts for one in pair] if isinstance(node, yaml.MappingNode) else parts
+        known[id(node)] = 1 + sum(_values(one, known) for one in parts)
+    return known[id(node)]
 
 
 def _is_refused(value):

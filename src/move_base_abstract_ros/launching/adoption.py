@@ -122,11 +122,11 @@ class _Adoption:
         return replaced
 
     def _serves_map(self, node):
-        path = next(iter(poses.words_of(node.args)), '')
-        if not os.path.isfile(path):
-            self._leave(node, 'its map {} is not here'.format(_short(path) or '(no name)'), is_loss=True)
-            return False
-        return True
+        from ..adopting import floors  # which needs numpy and Pillow: few launch files do
+        why = floors.why_not_served(poses.words_of(node.args))
+        if why:
+            self._leave(node, _short(why), is_loss=True)
+        return not why
 
     def _keep_or_leave(self, node, word):
         why = kinds.kind_of(node.package, node.type).why
