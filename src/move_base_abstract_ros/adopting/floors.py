@@ -40,6 +40,17 @@ def offset(floor, words):
     return _rounded(floor.x + x), _rounded(floor.y + y), floor.yaw
 
 
+def why_not_served(words):
+    """Return why a map_server with these words would serve no map, or ''."""
+    if not words or not os.path.isfile(words[0]):
+        return 'its map {} is not here'.format(words[0] if words else '(no name)')
+    try:
+        image = _described(words)[0]
+    except (ConfigurationError, Unknown) as error:
+        return 'its map cannot be read: {}'.format(error)
+    return '' if os.path.isfile(image) else 'the image of its map, {}, is not here'.format(image)
+
+
 def _described(words):
     """Return the image of a map, its resolution [m] and its origin."""
     if len(words) > 1 and not words[0].endswith(('.yaml', '.yml')):

@@ -66,7 +66,7 @@ def looks_like_a_clock(name):
     return _CLOCK.fullmatch(name) is not None
 
 
-_INCLUDES_A_ROBOT = re.compile(r'.*(?:move_base|navigation|(?:^|_)nav(?=[_.])|amcl_demo).*\.(?:launch|xml)')
+_INCLUDES_A_ROBOT = re.compile(r'.*(?:move_?base|navigation|(?:^|_)nav(?=[_.])|amcl_demo).*\.(?:launch|xml)')
 _NO_ROBOT = re.compile(r'.*(?:gmapping|slam|rviz|world|spawn|teleop|gazebo).*')
 
 

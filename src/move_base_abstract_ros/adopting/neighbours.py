@@ -72,6 +72,8 @@ def _folders_in(folder):
 
 def _name_of(path):
     """Return the name in a package's file, None if there is no such file, '' of one that nobody could read."""
+    if not os.path.isfile(path):  # a pipe would never end
+        return None
     try:
         return (ElementTree.parse(path).findtext('name') or '').strip()
     except OSError:

@@ -86,7 +86,7 @@ def _of_parameters(config):
     for (above, prefix), pose in found.items():
         owner = above.rstrip('/') or '/'
         namespace = owner.rpartition('/')[0] + '/' if owner in places else owner
-        names = tokens(owner, prefix)
+        names = tokens(owner, prefix, owner.rpartition('/')[2].replace('amcl', '').strip('_'))
         yield Hint(LOCALIZER, tuple(pose), absolute(namespace), names, '{}{}initial_pose_*'.format(above, prefix),
                    places.get(owner, ''))
 
@@ -208,7 +208,7 @@ def _number(value):
         return None
     try:
         found = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None
     return found if math.isfinite(found) else None
 

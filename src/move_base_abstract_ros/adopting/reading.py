@@ -7,10 +7,14 @@ from typing import NamedTuple
 from xml.dom import expatbuilder
 
 import rospkg
+import yaml
 from rosgraph.names import ns_join
 from roslaunch import substitution_args
+from roslaunch.core import RLException
 from roslaunch.loader import LoadException
 from roslaunch.xmlloader import XmlParseException, ifunless_test
+
+from move_base_abstract.common import bounded_yaml
 
 from . import hooks, neighbours
 
@@ -21,12 +25,15 @@ _FIND = re.compile(r'\$\(find\s+([\w.-]+)\s*\)')
 _ENV = re.compile(r'\$\(env\s+(\w+)\s*\)')
 _ENV_IN_EVAL = re.compile(r'\benv\(\s*[\'"](\w+)[\'"]\s*\)')
 _DEEPEST = 100
+_MOST_INCLUDED = 1000
+_LARGEST = 2 ** 31 - 1  # of XML-RPC's integers
 
 
 class Missing(NamedTuple):
     """What a launch file names and is not here.
 
-    ``kind``: 'include', 'parameters', 'parameter', 'variable', or 'argument', of an include that does not read it.
+    ``kind``: 'include', 'parameters', 'parameter', 'variable'; 'argument', of an include that does not read it;
+    'relative', of an include that is found beside its file only; 'value', of a parameter that no server takes.
     ``arguments``: of an include, {name: text}. ``namespace``: in which it stands. ``place``: 'FILE:LINE'.
     """
 
@@ -51,6 +58,7 @@ class Tolerant:
         self._packages = _Packages()
         self._first = None
         self._chain = []
+        self._included = 0
         self._place = ''
 
     def load(self, filename, ros_config, core=False, argv=None, verbose=True):
@@ -59,10 +67,19 @@ class Tolerant:
         substitution_args._rospack = self._packages  # which roslaunch asks where packages are
         try:
             super().load(filename, ros_config, core=core, argv=argv, verbose=verbose)
+        except RLException as error:
+            raise self._with_place(error) from None
         finally:
             substitution_args._rospack = None
         if not core:
+            self._without_refused(ros_config, filename)
             ros_config.missing, ros_config.taken = self.missing, self._packages.taken
+
+    def _with_place(self, error):
+        """Return an error of roslaunch's that says where: those of a tag do not."""
+        if not self._place or self._place in str(error) or 'Invalid roslaunch XML syntax' in str(error):
+            return error
+        return type(error)('{} ({})'.format(error, self._with_chain(self._place)))
 
     def resolve_args(self, args, context):
         """As roslaunch's, with a place that nobody has for a package that is not here."""
@@ -87,7 +104,15 @@ class Tolerant:
         if cmd == 'load' and file_ is not None and not os.path.isfile(file_):
             self._miss('parameters', file_, context.ns)
             return
+        if cmd == 'load':
+            _check_size(_start_of(file_) if file_ is not None else text or '')
         super().load_rosparam(context, ros_config, cmd, param, file_, text, verbose, subst_function)
+        self._without_refused(ros_config, self._with_chain(self._place))
+
+    def _without_refused(self, ros_config, place):
+        for key in [key for key, found in ros_config.params.items() if _is_refused(found.value)]:
+            del ros_config.params[key]
+            self._missed('value', key, place)
 
     def param_value(self, verbose, name, ptype, value, textfile, binfile, command):
         """As roslaunch's; '' where a file, or a program, is not there."""
@@ -116,23 +141,36 @@ class Tolerant:
     def _include_tag(self, tag, context, ros_config, default_machine, is_core, verbose):
         if is_core or not ifunless_test(self, tag, context):
             return None
-        path = self.resolve_args(tag.attributes['file'].value, context)
         self._note(tag, context)
+        path = self._path_of(tag, context)
         if not os.path.isfile(path):
             self._miss('include', path, *self._asked(tag, context))
             return None
-        if len(self._chain) > _DEEPEST:
+        self._included += 1
+        if len(self._chain) > _DEEPEST or self._included > _MOST_INCLUDED:
             raise XmlParseException('{}: files include one another without an end'.format(self._place))
         self._chain.append(self._place)
+        made = None
         try:
-            return super()._include_tag(tag, context, ros_config, default_machine, is_core, verbose)
+            made = super()._include_tag(tag, context, ros_config, default_machine, is_core, verbose)
         except LoadException as error:
             if not str(error).startswith('unused args'):
                 raise
             self._missed('argument', str(error), self._chain[-1])  # what the file starts is there by then
-            return None
-        finally:
-            self._chain.pop()
+        self._chain.pop()  # after an error it stays: it is a part of the place
+        return made
+
+    def _path_of(self, tag, context):
+        """Return the path that an include says; one without a folder lies beside the file, if not where we are."""
+        if 'file' not in tag.attributes:
+            raise XmlParseException("<include> tag is missing required attribute: 'file'")
+        path = self.resolve_args(tag.attributes['file'].value, context)
+        beside = os.path.join(os.path.dirname(os.path.abspath(context.filename)), path)
+        if os.path.isabs(path) or os.path.isfile(path) or not os.path.isfile(beside):
+            return path
+        self._miss('relative', path)
+        tag.setAttribute('file', beside)
+        return beside
 
     def _asked(self, tag, context):
         """Return the namespace of an include, and its arguments, ((name, text), ...)."""
@@ -246,6 +284,42 @@ def _append(variable, folder):
     folders = [one for one in os.environ.get(variable, '').split(os.pathsep) if one]
     if folder not in folders:
         os.environ[variable] = os.pathsep.join([*folders, folder])
+
+
+def _start_of(path):
+    try:
+        with open(path, encoding='utf-8', errors='replace') as stream:
+            return stream.read(bounded_yaml.FILE.size + 1)
+    except OSError:
+        return ''  # roslaunch says so
+
+
+def _check_size(text):
+    """Refuse YAML that stands for more than roslaunch could take apart: its aliases of aliases have no bound there."""
+    try:
+        root = yaml.compose(text, Loader=yaml.SafeLoader) if '*' in text else None
+    except (yaml.YAMLError, RecursionError):
+        return  # roslaunch says so
+    if len(text) > bounded_yaml.FILE.size or root is not None and _values(root, {}) > bounded_yaml.FILE.values:
+        raise XmlParseException('parameters of more than {} characters, or with aliases {} values'.format(
+            bounded_yaml.FILE.size, bounded_yaml.FILE.values))
+
+
+def _values(node, known):
+    """Return how many values a node of YAML stands for; of one that holds itself more than anybody allows."""
+    if id(node) not in known:
+        known[id(node)] = 2 * bounded_yaml.FILE.values  # while it is counted: only one that holds itself comes back
+        parts = node.value if isinstance(node, yaml.CollectionNode) else ()
+        parts = [one for pair in parts for one in pair] if isinstance(node, yaml.MappingNode) else parts
+        known[id(node)] = 1 + sum(_values(one, known) for one in parts)
+    return known[id(node)]
+
+
+def _is_refused(value):
+    """Return whether a parameter, or a part of one, is what no parameter server takes: nothing, or a huge integer."""
+    if isinstance(value, (dict, list)):
+        return any(map(_is_refused, value.values() if isinstance(value, dict) else value))
+    return value is None or isinstance(value, int) and abs(value) > _LARGEST
 
 
 def _is_there(command):

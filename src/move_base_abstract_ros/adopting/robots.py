@@ -1,6 +1,7 @@
 """Who the robots of a launch file are, and which of the places that it says is whose."""
 import math
 import os
+import re
 from typing import NamedTuple
 
 from rosgraph.names import ns_join
@@ -10,6 +11,7 @@ from . import kinds, poses, worlds
 PACKAGE = 'move_base_abstract'
 OWN = ('move_base', 'move_base_abstract_actionserver')
 _FAR = 0.05  # m: places that differ by more are told
+_NAME = re.compile('(?:/[A-Za-z0-9_]+)+')
 
 
 class Robot(NamedTuple):
@@ -23,6 +25,11 @@ class Robot(NamedTuple):
     names: frozenset
     added: str = ''
     place: str = ''
+
+    @property
+    def has_name(self):
+        """Whether ROS takes the name."""
+        return _NAME.fullmatch(self.name) is not None
 
 
 class Start(NamedTuple):
@@ -53,12 +60,19 @@ def robots_of(config, hints):
                 found.append(_new(namespace, '{} is not here, which by its name starts one'.format(
                     os.path.basename(one.name)), one.place))
     if not found:
-        for hint in hints:
-            if hint.is_robot and hint.source != poses.FRAME and hint.namespace not in known:
+        for hint in _of_robots(hints):
+            if hint.namespace not in known:
                 known.add(hint.namespace)
                 found.append(_new(hint.namespace, 'the file starts no move_base, and this robot is there: {}'.format(
                     hint.who), hint.place))
     return _told_apart(found)
+
+
+def _of_robots(hints):
+    """Return the hints that are of robots: a localizer outside of the namespaces that robots are put into is theirs."""
+    found = [hint for hint in hints if hint.is_robot and hint.source != poses.FRAME]
+    are_apart = any(hint.namespace != '/' and hint.source != poses.LOCALIZER for hint in found)
+    return [hint for hint in found if hint.source != poses.LOCALIZER or hint.namespace != '/' or not are_apart]
 
 
 def _is_robot(node):

@@ -5,8 +5,10 @@ import re
 from typing import NamedTuple
 
 _TOKEN = re.compile(r'#[^\n]*|"([^"\n]*)"|([()\[\]])|([^\s()\[\]"#]+)')
-_LARGEST = 1 << 22  # bytes
+_LARGEST = 1 << 22  # characters
 _MOST_INCLUDED = 50
+_MOST_ROBOTS = 1000
+_DEEPEST = 50  # parts within parts
 #: what Stage itself has, and is no robot; what else is defined nowhere comes of a file that is not here
 _BUILT_IN = ('model', 'window', 'speech_bubble', 'ranger', 'laser', 'fiducial', 'blobfinder', 'gripper', 'actuator',
              'camera', 'bumper', 'wifi', 'lightindicator', 'blinkenlight', 'block', 'sensor', 'loadcell', 'indicator')
@@ -54,9 +56,11 @@ def read(path):
     for model in models:
         kind, values, folder = _resolved(model, defined)
         if kind == 'position' or kind not in _BUILT_IN and 'pose' in values and 'bitmap' not in values:
-            robots.append((values.get('name', [''])[0], _pose(values)))
-        elif floor is None and 'bitmap' in values and 'size' in values:
+            robots.append((_first(values, 'name'), _pose(values)))
+        elif floor is None and values.get('bitmap') and 'size' in values:
             floor = _floor(values, folder)
+    if len(robots) > _MOST_ROBOTS:
+        raise ValueError('{}: got {} robots; allowed: up to {}'.format(path, len(robots), _MOST_ROBOTS))
     return World(tuple(robots), floor)
 
 
@@ -75,7 +79,7 @@ def _floor(values, folder):
     x, y, yaw = _pose(values)
     in_x, in_y, turn = _pose({'pose': values.get('origin', [])})
     in_x, in_y = turned(in_x, in_y, yaw)
-    width, height = _numbers(values['size'])[:2]
+    width, height = (*_numbers(values['size']), 0.0, 0.0)[:2]
     return Floor(x + in_x, y + in_y, yaw + turn, width, height, os.path.join(folder, values['bitmap'][0]))
 
 
@@ -83,8 +87,7 @@ def _parse(path, defined, models, count):
     count[0] += 1
     if count[0] > _MOST_INCLUDED:
         raise ValueError('{}: more than {} files are included'.format(path, _MOST_INCLUDED))
-    with open(path, encoding='utf-8', errors='replace') as stream:
-        words = [found for found in _TOKEN.finditer(stream.read(_LARGEST)) if not found.group().startswith('#')]
+    words = [found for found in _TOKEN.finditer(_text_of(path)) if not found.group().startswith('#')]
     folder, at = os.path.dirname(os.path.abspath(path)), 0
     while at < len(words):
         word = words[at].group()
@@ -104,8 +107,20 @@ def _parse(path, defined, models, count):
             at += 1
 
 
-def _model(words, at, folder):
+def _text_of(path):
+    if os.path.exists(path) and not os.path.isfile(path):  # a pipe would never end
+        raise ValueError('{}: is no file'.format(path))
+    with open(path, encoding='utf-8', errors='replace') as stream:
+        text = stream.read(_LARGEST + 1)
+    if len(text) > _LARGEST:
+        raise ValueError('{}: allowed: up to {} characters'.format(path, _LARGEST))
+    return text
+
+
+def _model(words, at, folder, depth=0):
     """Return the model whose base is at a place, and the place behind it."""
+    if depth > _DEEPEST:
+        raise ValueError('parts lie within one another more than {} times'.format(_DEEPEST))
     model = _Model(words[at].group())
     model.folder = folder
     at += 2
@@ -113,7 +128,7 @@ def _model(words, at, folder):
         key = words[at].group()
         following = words[at + 1].group() if at + 1 < len(words) else ''
         if following == '(':
-            _child, at = _model(words, at, folder)  # a part of it: a ranger, a gripper
+            _child, at = _model(words, at, folder, depth + 1)  # a part of it: a ranger, a gripper
         elif following == '[':
             end = next((k for k in range(at, len(words)) if words[k].group() == ']'), len(words))
             model.values[key] = [_text(one) for one in words[at + 2:end]]
@@ -147,8 +162,15 @@ def _pose(values):
     return found[0], found[1], math.radians(found[3])
 
 
+def _first(values, key):
+    return next(iter(values.get(key, [])), '')
+
+
 def _numbers(words):
     try:
-        return [float(word) for word in words]
+        found = [float(word) for word in words]
     except ValueError:
-        raise ValueError('got {}; allowed: numbers'.format(' '.join(words))) from None
+        found = [math.nan]
+    if not all(map(math.isfinite, found)):
+        raise ValueError('got {}; allowed: finite numbers'.format(' '.join(words)))
+    return found

@@ -122,11 +122,11 @@ class _Adoption:
         return replaced
 
     def _serves_map(self, node):
-        path = next(iter(poses.words_of(node.args)), '')
-        if not os.path.isfile(path):
-            self._leave(node, 'its map {} is not here'.format(_short(path) or '(no name)'), is_loss=True)
-            return False
-        return True
+        from ..adopting import floors  # which needs numpy and Pillow: few launch files do
+        why = floors.why_not_served(poses.words_of(node.args))
+        if why:
+            self._leave(node, _short(why), is_loss=True)
+        return not why
 
     def _keep_or_leave(self, node, word):
         why = kinds.kind_of(node.package, node.type).why
@@ -178,6 +178,10 @@ class _Adoption:
 
     def _robots(self):
         for robot in self.robots:
+            if not robot.has_name:
+                self.problems.append(
+                    '{!r} is no name that ROS takes for a robot; allowed: letters, digits and _ between slashes ({}); '
+                    'if an argument of the file says it: NAME:=VALUE'.format(robot.name, robot.place))
             if robot.added:
                 self.added.append((robot.name, (PACKAGE, 'move_base'), ''))
                 self.done.append('{} is added: {} ({})'.format(robot.name, robot.added, robot.place))
@@ -315,6 +319,11 @@ def _missing(kind, name):
             name, reading.ENVIRONMENT.get(name, ''))
     if kind == 'argument':
         return '{}: roslaunch would refuse that, here they are left out'.format(name)
+    if kind == 'relative':
+        return '{} is taken from beside the file that includes it: roslaunch would not look there'.format(name)
+    if kind == 'value':
+        return '{0} is not set: it has no value, or an integer beyond 32 bits, which roslaunch would refuse; ' \
+            '--param {0}=VALUE says one'.format(name)
     if kind == 'include':
         return '{} is not here, and is left out: {}'.format(_short(name), (
             'a robot stands for it' if kinds.stands_for_a_robot(name) else 'what it starts is not started'))
