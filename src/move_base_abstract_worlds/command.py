@@ -125,7 +125,8 @@ def _tell(world, findings):
             print('  ' + one.text().replace('\n', '\n  '))
         if len(group) > _MOST_OF_A_KIND:
             print('  ... and {} more of this kind: --json has all'.format(len(group) - _MOST_OF_A_KIND))
-    print('\n{}'.format('{} finding{}'.format(len(findings), 's' * (len(findings) > 1)) if findings else 'nothing found'))
+    plural = 's' * (len(findings) > 1)
+    print('\n{}'.format('{} finding{}'.format(len(findings), plural) if findings else 'nothing found'))
 
 
 def _json_text(world, findings):

@@ -81,7 +81,8 @@ def read_words(words):
         epilog='exit codes: 0 the run came to its end, 1 it did not, 2 it cannot be run like this, 3 a node crashed, '
                '4 a property is broken')
     add_plan_options(parser)
-    parser.add_argument('--event-log', type=_event_log, metavar='PATH', help="file for the run's events, .jsonl or .csv")
+    parser.add_argument('--event-log', type=_event_log, metavar='PATH',
+                        help="file for the run's events, .jsonl or .csv")
     parser.add_argument('--log-messages', action='store_true', help='messages and calls are events too')
     parser.add_argument('--speed-limit', type=_factor, default=None, metavar='F',
                         help='at most so many simulated seconds per wall second')
