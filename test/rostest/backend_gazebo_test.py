@@ -86,6 +86,7 @@ class GazeboBackend(unittest.TestCase):
 
     def test_4_poses_come_on_the_way_and_the_pose_topics_tell_the_same(self):
         truth = Record('/robot_1/base_pose_ground_truth', Odometry)
+        truth.wait_for(lambda message: message.pose.pose.position.x == 0.0)  # the last one: from now on all are heard
         self.assertEqual(go(self.robots[1], pose_stamped(20.0)), REACHED)
         self.gazebo.wait_for('husky', 20.0, 0.0)
         truth.wait_for(lambda message: message.pose.pose.position.x == 20.0)
