@@ -39,9 +39,15 @@ class Rounds:
         self._delay = self._begin = None
         self._handlers = {}
 
-    def begin(self, name, handlers):
-        """Wait for the first grant, as the node ``name``; ``handlers``: who takes in what grants list, by its kind."""
+    def prepare(self, name):
+        """Read how reports of the node ``name`` are held back, before anybody hears of it.
+
+        :raises ConfigurationError: if its environment says it in a wrong way.
+        """
         self._delay, self._begin = make_delay(name), make_beginning(name)
+
+    def begin(self, handlers):
+        """Wait for the first grant; ``handlers``: who takes in what grants list, by its kind."""
         self._handlers = {**handlers, wire.HAPPENED: self._on_happened}
         self.await_grant()
 

@@ -154,11 +154,12 @@ class Participant:
     def present(self, name, uri, rank):
         """Say hello and wait for the first grant, in which the calling thread gets the turn; ``rank``: None if none."""
         incarnation = (os.getpid() << 32) ^ (time.time_ns() & 0xffffffff)
+        self.rounds.prepare(name)
         self.members.uris[name] = uri
         self.connection.send(wire.hello(name, uri, rank or 0, rank is not None, incarnation, secret()))
         self.members.names[0] = name
         topics, services = self.topics, self.services
-        self.rounds.begin(name, {
+        self.rounds.begin({
             wire.PUBLISHER: topics.on_publisher, wire.NO_PUBLISHER: topics.on_no_publisher,
             wire.SUBSCRIBER: topics.on_subscriber, wire.NO_SUBSCRIBER: topics.on_no_subscriber,
             wire.DELIVER: topics.on_deliver, wire.HEARD: topics.on_heard, wire.CALL_IN: services.on_called,
