@@ -1,26 +1,18 @@
 // The radio in a session: what participants on different hosts hear of each other, and when.
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <string>
 #include <vector>
 
 #include "lockstep_client.h"
 #include "lockstep_items.h"
+#include "radio_motion.h"
 
 namespace move_base_abstract {
 namespace {
 
 using Texts = std::vector<std::string>;
 constexpr std::uint32_t kNews = 1;
-
-std::string piece(Nanoseconds begin, double x, double speed) {
-  const double numbers[] = {x, 0.0, speed, 0.0, 0.0, 0.0};
-  std::string bytes(8 + sizeof(numbers), '\0');
-  std::memcpy(bytes.data(), &begin, 8);
-  std::memcpy(bytes.data() + 8, numbers, sizeof(numbers));
-  return bytes;
-}
 
 /** @brief /base tells news, /robot_1/ear on another host listens, and so does /watch on none. */
 struct Air : Stage {

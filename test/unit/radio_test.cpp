@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <vector>
 
 #include "lockstep/radio/draws.h"
 #include "lockstep/radio/link_watch.h"
 #include "lockstep/radio/patterns.h"
+#include "radio_motion.h"
 
 namespace move_base_abstract::radio {
 namespace {
@@ -33,13 +33,6 @@ struct Two {
   HostId base, robot;
   Ticket ticket = 0;
 };
-
-std::string piece(Nanoseconds begin, std::vector<double> numbers) {
-  std::string bytes(8 * (1 + numbers.size()), '\0');
-  std::memcpy(bytes.data(), &begin, 8);  // the tests run on little endian computers
-  std::memcpy(bytes.data() + 8, numbers.data(), 8 * numbers.size());
-  return bytes;
-}
 
 TEST(Radio, ADelayOfMessageSizeAndLine) {
   Two two("delay 20000000 20000000 rate 1000000");                         // 20 ms, 1 Mbit/s

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <iterator>
 #include <set>
 #include <string>
@@ -15,6 +14,7 @@
 #include "lockstep/radio/radio.h"
 #include "lockstep_items.h"
 #include "lockstep_walkers.h"
+#include "radio_motion.h"
 
 namespace move_base_abstract {
 namespace {
@@ -146,14 +146,6 @@ TEST(RadioWindows, TheirRulesAreMissedWhereTheyAreBroken) {
     const Broken broken(rule);
     EXPECT_NE(runs(), whole) << rule;
   }
-}
-
-std::string piece(Nanoseconds begin, double x, double speed) {
-  const double numbers[] = {x, 0.0, speed, 0.0, 0.0, 0.0};
-  std::string bytes(8 + sizeof(numbers), '\0');
-  std::memcpy(bytes.data(), &begin, 8);
-  std::memcpy(bytes.data() + 8, numbers, sizeof(numbers));
-  return bytes;
 }
 
 /** @brief /base tells news and calls, /robot_1/ear listens and answers; it is 1200 ms. */

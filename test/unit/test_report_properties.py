@@ -5,7 +5,8 @@ from experiment_folder import write
 from move_base_abstract.lockstep.property_names import BUILT_IN
 from move_base_abstract.properties import Judgement
 from move_base_abstract.properties.judgement import Broken
-from move_base_abstract_experiments.report import outcome, page, properties
+from move_base_abstract_experiments.report import outcome, page
+from move_base_abstract_experiments.report.sections import properties
 from test_report_page import NASTY, report
 
 KEYS = {kind: (kind, '/bad', text) for kind, text in (

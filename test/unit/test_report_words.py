@@ -6,9 +6,10 @@ import random
 import pytest
 
 from experiment_folder import METRICS, write
-from move_base_abstract_experiments.report import effects, findings, how_ended, notable_trials, outcome, page
+from move_base_abstract_experiments.report import effects, findings, notable_trials, outcome, page
 from move_base_abstract_experiments.report.design import Factor
 from move_base_abstract_experiments.report.phrases import than_with_level, with_level
+from move_base_abstract_experiments.report.sections import how_ended
 from move_base_abstract_experiments.report.verdicts import verdict_of
 
 MAKESPAN = {'makespan_s': METRICS['makespan_s']}

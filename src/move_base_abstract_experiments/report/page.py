@@ -16,17 +16,15 @@ from . import (
     endings,
     findings,
     frames,
-    how_ended,
     intervals,
     listings,
     notable_trials,
     pictures,
-    properties,
-    validity,
 )
 from .colours import Looks
 from .outcome import FAILED, MISSING
 from .parts import Section
+from .sections import how_ended, properties, validity
 from .wording import MINUS, NBSP, UNKNOWN, counted, digits, duration, listed, scale_of, whole
 
 MARK = 'report of an experiment of move_base_abstract'

@@ -25,8 +25,8 @@ _CANNOT = 2
 def main():
     """Run the script, or be the node that takes part for one."""
     if sys.argv[1:2] == [_DEPUTY]:
-        from . import series_deputy
-        series_deputy.main(sys.argv[2])
+        from .series_run import deputy
+        deputy.main(sys.argv[2])
         return
     try:
         folder, options, words = _parse(sys.argv[1:])

@@ -57,6 +57,15 @@ bool name(unsigned char* out, int version, const void* caller) {
   return true;
 }
 
+using Generate = void(unsigned char*);
+
+/** @brief The same, or what libuuid's own @p function gives. */
+void nameOr(Generate* function, unsigned char* out, int version, const void* caller) {
+  if (!name(out, version, caller)) {
+    function(out);
+  }
+}
+
 /** @brief Tell of a draw from libc's generators, which all threads share, that has no order. */
 void checkOrder(const void* caller) {
   if (sees() == Sees::kStray) {
@@ -185,24 +194,18 @@ std::uint32_t arc4random_uniform(std::uint32_t bound) {
 // computer's address and at what was given out before for those by time.
 
 void uuid_generate(unsigned char* out) {
-  static auto* const function = shim::real<void(unsigned char*)>("uuid_generate");
-  if (!shim::name(out, 4, MOVE_BASE_ABSTRACT_CALLER)) {
-    function(out);
-  }
+  static auto* const function = shim::real<shim::Generate>("uuid_generate");
+  shim::nameOr(function, out, 4, MOVE_BASE_ABSTRACT_CALLER);
 }
 
 void uuid_generate_random(unsigned char* out) {
-  static auto* const function = shim::real<void(unsigned char*)>("uuid_generate_random");
-  if (!shim::name(out, 4, MOVE_BASE_ABSTRACT_CALLER)) {
-    function(out);
-  }
+  static auto* const function = shim::real<shim::Generate>("uuid_generate_random");
+  shim::nameOr(function, out, 4, MOVE_BASE_ABSTRACT_CALLER);
 }
 
 void uuid_generate_time(unsigned char* out) {
-  static auto* const function = shim::real<void(unsigned char*)>("uuid_generate_time");
-  if (!shim::name(out, 1, MOVE_BASE_ABSTRACT_CALLER)) {
-    function(out);
-  }
+  static auto* const function = shim::real<shim::Generate>("uuid_generate_time");
+  shim::nameOr(function, out, 1, MOVE_BASE_ABSTRACT_CALLER);
 }
 
 int uuid_generate_time_safe(unsigned char* out) {

@@ -90,13 +90,18 @@ class KernelTimers {
     if (!is_followed_) {
       is_followed_ = true;  // the first grant: those from before are not the kernel's any more
       for (const auto& [descriptor, timer] : timers_) {
-        setReal(descriptor, itimerspec{}, 0);
+        if (timer.due != kNever) {  // else a thread that takes no turns may have set it
+          setReal(descriptor, itimerspec{}, 0);
+        }
       }
     }
     for (auto& [descriptor, timer] : timers_) {
       if (timer.due <= seenTime(timer.clock)) {
         timer.due = timer.period > 0 ? timer.due + timer.period : kNever;
-        setReal(descriptor, {{0, 0}, {0, 1}}, TFD_TIMER_ABSTIME);
+        if (!setReal(descriptor, {{0, 0}, {0, 1}}, TFD_TIMER_ABSTIME)) {
+          timer.due = kNever;  // it was closed, and its number may be something else's
+          continue;
+        }
         pollfd readable{descriptor, POLLIN, 0};
         ::poll(&readable, 1, kLongestMs);
       }
@@ -115,9 +120,10 @@ class KernelTimers {
   }
 
  private:
-  static void setReal(int descriptor, const itimerspec& value, int flags) {
+  /** @return whether it is still a timer. */
+  static bool setReal(int descriptor, const itimerspec& value, int flags) {
     static SetTime* const function = real<SetTime>("timerfd_settime");
-    function(descriptor, flags, &value, nullptr);
+    return function(descriptor, flags, &value, nullptr) == 0;
   }
 
   void serve() {

@@ -53,6 +53,9 @@ void WaitedFor::add(const WaitedFor& other) {
 }
 
 WaitedFor lookAt(int descriptor) {
+  if (descriptor < 0) {
+    return {};  // poll() passes it by
+  }
   const Inside inside;
   const std::string name = nameOf(descriptor);
   if (name == "anon_inode:[eventpoll]") {

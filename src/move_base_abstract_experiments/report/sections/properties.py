@@ -5,10 +5,10 @@ from typing import NamedTuple
 from move_base_abstract.lockstep.property_names import ALL, BUILT_IN, SOMETIMES
 from move_base_abstract.properties.statements import BROKEN, HELD, KINDS
 
-from . import notable_trials
-from .listings import cut
-from .parts import Cell, Section, Table
-from .wording import UNKNOWN, counted, listed, whole
+from .. import notable_trials
+from ..listings import cut
+from ..parts import Cell, Section, Table
+from ..wording import UNKNOWN, counted, listed, whole
 
 HEADING = 'Properties'
 MOST_TOLD = 6

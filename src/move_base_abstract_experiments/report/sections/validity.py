@@ -1,7 +1,7 @@
 """How far a result can be trusted that used calibrations: the share of goals outside of what they were fitted to."""
 
-from .outcome import COMPLETE
-from .wording import digits, listed, whole
+from ..outcome import COMPLETE
+from ..wording import digits, listed, whole
 
 _WORDS = {'longer': 'were longer than any recorded leg', 'shorter': 'were shorter than any recorded leg',
           'turn': 'began with a larger turn than any recorded leg',

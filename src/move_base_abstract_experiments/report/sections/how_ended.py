@@ -1,13 +1,13 @@
 """How trials ended, in words: who failed, whom the limit of time ended, and whether shares of them differ."""
 
-from . import effects, endings, intervals
-from .findings import Finding
-from .outcome import COMPLETE, FAILED
-from .parts import Table
-from .phrases import amount, between, with_level
-from .ranking import turned
-from .sentences import difference_scale, over_text, pairs_text, sentence_case, spoken
-from .wording import NBSP, UNKNOWN, Scale, counted, listed, probability, whole, with_interval
+from .. import effects, endings, intervals
+from ..findings import Finding
+from ..outcome import COMPLETE, FAILED
+from ..parts import Table
+from ..phrases import amount, between, with_level
+from ..ranking import turned
+from ..sentences import difference_scale, over_text, pairs_text, sentence_case, spoken
+from ..wording import NBSP, UNKNOWN, Scale, counted, listed, probability, whole, with_interval
 
 MOST_TOLD = 6  # differences in sentences; all are in tables/endings.csv
 MOST_ROWS = 200

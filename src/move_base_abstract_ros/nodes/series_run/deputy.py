@@ -5,9 +5,9 @@ import rospy
 
 from move_base_abstract.common.errors import SimulatorError
 
-from .. import lockstep
-from ..launching.scripted.deputy_link import ANSWER, CALLBACK, DONE, ERROR, Function, LinkClosed, Thing, connect
-from ..replacing import rospy_start
+from ... import lockstep
+from ...launching.scripted.deputy_link import ANSWER, CALLBACK, DONE, ERROR, Function, LinkClosed, Thing, connect
+from ...replacing import rospy_start
 
 LEAVE = 'leave'
 
