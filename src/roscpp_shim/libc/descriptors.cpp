@@ -67,8 +67,10 @@ class DescriptorWait {
       return;
     }
     const WaitedFor what = look();
-    if (!what.is_own || !ordered()) {
+    if (!what.is_own) {
       tell(std::string(name) + " looks at a connection or a file, by the wall clock", caller);
+    } else if (!ordered()) {
+      tell(std::string(name) + " waits in a thread that lockstep does not order", caller);
     }
     // What others send comes by the wall; beside it an event loop's timers go by simulated time.
     is_simulated_ =
