@@ -24,12 +24,18 @@ def add_arguments(parser):
 def words_of(options):
     """Return the words of a command line that say the same."""
     words = [option for option, is_given in (('--adopt', options.adopt), ('--tolerant', options.tolerant)) if is_given]
-    for name, kind, arguments in options.add:
-        words += ['--add', '{}={}{}'.format(name, '/'.join(kind), ' ' + arguments if arguments else '')]
-    for name, pose in options.start:
-        words += ['--start', '{}={}'.format(name, ','.join(map(repr, pose)))]
-    for option, pairs in (('--param', options.param), ('--args', options.args)):
+    return words + words_for(options.add, options.args, options.param, options.start)
+
+
+def words_for(added, arguments, parameters, starts):
+    """Return the words that ask for these fields of a plan's wishes."""
+    words = []
+    for name, kind, given in added:
+        words += ['--add', '{}={}{}'.format(name, '/'.join(kind), ' ' + given if given else '')]
+    for option, pairs in (('--args', arguments), ('--param', parameters)):
         words += [word for pair in pairs for word in (option, '='.join(pair))]
+    for name, pose in starts:
+        words += ['--start', '{}={}'.format(name, ','.join(repr(float(value)) for value in pose))]
     return words
 
 

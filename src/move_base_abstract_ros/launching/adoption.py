@@ -6,7 +6,7 @@ from typing import NamedTuple
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.config.settings import read_settings
 
-from ..adopting import kinds, poses, reading, robots
+from ..adopting import kinds, options, poses, reading, robots
 from ..loopback import PACKAGE
 from . import programs, roles
 
@@ -40,19 +40,11 @@ def words_of(before, after):
 
     def new(field):
         return [one for one in getattr(after, field) if one not in getattr(before, field)]
-    for name, kind, arguments in new('added'):
-        words += ['--add', '{}={}{}'.format(name, '/'.join(kind), ' ' + arguments if arguments else '')]
     for name in new('left_out'):
         words += ['--leave-out', name]
     for old, kind in new('replaced'):
         words += ['--replace', '{}={}'.format('/'.join(old), '/'.join(kind))]
-    for name, arguments in new('arguments'):
-        words += ['--args', '{}={}'.format(name, arguments)]
-    for key, text in new('set'):
-        words += ['--param', '{}={}'.format(key, text)]
-    for name, pose in new('starts'):
-        words += ['--start', '{}={}'.format(name, ','.join(repr(float(value)) for value in pose))]
-    return words
+    return words + options.words_for(new('added'), new('arguments'), new('set'), new('starts'))
 
 
 class _Adoption:
