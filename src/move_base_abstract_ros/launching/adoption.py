@@ -8,7 +8,7 @@ from move_base_abstract.config.settings import read_settings
 
 from ..adopting import kinds, options, poses, reading, robots
 from ..loopback import PACKAGE
-from . import programs, roles
+from . import programs, roles, start_poses
 
 _STAGE_ARGUMENT = 1  # of move_base_abstract_actionserver: the simulator
 _OWN_CLOCKS = ('stage_ros', 'stage', 'gazebo')
@@ -202,7 +202,7 @@ class _Adoption:
             if name in asked or any(name + '/' + key in self.config.params for key in ('start_x', 'start_y')):
                 continue
             if start.hint is None:
-                if not self._is_placed_by_arguments(name):
+                if not self._is_placed(name):
                     self.remarks.append(
                         '{0} starts at (0, 0, 0): the file says no place; --start {0}=X,Y,YAW does'.format(name))
                 continue
@@ -217,8 +217,8 @@ class _Adoption:
         self._one_place([start.pose for start in found])
         return starts
 
-    def _is_placed_by_arguments(self, name):
-        return any(roles.name_of(node) == name and node.type != 'move_base' and len(poses.words_of(node.args)) > 4
+    def _is_placed(self, name):
+        return any(roles.name_of(node) == name and start_poses.is_placed(self.config, node)
                    for node in self.config.nodes)
 
     def _one_place(self, found):
