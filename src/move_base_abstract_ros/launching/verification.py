@@ -179,7 +179,7 @@ class Verification:
         for crash in self.runs[0].crashes:
             self._say('but {} (--crashes allow)'.format(crash))
         labels = ['but not called repeatable: {}'.format(label) for label in difference_report.label_lines(self.runs)]
-        if not counts.events and not counts.messages:
+        if not (counts.events or counts.messages or self.runs[0].bags):
             labels.append('but there was nothing to compare: no robot did anything, and no message went from one '
                           'participant to another')
         for label in labels:
