@@ -193,7 +193,6 @@ class Verification:
         _remove(self.runs[0])
         return LABELLED if labels else IDENTICAL
 
-
     def _say_next(self, text, *words):
         """Say what can be typed next; ``words`` come into the text, or all into its one place."""
         told = [shlex.quote(word) for word in words]
