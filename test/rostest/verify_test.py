@@ -107,7 +107,7 @@ class VerifyTest(OwnFolder, unittest.TestCase):
         told = said.partition('what /chance')[2].partition('likely causes')[0]
         self.assertEqual(told.count('message /ticks from /ticks to /chance'), 10, said)
         self.assertRegex(said, r'its fields, plain / again:\n  data: [0-9.]+ / [0-9.]+\n')
-        self.assertRegex(said, r'/chance: os.getpid in \S+chance.py, line 7: is another number in another run')
+        self.assertRegex(said, r"  '/chance': os.getpid in \S+chance.py, line 7: is another number in another run ")
         folder = said.partition('logs and outputs are in ')[2].strip()
         self.assertIn('rosrun move_base_abstract replay {0}/1_plain/events.jsonl {0}/2_again/events.jsonl\n'.format(
             folder), said)

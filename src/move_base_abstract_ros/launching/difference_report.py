@@ -7,15 +7,10 @@ from move_base_abstract.runs import run_difference
 from ..messages import message_fields
 from . import bag_difference
 
-_MOST_CAUSES = 12
-# What the launcher's warnings of sources that are not followed, and labels, have in them.
-_SOURCES = re.compile(r'(reads the wall clock|sleeps in wall time|is seeded|seeded by|hash|address|does not take part'
-                      r'|lockstep|not repeatable|random|wall|processor|comes when|run to run|another run)')
-_IN_PLACE = re.compile(r'(\S+: )?(.* in \S+, line [0-9]+: .*)')
 _COLOUR = re.compile('\x1b\\[[0-9;]*m')
 _REORDERED = 'what happens at this instant is the same in both runs, in another order: nodes were connected in ' \
              'another order, which is that in which they have registered with the ROS master, or talk past lockstep'
-_UNSEEN = 'the launcher has warned of no source of chance or wall time in these programs. It does not see the ' \
+_UNSEEN = 'the labels of these runs name no source of chance or wall time. Nobody sees the ' \
           'order in which nodes have registered with the ROS master, what another run at the same time does (files, ' \
           'shared memory), files of the run before, sets of objects and what libraries do'
 
@@ -76,19 +71,18 @@ def label_lines(runs):
 
 
 def cause_lines(difference, first, run):
-    """Yield what is likely, the sources that the launcher has warned of first, those of the nodes before others.
+    """Yield what is likely: the labels of both runs, those that name nodes of the difference first.
 
     :param difference: of events, or None.
     """
     nodes = list(difference.told) if difference is not None else []
-    found = sorted({line for one in (first, run) for line in _sources(one.output)},
-                   key=lambda line: (not any(node in line for node in nodes), line))
-    yield from found[:_MOST_CAUSES]
+    labels = sorted(label_lines([first, run]), key=lambda label: not any(node in label for node in nodes))
+    yield from labels
     if difference is not None and difference.is_reordered:
         yield _REORDERED
     if run.condition.points_at:
         yield run.condition.points_at
-    if not found:
+    if not labels:
         yield _UNSEEN
 
 
@@ -97,11 +91,3 @@ def lines_of(path):
     with open(path, encoding='utf-8', errors='replace') as stream:
         for line in stream:
             yield _COLOUR.sub('', line).rstrip()
-
-
-def _sources(path):
-    """Yield what the programs were warned of by the launcher, with file and line."""
-    for line in lines_of(path):
-        found = _IN_PLACE.search(line)
-        if found and _SOURCES.search(found.group(2)):
-            yield re.sub(r'^\[[^]]*\](\s*\[[^]]*\])?:?\s*', '', found.group(0))

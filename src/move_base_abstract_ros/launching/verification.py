@@ -160,8 +160,6 @@ class Verification:
         tell = difference_report.bag_lines if found.difference is None else difference_report.event_lines
         for line in tell(found.difference or found.bags, first, run):
             self._say(line)
-        for line in difference_report.label_lines([first, run]):
-            self._say('not called repeatable: {}'.format(line))
         self._say('likely causes:')
         for line in difference_report.cause_lines(found.difference, first, run):
             self._say('  ' + line)
