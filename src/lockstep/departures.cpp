@@ -57,7 +57,7 @@ void Departures::depart(MemberId id, const std::string& how) {
   if (!run_.rounds.started()) {
     run_.text.keepDeparture(member.name, how);
   }
-  run_.rounds.gone(id);
+  run_.rounds.members().gone(id);
   run_.changed.add(id, member);
 }
 
@@ -66,7 +66,7 @@ void Departures::die(MemberId id, const std::string& how) {
   if (found == run_.members.end() || found->second.departing) {
     return;  // it has left, and so may go
   }
-  const LockstepRounds::MemberState& state = *run_.rounds.find(id);
+  const MemberState& state = *run_.rounds.members().find(id);
   const std::string why = run_.text.quoted(id) + " died" + run_.text.at() + ": " + how +
                           (state.owes ? " while it owed " + run_.text.owed(state) : "");
   found->second.dead = true;
@@ -138,7 +138,8 @@ bool Departures::goesOnWithout(MemberId id) const {
     return true;
   }
   return std::any_of(
-      run_.rounds.members().begin(), run_.rounds.members().end(), [id](const auto& entry) {
+      run_.rounds.members().all().begin(), run_.rounds.members().all().end(),
+      [id](const auto& entry) {
         return entry.first != id && entry.second.present &&
                (entry.second.owes || entry.second.next != kNever || !entry.second.arrivals.empty());
       });

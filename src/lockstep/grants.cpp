@@ -39,7 +39,7 @@ void Grants::sendOne(const LockstepRounds::Grant& grant, SessionMember& member) 
   if (grant.happened) {
     wire::append(items, wire::Happened{*grant.happened});
   }
-  if (std::exchange(member.has_changed, false) && !run_.rounds.hasWindows()) {
+  if (std::exchange(member.has_changed, false) && !run_.rounds.windows().areThere()) {
     wire::append(items, wire::Changed{});
   }
   items += grant.later;
@@ -65,7 +65,7 @@ void Grants::sendOne(const LockstepRounds::Grant& grant, SessionMember& member) 
 ConnectionId Grants::lastAwaited() {
   while (!granted_.empty()) {
     const auto member = run_.members.find(granted_.back());
-    const LockstepRounds::MemberState* const state = run_.rounds.find(granted_.back());
+    const MemberState* const state = run_.rounds.members().find(granted_.back());
     if (member != run_.members.end() && state != nullptr && state->owes) {
       return member->second.connection;
     }

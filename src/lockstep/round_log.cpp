@@ -75,12 +75,12 @@ void RoundLog::addBefore() {
 
 void RoundLog::closeRound() {
   addBefore();
-  std::stable_sort(round_.begin(), round_.end(), [this](const Line& a, const Line& b) {
-    if (rounds_.before(a.order, b.order)) {
+  std::stable_sort(round_.begin(), round_.end(), [](const Line& a, const Line& b) {
+    if (isBefore(a.order, b.order)) {
       return true;
     }
     // Of one action (who dies cancels several calls) by what they say.
-    return !rounds_.before(b.order, a.order) && a.entry.values < b.entry.values;
+    return !isBefore(b.order, a.order) && a.entry.values < b.entry.values;
   });
   for (Line& line : round_) {
     log_.push_back(std::move(line.entry));

@@ -36,9 +36,9 @@ LockstepRun::LockstepRun(const LockstepSettings& given, Nanoseconds wall_now)
       rounds(settings),
       log(rounds, given.keeps_bytes),
       carriage([this]() { return rounds.now(); }, toNanoseconds(given.lookahead)),
-      router([this](MemberId id, Mail mail) { rounds.post(id, mail); },
+      router([this](MemberId id, Mail mail) { rounds.mail().post(id, mail); },
              [this](MemberId id, std::uint32_t sub, std::uint64_t number) {
-               return rounds.order(id, sub, number);
+               return rounds.members().order(id, sub, number);
              },
              given.log_messages ? MessageRouter::Trace([this](const auto& delivery) {
                log.add(delivery, [this](MemberId id) { return text.nameOf(id); });
@@ -97,7 +97,8 @@ void LockstepRun::beChaotic() {
                    [this](MemberId id, std::uint32_t number) {
                      return std::string(router.topicName(id, number));
                    }});
-  rounds.setArrange([this](MemberId id, std::vector<Mail>& mail) { order->arrangeMail(id, mail); });
+  rounds.mail().setArrange(
+      [this](MemberId id, std::vector<Mail>& mail) { order->arrangeMail(id, mail); });
   if (settings.chaos_delay != 0.0) {
     addCarrier(std::make_unique<chaos::Delays>(decisions, toNanoseconds(settings.chaos_delay)));
   }

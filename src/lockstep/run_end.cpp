@@ -9,7 +9,7 @@ namespace move_base_abstract {
 namespace {
 
 /** @return what a run stood in that is ended now, of ended_by. */
-const char* standstillCode(LockstepPhase phase) {
+std::string_view standstillCode(LockstepPhase phase) {
   return phase == LockstepPhase::kDeadlock        ? ended_by::kDeadlock
          : phase == LockstepPhase::kZeroDelayLoop ? ended_by::kZeroDelayLoop
                                                   : ended_by::kOther;
@@ -17,7 +17,7 @@ const char* standstillCode(LockstepPhase phase) {
 
 }  // namespace
 
-void RunEnd::endAsWished(const std::string& reason, const char* code) {
+void RunEnd::endAsWished(const std::string& reason, std::string_view code) {
   if (!run_.rounds.ended()) {
     ended_as_wished_ = true;
     code_ = code;
@@ -36,7 +36,7 @@ void RunEnd::end(const std::string& reason) {
   run_.connections.closeAll(reason, ended_as_wished_);
   run_.messages.say(LockstepMessage::Level::kInfo,
                     "the run ended" + run_.text.at() + " after " +
-                        std::to_string(run_.rounds.rounds() - run_.rounds.playedRounds()) +
+                        std::to_string(run_.rounds.clock().rounds - run_.rounds.clock().played) +
                         " rounds with " + std::to_string(run_.router.messages()) +
                         " messages: " + reason);
 }

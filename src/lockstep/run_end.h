@@ -3,6 +3,7 @@
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_END_H
 
 #include <string>
+#include <string_view>
 
 #include "run.h"
 
@@ -16,7 +17,7 @@ class RunEnd {
   /** @brief END to everybody. Reports of a round that is not over are lost. */
   void end(const std::string& reason);
   /** @brief end(), as the settings wish. @p code: of ended_by. */
-  void endAsWished(const std::string& reason, const char* code);
+  void endAsWished(const std::string& reason, std::string_view code);
   /** @brief end(), because the wall clock or somebody outside says so; see LockstepStatus::cut. */
   void endFromOutside(const std::string& reason);
   /** @brief End, and label, a run that has lost its ROS master. */
@@ -39,7 +40,7 @@ class RunEnd {
   /** @return why nothing happens any more: of a deadlock, a zero-delay loop, the end. */
   std::string reason() const;
   /** @return what has ended it, of ended_by. */
-  const char* code() const { return code_; }
+  std::string_view code() const { return code_; }
   /** @return whose departure has ended it as end_with says, or ''. */
   std::string node() const { return code_ == ended_by::kDeparture ? left_node_ : ""; }
   bool isAsWished() const { return ended_as_wished_; }
@@ -56,7 +57,7 @@ class RunEnd {
   std::string left_;   // end_with says that the run ends with who left
   std::string left_node_;
   std::string reason_;  // of the end
-  const char* code_ = ended_by::kOther;
+  std::string_view code_ = ended_by::kOther;
 };
 
 }  // namespace move_base_abstract

@@ -112,14 +112,14 @@ void LockstepSession::drop(ConnectionId id, const Connection& connection,
 void LockstepSession::takeReport(MemberId id, std::string_view frame) {
   const auto bytes = std::make_shared<const std::string>(frame);
   auto report = std::get<wire::Report>(wire::decodeFromParticipant(*bytes));
-  const LockstepRounds::MemberState& state = *run_.rounds.find(id);
+  const MemberState& state = *run_.rounds.members().find(id);
   if (!state.owes || state.round != report.round) {
     throw wire::MalformedFrame("REPORT must be of the round that was granted, " +
                                (state.owes ? std::to_string(state.round) : "none") + ", got " +
                                std::to_string(report.round));
   }
   const bool is_last = report.leaving;
-  if (run_.rounds.hasWindows()) {
+  if (run_.rounds.windows().areThere()) {
     walked_.take(id, std::move(report), bytes);
   } else {
     turns_.take(id, std::move(report), bytes);
@@ -166,7 +166,7 @@ std::vector<LockstepSession::Output> LockstepSession::poll(Nanoseconds wall) {
 /** @brief ... and those after it of which all turns have been told beforehand. */
 void LockstepSession::finishRound() {
   do {
-    if (run_.rounds.hasWindows()) {
+    if (run_.rounds.windows().areThere()) {
       walked_.apply();
     } else {
       turns_.apply();
@@ -179,7 +179,7 @@ void LockstepSession::finishRound() {
     if (!grants_.tooMuch().empty()) {
       end_.end(grants_.tooMuch());
     }
-    if (!run_.rounds.mailWaiting()) {
+    if (!run_.rounds.mail().isWaiting()) {
       turns_.forgetApplied();
     }
     departures_.sayGone();
@@ -299,39 +299,40 @@ void LockstepSession::labelIf(const std::string& why) {
 // ---- what holds leaps of time back --------------------------------------------------------
 
 void LockstepSession::pause() {
-  run_.rounds.pause();
+  run_.rounds.gate().pause();
   poll_due_ = true;
 }
 
 void LockstepSession::resume() {
-  run_.rounds.resume();
+  run_.rounds.gate().resume();
   keepEnd();
   poll_due_ = true;
 }
 
 Nanoseconds LockstepSession::step(Nanoseconds duration) {
-  const Nanoseconds target = run_.rounds.step(duration);
+  const Nanoseconds target = run_.rounds.gate().step(run_.rounds.windows().present(), duration);
   keepEnd();
   poll_due_ = true;
   return target;
 }
 
 void LockstepSession::runUntil(Nanoseconds target) {
-  run_.rounds.runUntil(target);
+  run_.rounds.gate().runUntil(run_.rounds.windows().present(), target);
   keepEnd();
   poll_due_ = true;
 }
 
 void LockstepSession::setLimit(double factor) {
-  run_.rounds.setLimit(factor);
+  run_.rounds.gate().setLimit(factor);
   poll_due_ = true;
 }
 
 /** @brief Time does not leap over end_at, whatever else the gate is told. */
 void LockstepSession::keepEnd() {
   const Nanoseconds end = toNanoseconds(run_.settings.end_at);
-  if (end != 0 && !run_.rounds.paused() && run_.rounds.target().value_or(kNever) > end) {
-    run_.rounds.runUntil(end);
+  if (end != 0 && !run_.rounds.gate().paused() &&
+      run_.rounds.gate().target().value_or(kNever) > end) {
+    run_.rounds.gate().runUntil(run_.rounds.windows().present(), end);
   }
 }
 
@@ -341,8 +342,8 @@ LockstepStatus LockstepSession::status() const {
   LockstepStatus status;
   status.phase = phase();
   status.time = run_.rounds.now();
-  status.microstep = run_.rounds.microstep();
-  status.paused = run_.rounds.paused();
+  status.microstep = run_.rounds.clock().microstep;
+  status.paused = run_.rounds.gate().paused();
   if (!run_.rounds.ended()) {
     status.waiting_for = run_.text.waitingFor(began_, run_.interruption, run_.router);
   }
@@ -356,10 +357,10 @@ LockstepStatus LockstepSession::status() const {
   status.ended_with = end_.node();
   status.ended_as_wished = end_.isAsWished();
   status.cut = end_.isCut();
-  status.limit = run_.rounds.limit();
-  status.run_until = run_.rounds.target();
-  status.rounds = run_.rounds.rounds() - run_.rounds.playedRounds();
-  status.leaps = run_.rounds.leaps();
+  status.limit = run_.rounds.gate().limit();
+  status.run_until = run_.rounds.gate().target();
+  status.rounds = run_.rounds.clock().rounds - run_.rounds.clock().played;
+  status.leaps = run_.rounds.clock().leaps;
   status.messages = run_.router.messages();
   status.chaos = chaosText(run_.settings);
   return status;

@@ -63,13 +63,13 @@ class LockstepSession {
   bool takesPart(ConnectionId connection) const {
     return run_.connections.memberOf(connection) != 0;
   }
-  std::uint64_t rounds() const { return run_.rounds.rounds(); }
+  std::uint64_t rounds() const { return run_.rounds.clock().rounds; }
   /** @return how many have not reported in the present round. */
-  std::size_t owing() const { return run_.rounds.owing(); }
+  std::size_t owing() const { return run_.rounds.members().owing(); }
   bool ended() const { return run_.rounds.ended(); }
 
   Nanoseconds now() const { return run_.rounds.now(); }  // simulated
-  std::uint32_t microstep() const { return run_.rounds.microstep(); }
+  std::uint32_t microstep() const { return run_.rounds.clock().microstep; }
   LockstepPhase phase() const { return run_.rounds.phase(run_.wall); }
   LockstepStatus status() const;
 

@@ -17,7 +17,7 @@ std::string also(const char* words, const std::string& what) {
 }  // namespace
 
 void Silence::handle(const LockstepRounds::Event& event) {
-  const LockstepRounds::MemberState* member = run_.rounds.find(event.member);
+  const MemberState* member = run_.rounds.members().find(event.member);
   if (!member) {
     return;
   }
@@ -42,7 +42,7 @@ void Silence::handle(const LockstepRounds::Event& event) {
 }
 
 void Silence::takeBusy(MemberId id, const wire::Busy& busy) {
-  const LockstepRounds::MemberState* const state = run_.rounds.find(id);
+  const MemberState* const state = run_.rounds.members().find(id);
   if (state == nullptr || !state->owes || state->round != busy.round) {
     return;  // it has reported meanwhile
   }

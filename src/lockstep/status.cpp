@@ -17,7 +17,7 @@ std::string StatusText::nameOf(MemberId id) const {
   return found == members_.end() ? "" : found->second.name;
 }
 
-std::string StatusText::owed(const LockstepRounds::MemberState& member) const {
+std::string StatusText::owed(const MemberState& member) const {
   std::vector<std::string> parts;
   if (member.granted_mail > 0) {
     parts.push_back(countText(member.granted_mail, "message"));
@@ -33,7 +33,7 @@ std::string StatusText::owed(const LockstepRounds::MemberState& member) const {
 std::vector<std::string> StatusText::waiting() const {
   std::vector<std::string> parts;
   for (const LockstepStatus::Participant& member : participants()) {
-    const auto count = member.open + rounds_.find(member.id)->idle;
+    const auto count = member.open + rounds_.members().find(member.id)->idle;
     if (count > 0) {
       parts.push_back(quote(member.name) + " has " + countText(count, "waiting thread") +
                       (member.waits_for.empty() ? "" : " (" + member.waits_for + ")"));
@@ -127,7 +127,7 @@ std::vector<LockstepStatus::Waiting> StatusText::waitingFor(Nanoseconds began,
     waiting.push_back({nameOf(id), since, "the end that it was told to come to", "", ""});
   }
   for (const MemberId id : rounds_.latestRound()) {
-    const LockstepRounds::MemberState* member = rounds_.find(id);
+    const MemberState* member = rounds_.members().find(id);
     if (member && member->owes && !interruption.concerns(id)) {
       waiting.push_back({member->name, member->granted_wall, owed(*member), members_.at(id).where,
                          told(id, router)});
@@ -143,11 +143,11 @@ std::vector<LockstepStatus::Participant> StatusText::participants() const {
       ids.push_back(id);
     }
   }
-  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return rounds_.before(a, b); });
+  rounds_.members().sort(ids);
   std::vector<LockstepStatus::Participant> participants;
   for (const MemberId id : ids) {
     const SessionMember& member = members_.at(id);
-    const LockstepRounds::MemberState& state = *rounds_.find(id);
+    const MemberState& state = *rounds_.members().find(id);
     participants.push_back({id, member.name, member.node_uri, state.rank,
                             state.next == kNever ? std::nullopt : std::optional(state.next),
                             state.open, member.waits_for, member.tells, state.knocked,
@@ -161,7 +161,7 @@ std::string StatusText::standstill(LockstepPhase phase, const OpenGoals& goals) 
     case LockstepPhase::kDeadlock:
       return "deadlock" + at() + ": nobody wants to wake up, but " + stuck(goals);
     case LockstepPhase::kZeroDelayLoop:
-      return "zero-delay loop" + at() + ": " + std::to_string(rounds_.microstep()) +
+      return "zero-delay loop" + at() + ": " + std::to_string(rounds_.clock().microstep) +
              " microsteps at one instant, the last of them by " + latestRound();
     default:
       return "";

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "clock/number_text.h"
@@ -21,12 +22,13 @@ namespace move_base_abstract {
 
 /** @brief What ended a run, as a code for programs: the reason is for people. */
 namespace ended_by {
-constexpr const char* kEndAt = "end_at";         // the setting
-constexpr const char* kIdle = "idle";            // nobody had anything left to do
-constexpr const char* kDeparture = "departure";  // of a node that end_with names
-constexpr const char* kDeadlock = "deadlock";    // ... and somebody waited for what was owed to it
-constexpr const char* kZeroDelayLoop = "zero_delay_loop";  // it stood in one
-constexpr const char* kOther = "other";
+inline constexpr std::string_view kEndAt = "end_at";         // the setting
+inline constexpr std::string_view kIdle = "idle";            // nobody had anything left to do
+inline constexpr std::string_view kDeparture = "departure";  // of a node that end_with names
+inline constexpr std::string_view kDeadlock =
+    "deadlock";  // ... and somebody waited for what was owed to it
+inline constexpr std::string_view kZeroDelayLoop = "zero_delay_loop";  // it stood in one
+inline constexpr std::string_view kOther = "other";
 }  // namespace ended_by
 
 /** @brief All that a state message tells. */
@@ -99,7 +101,7 @@ class StatusText {
   std::string nameOf(MemberId id) const;
   std::string quoted(MemberId id) const { return quote(nameOf(id)); }
   /** @return what the member owes: "the report of round 17 (3 messages, wake-up due)". */
-  std::string owed(const LockstepRounds::MemberState& member) const;
+  std::string owed(const MemberState& member) const;
   /** @return of a deadlock and a zero-delay loop: who and why; else ''. */
   std::string standstill(LockstepPhase phase, const OpenGoals& goals) const;
   /** @return that nobody has anything left to do, and whose threads wait for work. */

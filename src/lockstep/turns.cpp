@@ -43,7 +43,7 @@ void Turns::apply() {
     return;
   }
   std::vector<MemberId> ids = run_.changed.take();
-  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return run_.rounds.before(a, b); });
+  run_.rounds.members().sort(ids);
   if (run_.order) {
     run_.order->arrangeTurns(ids, [this](MemberId id) { return changesOthers(id); });
   }
@@ -89,26 +89,26 @@ void Turns::applyOne(MemberId id, SessionMember& member) {
 void Turns::applyItem(MemberId id, SessionMember& member, const wire::ReportItem& item) {
   const std::uint64_t number = member.actions++;
   if (const auto* log = std::get_if<wire::Log>(&item)) {
-    run_.log.add(run_.rounds.order(id, log->sub, number), *log);
+    run_.log.add(run_.rounds.members().order(id, log->sub, number), *log);
   } else if (const auto* note = std::get_if<wire::Note>(&item)) {
     applyNote(member, *note);
   } else if (std::holds_alternative<wire::Rest>(item)) {
-    run_.rounds.rest(id);
+    run_.rounds.members().rest(id);
   } else if (std::holds_alternative<wire::Background>(item)) {
-    run_.rounds.background(id);
+    run_.rounds.members().background(id);
   } else if (const auto* parameter = std::get_if<wire::Parameter>(&item)) {
     applyParameter(member, *parameter);
   } else if (const auto* asks = std::get_if<wire::Asks>(&item)) {
     run_.labels.addIfAny(run_.parameters.asks(member.name, asks->name));
   } else if (const auto* idle = std::get_if<wire::Idle>(&item)) {
-    run_.rounds.idle(id, idle->count);
+    run_.rounds.members().idle(id, idle->count);
   } else if (const auto* keep = std::get_if<wire::KeepUntil>(&item)) {
-    run_.rounds.keepUntil(id, keep->time_ns);
+    run_.rounds.members().keepUntil(id, keep->time_ns);
   } else if (const auto* motion = std::get_if<wire::Motion>(&item)) {
     applyMotion(id, member, *motion);
   } else {
     if (std::holds_alternative<wire::Hears>(item)) {
-      run_.rounds.hurry(id);
+      run_.rounds.mail().hurry(id);
     }
     run_.router.apply(id, number, item);
   }

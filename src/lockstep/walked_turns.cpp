@@ -25,12 +25,12 @@ void checkSets(const SessionMember& member, const PendingTurn& turn) {
 void WalkedTurns::take(MemberId id, wire::Report report,
                        const std::shared_ptr<const std::string>& bytes) {
   SessionMember& member = run_.members.at(id);
-  const LockstepRounds::MemberState& state = *run_.rounds.find(id);
+  const MemberState& state = *run_.rounds.members().find(id);
   std::deque<WalkedTurn> turns = takeWalked(report, bytes, state.latest, state.window_end);
   for (const WalkedTurn& walked : turns) {
     checkSets(member, walked.turn);
   }
-  run_.rounds.walked(id, turns.back().at);
+  run_.rounds.windows().walked(id, turns.back().at);
   run_.rounds.report(id, report.leaving ? kNever : report.next_ns, report.leaving ? 0 : report.open,
                      run_.wall);
   takeAtOnce(id, &turns);
@@ -45,15 +45,16 @@ void WalkedTurns::takeAtOnce(MemberId id, std::deque<WalkedTurn>* turns) {
     std::vector<wire::ReportItem> kept;
     for (wire::ReportItem& item : walked.turn.items) {
       if (std::holds_alternative<wire::Rest>(item)) {
-        run_.rounds.rest(id);
+        run_.rounds.members().rest(id);
       } else if (std::holds_alternative<wire::Background>(item)) {
-        run_.rounds.background(id);
+        run_.rounds.members().background(id);
       } else if (const auto* idle = std::get_if<wire::Idle>(&item)) {
-        run_.rounds.idle(id, idle->count);
+        run_.rounds.members().idle(id, idle->count);
       } else if (const auto* set = std::get_if<wire::Parameter>(&item)) {
-        sets_.push_back({walked.at, run_.rounds.order(id, 0, member.actions + sets_.size()),
+        sets_.push_back({walked.at,
+                         run_.rounds.members().order(id, 0, member.actions + sets_.size()),
                          member.name, walked.turn.frame, *set});
-        run_.rounds.holdUntil(id, walked.at);  // it is to see what it has set
+        run_.rounds.windows().holdUntil(id, walked.at);  // it is to see what it has set
       } else {
         kept.push_back(item);
       }
@@ -82,11 +83,11 @@ void WalkedTurns::apply() {
   Nanoseconds last = kNever;
   while (!end_.stopsTurns()) {
     const Nanoseconds at = first();
-    if (at == kNever || at >= run_.rounds.windowBegin()) {
-      last = run_.rounds.windowBegin();
+    if (at == kNever || at >= run_.rounds.windows().begin()) {
+      last = run_.rounds.windows().begin();
       break;
     }
-    run_.rounds.arriveUntil(at);
+    run_.rounds.windows().arriveUntil(at);
     applyInstant(at);
     last = at;
   }
@@ -104,13 +105,13 @@ void WalkedTurns::applyGone() {
   if (ids.empty()) {
     return;
   }
-  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return run_.rounds.before(a, b); });
-  run_.rounds.beginInstant(run_.rounds.now());
+  run_.rounds.members().sort(ids);
+  run_.rounds.windows().beginInstant(run_.rounds.now());
   for (const MemberId id : ids) {
     departures_.apply(id);
   }
   turns_.finish();
-  run_.rounds.endInstant();
+  run_.rounds.windows().endInstant();
 }
 
 void WalkedTurns::applyInstant(Nanoseconds at) {
@@ -120,8 +121,8 @@ void WalkedTurns::applyInstant(Nanoseconds at) {
       ids.push_back(id);
     }
   }
-  std::sort(ids.begin(), ids.end(), [this](auto a, auto b) { return run_.rounds.before(a, b); });
-  run_.rounds.beginInstant(at);
+  run_.rounds.members().sort(ids);
+  run_.rounds.windows().beginInstant(at);
   for (const MemberId id : ids) {
     SessionMember& member = run_.members.at(id);
     while (!member.walked.empty() && member.walked.front().at == at) {
@@ -135,13 +136,13 @@ void WalkedTurns::applyInstant(Nanoseconds at) {
   }
   run_.changed.clear();  // who was dropped for what it has done has departed
   turns_.finish();
-  run_.rounds.endInstant();
+  run_.rounds.windows().endInstant();
 }
 
 /** @brief The ROS master is told of what was set up to @p until, itself included. */
 void WalkedTurns::applySets(Nanoseconds until) {
-  std::stable_sort(sets_.begin(), sets_.end(), [this](const WalkedSet& a, const WalkedSet& b) {
-    return a.at != b.at ? a.at < b.at : run_.rounds.before(a.order, b.order);
+  std::stable_sort(sets_.begin(), sets_.end(), [](const WalkedSet& a, const WalkedSet& b) {
+    return a.at != b.at ? a.at < b.at : isBefore(a.order, b.order);
   });
   const auto later = std::find_if(sets_.begin(), sets_.end(),
                                   [until](const WalkedSet& set) { return set.at > until; });

@@ -55,19 +55,23 @@ TEST(Settings, OutOfRangeAreRefusedWithWhatIsAllowed) {
 
 // ---- the end of an instant --------------------------------------------------------------------
 
-LockstepRounds pairAtRest() {
+LockstepSettings settledAtOnce() {
   LockstepSettings settings;
   settings.settle = 0.0;
-  LockstepRounds rounds(settings);
-  rounds.add(1, "/a", 1000, 0);
-  rounds.add(2, "/b", 1000, 0);
-  rounds.decide(kOne);
-  return rounds;
+  return settings;
 }
 
+struct PairAtRest : LockstepRounds {
+  PairAtRest() : LockstepRounds(settledAtOnce()) {
+    add(1, "/a", 1000, 0);
+    add(2, "/b", 1000, 0);
+    decide(kOne);
+  }
+};
+
 TEST(Rest, IsGrantedWhenNobodyHasAnythingLeftToDoAtTheInstant) {
-  LockstepRounds rounds = pairAtRest();
-  rounds.rest(1);
+  PairAtRest rounds;
+  rounds.members().rest(1);
   rounds.report(1, kNever, 0, kOne);
   rounds.report(2, rounds.now(), 0, kOne);  // once more at this instant
   auto grants = rounds.decide(kOne);
@@ -86,20 +90,20 @@ TEST(Rest, IsGrantedWhenNobodyHasAnythingLeftToDoAtTheInstant) {
 }
 
 TEST(Background, AloneIsNoReasonForTimeToGoOn) {
-  LockstepRounds rounds = pairAtRest();
+  PairAtRest rounds;
   const Nanoseconds later = rounds.now() + 10;
   rounds.report(1, later, 0, kOne);
-  rounds.background(1);
+  rounds.members().background(1);
   rounds.report(2, kNever, 0, kOne);
   EXPECT_TRUE(rounds.decide(kOne).empty());
   EXPECT_EQ(rounds.phase(kOne), LockstepPhase::kIdle);
 }
 
 TEST(Background, HasItsInstantWhereTimeGoesOnForOthers) {
-  LockstepRounds rounds = pairAtRest();
+  PairAtRest rounds;
   const Nanoseconds begin = rounds.now();
   rounds.report(1, begin + 10, 0, kOne);
-  rounds.background(1);
+  rounds.members().background(1);
   rounds.report(2, begin + 20, 0, kOne);
   auto grants = rounds.decide(kOne);
   ASSERT_EQ(grants.size(), 1U);
@@ -113,23 +117,23 @@ TEST(Background, HasItsInstantWhereTimeGoesOnForOthers) {
 }
 
 TEST(Rest, OfAllComesAtOnceAndNotForThoseWhoHaveGone) {
-  LockstepRounds rounds = pairAtRest();
-  rounds.rest(2);
-  rounds.rest(1);
+  PairAtRest rounds;
+  rounds.members().rest(2);
+  rounds.members().rest(1);
   rounds.report(1, kNever, 0, kOne);
   rounds.report(2, kNever, 0, kOne);
   EXPECT_EQ(rounds.decide(kOne).size(), 2U);
-  rounds.rest(1);
-  rounds.rest(2);
+  rounds.members().rest(1);
+  rounds.members().rest(2);
   rounds.report(1, kNever, 0, kOne);
-  rounds.gone(2);
+  rounds.members().gone(2);
   rounds.remove(2);
   EXPECT_EQ(rounds.decide(kOne).size(), 1U);
 }
 
 TEST(Rest, EndsWithAnyOtherGrant) {
-  LockstepRounds rounds = pairAtRest();
-  rounds.rest(1);
+  PairAtRest rounds;
+  rounds.members().rest(1);
   rounds.report(1, rounds.now(), 0, kOne);
   rounds.report(2, kNever, 0, kOne);
   EXPECT_EQ(rounds.decide(kOne).size(), 1U);

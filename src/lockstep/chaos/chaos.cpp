@@ -94,9 +94,8 @@ void Order::arrangeTurns(std::vector<MemberId>& ids, const std::function<bool(Me
 
 void Order::arrangeMail(MemberId receiver, std::vector<Mail>& mail) {
   std::vector<Mail> sorted = mail;
-  std::stable_sort(sorted.begin(), sorted.end(), [this](const Mail& a, const Mail& b) {
-    return rounds_.before(a.order, b.order);
-  });
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [this](const Mail& a, const Mail& b) { return isBefore(a.order, b.order); });
   if (are_turns_moved_) {
     keepPosted(mail, sorted);
   }

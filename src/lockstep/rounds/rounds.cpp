@@ -1,6 +1,7 @@
 #include "rounds.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "clock/time_master.h"
 
@@ -13,66 +14,45 @@ constexpr Nanoseconds kLastInstant = TimeMaster::kLastInstant;
 
 LockstepRounds::LockstepRounds(const LockstepSettings& settings)
     : settings_(checkedSettings(settings)),
-      lookahead_(toNanoseconds(settings.lookahead)),
-      time_(std::max<Nanoseconds>(1, toNanoseconds(settings.start_time))),
-      paused_(settings.start_paused),
-      limit_(checkedLimit(settings.limit)) {}
+      clock_{std::max<Nanoseconds>(1, toNanoseconds(settings.start_time))},
+      mail_(members_, clock_, settings.lookahead > 0.0, settings.keep_unread),
+      windows_(members_, clock_, mail_, outside_, toNanoseconds(settings.lookahead)),
+      gate_(settings.limit, settings.start_paused),
+      watch_(members_, toNanoseconds(settings.silence_limit)) {}
 
 // ---- members ---------------------------------------------------------------------------------
 
 void LockstepRounds::add(MemberId id, const std::string& name, std::int32_t rank,
                          Nanoseconds wall) {
-  MemberState& member = members_[id];
-  member.name = name;
-  member.rank = rank;
+  MemberState& member = members_.add(id, name, rank);
   const auto& declared = settings_.idle_nodes;
   member.waits_for_work = std::find(declared.begin(), declared.end(), name) != declared.end();
-  places_.add(id, name);
   last_join_ = wall;
   if (started_) {
-    makeReady(id, member);  // its first grant
-  }
-}
-
-void LockstepRounds::gone(MemberId id) {
-  MemberState& member = at(id);
-  if (!member.present) {
-    return;
-  }
-  member.present = false;
-  setNext(id, member, kNever);
-  member.foreseen.clear();
-  member.open = member.idle = 0;
-  if (member.owes) {
-    member.owes = false;
-    --owing_;
+    members_.makeReady(id, member);  // its first grant
   }
 }
 
 void LockstepRounds::remove(MemberId id) {
-  gone(id);
-  mail_waiting_ -= at(id).mail.size();
-  members_.erase(id);
-  places_.remove(id);
+  mail_.forget(members_.at(id));
+  members_.remove(id);
 }
 
 void LockstepRounds::knock(MemberId id) {
-  MemberState& member = at(id);
+  MemberState& member = members_.at(id);
   member.knocked = true;
   if (started_) {
-    makeReady(id, member);
+    members_.makeReady(id, member);
   }
 }
 
 void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, Nanoseconds wall,
                             std::deque<Nanoseconds> foreseen) {
-  MemberState& member = at(id);
-  if (member.silence_told) {
-    member.silence_told = false;
+  MemberState& member = members_.at(id);
+  if (std::exchange(member.silence_told, false)) {
     events_.push_back({Event::Kind::kAnswered, id, wall - member.granted_wall});
   }
-  member.owes = false;
-  --owing_;
+  members_.settle(member);
   member.open = open;
   member.idle = 0;
   member.background = false;
@@ -81,68 +61,37 @@ void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, N
   member.after_foreseen = next > kLastInstant ? kNever : next;
   member.happened = foreseen.empty() ? std::nullopt : std::optional<std::uint32_t>(0);
   member.foreseen = std::move(foreseen);
-  setNext(id, member, member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
-  if (next <= (hasWindows() ? member.latest : time_)) {
-    makeReady(id, member);
-  }
-}
-
-LockstepRounds::MemberState& LockstepRounds::at(MemberId id) { return members_.at(id); }
-
-const LockstepRounds::MemberState* LockstepRounds::find(MemberId id) const {
-  const auto found = members_.find(id);
-  return found == members_.end() ? nullptr : &found->second;
-}
-
-void LockstepRounds::makeReady(MemberId id, MemberState& member) {
-  if (!member.ready) {
-    member.ready = true;
-    ready_.push_back(id);
-  }
-}
-
-void LockstepRounds::rest(MemberId id) {
-  MemberState& member = at(id);
-  if (!member.resting) {
-    member.resting = true;
-    resting_.push_back(id);
-  }
-}
-
-void LockstepRounds::setNext(MemberId id, MemberState& member, Nanoseconds next) {
-  if (member.next != kNever) {
-    due_.erase({member.next, id});
-  }
-  member.next = next;
-  if (next != kNever) {
-    due_.insert({next, id});
+  members_.setNext(id, member,
+                   member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
+  if (next <= (windows_.areThere() ? member.latest : clock_.time)) {
+    members_.makeReady(id, member);
   }
 }
 
 // ---- decisions -------------------------------------------------------------------------------
 
-bool LockstepRounds::settled() const { return owing_ == 0; }
+bool LockstepRounds::settled() const { return members_.owing() == 0; }
 
 std::vector<LockstepRounds::Grant> LockstepRounds::decide(Nanoseconds wall) {
-  if (ended_ || zero_delay_loop_) {
+  if (ended() || zero_delay_loop_) {
     return {};
   }
-  held_by_limit_ = false;
+  gate_.forgetLimit();
   if (!started_) {
     return mayStart(wall) ? start(wall) : std::vector<Grant>{};
   }
-  if (hasWindows()) {
+  if (windows_.areThere()) {
     return nextWindow(wall);
   }
-  keepPosted();
-  if (ready_.empty()) {
-    wakeResting();
+  mail_.keepPosted();
+  if (members_.ready().empty()) {
+    members_.wakeResting();
   }
-  return ready_.empty() ? leap(wall) : nextMicrostep(wall);
+  return members_.ready().empty() ? leap(wall) : nextMicrostep(wall);
 }
 
 bool LockstepRounds::mayStart(Nanoseconds wall) const {
-  if (members_.empty()) {
+  if (members_.all().empty()) {
     return false;
   }
   if (!settings_.participants.empty()) {
@@ -153,38 +102,38 @@ bool LockstepRounds::mayStart(Nanoseconds wall) const {
 
 std::vector<LockstepRounds::Grant> LockstepRounds::start(Nanoseconds wall) {
   started_ = true;
-  last_leap_ = wall;
+  gate_.leapt(wall);
   events_.push_back({Event::Kind::kStarted});
   std::vector<MemberId> ids;
-  for (auto& [id, member] : members_) {
+  for (const auto& [id, member] : members_.all()) {
     ids.push_back(id);
-    member.ready = true;
+    members_.at(id).ready = true;
   }
-  return hasWindows() ? grantWindow(time_, wall) : grant(std::move(ids), wall);
+  return windows_.areThere() ? grantWindow(clock_.time, wall) : grant(std::move(ids), wall);
 }
 
 std::vector<LockstepRounds::Grant> LockstepRounds::nextMicrostep(Nanoseconds wall) {
   std::vector<MemberId> ids;
-  for (const MemberId id : ready_) {
-    const auto found = members_.find(id);
-    if (found != members_.end() && found->second.ready) {
+  for (const MemberId id : members_.ready()) {
+    const MemberState* const found = members_.find(id);
+    if (found != nullptr && found->ready) {
       ids.push_back(id);
     }
   }
   if (ids.empty()) {
-    ready_.clear();
+    members_.dropGranted();
     return leap(wall);
   }
   if (isLoop()) {
     return {};
   }
-  ++microstep_;
+  ++clock_.microstep;
   return grant(std::move(ids), wall);
 }
 
 /** @brief Before one more round at the present instant. @return whether there were too many. */
 bool LockstepRounds::isLoop() {
-  if (microstep_ >= settings_.max_microsteps) {
+  if (clock_.microstep >= settings_.max_microsteps) {
     zero_delay_loop_ = true;
     events_.push_back({Event::Kind::kZeroDelayLoop});
   }
@@ -197,11 +146,14 @@ std::vector<LockstepRounds::Grant> LockstepRounds::leap(Nanoseconds wall) {
     if (!goTo(nextTime(), wall)) {
       return {};
     }
-    if (nextArrival() <= time_) {
+    if (outside_.next() <= clock_.time) {
       ids = arrive();
     }
-    for (auto due = due_.begin(); due != due_.end() && due->first <= time_; ++due) {
-      ids.push_back(due->second);
+    for (const auto& [due, id] : members_.due()) {
+      if (due > clock_.time) {
+        break;
+      }
+      ids.push_back(id);
     }
   }
   return grant(std::move(ids), wall);
@@ -215,107 +167,133 @@ bool LockstepRounds::goTo(Nanoseconds next, Nanoseconds wall) {
       return false;  // the run ends here, not at a later end that it has, too
     }
   }
-  if (paused_) {
+  const Nanoseconds to = gate_.stopBefore(next);
+  if (!gate_.mayGo(clock_.time, to, wall)) {
     return false;
   }
-  const bool to_target = target_ && next > *target_;
-  const Nanoseconds to = to_target ? *target_ : next;
-  if (to == kNever) {
-    return false;
+  if (clock_.moveTo(to)) {
+    gate_.leapt(wall);
   }
-  held_by_limit_ = wall < leapWall(to);
-  if (held_by_limit_) {
-    return false;
-  }
-  moveTo(to, wall);
-  if (to_target) {
-    paused_ = true;
-    target_reached_ = true;
-    target_.reset();
+  if (to < next) {
+    gate_.reach();
     events_.push_back({Event::Kind::kTargetReached});
   }
-  return !to_target;
+  return to == next;
 }
 
-void LockstepRounds::moveTo(Nanoseconds to, Nanoseconds wall) {
-  if (to == time_) {
-    return;
+/**
+ * @brief What was under way comes, as a round of its own that nobody is granted: what is kept of it
+ * comes after what was kept before.
+ * @return those to grant for it that are not due anyway.
+ */
+std::vector<MemberId> LockstepRounds::arrive() {
+  ++clock_.rounds;
+  ++clock_.played;
+  outside_.arrive();
+  mail_.keepPosted();
+  std::vector<MemberId> ids;
+  for (const MemberId id : members_.ready()) {
+    const MemberState* const member = members_.find(id);
+    if (member != nullptr && member->ready && member->next > clock_.time) {
+      ids.push_back(id);
+    }
   }
-  time_ = to;
-  microstep_ = 0;
-  last_leap_ = wall;
-  ++leaps_;
+  return ids;
 }
 
-Nanoseconds LockstepRounds::leapWall(Nanoseconds to) const {
-  if (limit_ == 0 || to <= time_) {
-    return last_leap_;
+/** @brief With a lookahead, once nobody can do anything before the next window any more, and all
+ * that was done before is applied. */
+std::vector<LockstepRounds::Grant> LockstepRounds::nextWindow(Nanoseconds wall) {
+  for (Nanoseconds due = outside_.next(); due < windows_.begin(); due = outside_.next()) {
+    if (!goTo(due, wall)) {
+      return {};
+    }
+    windows_.arriveUntil(due);  // the window may begin sooner for it
   }
-  __extension__ using Wide = __int128;
-  const Wide distance = static_cast<Wide>(to - time_) * kFactorUnit;
-  const Wide wall = last_leap_ + (distance + limit_ - 1) / limit_;
-  return wall > kNever ? kNever : static_cast<Nanoseconds>(wall);
+  const Nanoseconds begin = windows_.begin();
+  if (begin == clock_.time) {
+    if (isLoop()) {
+      return {};
+    }
+    ++clock_.microstep;
+    return grantWindow(begin, wall);
+  }
+  const bool stays = !gate_.target() || settings_.end_when_idle;
+  if (begin == kNever && stays && !gate_.paused()) {  // it stands where the last one did something
+    const Nanoseconds last = windows_.latest();
+    clock_.microstep = last == clock_.time ? clock_.microstep : 0;
+    clock_.time = last;
+  }
+  return goTo(begin, wall) ? grantWindow(begin, wall) : std::vector<Grant>{};
+}
+
+std::vector<LockstepRounds::Grant> LockstepRounds::grantWindow(Nanoseconds begin,
+                                                               Nanoseconds wall) {
+  std::vector<MemberId> ids = windows_.open(begin, gate_);
+  ++clock_.rounds;
+  idle_ = false;
+  std::vector<Grant> grants;
+  for (const MemberId id : ids) {
+    MemberState& member = members_.at(id);
+    const Nanoseconds next = windows_.nextOf(member);
+    grants.push_back(grantOne(id, member, wall));
+    grants.back().time = next;
+    grants.back().later += windows_.enter(member, next);
+  }
+  watch_.begin(std::move(ids), wall);
+  return grants;
 }
 
 std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> ids,
                                                          Nanoseconds wall) {
-  std::sort(ids.begin(), ids.end(), [this](MemberId a, MemberId b) { return before(a, b); });
-  ++rounds_;
+  members_.sort(ids);
+  ++clock_.rounds;
   idle_ = false;
   std::vector<Grant> grants;
   grants.reserve(ids.size());
-  granted_.clear();
+  std::vector<MemberId> granted;
   for (const MemberId id : ids) {
-    MemberState& member = at(id);
+    MemberState& member = members_.at(id);
     if (isForeseen(member)) {
-      takeForeseen(id, member);
-      grants.push_back({id, rounds_, time_, microstep_, {}, true, {}, {}});
+      members_.takeForeseen(id, member);
+      grants.push_back({id, clock_.rounds, clock_.time, clock_.microstep, {}, true, {}, {}});
     } else {
       grants.push_back(grantOne(id, member, wall));
-      granted_.push_back(id);
+      granted.push_back(id);
     }
   }
-  played_ += granted_.empty() ? 1 : 0;
-  ready_.erase(std::remove_if(ready_.begin(), ready_.end(),
-                              [this](MemberId id) {
-                                const MemberState* member = find(id);
-                                return !member || !member->ready;
-                              }),
-               ready_.end());
-  const Nanoseconds limit = toNanoseconds(settings_.silence_limit);
-  silence_check_ = limit == 0 ? kNever : addSaturated(wall, limit);
+  clock_.played += granted.empty() ? 1 : 0;
+  members_.dropGranted();
+  watch_.begin(std::move(granted), wall);
   return grants;
 }
 
+/** @return whether the turn that the member is to have now is one that it has told already. */
+bool LockstepRounds::isForeseen(const MemberState& member) const {
+  return !member.ready && !member.owes && !member.foreseen.empty() &&
+         member.foreseen.front() <= clock_.time;
+}
+
 LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member, Nanoseconds wall) {
-  member.granted_due = member.next <= time_;
+  member.granted_due = member.next <= clock_.time;
   member.granted_mail = static_cast<std::uint32_t>(member.mail.size() + member.later.size());
   member.granted_wall = wall;
-  member.round = rounds_;
+  member.round = clock_.rounds;
   member.ready = false;
   member.resting = false;
   member.knocked = false;
-  ++owing_;
-  member.owes = true;
-  setNext(id, member, kNever);
+  members_.expectReport(member);
+  members_.setNext(id, member, kNever);
   member.foreseen.clear();  // what comes now may change all that was to come
-  mail_waiting_ -= member.mail.size();
-  std::vector<Mail> mail;
-  mail.swap(member.mail);
-  if (arrange_) {
-    arrange_(id, mail);
-  } else {
-    std::stable_sort(mail.begin(), mail.end(),
-                     [this](const Mail& a, const Mail& b) { return before(a.order, b.order); });
-  }
+  std::vector<Mail> mail = mail_.take(id, member);
   return {id,
-          rounds_,
-          time_,
-          microstep_,
+          clock_.rounds,
+          clock_.time,
+          clock_.microstep,
           std::move(mail),
           false,
           std::exchange(member.happened, std::nullopt),
-          takeLater(member)};
+          mail_.takeLater(member)};
 }
 
 void LockstepRounds::becomeIdle() {
@@ -323,32 +301,12 @@ void LockstepRounds::becomeIdle() {
     return;
   }
   idle_ = true;
-  events_.push_back({isStuck() ? Event::Kind::kDeadlock : Event::Kind::kIdle});
-}
-
-/** @brief Who waits for work is stuck only while an answer is owed, which it may be the one to
- * give. */
-bool LockstepRounds::isStuck() const {
-  const bool is_owed = owed_ > 0;
-  return std::any_of(members_.begin(), members_.end(), [is_owed](const auto& entry) {
-    const MemberState& member = entry.second;
-    return (member.open > 0 && !member.waits_for_work) ||
-           (member.open + member.idle > 0 && is_owed);
-  });
+  events_.push_back({members_.areStuck(owed_ > 0) ? Event::Kind::kDeadlock : Event::Kind::kIdle});
 }
 
 void LockstepRounds::watch(Nanoseconds wall) {
-  if (wall < silence_check_ || owing_ == 0) {
-    return;
-  }
-  silence_check_ = kNever;  // once per silence
-  for (const MemberId id : granted_) {
-    const auto found = members_.find(id);
-    if (found == members_.end() || !found->second.owes) {
-      continue;
-    }
-    found->second.silence_told = true;
-    events_.push_back({Event::Kind::kSilent, id, wall - found->second.granted_wall});
+  for (const MemberId id : watch_.look(wall)) {
+    events_.push_back({Event::Kind::kSilent, id, wall - members_.at(id).granted_wall});
   }
 }
 
@@ -359,21 +317,78 @@ std::vector<LockstepRounds::Event> LockstepRounds::takeEvents() {
 }
 
 Nanoseconds LockstepRounds::nextWake() const {
-  if (ended_ || zero_delay_loop_) {
+  if (ended() || zero_delay_loop_) {
     return kNever;
   }
   if (!started_) {
-    const bool settling = settings_.participants.empty() && !members_.empty();
+    const bool settling = settings_.participants.empty() && !members_.all().empty();
     return settling ? addSaturated(last_join_, toNanoseconds(settings_.settle)) : kNever;
   }
-  if (owing_ > 0) {
-    return silence_check_;
+  if (!settled()) {
+    return watch_.nextLook();
   }
-  if (!held_by_limit_) {
-    return kNever;
+  return gate_.isHeldByLimit() ? gate_.leapWall(clock_.time, gate_.stopBefore(nextTime())) : kNever;
+}
+
+/** @return when time goes on; kNever: nobody has a reason to wake up. */
+Nanoseconds LockstepRounds::nextTime() const {
+  return windows_.areThere() ? std::min(windows_.begin(), outside_.next())
+                             : members_.nextTime(outside_.next());
+}
+
+// ---- what is so ------------------------------------------------------------------------------
+
+bool LockstepRounds::atRest() const {
+  return started_ && settled() && (idle_ || zero_delay_loop_ || gate_.stands());
+}
+
+LockstepPhase LockstepRounds::phase(Nanoseconds wall) const {
+  if (ended()) {
+    return LockstepPhase::kEnded;
   }
-  const Nanoseconds next = nextTime();
-  return leapWall(target_ ? std::min(*target_, next) : next);
+  if (!started_) {
+    return LockstepPhase::kWaitingForParticipants;
+  }
+  if (zero_delay_loop_) {
+    return LockstepPhase::kZeroDelayLoop;
+  }
+  if (!settled()) {
+    return watch_.isLong(wall) ? LockstepPhase::kWaiting : LockstepPhase::kRunning;
+  }
+  if (idle_ && members_.areStuck(owed_ > 0)) {
+    return LockstepPhase::kDeadlock;
+  }
+  if (gate_.paused()) {
+    return LockstepPhase::kPaused;
+  }
+  if (idle_) {
+    return LockstepPhase::kIdle;
+  }
+  return gate_.isHeldByLimit() ? LockstepPhase::kLimited : LockstepPhase::kRunning;
+}
+
+const char* phaseName(LockstepPhase phase) {
+  switch (phase) {
+    case LockstepPhase::kWaitingForParticipants:
+      return "waiting_for_participants";
+    case LockstepPhase::kRunning:
+      return "running";
+    case LockstepPhase::kWaiting:
+      return "waiting";
+    case LockstepPhase::kLimited:
+      return "limited";
+    case LockstepPhase::kPaused:
+      return "paused";
+    case LockstepPhase::kIdle:
+      return "idle";
+    case LockstepPhase::kDeadlock:
+      return "deadlock";
+    case LockstepPhase::kZeroDelayLoop:
+      return "zero_delay_loop";
+    case LockstepPhase::kEnded:
+      return "ended";
+  }
+  return "unknown";
 }
 
 }  // namespace move_base_abstract

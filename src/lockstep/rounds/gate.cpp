@@ -1,0 +1,98 @@
+#include "gate.h"
+
+#include <stdexcept>
+#include <string>
+
+#include "clock/number_text.h"
+#include "clock/time_master.h"
+
+namespace move_base_abstract {
+namespace {
+
+constexpr Nanoseconds kLastInstant = TimeMaster::kLastInstant;
+
+[[noreturn]] void refuse(const std::string& text) { throw std::invalid_argument(text); }
+
+}  // namespace
+
+void RoundGate::pause() {
+  refuseIfEnded("pause");
+  open(true, {});
+}
+
+void RoundGate::resume() {
+  refuseIfEnded("resume");
+  open(false, {});
+}
+
+Nanoseconds RoundGate::step(Nanoseconds present, Nanoseconds duration) {
+  refuseIfEnded("step");
+  const Nanoseconds from = target_.value_or(present);
+  if (duration <= 0 || duration > kLastInstant - from) {
+    refuse("step: duration must be more than 0 and at most " + secondsText(kLastInstant - from) +
+           " from " + secondsText(from) + " on, got " + secondsText(duration));
+  }
+  open(false, from + duration);
+  return *target_;
+}
+
+void RoundGate::runUntil(Nanoseconds present, Nanoseconds target) {
+  refuseIfEnded("run_until");
+  if (target < present || target > kLastInstant) {
+    refuse("run_until: target must be from the present, " + secondsText(present) + ", to " +
+           secondsText(kLastInstant) + ", got " + secondsText(target));
+  }
+  open(false, target);
+}
+
+void RoundGate::open(bool is_paused, std::optional<Nanoseconds> target) {
+  paused_ = is_paused;
+  target_reached_ = false;
+  target_ = target;
+}
+
+void RoundGate::setLimit(double factor) {
+  const FactorUnits limit = checkedLimit(factor);
+  refuseIfEnded("limit");
+  limit_ = limit;
+}
+
+double RoundGate::limit() const {
+  return static_cast<double>(limit_) / static_cast<double>(kFactorUnit);
+}
+
+void RoundGate::refuseIfEnded(const char* call) const {
+  if (ended_) {
+    refuse(std::string(call) + ": the run has ended, at " + secondsText(*ended_));
+  }
+}
+
+Nanoseconds RoundGate::stopBefore(Nanoseconds next) const {
+  return target_ && next > *target_ ? *target_ : next;
+}
+
+bool RoundGate::mayGo(Nanoseconds from, Nanoseconds to, Nanoseconds wall) {
+  if (paused_ || to == kNever) {
+    return false;
+  }
+  held_by_limit_ = wall < leapWall(from, to);
+  return !held_by_limit_;
+}
+
+Nanoseconds RoundGate::leapWall(Nanoseconds from, Nanoseconds to) const {
+  if (limit_ == 0 || to <= from) {
+    return last_leap_;
+  }
+  __extension__ using Wide = __int128;
+  const Wide distance = static_cast<Wide>(to - from) * kFactorUnit;
+  const Wide wall = last_leap_ + (distance + limit_ - 1) / limit_;
+  return wall > kNever ? kNever : static_cast<Nanoseconds>(wall);
+}
+
+void RoundGate::reach() {
+  paused_ = true;
+  target_reached_ = true;
+  target_.reset();
+}
+
+}  // namespace move_base_abstract

@@ -1,0 +1,69 @@
+// How a run is steered from outside: pause, step, run until, the limit of its speed, its end.
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_GATE_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_GATE_H
+
+#include <optional>
+
+#include "clock/scaled_clock.h"
+#include "settings.h"
+
+namespace move_base_abstract {
+
+/**
+ * @brief Whether time may go on. Of pause, resume, step and runUntil the last one called wins.
+ *
+ * A refused call throws std::invalid_argument, says what it got and what is allowed, and changes
+ * nothing.
+ */
+class RoundGate {
+ public:
+  RoundGate(double limit, bool is_paused) : paused_(is_paused), limit_(checkedLimit(limit)) {}
+
+  void pause();
+  void resume();
+  /** @brief Run for @p duration [ns, simulated, > 0] from @p present, or from the target of a step
+   * still under way, and pause there. @return the target [ns]. */
+  Nanoseconds step(Nanoseconds present, Nanoseconds duration);
+  void runUntil(Nanoseconds present, Nanoseconds target);
+  /** @brief At most @p factor simulated s per wall s (0.01 to 1e6); 0: no limit. */
+  void setLimit(double factor);
+  void end(Nanoseconds at) { ended_ = at; }
+
+  bool ended() const { return ended_.has_value(); }
+  bool paused() const { return paused_; }
+  std::optional<Nanoseconds> target() const { return target_; }
+  double limit() const;
+  /** @return whether it is paused where every run of the same would be. */
+  bool stands() const { return paused_ && target_reached_; }
+  /** @return whether the limit is all that mayGo() has refused since forgetLimit(). */
+  bool isHeldByLimit() const { return held_by_limit_; }
+
+  // ---- of rounds; `wall` is a monotonic wall instant in ns ----
+  void forgetLimit() { held_by_limit_ = false; }
+  /** @return @p next, or the target if that comes before. */
+  Nanoseconds stopBefore(Nanoseconds next) const;
+  /** @return whether time may go on from @p from to @p to. */
+  bool mayGo(Nanoseconds from, Nanoseconds to, Nanoseconds wall);
+  /** @return when it may, as far as the limit goes. */
+  Nanoseconds leapWall(Nanoseconds from, Nanoseconds to) const;
+  /** @brief Time has gone on. */
+  void leapt(Nanoseconds wall) { last_leap_ = wall; }
+  /** @brief Time has come to the target. */
+  void reach();
+
+ private:
+  void refuseIfEnded(const char* call) const;
+  void open(bool is_paused, std::optional<Nanoseconds> target);
+
+  bool paused_;
+  std::optional<Nanoseconds> ended_;
+  std::optional<Nanoseconds> target_;
+  bool target_reached_ = false;  // ... and nobody has said anything else since
+  FactorUnits limit_;
+  Nanoseconds last_leap_ = 0;  // wall
+  bool held_by_limit_ = false;
+};
+
+}  // namespace move_base_abstract
+
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_GATE_H

@@ -1,0 +1,182 @@
+#include "members.h"
+
+#include <algorithm>
+#include <string_view>
+#include <tuple>
+
+namespace move_base_abstract {
+
+MemberState* RoundMembers::find(MemberId id) {
+  const auto found = members_.find(id);
+  return found == members_.end() ? nullptr : &found->second;
+}
+
+const MemberState* RoundMembers::find(MemberId id) const {
+  const auto found = members_.find(id);
+  return found == members_.end() ? nullptr : &found->second;
+}
+
+MemberState& RoundMembers::add(MemberId id, const std::string& name, std::int32_t rank) {
+  MemberState& member = members_[id];
+  member.name = name;
+  member.rank = rank;
+  places_.add(id, name);
+  return member;
+}
+
+void RoundMembers::gone(MemberId id) {
+  MemberState& member = at(id);
+  if (!member.present) {
+    return;
+  }
+  member.present = false;
+  setNext(id, member, kNever);
+  member.foreseen.clear();
+  member.open = member.idle = 0;
+  if (member.owes) {
+    settle(member);
+  }
+}
+
+void RoundMembers::remove(MemberId id) {
+  gone(id);
+  members_.erase(id);
+  places_.remove(id);
+}
+
+std::vector<std::string> RoundMembers::missing(const std::vector<std::string>& names) const {
+  std::set<std::string_view> present;
+  for (const auto& [id, member] : members_) {
+    if (member.present) {
+      present.insert(member.name);
+    }
+  }
+  std::vector<std::string> missing;
+  for (const std::string& name : names) {
+    if (present.count(name) == 0) {
+      missing.push_back(name);
+    }
+  }
+  return missing;
+}
+
+// ---- when they are granted -------------------------------------------------------------------
+
+void RoundMembers::setNext(MemberId id, MemberState& member, Nanoseconds next) {
+  if (member.next != kNever) {
+    due_.erase({member.next, id});
+  }
+  member.next = next;
+  if (next != kNever) {
+    due_.insert({next, id});
+  }
+}
+
+Nanoseconds RoundMembers::nextTime(Nanoseconds arrival) const {
+  const auto counts = [this](const auto& due) { return !members_.at(due.second).background; };
+  if (arrival == kNever && std::none_of(due_.begin(), due_.end(), counts)) {
+    return kNever;
+  }
+  if (due_.empty() || arrival < due_.begin()->first) {
+    return arrival;
+  }
+  return due_.begin()->first;
+}
+
+void RoundMembers::makeReady(MemberId id, MemberState& member) {
+  if (!member.ready) {
+    member.ready = true;
+    ready_.push_back(id);
+  }
+}
+
+void RoundMembers::dropGranted() {
+  ready_.erase(std::remove_if(ready_.begin(), ready_.end(),
+                              [this](MemberId id) {
+                                const MemberState* member = find(id);
+                                return !member || !member->ready;
+                              }),
+               ready_.end());
+}
+
+void RoundMembers::forgetLists() {
+  ready_.clear();
+  resting_.clear();
+}
+
+void RoundMembers::rest(MemberId id) {
+  MemberState& member = at(id);
+  if (!member.resting) {
+    member.resting = true;
+    resting_.push_back(id);
+  }
+}
+
+/** @brief All who rest at this instant go on at once: none is to see what another makes of it. */
+void RoundMembers::wakeResting() {
+  const auto rests = [this](MemberId id) {
+    const MemberState* member = find(id);
+    return member != nullptr && member->present && member->resting;
+  };
+  // Who has something unread is handed that before, as it would have been, and rests anew.
+  for (const MemberId id : resting_) {
+    if (rests(id) && at(id).later_bytes > 0) {
+      makeReady(id, at(id));
+    }
+  }
+  if (!ready_.empty()) {
+    return;
+  }
+  for (const MemberId id : resting_) {
+    if (rests(id)) {
+      makeReady(id, at(id));
+    }
+  }
+  resting_.clear();
+}
+
+void RoundMembers::expectReport(MemberState& member) {
+  ++owing_;
+  member.owes = true;
+}
+
+void RoundMembers::settle(MemberState& member) {
+  member.owes = false;
+  --owing_;
+}
+
+/** @brief The earliest turn that the member has told already is now. */
+void RoundMembers::takeForeseen(MemberId id, MemberState& member) {
+  member.foreseen.pop_front();
+  ++*member.happened;
+  setNext(id, member, member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
+}
+
+/** @brief Whether somebody waits for what is owed to it. Who waits for work is stuck only while an
+ * answer is owed, which it may be the one to give. */
+bool RoundMembers::areStuck(bool is_owed) const {
+  return std::any_of(members_.begin(), members_.end(), [is_owed](const auto& entry) {
+    const MemberState& member = entry.second;
+    return (member.open > 0 && !member.waits_for_work) ||
+           (member.open + member.idle > 0 && is_owed);
+  });
+}
+
+// ---- their order -----------------------------------------------------------------------------
+
+MailOrder RoundMembers::order(MemberId id, std::uint32_t sub, std::uint64_t number) const {
+  const MemberState* member = find(id);
+  return {member ? member->rank : 0, sub, places_.of(id), number};
+}
+
+bool RoundMembers::before(MemberId a, MemberId b) const {
+  const MailOrder left = order(a, 0, 0);
+  const MailOrder right = order(b, 0, 0);
+  return std::tie(left.rank, left.place, a) < std::tie(right.rank, right.place, b);
+}
+
+void RoundMembers::sort(std::vector<MemberId>& ids) const {
+  std::sort(ids.begin(), ids.end(), [this](MemberId a, MemberId b) { return before(a, b); });
+}
+
+}  // namespace move_base_abstract

@@ -1,0 +1,137 @@
+#include "windows.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "clock/time_master.h"
+
+namespace move_base_abstract {
+
+/** @return the instant of the member's next turn, as far as is known, or kNever. */
+Nanoseconds RoundWindows::nextOf(const MemberState& member) const {
+  if (!member.present) {
+    return kNever;
+  }
+  if (member.ready) {
+    return std::max(member.latest, clock_.time);
+  }
+  if (member.resting) {
+    return member.latest;
+  }
+  return member.arrivals.empty() ? member.next : std::min(member.next, member.arrivals.front().at);
+}
+
+Nanoseconds RoundWindows::begin() const {
+  Nanoseconds begin = kNever;
+  bool counts = outside_.next() != kNever;
+  for (const auto& [id, member] : members_.all()) {
+    const Nanoseconds next = nextOf(member);
+    const bool is_reason =
+        !member.background || member.ready || member.resting || !member.arrivals.empty();
+    counts = counts || (next != kNever && is_reason);
+    begin = std::min(begin, next);
+  }
+  return counts ? begin : kNever;
+}
+
+/** @brief What was sent at this instant arrives, in the stated order, when the lookahead is over.
+ */
+void RoundWindows::endInstant() {
+  const Nanoseconds arrival = addSaturated(clock_.now(), lookahead_);
+  for (const MemberId id : mail_.takePosted()) {
+    MemberState* const member = members_.find(id);
+    if (member == nullptr || member->mail.empty()) {
+      continue;
+    }
+    const std::vector<Mail> mail = mail_.take(id, *member);
+    if (arrival > TimeMaster::kLastInstant) {
+      continue;  // beyond the end of simulated time
+    }
+    member->arrivals.push_back({arrival, {}});
+    for (const Mail& one : mail) {
+      wire::append(member->arrivals.back().bytes, one.item);
+    }
+  }
+  clock_.applied.reset();
+}
+
+void RoundWindows::arriveUntil(Nanoseconds instant) {
+  for (Nanoseconds due = outside_.next(); due != kNever && due <= instant; due = outside_.next()) {
+    beginInstant(due);
+    outside_.arrive();
+    endInstant();
+  }
+}
+
+/** @return the instant of the latest turn that is known of anybody. */
+Nanoseconds RoundWindows::latest() const {
+  Nanoseconds latest = clock_.time;
+  for (const auto& [id, member] : members_.all()) {
+    latest = std::max(latest, member.latest);
+  }
+  return latest;
+}
+
+/** @return up to which instant, itself included, turns may have been done. */
+Nanoseconds RoundWindows::present() const {
+  if (!areThere()) {
+    return clock_.time;
+  }
+  return members_.owing() > 0 ? std::max(clock_.time, end_ - 1) : latest();
+}
+
+/** @return the instant before which members may go on by themselves. */
+Nanoseconds RoundWindows::endOf(Nanoseconds begin, const RoundGate& gate) const {
+  if (gate.paused() || restsAt(begin)) {
+    return begin + 1;
+  }
+  const Nanoseconds last = std::min(gate.target().value_or(kNever), TimeMaster::kLastInstant);
+  return std::min(addSaturated(begin, lookahead_), last + 1);
+}
+
+/** @return whether only those are left at @p begin who wait until nobody else has anything to do at
+ * it. They are granted alone: what they look at is not to change meanwhile. */
+bool RoundWindows::restsAt(Nanoseconds begin) const {
+  return std::all_of(members_.all().begin(), members_.all().end(), [this, begin](const auto& one) {
+    const MemberState& member = one.second;
+    return nextOf(member) > begin || (member.resting && !member.ready);
+  });
+}
+
+std::vector<MemberId> RoundWindows::open(Nanoseconds begin, const RoundGate& gate) {
+  end_ = endOf(begin, gate);
+  const bool rests = restsAt(begin);
+  std::vector<MemberId> ids;
+  for (const auto& [id, member] : members_.all()) {
+    const bool is_resting = member.resting && !member.ready;
+    if (nextOf(member) < end_ && is_resting == rests && member.held_until <= begin) {
+      ids.push_back(id);
+    }
+  }
+  members_.sort(ids);
+  members_.forgetLists();  // whoever is not granted now stays as its own state says
+  return ids;
+}
+
+/** @brief The member goes on at @p next, and by itself up to the end of the window.
+ * @return what it is told of it and of what arrives meanwhile, as items, written out. */
+std::string RoundWindows::enter(MemberState& member, Nanoseconds next) {
+  member.latest = next;
+  member.window_end = end_;
+  std::string items;
+  wire::append(items, wire::Window{end_, lookahead_});
+  Nanoseconds told = next;
+  while (!member.arrivals.empty() && member.arrivals.front().at < end_) {
+    const Arrival& arrival = member.arrivals.front();
+    if (arrival.at > told) {
+      told = arrival.at;
+      wire::append(items, wire::Arrives{told});
+    }
+    items += arrival.bytes;
+    ++member.granted_mail;
+    member.arrivals.pop_front();
+  }
+  return items;
+}
+
+}  // namespace move_base_abstract
