@@ -7,6 +7,8 @@ import json
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.energy.consumption import GRAVITY, LegEnergy
 
+from .recording import is_number
+
 
 class Charges:
     """The batteries of a World's robots: ``knots`` {robot: [(time [ns], share)]}, straight in between."""
@@ -40,7 +42,7 @@ class Charges:
             return
         values = json.loads(text)
         if kind == 'battery':
-            if values and isinstance(values[0], (int, float)) and 0.0 <= values[0] <= 1.0:
+            if values and is_number(values[0]) and 0.0 <= values[0] <= 1.0:
                 meter.set(time_ns, float(values[0]))
             return
         meter.settle(time_ns)
@@ -90,7 +92,9 @@ class _Meter:
             self._take(self._power * ((time_ns - self.since_ns) / NS_PER_S), time_ns)
 
     def drive(self, leg, end_ns):
-        """Take what a leg has taken up to here, if the charge was not told on the way."""
+        """Take what a leg has taken up to here, if the charge was not told on the way; at its departure nothing yet."""
+        if end_ns <= leg.depart_ns:
+            return
         energy = LegEnergy(leg, self._settings.mechanics)
         taken = energy.until(end_ns) - (energy.until(self.since_ns) if self.since_ns > leg.depart_ns else 0.0)
         if end_ns < leg.arrive_ns:

@@ -1,9 +1,10 @@
 """Orders, from the rows of a dispatcher: when each is open, assigned and over, and where its next stop is."""
 import json
-import math
 from typing import NamedTuple
 
 from move_base_abstract.runs.run_difference import MESSAGES
+
+from .recording import is_number
 
 OPEN, ASSIGNED = 0, 1
 #: how orders end, as the columns of counts have it
@@ -51,7 +52,7 @@ class Orders:
 
     def _arrived(self, time_ns, _name, values):
         stops = tuple(tuple(values[place + 1:place + 3]) for place in range(3, len(values) - _STOP + 1, _STOP))
-        if values[0] not in self._stops and stops and all(_is_finite(one) for stop in stops for one in stop):
+        if values[0] not in self._stops and stops and all(is_number(one) for stop in stops for one in stop):
             self._stops[values[0]] = stops
             self._begin(time_ns, values[0], OPEN, '', 1)
 
@@ -99,7 +100,3 @@ class Orders:
         if self.counts and self.counts[-1][0] == time_ns:
             self.counts.pop()
         self.counts.append(row)
-
-
-def _is_finite(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)

@@ -75,8 +75,16 @@ def render(recordings, ground=None, difference=None, world=World()):
         runs=[{'name': run.name, 'facts': run.facts, 'text': run.packed()} for run in runs],
         notes=notes, box=box, states=_legend(runs), difference=first and _told(first),
         marked=any(line.failures for run in runs for line in run.timelines),
-        packed_map=ground and ground[0], world=_packed_world(world), about=json.dumps(about), style=_file('replay.css'),
+        packed_map=ground and ground[0], world=_packed_world(world),
+        signs=_signs(runs, world), about=json.dumps(about), style=_file('replay.css'),
         script='\n'.join(_file(name + '.js') for name in _SCRIPTS)) + '\n'
+
+
+def _signs(runs, world):
+    """Return which signs on the map have to be explained."""
+    return {'counts': any(thing['capacity'] is not None for thing in world.things),
+            'charge': any(start.battery is not None for start in world.starts.values()),
+            'orders': any(run.orders.phases for run in runs)}
 
 
 def _packed_world(world):

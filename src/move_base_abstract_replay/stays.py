@@ -3,6 +3,8 @@ import json
 import math
 from typing import NamedTuple
 
+from .recording import is_number
+
 INSIDE, WAITS = 0, 1
 
 
@@ -86,7 +88,7 @@ class _Reader:
         """It is held for these reasons, and for no others: a reason names zones and lanes, each after a comma."""
         wanted = {}
         for value in values:
-            names = [value] if value in self._numbers else str(value).split(', ')
+            names = [value] if str(value) in self._numbers else str(value).split(', ')
             wanted.update((self._numbers[name], name) for name in names if name in self._numbers)
         self.keep(robot, lambda thing, kind: kind == INSIDE or self._is_place(thing) or thing in wanted)
         for name in wanted.values():
@@ -132,7 +134,7 @@ class _Reader:
 
     def stands(self, robot, values):
         """It stands here: (x, y, yaw)."""
-        if len(values) == 3 and all(isinstance(value, (int, float)) and math.isfinite(value) for value in values):
+        if len(values) == 3 and all(map(is_number, values)):
             self._positions[robot] = tuple(values[:2])
 
 

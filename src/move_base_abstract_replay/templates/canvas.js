@@ -44,7 +44,7 @@ function rgb(colour) {
 
 // Save the map of the first run as a picture of lines and letters (SVG), dark on white, as it is in sight now.
 function savePicture(player) {
-  const [view] = player.maps, {canvas} = view, [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  const [view] = player.maps, {clientWidth: width, clientHeight: height} = view.figure;
   const svg = document.createElementNS(SVG, 'svg'), isPrint = document.documentElement.classList.contains('print');
   document.documentElement.classList.add('print');
   readColours();

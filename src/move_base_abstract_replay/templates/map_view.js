@@ -121,7 +121,7 @@ class MapView {
   }
 
   draw() {
-    const {clientWidth: width, clientHeight: height} = this.canvas;
+    const {clientWidth: width, clientHeight: height} = this.figure;
     const context = prepare(this.canvas, width, height);
     if (context) this.drawOn(context, width, height);
   }
@@ -150,7 +150,7 @@ class MapView {
     this.tell(poses, uses);
   }
 
-  // Names: who waits and where, then what is counted, then all others, as far as there is room.
+  // Names: where somebody waits, and who, then what is counted, then all others, as far as there is room.
   write(context, poses, width, height) {
     const labels = new Labels(context, width, height), size = this.robots.size;
     labels.take([0, height - 38, 90, height]); // the scale
@@ -161,8 +161,8 @@ class MapView {
       }
     }
     const writeThings = this.world.write(labels, this.player.chosenThing);
-    this.robots.write(labels, poses, true);
     writeThings(0);
+    this.robots.write(labels, poses, true);
     writeThings(1);
     this.robots.write(labels, poses, false);
     writeThings(2);

@@ -26,7 +26,7 @@ class RobotView {
 
   get size() {
     const {robots} = this.run, most = robots > MANY_ROBOTS ? 5 : robots > FEW_ROBOTS ? 8 : 9;
-    const least = robots > MANY_ROBOTS ? 2.5 : robots > FEW_ROBOTS ? 4.5 : 7;
+    const least = robots > MANY_ROBOTS ? 2.5 : robots > FEW_ROBOTS ? 3.5 : 7;
     return Math.min(most, Math.max(least, 0.42 * this.view.camera.scale));
   }
 
@@ -35,7 +35,7 @@ class RobotView {
     if (!this.player.showsTrails && !isChosen) return;
     const first = run.firstOf(robot, motion, isChosen ? TRAIL_LEGS : this.trail);
     context.strokeStyle = isChosen ? COLOURS.accent : hue(run.rows[robot].name, robot);
-    context.lineWidth = isChosen ? 3 : 1.75;
+    context.lineWidth = isChosen ? 3 : Math.min(2, 0.3 * this.size);
     context.lineJoin = 'round';
     context.globalAlpha = isChosen ? 0.8 : 0.55;
     context.beginPath();
@@ -99,7 +99,7 @@ class RobotView {
   drawCharge(context, robot, pose, size) {
     const share = this.run.chargeAt(robot, this.player.time);
     if (share === null || (this.run.robots > MANY_ROBOTS && !this.isChosen(robot))) return;
-    const [x, y, radius] = [this.view.toX(pose.x), this.view.toY(pose.y), 1.25 * size + 3];
+    const [x, y, radius] = [this.view.toX(pose.x), this.view.toY(pose.y), 1.25 * size + Math.min(3, 0.45 * size)];
     context.lineWidth = Math.max(1.75, 0.3 * size);
     for (const [colour, part] of [[COLOURS.line, 1], [share > 0.5 ? COLOURS.task : share > 0.2 ? COLOURS.waiting : COLOURS.failed, share]]) {
       if (part <= 0) continue;

@@ -1,6 +1,6 @@
 // A canvas' context that draws an SVG picture: what a page draws on its canvases becomes lines and text for print.
 // Only what this page uses of a context is here.
-const SVG = 'http://www.w3.org/2000/svg';
+const SVG = document.querySelector('svg').namespaceURI;
 const short = (value) => +value.toFixed(2);
 
 class VectorContext {
@@ -10,7 +10,7 @@ class VectorContext {
                          path: '', dashes: [], matrix: [1, 0, 0, 1, 0, 0], saved: []});
     this.ruler = document.createElement('canvas').getContext('2d');
     svg.replaceChildren();
-    for (const [name, value] of Object.entries({xmlns: SVG, viewBox: `0 0 ${width} ${height}`, width, height})) {
+    for (const [name, value] of Object.entries({viewBox: `0 0 ${width} ${height}`, width, height})) {
       svg.setAttribute(name, value);
     }
   }

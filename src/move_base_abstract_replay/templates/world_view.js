@@ -121,6 +121,7 @@ class WorldView {
     const {view} = this, [x, y] = thing.middle, {scale} = view.camera;
     const withName = isChosen || (thing.kind !== 'lane' ? scale > 9 || !rank : scale > 2 * NAMED_FROM);
     const text = this.world.sign(thing, use, withName);
+    if (!withName && rank > 0) return;
     const gap = Math.max(8, thing.kind === 'place' ? 0.7 * thing.reach * scale + 3 : thing.kind === 'zone' ? 0.8 * scale : 8);
     labels.write(text, view.toX(x), view.toY(y), {
       gap: Math.min(gap, 26), colour: rank === 0 ? COLOURS.alarm : COLOURS.muted, weight: rank === 0 ? '600' : '', size: 11,
