@@ -1,6 +1,7 @@
 """A plan that is driven, move by move: who may begin the next one, and what has come of it. No fleet, no ROS here.
 
-Each move takes a robot to a neighbouring cell and begins at its step at the earliest. A policy says what else it awaits:
+Each move takes a robot to a neighbouring cell and begins at its step at the earliest. A policy says what it awaits
+besides:
 
 as_timed    nothing: each robot goes by its own clock, as soon as it has come where the move begins
 order_kept  in each cell robots come in the order of the plan: whoever is there before has begun to leave it

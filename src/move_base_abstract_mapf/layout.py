@@ -1,4 +1,4 @@
-"""The folder in which a plan is driven: a map as map_server takes it, and a scenario with the robots at their starts."""
+"""The folder in which a plan is driven: a map as map_server takes it, and a scenario, robots at their starts."""
 from __future__ import annotations
 
 import os
@@ -50,8 +50,8 @@ def write_folder(folder: str, grid: Grid, problems: List[Problem], seconds: floa
     for number, problem in enumerate(problems):
         for what, cell in zip(problem._fields, problem):
             if not is_free(grid.blocked, cell):
-                raise ConfigurationError('problem {}: {}: got column {}, row {}; allowed: a free cell of the map'.format(
-                    number, what, *cell))
+                raise ConfigurationError('problem {}: {}: got column {}, row {}; allowed: a free cell of the map'
+                                         .format(number, what, *cell))
     head = '# Made by: {}\n'.format(words)
     rows, columns = grid.blocked.shape
     robots = []

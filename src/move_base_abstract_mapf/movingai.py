@@ -1,7 +1,7 @@
 """Maps and problems in the format of the MovingAI benchmarks (N. Sturtevant): files ``.map`` and ``.scen``.
 
-A map: ``type octile``, ``height``, ``width``, ``map``, then rows from the north. A problem: ``version 1``, then lines of
-bucket, map, width, height, start column, start row, goal column, goal row, length; rows count from the north.
+A map: ``type octile``, ``height``, ``width``, ``map``, then rows from the north. A problem: ``version 1``, then lines
+of bucket, map, width, height, start column, start row, goal column, goal row, length; rows count from the north.
 """
 from __future__ import annotations
 
@@ -67,8 +67,8 @@ def read_problems(path: str) -> List[Problem]:
             columns = line.rstrip('\n').split('\t') if '\t' in line else words
             numbers = columns[4:8]
             if len(columns) != _COLUMNS or not all(text.isdecimal() and len(text) < 8 for text in numbers):
-                raise _error(path, number, line, 'bucket, map, width, height, start column and row, goal column and row, '
-                                                 'length')
+                raise _error(path, number, line, 'bucket, map, width, height, start column and row, goal column and '
+                                                 'row, length')
             x, y, goal_x, goal_y = map(int, numbers)
             problems.append(Problem((x, y), (goal_x, goal_y)))
     return problems

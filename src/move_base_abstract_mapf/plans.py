@@ -1,7 +1,7 @@
 """Plans of MAPF solvers: at which step which robot is in which cell. Two formats of text are read, and one is written.
 
-``Agent 0: (row,column)->(row,column)->...``, a line for each robot, as CBSH2, EECBS and MAPF-LNS write them; and YAML as
-libMultiRobotPlanning has it: ``schedule: {agent0: [{x: column, y: row, t: step}, ...]}``.
+``Agent 0: (row,column)->(row,column)->...``, a line for each robot, as CBSH2, EECBS and MAPF-LNS write them; and YAML
+as libMultiRobotPlanning has it: ``schedule: {agent0: [{x: column, y: row, t: step}, ...]}``.
 """
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _PLACE = re.compile(r'\((\d{1,6}),\s*(\d{1,6})\)')
 
 
 class Plan(NamedTuple):
-    """``paths``: of each robot its cell at step 0, 1, ...; at the last one it stays. Waiting is a cell twice in a row."""
+    """``paths``: of each robot its cell at step 0, 1, ...; at the last one it stays. Who waits has a cell twice."""
 
     paths: Tuple[Tuple[Cell, ...], ...]
 

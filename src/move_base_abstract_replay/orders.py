@@ -47,7 +47,7 @@ class Orders:
                     handlers[kind](time_ns, name, values)
                     self._count(time_ns)
         for order in list(self._present):
-            self._close(recording.end_ns, order)
+            self._close(recording.end_ns + 1, order)  # open still at the last instant
         self.phases = [phase for _, phase in sorted(self._found)]
 
     def _arrived(self, time_ns, _name, values):

@@ -16,8 +16,8 @@ from .states import IDLE, NAMES
 from .world import World, find_world
 
 _TEMPLATES = Path(__file__).with_name('templates')
-_SCRIPTS = ('motion', 'data', 'words', 'vector', 'canvas', 'labels', 'world', 'world_view', 'robots', 'map_view', 'timeline', 'event_list',
-            'player')
+_SCRIPTS = ('motion', 'data', 'words', 'vector', 'canvas', 'labels', 'world', 'world_view', 'robots', 'map_view',
+            'timeline', 'event_list', 'player')
 _FIRST_LINE = b'<!doctype html><!-- move_base_abstract replay -->'
 _MOST_LOGS = 2
 _LEGEND = ('moving', 'waiting', 'task', 'charging', 'failed', IDLE)

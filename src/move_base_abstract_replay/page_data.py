@@ -80,7 +80,8 @@ class Run:
         self._pack_orders(packer)
         return packer.text({
             'name': self.name, 'begin': recording.begin_ns, 'end': recording.end_ns, 'names': recording.name_of,
-            'links': self.links, 'kinds': recording.kind_of, 'states': NAMES, 'limits': self.motions.limits, 'orders': list({phase.order: None for phase in self.orders.phases}),
+            'links': self.links, 'kinds': recording.kind_of, 'states': NAMES, 'limits': self.motions.limits,
+            'orders': list({phase.order: None for phase in self.orders.phases}),
             'rows': [{'name': timeline.name, 'robot': timeline.is_robot} for timeline in self.timelines]})
 
     def _pack_motions(self, packer):
@@ -157,7 +158,7 @@ def _firsts(groups):
 
 
 def _box(motions, links, world):
-    """Return (x_min, y_min, x_max, y_max) [m] of all places of robots, of a world, of a radio's fixed hosts; or None."""
+    """Return (x_min, y_min, x_max, y_max) [m] of all places of robots, a world, and a radio's fixed hosts; or None."""
     places = [place for track in motions.tracks.values() for motion in track.motions
               for place in (motion.start, motion.goal)]
     places += world.points

@@ -36,7 +36,7 @@ def find_stays(recording, world):
         if handler is not None:
             reader.now_ns = time_ns
             handler(name, json.loads(text))
-    reader.now_ns = recording.end_ns
+    reader.now_ns = recording.end_ns + 1  # what is so when the log ends is so at its last instant, too
     for robot in list(reader.robots):
         reader.keep(robot, lambda _thing, _kind: False)
     return [stay for _, stay in sorted(reader.found)]

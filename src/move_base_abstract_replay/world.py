@@ -26,8 +26,8 @@ class Start(NamedTuple):
 class World:
     """``things``: zones, lanes and places as dictionaries for the page; ``nodes``: [name, x, y] of lanes [m].
 
-    ``starts``: {robot: Start}; ``currents``: {zone: its charger's current [A], True: the robot's own}; ``map_file``: the
-    map beside the scenario, None if there is none.
+    ``starts``: {robot: Start}; ``currents``: {zone: its charger's current [A], True: the robot's own}; ``map_file``:
+    the map beside the scenario, None if there is none.
     """
 
     things: List[Dict[str, Any]] = field(default_factory=list)

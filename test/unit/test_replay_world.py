@@ -141,7 +141,8 @@ def test_a_leg_that_took_longer_than_its_limits_say_is_drawn_at_an_even_speed(tm
 
 def test_orders_are_open_assigned_and_over_as_their_rows_say(tmp_path):
     stops = ('bay', 1.0, 2.0, 'pick', 'dock', 5.0, 6.0, 'drop')
-    rows = [(S, '/dispatcher', 'order_arrived', ('o1', 0, 0, *stops)), (S, '/dispatcher', 'order_arrived', ('o2', 0, 9, *stops)),
+    rows = [(S, '/dispatcher', 'order_arrived', ('o1', 0, 0, *stops)),
+            (S, '/dispatcher', 'order_arrived', ('o2', 0, 9, *stops)),
             (2 * S, 'r', 'order_assigned', ('o1', 1)), (4 * S, 'r', 'order_stop', ('o1', 2, 'drives')),
             (5 * S, 'r', 'order_returned', ('o1', 'robot failed', 2)), (6 * S, 'q', 'order_assigned', ('o1', 2)),
             (8 * S, 'q', 'order_done', ('o1', 'late', 7 * S)), (8 * S, '/dispatcher', 'order_refused', ('o3', 'why')),
@@ -153,7 +154,8 @@ def test_orders_are_open_assigned_and_over_as_their_rows_say(tmp_path):
     assert [(one.begin_ns // S, one.end_ns // S, one.order, one.kind, one.robot, one.x, one.stop, one.stops)
             for one in orders.phases] == [
         (1, 2, 'o1', OPEN, '', 1.0, 1, 2), (1, 9, 'o2', OPEN, '', 1.0, 1, 2), (2, 4, 'o1', ASSIGNED, 'r', 1.0, 1, 2),
-        (4, 5, 'o1', ASSIGNED, 'r', 5.0, 2, 2), (5, 6, 'o1', OPEN, '', 5.0, 2, 2), (6, 8, 'o1', ASSIGNED, 'q', 5.0, 2, 2)]
+        (4, 5, 'o1', ASSIGNED, 'r', 5.0, 2, 2), (5, 6, 'o1', OPEN, '', 5.0, 2, 2),
+        (6, 8, 'o1', ASSIGNED, 'q', 5.0, 2, 2)]
     assert orders.counts[0] == (S, 2, 0, 0, 0, 0, 0)
     assert orders.counts[-1][1:] == (1, 0, 0, 1, 0, 1)
 

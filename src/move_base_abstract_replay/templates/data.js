@@ -143,8 +143,9 @@ class Run {
     const row = upperBound(this.count_time, time, 0, this.count_time.length) - 1;
     if (row < 0) return '';
     const [open, assigned, ...over] = this.count.subarray(6 * row, 6 * row + 6);
-    const endings = ['done', 'late', 'failed', 'refused'].map((name, k) => [name, over[k]]).filter(([name, count]) => count || name === 'done');
-    return `Orders: ${[['open', open], ['assigned', assigned], ...endings].map(([name, count]) => `${grouped(String(count))} ${name}`).join(' · ')}`;
+    const endings = ['done', 'late', 'failed', 'refused'].map((name, k) => [name, over[k]]);
+    const shown = [['open', open], ['assigned', assigned], ...endings].filter(([, count], k) => count || k < 3);
+    return `Orders: ${shown.map(([name, count]) => `${grouped(String(count))} ${name}`).join(' · ')}`;
   }
 
   // The number of events up to and at a time.

@@ -35,10 +35,11 @@ class Labels {
     const {context} = this;
     context.font = `${weight ? `${weight} ` : ''}${size}px ${FONT}`;
     const wide = context.measureText(text).width, half = LABEL_HEIGHT / 2;
-    const places = [[gap, -gap], [gap, gap], [-gap - wide, -gap], [-gap - wide, gap], [gap + 3, 0], [-gap - 3 - wide, 0],
-                    [-wide / 2, -gap - 6], [-wide / 2, gap + 6]];
+    const places = [[gap, -gap], [gap, gap], [-gap - wide, -gap], [-gap - wide, gap], [gap + 3, 0],
+                    [-gap - 3 - wide, 0], [-wide / 2, -gap - 6], [-wide / 2, gap + 6]];
     const boxes = places.map(([dx, dy]) => [x + dx - 1, y + dy - half, x + dx + wide + 1, y + dy + half]);
-    const box = boxes.find((one) => this.isFree(one)) || (isKept ? boxes.find((one) => one[2] < this.width) || boxes[2] : null);
+    const kept = isKept ? boxes.find((one) => one[2] < this.width) || boxes[2] : null;
+    const box = boxes.find((one) => this.isFree(one)) || kept;
     if (!box) return false;
     this.take(box);
     context.textBaseline = 'middle';

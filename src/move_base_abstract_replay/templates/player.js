@@ -5,7 +5,8 @@ const SLIDER_STEPS = 10000, WATCHED_S = 30; // wall s that a run takes at the sp
 
 class Player {
   constructor(runs, ground, world, {box, difference}) {
-    Object.assign(this, {runs, ground, world, difference, chosen: null, chosenThing: null, showsTrails: true, isPlaying: false});
+    Object.assign(this, {runs, ground, world, difference, chosen: null, chosenThing: null, showsTrails: true,
+                         isPlaying: false});
     this.begin = Math.min(...runs.map((run) => run.begin));
     this.end = Math.max(...runs.map((run) => run.end));
     this.time = this.begin;
@@ -22,7 +23,8 @@ class Player {
   }
 
   find() {
-    for (const name of ['play', 'previous', 'next', 'slider', 'speed', 'now', 'trails', 'fit', 'picture', 'closer', 'wider', 'all']) {
+    for (const name of ['play', 'previous', 'next', 'slider', 'speed', 'now', 'trails', 'fit', 'picture', 'closer',
+                        'wider', 'all']) {
       this[name] = document.getElementById(name);
     }
   }

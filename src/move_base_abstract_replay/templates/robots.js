@@ -1,6 +1,6 @@
 // Robots on the map: their ways, their charge, and the orders they work on. Sizes follow scale and number.
 const TRAIL_LEGS = 12, TRAILS = 120; // of one robot, and of all: more hide one another
-const FEW_ROBOTS = 12, MANY_ROBOTS = 200; // up to few have their whole names; above many names only beside who is chosen
+const FEW_ROBOTS = 12, MANY_ROBOTS = 200; // few have their whole names; of many the names come when one comes closer
 const NOBODY = 2 ** 32 - 1;
 const OPEN = 0;
 
@@ -101,7 +101,8 @@ class RobotView {
     if (share === null || (this.run.robots > MANY_ROBOTS && !this.isChosen(robot))) return;
     const [x, y, radius] = [this.view.toX(pose.x), this.view.toY(pose.y), 1.25 * size + Math.min(3, 0.45 * size)];
     context.lineWidth = Math.max(1.75, 0.3 * size);
-    for (const [colour, part] of [[COLOURS.line, 1], [share > 0.5 ? COLOURS.task : share > 0.2 ? COLOURS.waiting : COLOURS.failed, share]]) {
+    const full = share > 0.5 ? COLOURS.task : share > 0.2 ? COLOURS.waiting : COLOURS.failed;
+    for (const [colour, part] of [[COLOURS.line, 1], [full, share]]) {
       if (part <= 0) continue;
       context.strokeStyle = colour;
       context.beginPath();
@@ -117,13 +118,13 @@ class RobotView {
 
   // Names of the chosen one and of those who wait, or of the others.
   write(labels, poses, areFirst) {
+    const areMany = this.run.robots > MANY_ROBOTS && this.view.camera.scale < NAMED_FROM;
     poses.forEach((pose, robot) => {
-      const isChosen = this.isChosen(robot), state = this.state(robot), isFirst = isChosen || ['waiting', 'failed'].includes(state);
-      if (!pose || isFirst !== areFirst || (this.run.robots > MANY_ROBOTS && !isChosen && this.view.camera.scale < NAMED_FROM)) return;
-      const colour = !isChosen && ['waiting', 'failed'].includes(state) ? COLOURS.alarm : COLOURS.ink;
+      const isChosen = this.isChosen(robot), isHindered = ['waiting', 'failed'].includes(this.state(robot));
+      if (!pose || (isChosen || isHindered) !== areFirst || (areMany && !isChosen)) return;
       labels.write(this.name(robot), this.view.toX(pose.x), this.view.toY(pose.y), {
-        gap: this.size + 3, colour, weight: isFirst ? '600' : '', size: isChosen || this.run.robots <= FEW_ROBOTS ? 12 : 11,
-        isKept: isChosen});
+        gap: this.size + 3, colour: isHindered && !isChosen ? COLOURS.alarm : COLOURS.ink, weight: areFirst ? '600' : '',
+        size: isChosen || this.run.robots <= FEW_ROBOTS ? 12 : 11, isKept: isChosen});
     });
   }
 
@@ -150,7 +151,8 @@ class RobotView {
     const order = [...run.phases.at(time)].find((phase) => run.phase_robot[phase] === robot);
     return [run.rows[robot].name, this.state(robot), ...(pose ? [place(pose.x, pose.y, pose.yaw)] : []),
             ...(share === null ? [] : [`${Math.round(100 * share)} % charged`]),
-            ...(order === undefined ? [] : [`order ${run.orders[run.phase_order[order]]}, stop ${run.phase_stop[order]} of ${run.phase_stops[order]}`]),
+            ...(order === undefined ? [] : [`order ${run.orders[run.phase_order[order]]}`,
+                                            `stop ${run.phase_stop[order]} of ${run.phase_stops[order]}`]),
     ].join(' · ');
   }
 }

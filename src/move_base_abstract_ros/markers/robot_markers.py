@@ -123,7 +123,7 @@ class _Board(rospy.SubscribeListener):
 
     def is_watched(self):
         """Return whether anybody looks."""
-        return bool(self._publisher.impl.connections)  # not get_num_connections: it is asked at each event of each robot
+        return bool(self._publisher.impl.connections)  # not get_num_connections: this is asked at each event
 
     def change(self, robot):
         """Draw ``robot`` soon; without a subscriber there is nothing to do before one comes."""
