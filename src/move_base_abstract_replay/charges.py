@@ -9,6 +9,9 @@ from move_base_abstract.energy.consumption import GRAVITY, LegEnergy
 
 from .recording import is_number
 
+_TOLD = ('battery', 'charge')  # rows that say the charge
+_KINDS = (*_TOLD, 'departed', 'stands', 'charging_began', 'charging_ended')
+
 
 class Charges:
     """The batteries of a World's robots: ``knots`` {robot: [(time [ns], share)]}, straight in between."""
@@ -38,10 +41,10 @@ class Charges:
     def take(self, time_ns, name, kind, text):
         """Take a row of the log, after what :meth:`drive` was told of the time before it."""
         meter = self._meters.get(name)
-        if meter is None or kind not in ('battery', 'departed', 'stands', 'charging_began', 'charging_ended'):
+        if meter is None or kind not in _KINDS:
             return
         values = json.loads(text)
-        if kind == 'battery':
+        if kind in _TOLD:
             if values and is_number(values[0]) and 0.0 <= values[0] <= 1.0:
                 meter.set(time_ns, float(values[0]))
             return

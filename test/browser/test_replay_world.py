@@ -1,4 +1,4 @@
-"""The world in a replay, in Chromium: names that do not cover one another, who waits, pictures of lines, many robots."""
+"""The world in a replay, in Chromium: names that do not cover one another, who waits, pictures, many robots."""
 import json
 
 import pytest
@@ -10,7 +10,8 @@ from move_base_abstract_replay.page import write_page
 
 #: boxes of what is written on the map: of each text the one that is filled
 BOXES = """
-    return [...document.querySelectorAll('.map svg text')].filter((text) => !text.getAttribute('stroke')).map((text) => {
+    const texts = [...document.querySelectorAll('.map svg text')].filter((text) => !text.getAttribute('stroke'));
+    return texts.map((text) => {
       const box = text.getBBox();
       return [text.textContent, box.x, box.y, box.x + box.width, box.y + box.height];
     });"""
@@ -65,7 +66,7 @@ def test_a_picture_is_of_lines_and_letters_in_black_on_white(browser, page):
     assert browser.run("return [...document.querySelectorAll('canvas')].every((one) => !one.offsetWidth)")
     assert browser.run("return document.querySelectorAll('.map svg path').length") > 100
     assert browser.run("return document.querySelectorAll('.timeline svg text').length") > 50
-    assert browser.run("return getComputedStyle(document.body).backgroundColor") == 'rgb(255, 255, 255)'
+    assert browser.run('return getComputedStyle(document.body).backgroundColor') == 'rgb(255, 255, 255)'
     browser.open(page)
     assert browser.run("return document.querySelector('svg.drawn')") is None
     browser.run("window.dispatchEvent(new Event('beforeprint'))")

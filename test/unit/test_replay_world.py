@@ -4,8 +4,6 @@ import random
 
 import numpy as np
 import pytest
-from test_replay_page import unpacked
-from test_replay_recording import S, log_text
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.fleet import Fleet
@@ -20,6 +18,8 @@ from move_base_abstract_replay.recording import ReplayError, read_recording
 from move_base_abstract_replay.stays import INSIDE, WAITS, find_stays
 from move_base_abstract_replay.world import World, make_world
 from move_base_abstract_worlds.command import main as scenario_program
+from test_replay_page import unpacked
+from test_replay_recording import S, log_text
 
 NODES = [{'name': 'n{}'.format(number), 'x': 10.0 * number, 'y': 0.0} for number in range(4)]
 EDGES = [{'from': 'n{}'.format(number), 'to': 'n{}'.format(number + 1), 'capacity': 1} for number in range(3)]

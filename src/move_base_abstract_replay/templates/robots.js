@@ -37,7 +37,7 @@ class RobotView {
     context.strokeStyle = isChosen ? COLOURS.accent : hue(run.rows[robot].name, robot);
     context.lineWidth = isChosen ? 3 : Math.min(2, 0.3 * this.size);
     context.lineJoin = 'round';
-    context.globalAlpha = isChosen ? 0.8 : 0.55;
+    context.globalAlpha = isChosen ? 0.8 : run.isUnderWay(motion, this.player.time) ? 0.55 : 0.3;
     context.beginPath();
     context.moveTo(view.toX(run.motion_x[first]), view.toY(run.motion_y[first]));
     for (let k = first + 1; k <= motion; k += 1) {
