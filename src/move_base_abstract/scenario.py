@@ -1,4 +1,4 @@
-"""Which robots there are: names and settings of a whole fleet, from a YAML file or a dictionary.
+"""Scenarios: names and settings of all robots of a fleet, from a YAML file or a dictionary.
 
     seed: 7
     defaults: {max_speed: 2.0}                     # settings of every robot

@@ -36,7 +36,7 @@ class _Statement(NamedTuple):
 
 
 class Statements:
-    """Those of one node. What is no news costs a look into a dict."""
+    """The statements of one node. A call without news costs one look-up in a dict."""
 
     def __init__(self) -> None:
         self._made: Dict[Tuple[str, str], _Statement] = {}

@@ -75,8 +75,10 @@ def _parse(words):
     parser = argparse.ArgumentParser(prog='why', description='Say why simulated time moves, or why it does not.',
                                      epilog='exit codes: 0 the time master has answered, 1 it has not')
     parser.add_argument('--json', action='store_true', help="the time master's whole state as one JSON object")
-    parser.add_argument('--timeout', type=_seconds, default=5.0, metavar='S', help='s, wall (default: %(default)g)')
-    parser.add_argument('--ns', default='/time_master', metavar='NAME', help='time master (default: %(default)s)')
+    parser.add_argument('--timeout', type=_seconds, default=5.0, metavar='S', help='time to wait for an answer [s, '
+                        'wall] (default: %(default)g)')
+    parser.add_argument('--ns', default='/time_master', metavar='NAME', help='name of the time master (default: '
+                        '%(default)s)')
     return parser.parse_args(words)
 
 
