@@ -17,7 +17,7 @@ from output_file import output_file  # noqa: E402
 
 from move_base_abstract import scenario  # noqa: E402
 from move_base_abstract.common.parameter_table import Parameter  # noqa: E402
-from move_base_abstract.config import settings  # noqa: E402
+from move_base_abstract.config import robot_table  # noqa: E402
 from move_base_abstract.tasks import arrivals, places  # noqa: E402
 from move_base_abstract.traffic import zones  # noqa: E402
 
@@ -72,12 +72,12 @@ def as_parameters(names, known):
 
 def sections():
     """Return [(heading, Parameters, pages to look into first)]."""
-    of_robot = settings.TABLE + settings._LIMITS
+    of_robot = robot_table.TABLE + robot_table.LIMITS
     return [
         ('Top level', as_parameters(scenario._TOP_KEYS, [scenario._SEED, scenario._DEADLOCK, scenario._ENCOUNTERS]),
          ('encounters.md', 'tasks.md', 'zones.md', 'lanes.md', 'fleet.md')),
         ('A robot', as_parameters(scenario._GROUP_KEYS, [places.NAME, scenario._COUNT]), ('fleet.md',)),
-        ('Settings: of `defaults` or of a robot', as_parameters(settings.OWN_NAMES, of_robot),
+        ('Settings: of `defaults` or of a robot', as_parameters(robot_table.OWN_NAMES, of_robot),
          ('durations.md', 'failures.md', 'battery.md', 'routes.md', 'lanes.md', 'laser_scan.md', 'move_base.md')),
         ('A zone', as_parameters(zones.KEYS, [places.NAME, zones._CAPACITY, zones._CHARGER]), ('zones.md',)),
         ('A place', list(places.PLACE_TABLE), ('tasks.md',)),
