@@ -37,4 +37,4 @@ def test_a_key_of_which_no_page_tells_is_refused():
 def test_a_key_is_told_on_the_page_of_what_it_sets():
     page = (ROOT / 'docs' / 'scenario_keys.md').read_text(encoding='utf-8')
     for key in ('start_x', 'start_y', 'start_yaw'):  # columns of a table bear these names on another page
-        assert re.search(r'^\| `{}` .*\[move base\]\(move_base\.md\) \|$'.format(key), page, re.MULTILINE)
+        assert re.search(r'^\| `{}` .*\[move base\]\(nodes/move_base\.md\) \|$'.format(key), page, re.MULTILINE)

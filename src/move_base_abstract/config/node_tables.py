@@ -22,29 +22,15 @@ def _task(value: object) -> str:
     return name(value)
 
 
+def _as_it_is(value: object) -> object:
+    return value
+
+
 MAX_SECONDS = 2.0 ** 31 - 1.0  # of a duration in ROS
-MAX_RANK = 2 ** 31 - 1
 _SEED = 'a whole number >= 0'
 _PATH = 'the path of a scenario file'
 _SECONDS = 'a number in 0..{:.0f} [s, simulated]'.format(MAX_SECONDS)
 
-RANK = Parameter('lockstep_rank', None, integer(-MAX_RANK - 1, MAX_RANK),
-                 'a whole number in {}..{}'.format(-MAX_RANK - 1, MAX_RANK),
-                 'Place of the node among messages of one instant, lowest first; robots have 0.')
-#: private parameters of every node that takes part; they are read where it joins
-LOCKSTEP = (
-    RANK,
-    Parameter('lockstep_charge', 'none', text, "'none', 'fixed:SECONDS', 'measured', 'measured:FILE', 'measured_cpu', "
-              "'measured_cpu:FILE' or 'replay:FILE'", 'Simulated time that the work of the node takes.'),
-    Parameter('foresee', True, boolean, 'true or false',
-              'Whether periodic output is told beforehand; the events are the same, for comparing.'),
-    Parameter('events_only', False, boolean, 'true or false',
-              'In lockstep nothing is sent at a rate unless a parameter of its own says so; a namespace above counts '
-              'too.'),
-    Parameter('log_motion', False, boolean, 'true or false',
-              'In lockstep the event log tells where robots start and by which limits they travel; a namespace above '
-              'counts too.'),
-)
 STATUS_FREQUENCY = 'actionlib_status_frequency'
 ACTIONLIB = (
     Parameter('actionlib_server_pub_queue_size', 50, integer(-1), 'a whole number >= -1',
@@ -55,6 +41,18 @@ ACTIONLIB = (
               'How often the status is repeated, a namespace above counts too; 0: on transitions only. With '
               '`events_only` 0.'),
 )
+#: the keys of a scenario that may be parameters of a node instead; they are checked as those of the file are
+INLINE = {parameter.name: parameter for parameter in (
+    Parameter('defaults', None, _as_it_is, 'a mapping of settings of every robot', 'Settings of every robot.'),
+    Parameter('robots', None, _as_it_is, 'a list of robots', 'The robots, in the order of their indices.'),
+    Parameter('zones', None, _as_it_is, 'a list of zones', 'Named areas.'),
+    Parameter('deadlock', 'wait', text, "'wait', 'abort' or 'avoid'", 'What robots do that wait for one another.'),
+    Parameter('encounters', 'none', text, "'calibrated' or 'none'", 'Whether robots meet.'),
+    Parameter('lanes', None, text, 'the path of a file', 'The net of lanes, of all robots.'),
+    Parameter('travel_matrix', None, text, 'the path of a file', 'The table of travel times, of all robots.'),
+    Parameter('places', None, _as_it_is, 'a list of places', 'Places where robots work.'),
+    Parameter('arrivals', None, _as_it_is, 'a list of arrivals', 'Tasks that arrive.'),
+)}
 FLEET = (
     Parameter('scenario', '', text, _PATH, 'The scenario; its keys may be parameters of the node instead.'),
     Parameter('part', 0, integer(0), 'a whole number >= 0 and < parts', 'This process hosts this share of the robots.'),
@@ -63,6 +61,7 @@ FLEET = (
     Parameter('backend', None, text, 'the name of a backend', "Replaces the defaults' `backend`."),
     Parameter('seed', None, integer(0), _SEED, "Replaces the scenario's `seed`."),
 )
+FLEET_INLINE = tuple(parameter for name_, parameter in INLINE.items() if name_ != 'arrivals')
 TASK_SERVER = (
     Parameter('robots', [''], _names, 'a list of different namespaces: ' + NAMESPACE_RULE,
               'Namespaces of robots; each gets an action of its own.'),
@@ -79,6 +78,7 @@ TASK_SERVER = (
     Parameter('min_answer_delay', 0.02, number(0.0, 1.0), 'a number in 0..1 [s, wall]',
               'The end of a goal is told no sooner than this after the goal came; not used in lockstep.'),
 )
+TASK_SERVER_INLINE = (INLINE['places'],)
 TASK_SOURCE = (
     Parameter('scenario', '', text, _PATH, 'The scenario; `places` and `arrivals` may be parameters instead.'),
     Parameter('seed', None, integer(0), _SEED, "Replaces the scenario's `seed`."),
@@ -86,6 +86,7 @@ TASK_SOURCE = (
     Parameter('wait_for_listener', True, boolean, 'true or false',
               'The time of arrivals begins when somebody listens (in lockstep: who takes part); else at once.'),
 )
+TASK_SOURCE_INLINE = (INLINE['places'], INLINE['arrivals'])
 MAP_FRAME = Parameter('frame_id', 'map', name, 'a frame name', 'Frame of the map.')
 #: with the old form of map_server's command line
 MAP_OLD_FORM = (

@@ -7,7 +7,7 @@ import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import read_table, unknown_names
-from move_base_abstract.config.node_tables import FLEET
+from move_base_abstract.config.node_tables import FLEET, FLEET_INLINE
 from move_base_abstract.encounters.control import make_encounters
 from move_base_abstract.scenario import check_one_process, make_scenario, read_scenario
 
@@ -21,7 +21,7 @@ from .move_base_node import LOCKSTEP_PARAMETERS, start
 _LAST_WORDS_SECONDS = 0.2
 #: parameters of the node that come before the scenario's defaults of the same name
 _OVERRIDES = ('use_map', 'backend', 'seed')
-_INLINE = ('defaults', 'robots', 'zones', 'deadlock', 'encounters', 'lanes', 'travel_matrix', 'places')
+_INLINE = tuple(parameter.name for parameter in FLEET_INLINE)
 
 
 def main():

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import rospy
 
-from move_base_abstract.config.node_tables import LOCKSTEP
 from move_base_abstract.config.settings import read_settings
+from move_base_abstract.lockstep.node_parameters import TABLE as LOCKSTEP
 from move_base_abstract_ros.clocks.timing import make_timing
 from move_base_abstract_ros.maps.robot_map import wait_for_maps
 from move_base_abstract_ros.process.node_process import parse_no_arguments, run_node

@@ -4,7 +4,7 @@ import rospy
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import read_table, unknown_names
 from move_base_abstract.common.units import LAST_NS
-from move_base_abstract.config.node_tables import TASK_SOURCE
+from move_base_abstract.config.node_tables import TASK_SOURCE, TASK_SOURCE_INLINE
 from move_base_abstract.msg import Task
 from move_base_abstract.scenario import make_scenario, read_scenario
 
@@ -16,7 +16,7 @@ from ..process.own_parameters import own_parameters
 from .move_base_node import LOCKSTEP_PARAMETERS
 
 #: the scenario itself, instead of a file
-_INLINE = ('places', 'arrivals')
+_INLINE = tuple(parameter.name for parameter in TASK_SOURCE_INLINE)
 
 
 def main():

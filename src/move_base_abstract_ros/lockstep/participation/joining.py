@@ -7,8 +7,8 @@ import rosgraph
 import rospy
 
 from move_base_abstract.common.parameter_table import checked
-from move_base_abstract.config.node_tables import RANK
 from move_base_abstract.lockstep.charge import make_charge
+from move_base_abstract.lockstep.node_parameters import RANK
 from move_base_abstract.properties import statements, stating
 
 from ...replacing import replaced
