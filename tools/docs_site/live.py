@@ -2,10 +2,10 @@
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+PLAIN = ROOT / '.ws' / 'plain' / 'bin' / 'python'  # with SimPy, which Debian has too old
 LIMIT = 400  # s, wall, of one command; a guard
 REPLICATIONS = 5  # of the ranking, instead of its 200
 MBA = ('rosrun', 'move_base_abstract')
@@ -71,18 +71,18 @@ def _demo(folder, out):
 def _warehouse(folder, out):
     site, log = folder / 'warehouse', folder / 'warehouse.jsonl'
     _run(*MBA, 'scenario', 'make', 'warehouse', '--out', site, '--robots', 20)
-    _run(sys.executable, ROOT / 'examples' / 'plain' / 'warehouse.py', site / 'scenario.yaml', log)
+    _run(PLAIN, ROOT / 'examples' / 'warehouse.py', site / 'scenario.yaml', log)
     _replay(log, site / 'map.yaml', out / 'warehouse.html')
     return ('Replay of a warehouse', 'warehouse.html', 'Twenty robots carry goods along one-way lanes from bays to stations, in '
             'plain Python without ROS.\n\n'
             '```\nrosrun move_base_abstract scenario make warehouse --out my_warehouse --robots 20\n'
-            'python3 examples/plain/warehouse.py my_warehouse/scenario.yaml RUN.jsonl\n'
+            'python3 examples/warehouse.py my_warehouse/scenario.yaml RUN.jsonl\n'
             'rosrun move_base_abstract replay RUN.jsonl --map my_warehouse/map.yaml\n```')
 
 
 def _encounter(folder, out):
     log = folder / 'encounter.jsonl'
-    _run(sys.executable, ROOT / 'examples' / 'plain' / 'encounter.py', log)
+    _run(PLAIN, ROOT / 'examples' / 'plain' / 'encounter.py', log)
     _replay(log, ROOT / 'maps' / 'farm_yard.yaml', out / 'encounter.html')
     return ('Replay of an encounter', 'encounter.html', 'Two robots that are calibrated to recordings of `move_base` on Stage come '
             'towards each other, and it costs them time ([encounters](docs/encounters.md)).\n\n'
@@ -109,7 +109,7 @@ def _ranking(folder, out):
         raise LiveError(f'{plan}: has no line with its replications')
     plan.write_text(text.replace('map: [farm_yard]', 'map: [{}]'.format(ROOT / 'maps' / 'farm_yard.yaml')),
                     encoding='utf-8')
-    _run(*MBA, 'experiment', 'run', plan, '-o', done)
+    _run(PLAIN, '-m', 'move_base_abstract_experiments', 'run', plan, '-o', done)
     _take_report(done, out, 'ranking')
     return ('Report on the ranking of coordinators', 'ranking/report.html', 'Five coordinators on four kinds of abstract robots, from '
             f'the plainest to those calibrated to recordings, with {REPLICATIONS} replications '
