@@ -147,7 +147,8 @@ def _parse(words):
     parser.add_argument('--map', metavar='FILE', help='YAML file of the map (default: one that ships with the package)')
     parser.add_argument('--routes', action='store_true', help='drive around what the map shows, not straight')
     parser.add_argument('--rviz', action='store_true', help='show it in RViz, which must be installed')
-    parser.add_argument('--event-log', metavar='FILE', help='write the events of the run to this file, for `replay`; in lockstep '
+    parser.add_argument('--event-log', metavar='FILE', help='write the events of the run to this file, for `replay`; '
+                                                            'in lockstep '
                         'only')
     parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
     arguments = parser.parse_args(words)
