@@ -1,4 +1,4 @@
-"""Which robots there are: names and settings of a whole fleet, from a YAML file or a dictionary.
+"""Scenarios: names and settings of all robots of a fleet, from a YAML file or a dictionary.
 
     seed: 7
     defaults: {max_speed: 2.0}                     # settings of every robot
@@ -138,7 +138,7 @@ def _read_encounters(raw, settings, where):
         raise ConfigurationError(
             "parameter {}/encounters: got 'calibrated' with robots {}; allowed: with a calibration that has a section "
             'encounters, the same for all robots'.format(where, (
-                'of which the calibration does not say it' if None in laws else 'of different laws')))
+                'whose calibration does not say it' if None in laws else 'of different laws')))
     return laws[0]
 
 
@@ -150,7 +150,7 @@ def check_one_process(scenario, parts, where):
     what = counted_places(scenario)
     if parts > 1 and what:
         raise ConfigurationError(
-            'parameter {}/parts: got {} with {}; allowed: 1, since who is in them is counted in one process'.format(
+            'parameter {}/parts: got {} with {}; allowed: 1, because one process must count the robots in them'.format(
                 where.rstrip('/'), parts, what if what in ('zones', 'encounters') else what + ' that have a capacity'))
 
 

@@ -80,7 +80,7 @@ def name(value: object) -> str:
 
 
 def topic(value: object) -> str:
-    """Return ``value`` if it is a string that is more than slashes; a leading slash stays."""
+    """Return ``value`` if it is a string with more than slashes. A leading slash stays."""
     if not isinstance(value, str) or not value.strip('/'):
         raise ValueError
     return value

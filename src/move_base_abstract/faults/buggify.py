@@ -1,4 +1,4 @@
-"""What goes wrong on purpose with single goals, each by a chance: a late result, a goal given up, a wrong pose.
+"""Deliberate faults of single goals, each with a chance: a late result, an aborted goal, a wrong pose.
 
 Unlike failures it is there to find what clients take for granted: it comes only with a ``buggify_seed`` other than 0,
 which in lockstep is the seed of chaos. Each has a name, the same in each run, by which it can be switched off alone.

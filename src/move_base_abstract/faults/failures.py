@@ -1,4 +1,4 @@
-"""What may go wrong with a robot: how often it fails, in which way, and how long until it is as before. Parameters."""
+"""Failures of a robot as parameters: how often it fails, in which way, and how long a repair takes."""
 from __future__ import annotations
 
 from dataclasses import dataclass

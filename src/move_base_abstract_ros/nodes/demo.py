@@ -134,22 +134,21 @@ def _parse(words):
     parser.add_argument('--clock', choices=('lockstep', 'scaled'), default='lockstep',
                         help='leap from event to event, or run at a factor (default: %(default)s)')
     parser.add_argument('--factor', type=_factor, metavar='F',
-                        help='simulated seconds per second of wall time, 0.01..1e6; in lockstep: at most '
+                        help='simulated seconds per wall second, 0.01..1e6; in lockstep an upper limit '
                         '(default: no limit; scaled: 20; with --rviz 20)')
     source = parser.add_mutually_exclusive_group()
     source.add_argument('--csv', metavar='FILE', help='visit points of this field: columns lat, lon [deg] and a value')
     source.add_argument('--mission', metavar='FILE', help='mission file (default: the one that ships with the package)')
     parser.add_argument('--robots', type=_count, metavar='N',
                         help='number of robots (default: 5, or all of the mission)')
-    parser.add_argument('--goals', type=_count, metavar='K', help='goals of each robot, with --csv only (default: 6)')
+    parser.add_argument('--goals', type=_count, metavar='K', help='goals of each robot, only with --csv (default: 6)')
     parser.add_argument('--seed', type=int, metavar='S',
-                        help='seed of the choice of points, with --csv only (default: 1)')
+                        help='seed of the choice of points, only with --csv (default: 1)')
     parser.add_argument('--map', metavar='FILE', help='YAML file of the map (default: one that ships with the package)')
-    parser.add_argument('--routes', action='store_true', help='drive around what the map shows, not straight')
-    parser.add_argument('--rviz', action='store_true', help='show it in RViz, which must be installed')
+    parser.add_argument('--routes', action='store_true', help='drive around obstacles of the map, not straight')
+    parser.add_argument('--rviz', action='store_true', help='show the run in RViz, which must be installed')
     parser.add_argument('--event-log', metavar='FILE', help='write the events of the run to this file, for `replay`; '
-                                                            'in lockstep '
-                        'only')
+                        'only in lockstep')
     parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
     arguments = parser.parse_args(words)
     if arguments.event_log and arguments.clock != 'lockstep':
