@@ -3,8 +3,8 @@
 
 usage: tools/draw_explanations.py
 
-The drawings are narrow, so that they can be read at 400 px. Their colours are variables: of the page where they stand in
-one, else light or dark as the reader has it. A unit test holds the files to this program.
+The drawings are narrow, so that they can be read at 400 px. Their colours are variables: of the page where they stand
+in one, else light or dark as the reader has it. A unit test holds the files to this program.
 """
 import html
 from pathlib import Path
@@ -13,17 +13,23 @@ ROOT = Path(__file__).resolve().parent.parent
 IMAGES = ROOT / 'docs' / 'images'
 WIDTH = 380
 STYLE = """<style>
-:root { --ink: #1b1f24; --soft: #59636e; --paper: #ffffff; --blue: #0b5cad; --blue-fill: #dcebfa; --warm: #9a4a00;
+:root { --ink: #1b1f24; --soft: #59636e; --paper: #ffffff;
+  --blue: #0b5cad; --blue-fill: #dcebfa; --warm: #9a4a00;
   --warm-fill: #fbe6d0; --line: #b9c1ca; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e6e9ec; --soft: #a3adb8; --paper: #16191d; --blue: #7cb8f5;
   --blue-fill: #173352; --warm: #f0b070; --warm-fill: #4a2f12; --line: #4b5560; } }
 .drawing text { font: 13px sans-serif; fill: var(--ink); } .drawing .b { font-weight: bold; }
 .drawing .s { fill: var(--soft); font-size: 12px; } .drawing .m { text-anchor: middle; }
-.drawing .blue { fill: var(--blue-fill); stroke: var(--blue); } .drawing .warm { fill: var(--warm-fill); stroke: var(--warm); }
-.drawing .paper { fill: var(--paper); } .drawing .box { fill: var(--paper); stroke: var(--line); } .drawing .line { stroke: var(--line); fill: none; }
+
+.drawing .blue { fill: var(--blue-fill); stroke: var(--blue); }
+.drawing .warm { fill: var(--warm-fill); stroke: var(--warm); }
+.drawing .paper { fill: var(--paper); } .drawing .box { fill: var(--paper); stroke: var(--line); }
+.drawing .line { stroke: var(--line); fill: none; }
 .drawing .arrow { stroke: var(--blue); stroke-width: 1.6; fill: none; } .drawing .head { fill: var(--blue); }
 .drawing .back { stroke: var(--warm); stroke-width: 1.6; fill: none; } .drawing .backhead { fill: var(--warm); }
-.drawing .leap { fill: var(--blue); } .drawing .h { paint-order: stroke; stroke: var(--paper); stroke-width: 4px; } .drawing .onblue { fill: var(--paper); font-weight: bold; }
+.drawing .leap { fill: var(--blue); }
+.drawing .h { paint-order: stroke; stroke: var(--paper); stroke-width: 4px; }
+.drawing .onblue { fill: var(--paper); font-weight: bold; }
 </style>"""
 
 
@@ -107,7 +113,8 @@ def windows():
     for count in range(3):
         drawing.text(left + width * (count + 0.5), 20, f'window {count + 1}', 'm b')
         drawing.text(left + width * (count + 0.5), 36, '0.1 s long', 'm s')
-    for row, (name, works) in enumerate((('robots', ((2, 76), (98, 60), (190, 66))), ('node A', ((14, 40), (142, 34), (204, 50))),
+    for row, (name, works) in enumerate((('robots', ((2, 76), (98, 60), (190, 66))),
+                                         ('node A', ((14, 40), (142, 34), (204, 50))),
                                          ('node B', ((6, 50), (100, 44), (258, 14))))):
         y = 58 + 62 * row
         drawing.text(4, y + 20, name, 'b')
@@ -137,8 +144,11 @@ def rooms():
     drawing.text(4, 268, 'pure: no ROS, no threads, no wall clock', 's')
     drawing.box(2, 276, 246, 176, 'blue')
     drawing.text(125, 296, 'core (Python)', 'm b')
-    for number, words in enumerate(('fleet · processes · scenario', 'tasks · traffic · encounters', 'goals · faults · energy · sensing',
-                                    'maps: grids, lanes, ways', 'motion: legs in closed form', 'engine: events in stated order')):
+    for number, words in enumerate(('fleet · '
+                                    'processes '
+                                    '· scenario', 'tasks · traffic · encounters', 'goals · faults · energy · sensing',
+                                    'maps: grids, '
+                                    'lanes, ways', 'motion: legs in closed form', 'engine: events in stated order')):
         drawing.box(12, 306 + 24 * number, 226, 20, 'box')
         drawing.text(125, 320.5 + 24 * number, words, 'm')
     drawing.box(258, 276, 120, 176, 'blue')

@@ -4,8 +4,8 @@
 usage: tools/write_node_pages.py
 
 Parameters come from the tables that the nodes check against; topics, services and actions from
-docs/nodes/interfaces.yaml, which a rostest holds to the nodes. A table within a page stands between `<!-- parameters: NAME -->` and `<!-- end -->`.
-A unit test holds the pages to this program.
+docs/nodes/interfaces.yaml, which a rostest holds to the nodes. A table within a page stands between
+`<!-- parameters: NAME -->` and `<!-- end -->`. A unit test holds the pages to this program.
 """
 import ast
 import re
@@ -29,7 +29,7 @@ from move_base_abstract.sensing import laser  # noqa: E402
 
 UNIT = re.compile(r' \[([^\[\]_]*)\]')
 CPP_TABLE = ROOT / 'src' / 'time_master' / 'parameters' / 'parameter_table.h'
-HEAD = ('| parameter | type | unit | default | range | what |', '|---|---|---|---|---|---|')
+HEAD = ('| parameter | what | type | unit | default | range |', '|---|---|---|---|---|---|')
 KINDS = {'boolean': 'true or false', 'integer': 'whole number', 'string': 'text', 'array': 'list'}
 
 
@@ -76,11 +76,11 @@ def shown(value):
 
 
 def row(parameter):
-    """Return the row of a Parameter: name, type, unit, default, range, what."""
+    """Return the row of a Parameter: name, what, type, unit, default, range."""
     units = UNIT.findall(parameter.allowed)
     return '| `{}` | {} | {} | {} | {} | {} |'.format(
-        parameter.name, kind_of(parameter), units[-1] if units else '', shown(parameter.default),
-        UNIT.sub('', parameter.allowed).replace('|', '\\|'), parameter.what)
+        parameter.name, parameter.what, kind_of(parameter), units[-1] if units else '', shown(parameter.default),
+        UNIT.sub('', parameter.allowed).replace('|', '\\|'))
 
 
 def table(parameters):
@@ -106,7 +106,8 @@ def parameters_of(node):
     lines = ['## Parameters', '', 'Private parameters, which the node reads once at the start. A wrong value is fatal: '
              'the text names key, namespace, value and what is allowed. A name that is not known gets a warning.', '']
     if node == 'time_master':
-        return [*lines, *HEAD, *('| `{}` | {} | {} | {} | {} | {} |'.format(*one) for one in cpp_rows()), '']
+        rows = ('| `{}` | {} | {} | {} | {} | {} |'.format(one[0], one[5], *one[1:5]) for one in cpp_rows())
+        return [*lines, *HEAD, *rows, '']
     for heading, parameters in TABLES[node]:
         lines += ([f'### {heading}', ''] if heading else []) + [*table(parameters), '']
     return lines

@@ -14,8 +14,8 @@ import yaml
 GUARD = 150.0  # s, wall
 PACKAGE = rospkg.RosPack().get_path('move_base_abstract')
 IGNORED = ('/rosout', '/get_loggers', '/set_logger_level')
-PARTS = (('goal', 'ActionGoal', 'in'), ('cancel', '', 'in'), ('status', '', 'out'), ('feedback', 'ActionFeedback', 'out'),
-         ('result', 'ActionResult', 'out'))
+PARTS = (('goal', 'ActionGoal', 'in'), ('cancel', '', 'in'), ('status', '', 'out'),
+         ('feedback', 'ActionFeedback', 'out'), ('result', 'ActionResult', 'out'))
 OTHERS = {'cancel': 'actionlib_msgs/GoalID', 'status': 'actionlib_msgs/GoalStatusArray'}
 CLOCK = {'use_sim_time'}
 ROBOT = {*CLOCK, 'battery_capacity', 'failure_kind', 'scan_rate', 'use_map'}

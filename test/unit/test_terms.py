@@ -8,7 +8,8 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / 'docs'
 TERMS = (DOCS / 'terms.md').read_text(encoding='utf-8')
 ROWS = re.findall(r'^\| \*\*([^|*]+)\*\* \| ([^|]+) \| ([^|]*) \|$', TERMS, re.MULTILINE)
-PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted(DOCS.glob('*.md')), *sorted((DOCS / 'nodes').glob('*.md'))]
+PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted(DOCS.glob('*.md')),
+         *sorted((DOCS / 'nodes').glob('*.md'))]
 NOT_SO = sorted({word.strip() for _, _, words in ROWS for word in words.split(',')} - {''})
 #: pages that speak of other programs, or of other standards, in their words
 ABOUT_OTHERS = {('why_preloading.md', 'virtual time'), ('compatibility.md', 'waypoint')}
