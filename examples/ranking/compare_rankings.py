@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Says what the ranking of coordinators in simulation is worth, held against the same missions on a real stack.
 
-    .ws/bin/python3 examples/ranking/compare_rankings.py REAL.csv SIMULATED.csv
+    .ws/bin/python3 examples/ranking/compare_rankings.py REAL.csv SIMULATED.csv [PICTURE.png]
+
+PICTURE.png: the distributions beside one another, quantile by quantile.
 
 Both are tables of missions with the columns map, robots, policy, tasks and mission_s [s]; the real one has ended, the
 simulated one level.
@@ -94,8 +96,31 @@ def distributions(real, simulated):
     return np.mean(inside), np.mean(told_apart)
 
 
-def main(real_path, simulated_path):
-    """Print a table in Markdown."""
+def quantile_plot(real, simulated, path):
+    """Draw each real makespan against the simulated one of the same rank in its configuration, a panel a level."""
+    import matplotlib
+    matplotlib.use('Agg')
+    from matplotlib import pyplot
+    levels = list(simulated.level.unique())
+    figure, axes = pyplot.subplots(1, len(levels), figsize=(3.0 * len(levels), 3.3), sharex=True, sharey=True)
+    cells = KEYS + ['tasks']
+    for level, axis in zip(levels, np.atleast_1d(axes)):
+        here = dict(list(simulated[simulated.level == level].groupby(cells)['mission_s']))
+        for (name, color) in zip(sorted(real.map.unique()), ('tab:blue', 'tab:orange', 'tab:green')):
+            pairs = [(value, np.quantile(here[key], (rank + 0.5) / len(own)))
+                     for key, own in real[real.map == name].groupby(cells)['mission_s'] if key in here
+                     for rank, value in enumerate(sorted(own))]
+            axis.plot(*zip(*pairs), '.', color=color, label=name)
+        axis.plot([20, 1000], [20, 1000], color='grey', linewidth=0.8)
+        axis.set(title=level, xscale='log', yscale='log', xlabel='real makespan [s]')
+    np.atleast_1d(axes)[0].set_ylabel('simulated, same quantile [s]')
+    np.atleast_1d(axes)[0].legend(fontsize=8)
+    figure.tight_layout()
+    figure.savefig(path, dpi=110)
+
+
+def main(real_path, simulated_path, picture=None):
+    """Print a table in Markdown, and draw a picture if one is asked for."""
     chance = np.random.default_rng(1)
     real, simulated = pd.read_csv(real_path), pd.read_csv(simulated_path)
     top = ceiling(real, chance)
@@ -109,6 +134,8 @@ def main(real_path, simulated_path):
         print('| {} | {:.3f} | {:.0f} % | {:.0f} % | {:.2f} ({}) | {:.2f} ({}) | {} of {} |'.format(
             level, np.nanmean(one) / np.nanmean(other), 100 * inside, 100 * apart, *srcc, *tau, same, certain))
     print('| halves of the real missions | | | | {:.2f} | {:.2f} | |'.format(*top))
+    if picture:
+        quantile_plot(real, simulated, picture)
     print('\n{} real missions, {} of them ended by the limit.'.format(len(real), int((real.ended == 0).sum())))
 
 
