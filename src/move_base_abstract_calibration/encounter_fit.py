@@ -2,8 +2,8 @@
 
 A leg takes what the calibration says of it alone, and with the chance that one of its encounters costs it anything as
 much longer as a lognormal, or for a block a gamma distribution says, and the time to get going again. A leg that was
-given up after an encounter was blocked; of one that was cancelled it is known that it would have taken longer. The priors lie where the values lie that were chosen by hand, so that what the
-recordings say nothing of stays there, and is said to.
+given up after an encounter was blocked; one that was cancelled would have taken longer. The priors lie where the values
+lie that were chosen by hand, so that what the recordings say nothing of stays there, and is said to.
 """
 import math
 from typing import NamedTuple
@@ -25,7 +25,8 @@ _NEAR, _FAR = -0.2, -1.5  # logits of the chances at 0 m and at the radius
 _FITTED = (*((kind + end, usual, 1.0, special.expit) for kind in KINDS
              for end, usual in (('_near', _NEAR), ('_far', _FAR))),
            ('delay_mean', math.log(5.0), 0.7, np.exp), ('delay_cv', 0.0, 0.5, np.exp),
-           ('block_near', special.logit(0.2), 1.0, special.expit), ('block_far', special.logit(0.05), 1.0, special.expit),
+           ('block_near', special.logit(0.2), 1.0, special.expit),
+           ('block_far', special.logit(0.05), 1.0, special.expit),
            ('block_mean', math.log(90.0), 0.5, np.exp),
            ('block_cv', math.log(0.4), 0.5, np.exp),
            ('long_chance', special.logit(0.05), 1.0, special.expit), ('long_mean', math.log(400.0), 0.5, np.exp))
@@ -77,7 +78,8 @@ def fit_encounters(legs, calibration, radius):
     rows = tuple(Row(name, *(float(back(found.x[k] + z * spread[k])) for z in (0.0, -1.96, 1.96)),
                      bool(spread[k] > _PRIOR_HOLDS * width)) for k, (name, _, width, back) in enumerate(_FITTED))
     values = {row.name: row.value for row in rows[2 * len(KINDS):] if row.name not in ('block_near', 'block_far')}
-    values.update(block_chance=_table(found.x, 'block', radius), radius=radius, both_chance=both, abort_chance=data.abort_chance(found.x, both), narrow_below=0.0,
+    values.update(block_chance=_table(found.x, 'block', radius), radius=radius,
+                  both_chance=both, abort_chance=data.abort_chance(found.x, both), narrow_below=0.0,
                   narrow_weight=1.0, **{'chance_' + kind: _table(found.x, kind, radius) for kind in KINDS})
     counts = {kind: sum(one.kind == kind for leg in legs for one in leg.meetings) for kind in KINDS}
     return Fitted(values, rows, counts)

@@ -118,7 +118,8 @@ def _of_mission(name, motions, radius, first):
     numbers = {id(one): first + number for number, (_, one) in enumerate(counted)}
     return [MetLeg(name, one.way, float(one.row['duration_s']), one.row['state'] == _SUCCEEDED, tuple(
         meeting for other in motions if other != robot for theirs in motions[other]
-        for meeting in _meetings(one, theirs, radius, numbers)), one.row['state'] == _PREEMPTED) for robot, one in counted]
+        for meeting in _meetings(one, theirs, radius, numbers)), one.row['state'] == _PREEMPTED)
+        for robot, one in counted]
 
 
 def _counts(row):

@@ -80,7 +80,7 @@ def read_tail_motion(value):
 
 #: sections that a calibration may have
 SECTIONS = (
-    Parameter('tail_most', math.inf, number(0.001, 1000.0), "a number in 0.001..1000 [s per m]"),
+    Parameter('tail_most', math.inf, number(0.001, 1000.0), 'a number in 0.001..1000 [s per m]'),
     Parameter('recorded', None, read_recorded, 'a mapping of length [m] and start_turn [rad], and perhaps clearance '
               '[m], to [low, high]'),
     Parameter('tail_motion', None, read_tail_motion, 'a mapping of reverse_speed [m/s] and spin_speed [rad/s], both '
@@ -98,8 +98,8 @@ class CalibratedDurations:
     seconds later as ``tail`` (Gamma) says, at rest at the start too. The chance of that is ``tail_rate`` [1/s] over
     the motion's time, and rises with the start turn as ``tail_chances`` ((rad, chance), ...) say. ``failures`` as of
     :class:`.durations.Durations`. ``recorded``: what the legs were like that say so, None: nobody knows.
-    ``tail_motion``: what a robot of the tail does meanwhile, None: it stands. ``tail_most`` [s per m]: how long the tail
-    of a turn is at most for each metre of the way; x seconds of ``tail`` become x m / (x + m) of m seconds at most.
+    ``tail_motion``: what a robot of the tail does meanwhile, None: it stands. ``tail_most`` [s per m]: how long the
+    tail of a turn is at most for each metre of the way; x seconds of ``tail`` become x m / (x + m), m being the most.
     """
 
     delay: float
