@@ -9,7 +9,7 @@ Both are tables of missions with the columns map, robots, policy, tasks and miss
 simulated one level.
 A configuration is a map, a number of robots and a policy; its value is the mean makespan over its task sets.
 SRCC: Pearson's correlation of these values (Kadian and others, RA-L 2020). tau: Kendall's. The ceiling: the same
-between halves of the real missions. Intervals: 95 %, by drawing task sets anew.
+between halves of the real missions. Intervals: 95 %, by drawing task sets anew, of a single one the real missions.
 """
 import sys
 
@@ -38,13 +38,18 @@ def interval(values):
 
 
 def with_intervals(real, simulated, chance):
-    """Return [(SRCC, its interval), (tau, its interval)]."""
+    """Return [(SRCC, its interval), (tau, its interval)]; of one task set the real missions are drawn anew instead."""
     one, other = (table.to_numpy() for table in means(real).align(means(simulated), join='inner'))
     sets = one.shape[1]
-    chosen = [chance.integers(0, sets, sets) for _ in range(DRAWS if sets > 1 else 0)]
-    draws = [agreement(one[:, own], other[:, own]) for own in chosen]
-    return [(value, interval([draw[at] for draw in draws]) if draws else 'one task set')
-            for at, value in enumerate(agreement(one, other))]
+    if sets > 1:
+        chosen = [chance.integers(0, sets, sets) for _ in range(DRAWS)]
+        draws = [agreement(one[:, own], other[:, own]) for own in chosen]
+    else:
+        groups = real.groupby(KEYS + ['tasks'])
+        samples = [groups.sample(frac=1.0, replace=True, random_state=seed) for seed in range(DRAWS)]
+        draws = [agreement(*(table.to_numpy() for table in means(own).align(means(simulated), join='inner')))
+                 for own in samples]
+    return [(value, interval([draw[at] for draw in draws])) for at, value in enumerate(agreement(one, other))]
 
 
 def ceiling(real, chance):
@@ -121,12 +126,12 @@ def quantile_plot(real, simulated, path):
 
 def main(real_path, simulated_path, picture=None):
     """Print a table in Markdown, and draw a picture if one is asked for."""
-    chance = np.random.default_rng(1)
     real, simulated = pd.read_csv(real_path), pd.read_csv(simulated_path)
-    top = ceiling(real, chance)
+    top = ceiling(real, np.random.default_rng(1))
     print('| level | simulated / real | in 90 % of the seeds | told apart (KS, 5 %) | SRCC | tau | same sign |')
     print('|---|---|---|---|---|---|---|')
     for level, own in simulated.groupby('level', sort=False):
+        chance = np.random.default_rng(1)
         srcc, tau = with_intervals(real, own, chance)
         inside, apart = distributions(real, own)
         certain, same = pairs(real, own, chance)
