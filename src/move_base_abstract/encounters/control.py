@@ -1,4 +1,4 @@
-"""Encounters: robots of one process that come near one another on their ways, and what becomes of it.
+"""Encounters: robots of one process that come near each other on their ways, and the consequences.
 
 The first instant at which two robots come within the law's radius is an event. There the law says who has to stand,
 and for how long: drawn by (seed, the names of both in order, the numbers of their goals), so that neither the order in

@@ -1,4 +1,4 @@
-"""Numbers by chance of which each follows from a robot, its goal and their purpose alone.
+"""Random numbers, each of which follows only from a robot, its goal and a purpose.
 
 The generator counts: Philox 4x64-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as 1, 2, 3. SC 2011)
 gives for each key and counter the same bits, whatever was drawn before. So no robot's numbers depend on another's, nor

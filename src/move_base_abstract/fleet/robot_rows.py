@@ -1,4 +1,4 @@
-"""What is written down of a robot, in the trace of the plain fleet and in a run's event log: the rows of its events."""
+"""The rows of a robot's events, in the trace of the plain fleet and in a run's event log."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Callable

@@ -1,4 +1,4 @@
-"""What a fleet's user is told, and called for: events and endings, at the end of their instant."""
+"""Calls of a fleet's user: for events and endings, at the end of their instant."""
 import warnings
 from functools import partial
 

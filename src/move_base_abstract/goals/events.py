@@ -1,4 +1,4 @@
-"""What happens to one robot, as values: whoever wants to know subscribes to the robot's :class:`Stream` of them.
+"""What happens to one robot, as values. Subscribe to the robot's :class:`Stream` to hear of it.
 
 They are tuples with names, not frozen dataclasses, which take twice as long to be made: three come with each goal. Each
 has the instant [ns] and the robot's name first. Poses are those of the global frame [m, rad]. ``row()`` is that of
@@ -106,14 +106,14 @@ class GoalChanged(NamedTuple):
 
 
 class Abandoned(NamedTuple):
-    """Where the robot was going it goes no more: its goal has ended, or gives way to another one."""
+    """The robot no longer goes to its target: its goal has ended, or another goal has replaced it."""
 
     time_ns: int
     robot: str
 
 
 class BrokenOff(NamedTuple):
-    """An error has come up in whatever the robot was about; it stands, without a goal. Nothing may be half done."""
+    """An error interrupted the robot's work. It stands, without a goal. Nothing may be left half done."""
 
     time_ns: int
     robot: str
@@ -166,14 +166,14 @@ class Failed(NamedTuple):
 
 
 class Repaired(NamedTuple):
-    """The robot that had failed is as before."""
+    """The robot is repaired."""
 
     time_ns: int
     robot: str
 
 
 class Lapse(NamedTuple):
-    """The robot ``begins`` to tell a wrong pose or none, or ends it: ``kind`` and ``cause`` as of :mod:`.lapse`.
+    """The robot ``begins`` or ends to report a wrong pose or none: ``kind`` and ``cause`` as in :mod:`.lapse`.
 
     ``by``: of a jump that begins, how far it goes (x, y [m], yaw [rad]).
     """

@@ -1,4 +1,4 @@
-"""A robot as it was recorded: limits, phases, spread, tail and failures, from a file that ``calibrate`` has written."""
+"""A calibrated robot: limits, phases, spread, tail and failures, from a file that ``calibrate`` has written."""
 import math
 import os
 import re
@@ -91,7 +91,7 @@ SECTIONS = (
 
 @dataclass(frozen=True)
 class CalibratedDurations:
-    """What the phases do not say of how long a goal takes.
+    """The part of a goal's duration that the phases do not explain.
 
     ``delay`` [s] at rest first. Then either the motion differs by a normal ``spread`` [s] and by small delays,
     exponential of mean ``delay_share`` times the motion's time; or the goal is one of the tail: it comes as many

@@ -1,4 +1,4 @@
-"""What is written down of a robot: the same entries in the trace of the plain Python fleet and in a run's event log."""
+"""The rows of a robot: the same in the trace of the plain Python fleet and in a run's event log."""
 from __future__ import annotations
 
 from typing import Any, Iterable, Iterator, NamedTuple, Tuple

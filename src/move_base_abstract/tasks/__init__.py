@@ -1,4 +1,4 @@
-"""Where robots work and what that takes; tasks that arrive; who works at a place."""
+"""Places where robots work, tasks that arrive, and who works where."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

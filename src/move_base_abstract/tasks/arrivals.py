@@ -1,4 +1,4 @@
-"""Tasks that arrive: at random instants, or at those of a file; the same ones for the same seed, whoever does them.
+"""Tasks that arrive at random instants or at those of a file: the same for the same seed, whoever does them.
 
     arrivals:
       - {place: dock, rate_per_hour: 20.0}

@@ -1,4 +1,4 @@
-"""Tasks at places: a robot that stands there waits until there is room for it, works, and draws from its battery."""
+"""Tasks at places: a robot at a place waits until there is room, works, and draws from its battery."""
 from __future__ import annotations
 
 import bisect

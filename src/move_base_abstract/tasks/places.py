@@ -1,4 +1,4 @@
-"""Places where robots work: where they are, how many may work there at once, and what work there takes.
+"""Places where robots work: their poses, their capacities, and the time and energy of work there.
 
     places:
       - {name: dock, x: 12.0, y: 3.0, yaw: 1.57, capacity: 2, duration: 40.0, power: 120.0}

@@ -1,4 +1,4 @@
-"""Tasks that take a while where a robot stands, one at a time for each robot: sampling, loading, charging."""
+"""Tasks that take time where a robot stands, one at a time per robot: sampling, loading, charging."""
 from __future__ import annotations
 
 import random

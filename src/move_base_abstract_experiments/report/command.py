@@ -87,10 +87,10 @@ def _replays(experiment):
 def main(words=None):
     """Run the command of these words, or those of the shell; return the exit code."""
     parser = argparse.ArgumentParser(prog='experiment report', description='Write report.html and tables/*.csv of an '
-                                     'experiment into its folder, from what is there, also of one that still runs.')
+                                     'experiment into its folder. The experiment may still run.')
     parser.add_argument('out', type=Path, metavar='OUT', help='the folder of the experiment')
-    parser.add_argument('--without-own-sections', action='store_true', help="run none of the functions that the "
-                        "experiment names under 'report': for folders of others")
+    parser.add_argument('--without-own-sections', action='store_true', help="do not run the functions that the "
+                        "experiment names under 'report'; for folders of others")
     arguments = parser.parse_args(words)
     try:
         path, problems = write(arguments.out, not arguments.without_own_sections)

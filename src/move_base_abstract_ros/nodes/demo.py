@@ -1,13 +1,14 @@
 """The demo: a mission of several robots, faster than real time, on a ROS master of its own.
 
     demo [--clock lockstep|scaled] [--factor F] [--csv FILE | --mission FILE] [--map FILE] [--robots N] [--goals K]
-         [--seed S] [--speed V] [--routes] [--rviz]
+         [--seed S] [--speed V] [--routes] [--rviz] [--event-log FILE]
 
 Exit codes: 0 mission done; 1 it failed (the reason is printed); 2 wrong arguments; 130 interrupted (143 by SIGTERM).
 """
 
 import argparse
 import math
+import os
 import signal
 import sys
 import time
@@ -57,6 +58,9 @@ def _run(arguments, plan):
             raise MissionFailed('--routes needs a map on which all places of the mission are free')
         clock = nodes.clock_parameters(arguments.clock, arguments.factor, ['/fleet', '/demo'])
         settings = nodes.robot_settings(arguments.speed, map_path is not None, arguments.routes, arguments.rviz)
+        if arguments.event_log:
+            clock['event_log'] = os.path.abspath(arguments.event_log)
+            settings['log_motion'] = True  # a replay shows how robots moved
         nodes.start(ros, plan, clock, settings, map_path, arguments.rviz)
         rospy_start.prepare()
         rospy.init_node('demo', disable_signals=True)
@@ -130,21 +134,25 @@ def _parse(words):
     parser.add_argument('--clock', choices=('lockstep', 'scaled'), default='lockstep',
                         help='leap from event to event, or run at a factor (default: %(default)s)')
     parser.add_argument('--factor', type=_factor, metavar='F',
-                        help='simulated seconds per second of wall time, 0.01..1e6; in lockstep: at most '
+                        help='simulated seconds per wall second, 0.01..1e6; in lockstep an upper limit '
                         '(default: no limit; scaled: 20; with --rviz 20)')
     source = parser.add_mutually_exclusive_group()
     source.add_argument('--csv', metavar='FILE', help='visit points of this field: columns lat, lon [deg] and a value')
     source.add_argument('--mission', metavar='FILE', help='mission file (default: the one that ships with the package)')
     parser.add_argument('--robots', type=_count, metavar='N',
                         help='number of robots (default: 5, or all of the mission)')
-    parser.add_argument('--goals', type=_count, metavar='K', help='goals of each robot, with --csv only (default: 6)')
+    parser.add_argument('--goals', type=_count, metavar='K', help='goals of each robot, only with --csv (default: 6)')
     parser.add_argument('--seed', type=int, metavar='S',
-                        help='seed of the choice of points, with --csv only (default: 1)')
+                        help='seed of the choice of points, only with --csv (default: 1)')
     parser.add_argument('--map', metavar='FILE', help='YAML file of the map (default: one that ships with the package)')
-    parser.add_argument('--routes', action='store_true', help='drive around what the map shows, not straight')
-    parser.add_argument('--rviz', action='store_true', help='show it in RViz, which must be installed')
+    parser.add_argument('--routes', action='store_true', help='drive around obstacles of the map, not straight')
+    parser.add_argument('--rviz', action='store_true', help='show the run in RViz, which must be installed')
+    parser.add_argument('--event-log', metavar='FILE', help='write the events of the run to this file, for `replay`; '
+                        'only in lockstep')
     parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
     arguments = parser.parse_args(words)
+    if arguments.event_log and arguments.clock != 'lockstep':
+        parser.error('--event-log needs --clock lockstep: the scaled clock has no event log')
     if arguments.rviz and arguments.factor is None:
         arguments.factor = 20.0
     for name in ('goals', 'seed'):
