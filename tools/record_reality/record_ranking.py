@@ -70,12 +70,12 @@ class RankingRecording(Recording):
             ['roslaunch', str(_RANKING / 'ranking.launch'), 'simulator:=false', 'mission:=' + str(self.folder),
              'policy:=' + self.row['policy'], 'output:=' + str(output)], 'ranking')
         self.pace.watch(_coordinator(launch))
-        while not output.exists() and launch.poll() is None:
+        while not output.exists() and launch.poll() is None and not self._is_cut:
             if not any(robot.rows or robot.leg for robot in self.robots):
                 self.pace.look_anew()  # the coordinator's connections have threads
             self.step()
         if not output.exists():
-            raise RuntimeError('the coordinator ended without a row')
+            raise RuntimeError('there is no row of the coordinator')
         self.row.update(json.loads(_text(output)), later_s='{:.1f}'.format(later * STEP))
         self.row['ended'] = int(self.row['ended'])
         launch.send_signal(signal.SIGINT)

@@ -109,7 +109,7 @@ class Encounters:
         draws = Chance(self._seed, '{} {}'.format(first.name, second.name))
         place = second.goal_number * _GOALS
         cost = self.law.draw(chance, yields, lambda purpose, number: draws.uniform(
-            first.goal_number, purpose, place + number))
+            first.goal_number, purpose, place + number), stay.nearest)
         for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):
             own.note(their, kind, stay.nearest, seconds, now_ns)
         for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):
