@@ -137,7 +137,7 @@ def _read_encounters(raw, settings, where):
         raise ConfigurationError(
             "parameter {}/encounters: got 'calibrated' with robots {}; allowed: with a calibration that has a section "
             'encounters, the same for all robots'.format(where, (
-                'of which the calibration does not say it' if None in laws else 'of different laws')))
+                'whose calibration does not say it' if None in laws else 'of different laws')))
     return laws[0]
 
 
@@ -149,7 +149,7 @@ def check_one_process(scenario, parts, where):
     what = counted_places(scenario)
     if parts > 1 and what:
         raise ConfigurationError(
-            'parameter {}/parts: got {} with {}; allowed: 1, since who is in them is counted in one process'.format(
+            'parameter {}/parts: got {} with {}; allowed: 1, because one process must count the robots in them'.format(
                 where.rstrip('/'), parts, what if what in ('zones', 'encounters') else what + ' that have a capacity'))
 
 

@@ -125,7 +125,7 @@ class Lockstep:
         if robot not in self._clients:
             client = self._clients[robot] = actionlib.ActionClient('/{}/move_base'.format(robot), MoveBaseAction)
             if not client.wait_for_server(rospy.Duration(60.0)):
-                raise AssertionError("there is no robot '{}': nobody serves /{}/move_base".format(robot, robot))
+                raise AssertionError("there is no robot '{}': no node serves /{}/move_base".format(robot, robot))
         target, goal = MoveBaseGoal(), Goal(self, robot)
         target.target_pose.header.frame_id = frame
         target.target_pose.header.stamp = rospy.Time.now()
@@ -173,7 +173,7 @@ class Lockstep:
         """The run's event log as objects; the run is ended for it."""
         self.finish()
         if self._system is None:
-            raise SimulatorError('lockstep: nothing has been started, so that there is no log')
+            raise SimulatorError('lockstep: nothing was started, so there is no log')
         return RunLog(self._system.log)
 
 

@@ -136,7 +136,7 @@ class _Loader(yaml.SafeLoader):
         except ConfigurationError:
             raise
         except _CONSTRUCTION_ERRORS:
-            raise _error(node, 'got {}; this is no value of the kind {}'.format(
+            raise _error(node, 'got {}; this is not a value of the kind {}'.format(
                 shown(getattr(node, 'value', None) if isinstance(node, yaml.ScalarNode) else node.id),
                 shown_text(node.tag.rsplit(':', 1)[-1]))) from None
 
