@@ -1,8 +1,8 @@
 """Type the commands of a page, and compare what the shell shows with what the page says.
 
-Blocks ``sh`` of a page are typed, all of them in one shell and in one folder that was empty. A block ``text`` that comes
-next is what the shell then shows; ``...`` in it stands for any text, and on a line of its own for any lines. The first
-command that fails ends the page. Blocks of other kinds are not run: those need a screen, the network or time.
+Blocks ``sh`` of a page are typed, all of them in one shell and in one folder that was empty. A block ``text`` that
+comes next is what the shell then shows; ``...`` in it stands for any text, and on a line of its own for any lines. The
+first command that fails ends the page. Blocks of other kinds are not run: those need a screen, the network or time.
 """
 import os
 import re
