@@ -8,7 +8,8 @@ PAGE = ('```sh\nx=5; mkdir a; cd a\n```\n```sh\necho "$x m"; echo between; echo 
 
 @pytest.mark.parametrize('told, is_true', [
     ('5 m\n...\n... s\na', True), ('...\na', True), ('5 m\nbetween\n...\n0.7 s\na', True),
-    ('5 m\n...\n0.8 s\na', False), ('5 m\nbetween\n0.7 s', False), ('4 m\n...', False), ('between\n...', False), ('5 .\n...', False)])
+    ('5 m\n...\n0.8 s\na', False), ('5 m\nbetween\n0.7 s', False), ('4 m\n...', False), ('between\n...', False),
+    ('5 .\n...', False)])
 def test_what_a_page_says_is_held_to_what_is_shown(told, is_true, tmp_path):
     (tmp_path / 'outputs').mkdir()
     (tmp_path / 'folder').mkdir()
