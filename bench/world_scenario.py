@@ -4,7 +4,7 @@ import random
 
 import numpy as np
 
-from move_base_abstract.config.settings import OWN_NAMES
+from move_base_abstract.config.robot_table import OWN_NAMES
 from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract.motion.geometry import Pose2D
 

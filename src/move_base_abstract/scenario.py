@@ -23,7 +23,9 @@ from .common.parameter_table import Parameter, checked, integer, number, one_of
 from .common.ros_names import ROBOT_NAME_RULE, is_robot_name
 from .common.shown import shown, shown_text
 from .common.unknown_keys import check_keys
-from .config.settings import OWN_NAMES, RobotSettings, read_settings
+from .config.node_tables import MAX_ROBOTS
+from .config.robot_table import OWN_NAMES
+from .config.settings import RobotSettings, read_settings
 from .motion.encounter_law import EncounterLaw
 from .tasks.arrivals import merged, read_arrivals
 from .tasks.places import read_places
@@ -34,7 +36,6 @@ _TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', 'deadlock', 'encounters', *_
 #: settings that are paths, or names without .yaml that ship
 _FILES = ('duration_quantiles', 'calibration', *_NETWORKS)
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
-MAX_ROBOTS = 100_000  # of a scenario; ten thousand are the most that have been driven
 _COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
 _SEED = Parameter('seed', 0, integer(0), 'a whole number >= 0')
 _DEADLOCK = Parameter('deadlock', 'wait', one_of('wait', 'abort', 'avoid'), "'wait', 'abort' or 'avoid'")

@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "chaos_parameters.h"
+#include "parameters/chaos_parameters.h"
 #include "clock/shown_text.h"
 
 namespace move_base_abstract {

@@ -23,6 +23,8 @@ class Parameter:
     default: Any
     convert: Callable[[Any], Any]
     allowed: str
+    #: what it is for, one sentence in Markdown; empty where no page lists it
+    what: str = ''
 
 
 def number(low: float = -math.inf, high: float = math.inf, above: Optional[float] = None) -> Callable[[object], float]:

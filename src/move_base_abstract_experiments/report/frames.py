@@ -18,19 +18,18 @@ def trials(experiment):
     A metric by the name of another column is called metric.NAME there, a factor factor.NAME.
     """
     fixed = ('id', 'replication', 'seed', 'status', 'labels', *_TRIAL_COLUMNS)
-    rows = []
-    for trial in experiment.trials:
-        configuration = experiment.configurations[trial.configuration]
-        row = {'id': trial.id}
-        for factor, level in zip(experiment.factors, configuration.levels):
-            row[_free(factor.name, fixed, 'factor')] = '' if level is None else factor.levels[level]
-        row.update(replication=trial.replication, seed=trial.seed, status=trial.status)
-        taken = (*fixed, *row)
-        for metric in experiment.metrics:
-            row[_free(metric.name, taken, 'metric')] = trial.metrics.get(metric.name, math.nan)
-        row.update({name: getattr(trial, name) for name in _TRIAL_COLUMNS}, labels='; '.join(trial.labels))
-        rows.append(row)
-    return pd.DataFrame(rows)
+    trials, places = experiment.trials, [trial.configuration for trial in experiment.trials]
+    columns = {'id': [trial.id for trial in trials]}  # a column at a time: a row of each would take ten times as much
+    for number, factor in enumerate(experiment.factors):
+        levels = [configuration.levels[number] for configuration in experiment.configurations]
+        shown = ['' if level is None else factor.levels[level] for level in levels]
+        columns[_free(factor.name, fixed, 'factor')] = [shown[place] for place in places]
+    columns.update((name, [getattr(trial, name) for trial in trials]) for name in ('replication', 'seed', 'status'))
+    taken = (*fixed, *columns)
+    for metric in experiment.metrics:
+        columns[_free(metric.name, taken, 'metric')] = [trial.metrics.get(metric.name, math.nan) for trial in trials]
+    columns.update((name, [getattr(trial, name) for trial in trials]) for name in _TRIAL_COLUMNS)
+    return pd.DataFrame({**columns, 'labels': ['; '.join(trial.labels) for trial in trials]})
 
 
 def _free(name, taken, kind):

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import re
+import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -131,8 +132,18 @@ def read(folder):
     factors = design.factors_of(plan)
     configurations, places = design.configurations_of(factors, planned)
     rows = {} if (folder / 'trials').is_dir() else _rows_of_csv(folder / 'trials.csv', plan.get('metrics', {}))
+    _share(planned, places)
     trials = tuple(_trial(folder, plan, each, places[place], rows) for place, each in enumerate(planned))
     return Experiment(folder, plan, factors, configurations, design.metrics_of(plan, trials), trials)
+
+
+def _share(planned, places):
+    """Have equal configurations and programs of the plan's trials (places: of their configurations) take room once."""
+    known = {}
+    for each, place in zip(planned, places):
+        for key in ('configuration', 'program'):
+            if key in each:
+                each[key] = known.setdefault((key, place if key == 'configuration' else str(each[key])), each[key])
 
 
 def _json(path, most=MAX_BYTES):
@@ -243,7 +254,7 @@ def _told(base, told, until):
         **base, status=COMPLETE, error=error, metrics={str(name): _number(value) for name, value in metrics.items()},
         **{name: _number(told.get(name)) for name in ('simulated_seconds', 'wall_seconds', 'times_real_time')},
         repeatable=told.get('repeatable') if isinstance(told.get('repeatable'), bool) else None,
-        labels=tuple(map(str, labels)),
+        labels=tuple(sys.intern(str(label)) for label in labels),
         verified=told.get('verified') if told.get('verified') in _STATES else None,
         difference=shown_text(told.get('difference') or ''),
         robots={str(name): {str(key): _number(value) for key, value in each.items()}

@@ -1,13 +1,14 @@
 """The demo: a mission of several robots, faster than real time, on a ROS master of its own.
 
     demo [--clock lockstep|scaled] [--factor F] [--csv FILE | --mission FILE] [--map FILE] [--robots N] [--goals K]
-         [--seed S] [--speed V] [--routes] [--rviz]
+         [--seed S] [--speed V] [--routes] [--rviz] [--event-log FILE]
 
 Exit codes: 0 mission done; 1 it failed (the reason is printed); 2 wrong arguments; 130 interrupted (143 by SIGTERM).
 """
 
 import argparse
 import math
+import os
 import signal
 import sys
 import time
@@ -57,6 +58,9 @@ def _run(arguments, plan):
             raise MissionFailed('--routes needs a map on which all places of the mission are free')
         clock = nodes.clock_parameters(arguments.clock, arguments.factor, ['/fleet', '/demo'])
         settings = nodes.robot_settings(arguments.speed, map_path is not None, arguments.routes, arguments.rviz)
+        if arguments.event_log:
+            clock['event_log'] = os.path.abspath(arguments.event_log)
+            settings['log_motion'] = True  # a replay shows how robots moved
         nodes.start(ros, plan, clock, settings, map_path, arguments.rviz)
         rospy_start.prepare()
         rospy.init_node('demo', disable_signals=True)
@@ -143,8 +147,12 @@ def _parse(words):
     parser.add_argument('--map', metavar='FILE', help='YAML file of the map (default: one that ships with the package)')
     parser.add_argument('--routes', action='store_true', help='drive around obstacles of the map, not straight')
     parser.add_argument('--rviz', action='store_true', help='show the run in RViz, which must be installed')
+    parser.add_argument('--event-log', metavar='FILE', help='write the events of the run to this file, for `replay`; '
+                        'only in lockstep')
     parser.add_argument('--speed', type=_positive, default=2.0, metavar='V', help='m/s (default: %(default)g)')
     arguments = parser.parse_args(words)
+    if arguments.event_log and arguments.clock != 'lockstep':
+        parser.error('--event-log needs --clock lockstep: the scaled clock has no event log')
     if arguments.rviz and arguments.factor is None:
         arguments.factor = 20.0
     for name in ('goals', 'seed'):

@@ -2,8 +2,9 @@
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.parameter_table import Parameter, boolean, integer, name, read_table, text, unknown_names
+from move_base_abstract.common.parameter_table import read_table, unknown_names
 from move_base_abstract.common.units import LAST_NS
+from move_base_abstract.config.node_tables import TASK_SOURCE, TASK_SOURCE_INLINE
 from move_base_abstract.msg import Task
 from move_base_abstract.scenario import make_scenario, read_scenario
 
@@ -14,14 +15,8 @@ from ..process.node_process import parse_no_arguments, run_node
 from ..process.own_parameters import own_parameters
 from .move_base_node import LOCKSTEP_PARAMETERS
 
-_TABLE = (
-    Parameter('scenario', '', text, 'the path of a scenario file'),
-    Parameter('seed', None, integer(0), 'a whole number >= 0'),
-    Parameter('topic', 'tasks', name, 'a topic name'),
-    Parameter('wait_for_listener', True, boolean, 'true or false'),
-)
 #: the scenario itself, instead of a file
-_INLINE = ('places', 'arrivals')
+_INLINE = tuple(parameter.name for parameter in TASK_SOURCE_INLINE)
 
 
 def main():
@@ -33,8 +28,8 @@ def main():
 def _build():
     where = rospy.get_name()
     raw = own_parameters()
-    values = read_table(raw, _TABLE, where)
-    known = tuple(parameter.name for parameter in _TABLE) + _INLINE + LOCKSTEP_PARAMETERS
+    values = read_table(raw, TASK_SOURCE, where)
+    known = tuple(parameter.name for parameter in TASK_SOURCE) + _INLINE + LOCKSTEP_PARAMETERS
     for warning in unknown_names(raw, known, where):
         rospy.logwarn(warning)
     scenario = _read_scenario(raw, values, where)
