@@ -1,70 +1,6 @@
-"""The commands of each tutorial do what its page says: a stranger who types them sees the same.
-
-A block ``sh`` of a page is typed, all of them in one shell and in one folder that was empty. A block ``text`` that comes
-next is what the shell then shows; ``...`` in it stands for any text, on a line of its own for any lines. The first command
-that fails ends the page. Blocks of other kinds are not run: those need a screen, the network or time.
-"""
-import os
-import re
-import subprocess
-from pathlib import Path
-
+"""The commands of each tutorial do what its page says: a stranger who types them sees the same."""
 import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
-LIMIT = 1500.0  # wall s; only ends what would never end
-#: environments that pages have their readers make, {page: folder}: pip needs the network
-ENVIRONMENTS = {'plain_python': ROOT / '.ws' / 'plain'}
-FENCE = re.compile(r'^```(\w*)\n(.*?)^```$', re.DOTALL | re.MULTILINE)
-COLOUR = re.compile(r'\x1b\[[0-9;]*m|\x1b\][^\x07]*\x07')
-
-
-def tutorials():
-    """Return the tutorials in the order of the site's navigation."""
-    index = (ROOT / 'docs' / 'site' / 'index.md').read_text(encoding='utf-8')
-    [group] = re.findall(r'^:caption: Tutorials\n(.*?)^```', index, re.DOTALL | re.MULTILINE)
-    return [ROOT / (line + '.md') for line in group.split() if line.startswith('docs/')]
-
-
-def steps(text):
-    """Return [(commands, what is shown, or None)] of a page."""
-    blocks = FENCE.findall(text)
-    return [(words, after[1] if after[0] == 'text' else None)
-            for (kind, words), after in zip(blocks, [*blocks[1:], ('', '')]) if kind == 'sh']
-
-
-def pattern(told):
-    """Return the regular expression of what a page says is shown."""
-    lines = [r'(?:.*\n)*?' if line.strip() == '...' else '.*?'.join(map(re.escape, line.split('...'))) + r'\n'
-             for line in told.splitlines()]
-    return re.compile(''.join(lines))
-
-
-def shown(folder, number):
-    """Return what a terminal would show of a step, without colours and spaces at the ends of lines."""
-    text = COLOUR.sub('', (folder / str(number)).read_text(encoding='utf-8'))
-    return ''.join(line.rpartition('\r')[2].rstrip() + '\n' for line in text.splitlines())
-
-
-def run(page, folder, outputs, python=None):
-    """Type the commands of a page in a folder, and return [(commands, told, shown)] of the steps that were begun."""
-    todo = steps(page)
-    script = ['set -e', *(f'exec >{outputs / str(number)} 2>&1\n{words}' for number, (words, _) in enumerate(todo))]
-    environment = dict(os.environ, ROS_LOG_DIR=str(outputs / 'log'))
-    if python:
-        environment['PATH'] = f'{python / "bin"}:{environment["PATH"]}'
-    code = subprocess.run(['bash', '-c', '\n'.join(script)], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
-                          timeout=LIMIT, check=False).returncode
-    done = [(words, told, shown(outputs, number)) for number, (words, told) in enumerate(todo)
-            if (outputs / str(number)).exists()]
-    assert code == 0, f'exit code {code} of\n{done[-1][0]}\nwhich shows\n{done[-1][2]}'
-    return done
-
-
-def differences(done):
-    """Return the steps that show something else than their page says."""
-    return [f'{words}\nshows\n{seen}\ninstead of\n{told}' for words, told, seen in done
-            if told is not None and not pattern(told).fullmatch(seen)]
+from typing_of_pages import ENVIRONMENTS, differences, run, tutorials
 
 
 @pytest.mark.parametrize('page', tutorials(), ids=lambda path: path.stem)
@@ -75,21 +11,3 @@ def test_a_tutorial_shows_what_it_says(page, tmp_path):
     done = run(page.read_text(encoding='utf-8'), folder, outputs, ENVIRONMENTS.get(page.stem))
     assert sum(told is not None for _, told, _ in done) >= 3
     assert '\n'.join(differences(done)) == ''
-
-
-PAGE = '```sh\nx=5; mkdir a; cd a\n```\n```sh\necho "$x m"; echo between; echo 0.7 s; ls ..\n```\n\nIt shows\n\n```text\n%s\n```\n'
-
-
-@pytest.mark.parametrize('told, is_true', [
-    ('5 m\n...\n... s\na', True), ('...\na', True), ('5 m\nbetween\n...\n0.7 s\na', True), ('5 m\n...\n0.8 s\na', False),
-    ('5 m\nbetween\n0.7 s', False), ('4 m\n...', False), ('between\n...', False), ('5 .\n...', False)])
-def test_what_a_page_says_is_held_to_what_is_shown(told, is_true, tmp_path):
-    (tmp_path / 'outputs').mkdir()
-    (tmp_path / 'folder').mkdir()
-    assert (differences(run(PAGE % told, tmp_path / 'folder', tmp_path / 'outputs')) == []) is is_true
-
-
-def test_a_command_that_fails_is_an_error_that_names_it(tmp_path):
-    with pytest.raises(AssertionError, match='exit code 1 of\nfalse\n\nwhich shows\nhere'):
-        run('```sh\necho here\n```\n```sh\necho here; false\n```\n'.replace('echo here; false', 'echo here >&2\nfalse'),
-            tmp_path, tmp_path)
