@@ -265,6 +265,13 @@ class Fleet:
             self.now_ns, not self.simulation.queue.is_busy(),
             [name for name, member in self._members.items() if member.navigator.is_active]))
 
+    def note(self, robot, kind, *values):
+        """Put a row of your own into :attr:`trace` and the log, now: of whom, what, numbers and texts."""
+        row = (self.now_ns, robot, kind, *values)
+        if self._write is not None:
+            self._write(row)
+        self._user_calls.tell(row)
+
     def _note(self, warning):
         if self._trace is not None:
             self.warnings.append(warning)
