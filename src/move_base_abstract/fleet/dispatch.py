@@ -16,7 +16,7 @@ from ..orders.dispatcher import Dispatcher, Drive, GiveUp
 from ..orders.order import Order
 from ..orders.policies import make_policy
 from ..orders.settings import DispatchSettings
-from .dispatch_world import Distances, chargers_of, starts_of
+from .dispatch_world import Distances, chargers_of, check_levels, starts_of
 from .fleet import Fleet
 from .user_calls import AFTER_USERS
 
@@ -36,6 +36,7 @@ class Dispatch:
 
     def __init__(self, scenario, policy=None, seed=None, on_event=None, **options):
         settings = scenario.dispatcher or DispatchSettings()
+        check_levels(scenario, settings, 'dispatcher')
         if policy is None or isinstance(policy, str):
             policy = make_policy(policy or settings.policy, 'dispatcher')
         elif not callable(getattr(policy, 'choose', None)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
 
+from ..common.errors import ConfigurationError
 from ..maps.lane_map import LaneMap
 from ..motion.geometry import Pose2D
 from ..orders.charging import Charger
@@ -12,6 +13,7 @@ from ..orders.policies import Point
 from .robot_parts import make_planner
 
 if TYPE_CHECKING:
+    from ..orders.settings import DispatchSettings
     from ..scenario import Scenario
     from ..traffic.outline import Outline
 
@@ -41,6 +43,23 @@ def chargers_of(scenario: Scenario) -> List[Charger]:
             inside = next((point for point in points if zone.contains(*point)), None)
             chargers.append(Charger(zone.name, Pose2D(*(inside or inner_point(zone.outline))), zone.capacity))
     return chargers
+
+
+def check_levels(scenario: Scenario, settings: DispatchSettings, where: str) -> None:
+    """Check that robots tell of the states of charge that decide something, where there are chargers.
+
+    :raises ConfigurationError: if one does not.
+    """
+    if not any(zone.charger is not None for zone in scenario.zones):
+        return
+    for spec in scenario.robots:
+        battery = spec.settings.battery
+        missing = [level for level in settings.levels if battery is not None and level not in battery.levels]
+        if missing:
+            raise ConfigurationError(
+                "{}: charge: robot '{}' does not tell when its charge passes {}; allowed: with it among its "
+                "battery_thresholds, as the scenario's key dispatcher puts it".format(
+                    where, spec.name, ', '.join('{:g}'.format(level) for level in missing)))
 
 
 def inner_point(outline: Outline) -> Point:

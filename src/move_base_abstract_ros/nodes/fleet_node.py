@@ -28,7 +28,8 @@ _TABLE = (
 )
 #: parameters of the node that come before the scenario's defaults of the same name
 _OVERRIDES = ('use_map', 'backend', 'seed')
-_INLINE = ('defaults', 'robots', 'zones', 'deadlock', 'encounters', 'lanes', 'travel_matrix', 'places')
+#: the scenario itself, instead of a file
+INLINE = ('defaults', 'robots', 'zones', 'deadlock', 'encounters', 'lanes', 'travel_matrix', 'places', 'dispatcher')
 
 
 def main():
@@ -50,7 +51,7 @@ def _build():
     where = rospy.get_name()
     raw = own_parameters()
     values = read_table(raw, _TABLE, where)
-    known = tuple(parameter.name for parameter in _TABLE) + _INLINE + LOCKSTEP_PARAMETERS
+    known = tuple(parameter.name for parameter in _TABLE) + INLINE + LOCKSTEP_PARAMETERS
     for warning in unknown_names(raw, known, where):
         rospy.logwarn(warning)
     timing = make_timing()
@@ -71,7 +72,7 @@ def _build():
 
 
 def _read_scenario(raw, values, where, base):
-    inline = {key: raw[key] for key in _INLINE if key in raw}
+    inline = {key: raw[key] for key in INLINE if key in raw}
     if values['scenario'] and inline:
         raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
             where, sorted(inline)[0]))
