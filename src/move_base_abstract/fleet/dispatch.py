@@ -105,7 +105,10 @@ class Dispatch:
             self.fleet.work(command.robot, command.task, command.goal_id)
 
     def _tell(self, row):
-        self.fleet.note(*row)
+        row = (self.fleet.now_ns, *row)
+        if self.fleet._write is not None:
+            self.fleet._write(row)
+        self.fleet._user_calls.tell(row)
 
 
 def _as_message(order):

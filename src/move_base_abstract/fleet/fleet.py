@@ -24,7 +24,7 @@ from ..runs.trace import TraceEntry, as_entries
 from ..scenario import Scenario, make_robot
 from ..sensing.surroundings import Surroundings
 from ..tasks.arrivals import check_task
-from ..tasks.place_tasks import Rooms
+from ..tasks.room import Rooms
 from ..traffic.control import DeadlockPolicy, Traffic
 from .member import FleetWarning, Member, Members
 from .robot_view import RobotView
@@ -264,13 +264,6 @@ class Fleet:
         write_event_log(path, self.trace, self._start_ns, End(
             self.now_ns, not self.simulation.queue.is_busy(),
             [name for name, member in self._members.items() if member.navigator.is_active]))
-
-    def note(self, robot, kind, *values):
-        """Put a row of your own into :attr:`trace` and the log, now: of whom, what, numbers and texts."""
-        row = (self.now_ns, robot, kind, *values)
-        if self._write is not None:
-            self._write(row)
-        self._user_calls.tell(row)
 
     def _note(self, warning):
         if self._trace is not None:

@@ -3,4 +3,4 @@ from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {
     'order': 'Order Stop', 'order_arrivals': 'read_orders', 'dispatcher': 'Dispatcher',
-    'policies': 'POLICIES Policy OpenOrder FreeRobot', 'settings': 'DispatchSettings read_dispatcher'})
+    'policies': 'FreeRobot OpenOrder Policy Question', 'settings': 'DispatchSettings read_dispatcher'})

@@ -160,7 +160,7 @@ class Dispatcher:
             why = rows.ROBOT_EMPTY if robot.is_empty else rows.ROBOT_FAILED if robot.has_failed else ending.text
             self._give_back(robot, why or rows.TAKEN, now_ns)
         elif robot.phase == DRIVING and one.order.stops[robot.stop].duration_ns:
-            task = one.order.stops[robot.stop].task(self._goal_id(robot))
+            task = one.order.stops[robot.stop].task(self._goal_id(robot), one.order.priority)
             robot.phase = WORKING
             self._tell_stop(robot, rows.WORKS)
             self._commands[robot.name] = WorkOn(robot.name, task.task_id, task)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from ..common.errors import ConfigurationError
-from ..common.parameter_table import Parameter, integer, number, one_of
+from ..common.parameter_table import Parameter, number, one_of
 from ..common.shown import shown
 from ..motion.geometry import Pose2D
 from ..tasks.arrivals import Task, find_place
@@ -19,8 +19,6 @@ from ..tasks.places import MAX_SECONDS, POSE_TABLE, WORK_TABLE, Place, Work, pla
 WORK, LOAD, UNLOAD = 'work', 'load', 'unload'
 ACTIONS = (WORK, LOAD, UNLOAD)
 MAX_STOPS = 100
-MAX_PRIORITY = 2 ** 31 - 1
-PRIORITY = Parameter('priority', 0, integer(-MAX_PRIORITY, MAX_PRIORITY), 'a whole number of 32 bits')
 DEADLINE = Parameter('deadline', None, number(0.0, MAX_SECONDS), 'a number in 0..{:.0f} [s, simulated]'.format(
     MAX_SECONDS))
 _PLACE = Parameter('place', None, place_name, 'the name of one of the places')
@@ -42,9 +40,9 @@ class Stop:
     power: float = 0.0
     energy: float = 0.0
 
-    def task(self, task_id: str) -> Task:
+    def task(self, task_id: str, priority: int) -> Task:
         """Return the Task that is done here."""
-        return Task(task_id, 0, self.place, self.pose, self.duration_ns, self.power, self.energy)
+        return Task(task_id, 0, self.place, self.pose, self.duration_ns, self.power, self.energy, priority)
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,8 @@ from ..common.units import LAST_NS, seconds_to_ns
 from ..engine.chance import Chance, Purpose
 from ..motion.geometry import Pose2D
 from ..tasks.arrivals import MAX_ENTRIES, MAX_TASKS, drawn_ns
-from ..tasks.places import MAX_SECONDS, NAME, WORK_TABLE, Place, read_entry, read_work
-from .order import ACTION, DEADLINE, PRIORITY, STOP_TABLE, ListedStop, Order, Stop, read_stop, read_stops, stop_at
+from ..tasks.places import MAX_SECONDS, NAME, PRIORITY, WORK_TABLE, Place, read_entry, read_work
+from .order import ACTION, DEADLINE, STOP_TABLE, ListedStop, Order, Stop, read_stop, read_stops, stop_at
 
 _SECONDS = 'a number in {}..{:.0f} [s, simulated]'
 

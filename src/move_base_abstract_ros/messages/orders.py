@@ -11,7 +11,7 @@ from . import conversions
 def to_task(task, frame, stamp_ns):
     """Return the message of a Task that arrives at ``stamp_ns`` [ns]; ``frame``: of its pose."""
     return Task(conversions.to_header(frame, stamp_ns), task.task_id, task.place, conversions.to_pose(task.pose),
-                conversions.to_duration(task.duration_ns), task.power, task.energy)
+                conversions.to_duration(task.duration_ns), task.power, task.energy, task.priority)
 
 
 def to_order(order, frame, stamp_ns):
