@@ -46,7 +46,7 @@ MAY_IMPORT = {
         'sweep': 'records description trials carrying results report',
         'rerun': 'records description trials carrying results',
         'command': 'description trials results report sweep rerun ending', '__main__': 'command',
-        'chaos': 'records description trials carrying results ending'},
+        'chaos': 'records description trials carrying results ending', 'fleet_report': ''},
     'soil_mapping': {
         'config': '', 'seeds': '', 'stopwatch': '', 'environment': '', 'interpolation': '',
         'ground_truth': 'config seeds interpolation', 'mission': 'config seeds stopwatch interpolation',

@@ -16,7 +16,19 @@ from ..common.units import LAST_NS, NS_PER_S
 from ..engine.alarm import Alarm
 from ..engine.event_queue import PARTICIPANTS
 from ..engine.instants import first_ns
-from ..goals.events import ABOVE, BELOW, EMPTY, FULL, SET, ChargePassed, Charging, LoadChanged
+from ..goals.events import (
+    ABOVE,
+    BELOW,
+    CHARGED,
+    EMPTY,
+    FULL,
+    SET,
+    USED,
+    ChargePassed,
+    ChargeRead,
+    Charging,
+    LoadChanged,
+)
 from ..goals.outcome import BATTERY_EMPTY
 from .consumption import LegEnergy, Mechanics
 
@@ -147,6 +159,7 @@ class Battery:
         self._motion_changed(now_ns)
         self._soc = soc
         self._stream.tell(ChargePassed(now_ns, self._robot.name, soc, SET))
+        self._tell_charge(SET, now_ns)
         self._pass_levels(now_ns)
         self._schedule(now_ns)
 
@@ -187,7 +200,11 @@ class Battery:
         """The robot is whole, at ``now_ns`` [ns]: what is so from the beginning is told from now on."""
         self._levels.passed = 0
         self._pass_levels(now_ns, is_told=False)
+        self._tell_charge(SET, now_ns)
         self._motion_changed(now_ns)
+
+    def _tell_charge(self, since: str, now_ns: int) -> None:
+        self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy, since))
 
     def _settle(self, now_ns: int) -> None:
         self._soc, self._course = self.soc_at(now_ns), _Even(0.0, now_ns)
@@ -208,6 +225,7 @@ class Battery:
         if charger is not self.charger:
             before, self.charger = self.charger, charger
             self._stream.tell(Charging(now_ns, self._robot.name, (charger or before).name, charger is not None))
+            self._tell_charge(USED if before is None else CHARGED, now_ns)
         power = settings.ambient_power + self._load + (settings.tool_power if self._tool_works else 0.0)
         if leg is not None:
             energy = driven.energy if is_same_leg else LegEnergy(leg, settings.mechanics)
