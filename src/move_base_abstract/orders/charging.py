@@ -71,8 +71,13 @@ class Charging:
                 self._tell(robot.name, 'charge_over', robot.charger)
             robot.charger = ''
 
-    def send_low(self, robots: Sequence[RobotState], now_ns: int) -> None:
-        """Send those who have to charge, as long as there is room; before orders are given away."""
+    def send(self, robots: Sequence[RobotState], now_ns: int) -> None:
+        """Send robots to charge, when orders have been given away: who gets one makes room."""
+        self._send_low(robots, now_ns)
+        self._send_idle(robots, now_ns)
+
+    def _send_low(self, robots: Sequence[RobotState], now_ns: int) -> None:
+        """Send those who have to charge, as long as there is room."""
         waiting = []
         for robot in robots:
             if robot.must_charge and robot.phase == FREE and not robot.works_not:
@@ -89,8 +94,8 @@ class Charging:
                 robot.is_told_to_wait = True
                 self._tell(robot.name, 'charge_awaited', rows.LOW)
 
-    def send_idle(self, robots: Sequence[RobotState], now_ns: int) -> None:
-        """Make room for who waits; send who has nothing to do and could charge; after orders are given away."""
+    def _send_idle(self, robots: Sequence[RobotState], now_ns: int) -> None:
+        """Make room for who waits; send who has nothing to do and could charge."""
         waiters = [robot for robot in robots if robot.awaits_charger_since is not None and robot.phase == FREE
                    and not robot.works_not]
         for robot in robots:

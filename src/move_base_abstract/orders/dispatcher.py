@@ -128,11 +128,10 @@ class Dispatcher:
         for robot in self._robots:
             self._go_on(robot, now_ns)
         self._charging.look(self._robots)
-        self._charging.send_low(self._robots, now_ns)
         try:
             self._assign(now_ns)
         finally:
-            self._charging.send_idle(self._robots, now_ns)
+            self._charging.send(self._robots, now_ns)
         commands = [*self._cancels, *(self._commands[robot.name] for robot in self._robots
                                       if robot.name in self._commands)]
         self._commands, self._cancels = {}, []

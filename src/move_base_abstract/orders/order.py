@@ -80,8 +80,6 @@ def _fault_of_stop(stop: Stop, places: Mapping[str, Place]) -> Optional[str]:
             shown(stop.place), ', '.join(list(places)[:10]) or 'none: there are no places')
     if stop.action not in ACTIONS:
         return 'action: got {}; allowed: {}'.format(shown(stop.action), ACTION.allowed)
-    if not all(map(math.isfinite, (stop.pose.x, stop.pose.y, stop.pose.yaw))):
-        return 'pose: got ({!r}, {!r}, {!r}); allowed: finite numbers'.format(stop.pose.x, stop.pose.y, stop.pose.yaw)
     for name, value in (('duration', stop.duration_ns), ('power', stop.power), ('energy', stop.energy)):
         if not (math.isfinite(value) and value >= 0):
             return '{}: got {!r}; allowed: >= 0'.format(name, value)
