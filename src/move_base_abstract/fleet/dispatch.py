@@ -16,6 +16,7 @@ from ..orders.dispatcher import Dispatcher, Drive, GiveUp
 from ..orders.order import Order
 from ..orders.policies import make_policy
 from ..orders.settings import DispatchSettings
+from ..runs.fleet_account import FleetAccount
 from .dispatch_world import Distances, chargers_of, check_levels, starts_of
 from .fleet import Fleet
 from .user_calls import AFTER_USERS
@@ -61,6 +62,19 @@ class Dispatch:
     def run(self, until_ns=None, until=None):
         """Let all happen, as :meth:`Fleet.run`; return the time [ns]."""
         return self.fleet.run(until_ns, until)
+
+    def metrics(self):
+        """Return {name: number} of what has happened so far, as experiments have it of orders and of robots' time.
+
+        :raises ConfigurationError: where nothing is recorded (``trace=None``).
+        """
+        if self.fleet.trace is None:
+            raise ConfigurationError('trace: got None, so that nothing is known of the past; allowed: a list')
+        account = FleetAccount(self._begin_ns)
+        for entry in self.fleet.trace:
+            account.take(*entry)
+        account.close(self.fleet.now_ns)
+        return account.metrics()
 
     def _expect(self):
         order = next(self._orders, None)

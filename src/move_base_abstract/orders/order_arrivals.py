@@ -277,6 +277,3 @@ def _cell(key: str, cell: str) -> Any:
 def _stop_words(words: List[str]) -> Dict[str, str]:
     return {'place': words[-1]} if len(words) == 1 else {'action': words[0], 'place': ' '.join(words[1:])}
 
-
-#: what a stop may say, in a template or a file
-ALL_STOP_KEYS = tuple(dict.fromkeys(one.name for one in (*DRAWN_STOP_TABLE[:2], *STOP_TABLE)))
