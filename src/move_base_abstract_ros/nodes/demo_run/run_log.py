@@ -47,9 +47,7 @@ class RunLog:
             rospy.Subscriber(topic, RobotEvent, self._take, queue_size=1000, tcp_nodelay=True)
 
     def _take(self, message):
-        values = [*message.numbers, *message.texts] if message.kind == 'battery' else [
-            *message.texts, *message.numbers]
-        self._rows.append((message.stamp.to_nsec(), message.robot, message.kind, tuple(values)))
+        self._rows.append((message.stamp.to_nsec(), message.robot, message.kind, _values(message)))
 
     def close(self):
         """The run is over: have the log complete."""
@@ -75,3 +73,15 @@ class RunLog:
         except (SimulatorError, OSError) as error:
             return 'no replay: {}'.format(error)
         return 'replay: {}'.format(os.path.abspath(self._output))
+
+
+def _values(message):
+    """Return the values of a RobotEvent in the order of the event log's row."""
+    texts, numbers = message.texts, message.numbers
+    if message.kind == 'battery':
+        return (*numbers, *texts)
+    if message.kind == 'order_arrived':  # behind the first three places, actions and points go stop by stop
+        stops = [(texts[2 * k + 1], *numbers[2 * k + 2:2 * k + 4], texts[2 * k + 2])
+                 for k in range((len(texts) - 1) // 2)]
+        return (texts[0], *map(int, numbers[:2]), *(value for stop in stops for value in stop))
+    return (*texts, *numbers)
