@@ -6,6 +6,7 @@
 
 The decisions are those of the node ``dispatcher``: both have one core, :class:`.Dispatcher`.
 """
+from collections import deque
 from dataclasses import replace
 
 from ..common.arguments import check_kind
@@ -47,7 +48,8 @@ class Dispatch:
         self.fleet = Fleet(scenario, on_event=self._happened, **options)
         self.core = Dispatcher(starts_of(scenario), chargers_of(scenario), scenario.places or {}, settings, policy,
                                Distances(scenario, settings.distances == 'ways'), self._tell)
-        self._decides = self._looks = False
+        self._decides = self._looks = self._goes_on = False
+        self._commands = deque()
         self._begin_ns = self.fleet.now_ns
         self._orders = scenario.orders(seed)
         self._expect()
@@ -93,14 +95,26 @@ class Dispatch:
             self._on_event(entry)
 
     def _decide_soon(self):
-        if not self._decides:
-            self._decides = True
-            self.fleet.simulation.queue.schedule(self.fleet.now_ns, _DECISION, self._decide)
+        self._decides = True
+        self._go_on()
 
-    def _decide(self, _due_ns, now_ns):
+    def _go_on(self):
+        """Do the next command at the end of this instant, or decide anew when all have been done."""
+        if not self._goes_on and (self._commands or self._decides):
+            self._goes_on = True
+            self.fleet.simulation.queue.schedule(self.fleet.now_ns, _DECISION, self._step)
+
+    def _step(self, _due_ns, now_ns):
+        self._goes_on = False
+        if self._commands:  # one by one, as messages come: what follows from one at this instant comes before the next
+            self._do(self._commands.popleft())
+        else:
+            self._decide(now_ns)
+        self._go_on()
+
+    def _decide(self, now_ns):
         self._decides = False
-        for command in self.core.decide(now_ns):
-            self._do(command)
+        self._commands.extend(self.core.decide(now_ns))
         if self.core.waits_for_charge and not self._looks:
             self._looks = True
             self.fleet.simulation.queue.schedule(now_ns + CHARGE_LOOK_NS, _DECISION, self._look)

@@ -122,27 +122,29 @@ class Auction:
         best: Optional[Tuple[int, int, int]] = None
         names = list(bidders)
         for index, name in enumerate(names):
-            bid = self._bid(one, bidders[name], [orders[key] for key in self._tours[name]], question)
+            bid = _bid(one, bidders[name], [orders[key] for key in self._tours[name]], question)
             if bid is not None and (best is None or (bid[0], index) < best[:2]):
                 best = bid[0], index, bid[1]
         if best is not None:
             self._tours[names[best[1]]].insert(best[2], one.order.order_id)
 
-    @staticmethod
-    def _bid(one: OpenOrder, robot: FreeRobot, tour: List[OpenOrder], question: Question) -> Optional[Tuple[int, int]]:
-        """Return (length of the tour with it [mm], where in the tour it is best), None: there is no way."""
-        def length(orders: List[OpenOrder]) -> Optional[int]:
-            points = [(robot.x, robot.y), *(point for each in orders for point in each.points)]
-            parts = [question.distance(robot.name, *pair) for pair in zip(points, points[1:])]
-            return None if None in parts else sum(part for part in parts if part is not None)
-        first = sum(each.order.priority > one.order.priority for each in tour)
-        last = sum(each.order.priority >= one.order.priority for each in tour)
-        bids = []
-        for place in range(first, last + 1):
-            total = length([*tour[:place], one, *tour[place:]])
-            if total is not None:
-                bids.append((total, place))
-        return min(bids) if bids else None
+
+def _bid(one: OpenOrder, robot: FreeRobot, tour: List[OpenOrder], question: Question) -> Optional[Tuple[int, int]]:
+    """Return (length of the tour with ``one`` [mm], where in the tour it is best), None: there is no way."""
+    def along(*points: Point) -> Optional[int]:
+        parts = [question.distance(robot.name, *pair) for pair in zip(points, points[1:])]
+        return None if None in parts else sum(part for part in parts if part is not None)
+    ends = [(robot.x, robot.y), *(each.points[-1] for each in tour)]
+    whole = along(ends[0], *(point for each in tour for point in each.points))
+    first = sum(each.order.priority > one.order.priority for each in tour)
+    last = sum(each.order.priority >= one.order.priority for each in tour)
+    bids = []
+    for place in range(first, last + 1):
+        following = tour[place].points[:1] if place < len(tour) else []
+        with_it, without = along(ends[place], *one.points, *following), along(ends[place], *following)
+        if whole is not None and with_it is not None and without is not None:
+            bids.append((whole + with_it - without, place))
+    return min(bids) if bids else None
 
 
 class Batch:

@@ -112,7 +112,7 @@ class DispatcherNode:
 
     def _on_order(self, message):
         with self._clock.lock:
-            now_ns = self._clock.now_ns()
+            now_ns = self._present()
             try:
                 order = orders.from_order(message, self._frame, self._places, now_ns)
             except ValueError as error:
@@ -125,13 +125,17 @@ class DispatcherNode:
         if not self._core.hears(message.robot, message.kind):
             return
         with self._clock.lock:
-            now_ns = self._clock.now_ns()
+            now_ns = self._present()
             if message.kind == 'battery':
                 values = [*message.numbers, *message.texts]
             else:
                 values = [*message.texts, *message.numbers]
             self._core.happened(message.robot, message.kind, values)
             self._decide_soon(now_ns)
+
+    def _present(self):
+        """Return the time [ns]; what is to be decided at it is decided later, behind all messages."""
+        return self._clock.simulation.now_ns if self._decides else self._clock.now_ns()
 
     def _decide_soon(self, now_ns):
         """Decide when all messages of this instant have come in."""
