@@ -207,6 +207,16 @@ def test_time_goes_on_for_a_charge_that_an_order_waits_for():
     assert [row[4] for row in told(dispatch, 'order_done')] == ['done']
 
 
+def test_whose_battery_gets_empty_at_the_edge_of_a_charger_charges_there():
+    dispatch = dispatch_of(robots=1, zones=[DOCK], battery_capacity=0.05, charging_current=2.0,
+                           each={0: {'battery_start': 0.15}})
+    dispatch.fleet.at(S, lambda _: dispatch.order(order('one', (1.0, 0.0))))
+    dispatch.run(until=400.0)
+    assert told(dispatch, 'battery')[0][3:] == (0.0, 'empty')
+    assert len(told(dispatch, 'battery')) < 10  # it does not set out again with a nanosecond's charge
+    assert [row[4] for row in told(dispatch, 'order_done')] == ['done']
+
+
 def test_thresholds_that_robots_do_not_tell_of_are_an_error():
     scenario = make_scenario({'robots': [{'name': 'a', 'battery_capacity': 1.0}], 'zones': [DOCK]})
     with pytest.raises(ConfigurationError, match="robot 'a' does not tell when its charge passes 0.9, 0.3"):

@@ -49,6 +49,8 @@ class Charging:
             if robot.phase == AT_CHARGER and not robot.is_charging:  # somebody has put it elsewhere
                 self.leave(robot)
                 robot.phase = FREE
+            if robot.is_charging and robot.phase == FREE and not robot.goal_id:  # it has got as far as a charger
+                robot.phase, robot.charger, robot.awaits_charger_since = AT_CHARGER, robot.stands_in, None
             if robot.must_charge and not robot.is_below(self._settings.charge_until):
                 robot.must_charge, robot.awaits_charger_since = False, None
             elif not robot.must_charge and robot.is_below(self._settings.charge_below):

@@ -53,6 +53,7 @@ class RobotState:
     ending: Optional[Ending] = None
     charger: str = ''
     is_charging: bool = False
+    stands_in: str = ''  # the charger that charges it, or did last
     must_charge: bool = False
     awaits_charger_since: Optional[int] = None  # number
     is_told_to_wait: bool = False
@@ -86,7 +87,7 @@ class RobotState:
             self.has_failed = kind == 'failed'
             self.is_lost = kind == 'failed' and values[0] != STUCK
         else:
-            self.is_charging = kind == 'charging_began'
+            self.is_charging, self.stands_in = kind == 'charging_began', values[0]
             if FULL_CHARGE in self.below and not self.is_charging:
                 self.below[FULL_CHARGE] = True
 
