@@ -111,8 +111,8 @@ def _charging(account: FleetAccount) -> List[str]:
     if charges or account.has_energy:
         lines.append(f'charging: {charges} times, {sum(one["charging"] for one in robots):.1f} s')
         if account.has_energy:
-            lines[-1] += f'; {_sum(account, "energy_charged"):.3f} kWh charged, {_sum(account, "energy_used"):.3f} kWh ' \
-                         'used before it'
+            lines[-1] += f'; {_sum(account, "energy_charged"):.3f} kWh charged, ' \
+                         f'{_sum(account, "energy_used"):.3f} kWh used before it'
     failures = int(sum(one['failures'] for one in robots))
     if failures:
         lines.append(f'failures: {failures}, {sum(one["failed"] for one in robots):.1f} s')
@@ -131,7 +131,9 @@ def _robots(account: FleetAccount) -> List[str]:
         time = max(sum(one[state] for state in STATES), 1e-9)
         lines.append(f'{name:<{width}}  ' + '  '.join(f'{100.0 * one[state] / time:>10.1f}' for state in STATES)
                      + f'  {one["orders"]:>6.0f}  {one["failures"]:>8.0f}')
-    return lines + ([f'... and {len(robots) - _MOST_ROBOTS} more: --json has all'] if len(robots) > _MOST_ROBOTS else [])
+    if len(robots) > _MOST_ROBOTS:
+        lines.append(f'... and {len(robots) - _MOST_ROBOTS} more: --json has all')
+    return lines
 
 
 def json_text(account: FleetAccount, labels: List[str]) -> str:

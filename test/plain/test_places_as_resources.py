@@ -1,4 +1,4 @@
-"""Places with priorities, pre-emption and a finite queue do what SimPy's resources do, and what queueing theory says."""
+"""Places with priorities, pre-emption and a finite queue do what SimPy's resources and queueing theory say."""
 import random
 
 import pytest
@@ -37,7 +37,8 @@ def by_fleet(given, **place):
             spans.setdefault(number, []).append((began.pop(number), entry.time_ns))
         elif entry.kind == 'task_ended' and entry.values[1] == 'ABORTED':
             refused.add(number)
-            assert entry.values[2] == 'The queue at dock is full: {} wait there, and no more may.'.format(place['queue'])
+            assert entry.values[2] == 'The queue at dock is full: {} wait there, and no more may.'.format(
+                place['queue'])
     return spans, refused
 
 

@@ -201,7 +201,7 @@ def test_a_charged_robot_makes_room_for_one_that_waits():
 
 
 def test_time_goes_on_for_a_charge_that_an_order_waits_for():
-    dispatch = dispatch_of(robots=1, zones=[DOCK], battery_capacity=0.4, dispatcher={}, each={0: {'battery_start': 0.2}})
+    dispatch = dispatch_of(robots=1, zones=[DOCK], battery_capacity=0.4, each={0: {'battery_start': 0.2}})
     dispatch.fleet.at(S, lambda _: dispatch.order(order('one', (5.0, 0.0))))
     dispatch.run()
     assert [row[4] for row in told(dispatch, 'order_done')] == ['done']

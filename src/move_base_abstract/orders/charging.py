@@ -1,4 +1,4 @@
-"""When robots charge and where: thresholds, chargers with room for some, a queue, charging while there is nothing to do.
+"""When robots charge and where: thresholds, chargers with room for some, a queue, charging while idle.
 
 Who is below ``charge_below`` goes to charge when its order is done, and takes no order before it is above
 ``charge_until``. Of chargers with room the nearest one counts, of equally near ones the first of the scenario. Who

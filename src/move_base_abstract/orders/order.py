@@ -1,6 +1,6 @@
 """Orders as values: several stops in a row, a release, a deadline, a priority.
 
-    {stops: [{place: bay_1_2, action: load}, {place: station_1, action: unload, duration: 8.0}], deadline: 600.0}
+{stops: [{place: bay_1_2, action: load}, {place: station_1, action: unload, duration: 8.0}], deadline: 600.0}
 """
 from __future__ import annotations
 

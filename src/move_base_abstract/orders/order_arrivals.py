@@ -27,7 +27,7 @@ from ..engine.chance import Chance, Purpose
 from ..motion.geometry import Pose2D
 from ..tasks.arrivals import MAX_ENTRIES, MAX_TASKS, drawn_ns
 from ..tasks.places import MAX_SECONDS, NAME, PRIORITY, WORK_TABLE, Place, read_entry, read_work
-from .order import ACTION, DEADLINE, STOP_TABLE, ListedStop, Order, Stop, read_stop, read_stops, stop_at
+from .order import ACTION, DEADLINE, ListedStop, Order, Stop, read_stop, read_stops, stop_at
 
 _SECONDS = 'a number in {}..{:.0f} [s, simulated]'
 

@@ -6,8 +6,8 @@ from typing import Any, Iterable, Iterator, NamedTuple, Tuple
 #: of what happens to robots, see :class:`TraceEntry`
 KINDS = ('departed', 'route', 'stands', 'ended', 'places', 'entered', 'left', 'deadlock', 'held', 'released', 'failed',
          'repaired', 'battery', 'charging_began', 'charging_ended', 'charge', 'motion', 'waiting_began',
-         'waiting_ended', 'works_at', 'task_began', 'task_ended', 'meets', 'encounter', 'recorded', 'beyond', 'lapse_began',
-         'lapse_ended')
+         'waiting_ended', 'works_at', 'task_began', 'task_ended', 'meets', 'encounter', 'recorded', 'beyond',
+         'lapse_began', 'lapse_ended')
 #: of orders, and of robots that a dispatcher sends to charge, see :mod:`.orders.rows`
 ORDER_KINDS = ('order_arrived', 'order_refused', 'order_assigned', 'order_stop', 'order_returned', 'order_done',
                'charge_assigned', 'charge_awaited', 'charge_over')

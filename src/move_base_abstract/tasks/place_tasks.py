@@ -25,7 +25,7 @@ from ..goals.events import (
 from ..goals.ledger import GoalLedger
 from ..goals.outcome import BATTERY_EMPTY, FAILED, aborted
 from .arrivals import drawn_ns
-from .room import Guest, Room, Rooms
+from .room import Guest, Rooms
 from .timed_task import TimedTaskRunner
 
 if TYPE_CHECKING:

@@ -17,7 +17,8 @@ _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 
               'soil_coordinator', 'end_at_message', 'message_recorder', 'property_monitor', DEPUTY)
 #: own nodes that are done when the run is over: what they know is in the event log, or written already
 _WITHOUT_LAST_WORDS = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher',
-                       'move_base_abstract_actionserver', 'end_at_message', 'message_recorder', 'property_monitor', DEPUTY)
+                       'move_base_abstract_actionserver', 'end_at_message', 'message_recorder', 'property_monitor',
+                       DEPUTY)
 _LOOK_ON = {
     'rviz': 'it only shows',
     'rqt_gui': 'it only shows', 'image_view': 'it only shows', 'plotjuggler': 'it only shows'}

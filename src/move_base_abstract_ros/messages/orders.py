@@ -1,9 +1,8 @@
 """Orders and tasks as messages. Times are int64 nanoseconds on the core's side."""
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.msg import Order, OrderStop, Task
-from move_base_abstract.orders.order import WORK
+from move_base_abstract.orders.order import WORK, Stop
 from move_base_abstract.orders.order import Order as OrderValue
-from move_base_abstract.orders.order import Stop
 
 from . import conversions
 

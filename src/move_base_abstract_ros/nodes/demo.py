@@ -1,7 +1,8 @@
 """The demo: a mission of several robots, faster than real time, on a ROS master of its own.
 
     demo [--clock lockstep|scaled] [--factor F] [--csv FILE | --mission FILE | --world warehouse] [--map FILE]
-         [--robots N] [--goals K] [--orders N] [--policy NAME] [--seed S] [--speed V] [--routes] [--rviz] [--replay FILE]
+         [--robots N] [--goals K] [--orders N] [--policy NAME] [--seed S] [--speed V] [--routes] [--rviz]
+         [--replay FILE]
 
 Exit codes: 0 mission done; 1 it failed (the reason is printed); 2 wrong arguments; 130 interrupted (143 by SIGTERM).
 """
@@ -198,7 +199,7 @@ def _parse(words):
         arguments.factor = 20.0
     for name, needs in (('goals', ('csv',)), ('seed', ('csv', 'world'))):
         if getattr(arguments, name) is not None and not any(getattr(arguments, one) for one in needs):
-            parser.error(f'--{name} needs --{" or --".join(needs)}: a mission file says by itself which goals there are')
+            parser.error(f'--{name} needs --{" or --".join(needs)}: a mission file says itself which goals there are')
     _check_world(parser, arguments)
     return arguments
 

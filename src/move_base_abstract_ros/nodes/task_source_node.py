@@ -57,8 +57,8 @@ def _read_scenario(raw, values, where):
             where, sorted(inline)[0]))
     scenario = read_scenario(values['scenario']) if values['scenario'] else make_scenario(inline, where)
     if not scenario.arrivals and not scenario.order_sources:
-        raise ConfigurationError('parameter {0}/arrivals: got none, and no orders; allowed: at least one of either, here '
-                                 'or in the scenario'.format(where))
+        raise ConfigurationError('parameter {0}/arrivals: got none, and no orders; allowed: at least one of either, '
+                                 'here or in the scenario'.format(where))
     return scenario
 
 

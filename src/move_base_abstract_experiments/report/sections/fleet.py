@@ -21,8 +21,8 @@ def section(experiment):
         levels = ', '.join(str(record[name]) for name in factors if record[name] != '')
         rows.append((levels or UNKNOWN, record['where'], whole(record['n']), value,
                      f'{low} to {high}' if low else UNKNOWN))
-    rows, note = cut(rows, 'Means of the complete trials; one in which nobody waited there counts as 0 s. Who waits for '
-                     'two areas at once counts at each of them.', 'tables/waits.csv')
+    rows, note = cut(rows, 'Means of the complete trials; one in which nobody waited there counts as 0 s. Who waits '
+                     'for two areas at once counts at each of them.', 'tables/waits.csv')
     table = Table('Waiting by place, zone and lane', ('configuration', 'where', 'trials', 'mean per trial',
                                                       '95 % interval'), rows, note, is_open=len(rows) <= 24)
     return Section(HEADING, ('Time for which robots stood until there was room, the sum of all robots.', table))

@@ -80,7 +80,7 @@ class OrdersRun:
 
 
 def table_of(start_ns, rows):
-    """Return the columns and rows of a table of what robots did, of the ``rows`` of a log, (ns, robot, kind, values)."""
+    """Return columns and rows of a table of what robots did, of the ``rows`` of a log, (ns, robot, kind, values)."""
     account, last_ns = FleetAccount(start_ns), start_ns
     for row in rows:
         account.take(*row)
