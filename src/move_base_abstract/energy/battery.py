@@ -159,7 +159,7 @@ class Battery:
         self._motion_changed(now_ns)
         self._soc = soc
         self._stream.tell(ChargePassed(now_ns, self._robot.name, soc, SET))
-        self._tell_charge(SET, now_ns)
+        self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy, SET))
         self._pass_levels(now_ns)
         self._schedule(now_ns)
 
@@ -200,11 +200,8 @@ class Battery:
         """The robot is whole, at ``now_ns`` [ns]: what is so from the beginning is told from now on."""
         self._levels.passed = 0
         self._pass_levels(now_ns, is_told=False)
-        self._tell_charge(SET, now_ns)
+        self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy, SET))
         self._motion_changed(now_ns)
-
-    def _tell_charge(self, since: str, now_ns: int) -> None:
-        self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy, since))
 
     def _settle(self, now_ns: int) -> None:
         self._soc, self._course = self.soc_at(now_ns), _Even(0.0, now_ns)
@@ -225,7 +222,8 @@ class Battery:
         if charger is not self.charger:
             before, self.charger = self.charger, charger
             self._stream.tell(Charging(now_ns, self._robot.name, (charger or before).name, charger is not None))
-            self._tell_charge(USED if before is None else CHARGED, now_ns)
+            self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy,
+                                         USED if before is None else CHARGED))
         power = settings.ambient_power + self._load + (settings.tool_power if self._tool_works else 0.0)
         if leg is not None:
             energy = driven.energy if is_same_leg else LegEnergy(leg, settings.mechanics)
