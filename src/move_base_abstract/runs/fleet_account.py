@@ -95,7 +95,8 @@ class FleetAccount:
         self.seconds = 0.0
         self._take: Dict[str, Callable[[int, str, Sequence[Any]], None]] = {
             **dict.fromkeys(_FLAGS, self._flag), 'held': self._held, 'released': self._held,
-            'waiting_began': self._queue, 'waiting_ended': self._queue, 'entered': self._area, 'places': self._area,
+            'waiting_began': self._queue, 'waiting_ended': self._queue, **dict.fromkeys(
+                ('entered', 'places'), lambda _now_ns, _name, row: self._areas.add(row[1])),
             'charge': self._charge, 'charge_awaited': self._for_charger, 'charge_assigned': self._for_charger,
             'order_arrived': self._arrived, 'order_assigned': self._assigned, 'order_done': self._done,
             'order_returned': self._returned}
@@ -193,9 +194,6 @@ class FleetAccount:
         robot.charges += kind == 'charging_began'
         robot.settle(now_ns)
 
-    def _begin_wait(self, robot: _Robot, where: str, now_ns: int) -> None:
-        robot.waits.setdefault(where, now_ns)
-
     def _end_wait(self, robot: _Robot, where: str, now_ns: int) -> None:
         since_ns = robot.waits.pop(where, None)
         if since_ns is not None and now_ns > since_ns:
@@ -208,14 +206,14 @@ class FleetAccount:
             if where not in reasons and where != CHARGERS and not where.startswith('place '):
                 self._end_wait(robot, where, now_ns)
         for where in reasons:
-            self._begin_wait(robot, where, now_ns)
+            robot.waits.setdefault(where, now_ns)
 
     def _queue(self, now_ns: int, name: str, row: Sequence[Any]) -> None:
         robot, where = self._of(name), 'place {}'.format(row[2])
         if row[0] == 'waiting_began':
             robot.flags.add('waiting')
             robot.flags.discard('working')
-            self._begin_wait(robot, where, now_ns)
+            robot.waits.setdefault(where, now_ns)
         else:
             robot.flags.discard('waiting')
             self._end_wait(robot, where, now_ns)
@@ -224,13 +222,10 @@ class FleetAccount:
     def _for_charger(self, now_ns: int, name: str, row: Sequence[Any]) -> None:
         robot = self._of(name)
         if row[0] == 'charge_awaited':
-            self._begin_wait(robot, CHARGERS, now_ns)
+            robot.waits.setdefault(CHARGERS, now_ns)
         else:
             self._end_wait(robot, CHARGERS, now_ns)
         robot.settle(now_ns)
-
-    def _area(self, _now_ns: int, _name: str, row: Sequence[Any]) -> None:
-        self._areas.add(row[1])
 
     def _charge(self, _now_ns: int, name: str, row: Sequence[Any]) -> None:
         robot, charge, energy = self._of(name), float(row[1]), float(row[2])
