@@ -52,6 +52,8 @@ INLINE = {parameter.name: parameter for parameter in (
     Parameter('travel_matrix', None, text, 'the path of a file', 'The table of travel times, of all robots.'),
     Parameter('places', None, _as_it_is, 'a list of places', 'Places where robots work.'),
     Parameter('arrivals', None, _as_it_is, 'a list of arrivals', 'Tasks that arrive.'),
+    Parameter('orders', None, _as_it_is, 'a list of entries', 'Orders that arrive.'),
+    Parameter('dispatcher', None, _as_it_is, 'a mapping', 'Who gets which order, and when robots charge.'),
 )}
 FLEET = (
     Parameter('scenario', '', text, _PATH, 'The scenario; its keys may be parameters of the node instead.'),
@@ -61,7 +63,8 @@ FLEET = (
     Parameter('backend', None, text, 'the name of a backend', "Replaces the defaults' `backend`."),
     Parameter('seed', None, integer(0), _SEED, "Replaces the scenario's `seed`."),
 )
-FLEET_INLINE = tuple(parameter for name_, parameter in INLINE.items() if name_ != 'arrivals')
+FLEET_INLINE = tuple(parameter for name_, parameter in INLINE.items()
+                     if name_ not in ('arrivals', 'orders'))
 TASK_SERVER = (
     Parameter('robots', [''], _names, 'a list of different namespaces: ' + NAMESPACE_RULE,
               'Namespaces of robots; each gets an action of its own.'),
@@ -80,13 +83,15 @@ TASK_SERVER = (
 )
 TASK_SERVER_INLINE = (INLINE['places'],)
 TASK_SOURCE = (
-    Parameter('scenario', '', text, _PATH, 'The scenario; `places` and `arrivals` may be parameters instead.'),
+    Parameter('scenario', '', text, _PATH,
+              'The scenario; `places`, `arrivals` and `orders` may be parameters instead.'),
     Parameter('seed', None, integer(0), _SEED, "Replaces the scenario's `seed`."),
     Parameter('topic', 'tasks', name, 'a topic name', 'Topic of the tasks.'),
+    Parameter('orders_topic', 'orders', name, 'a topic name', 'Topic of the orders.'),
     Parameter('wait_for_listener', True, boolean, 'true or false',
               'The time of arrivals begins when somebody listens (in lockstep: who takes part); else at once.'),
 )
-TASK_SOURCE_INLINE = (INLINE['places'], INLINE['arrivals'])
+TASK_SOURCE_INLINE = (INLINE['places'], INLINE['arrivals'], INLINE['orders'])
 MAP_FRAME = Parameter('frame_id', 'map', name, 'a frame name', 'Frame of the map.')
 #: with the old form of map_server's command line
 MAP_OLD_FORM = (

@@ -16,7 +16,19 @@ from ..common.units import LAST_NS, NS_PER_S
 from ..engine.alarm import Alarm
 from ..engine.event_queue import PARTICIPANTS
 from ..engine.instants import first_ns
-from ..goals.events import ABOVE, BELOW, EMPTY, FULL, SET, ChargePassed, Charging, LoadChanged
+from ..goals.events import (
+    ABOVE,
+    BELOW,
+    CHARGED,
+    EMPTY,
+    FULL,
+    SET,
+    USED,
+    ChargePassed,
+    ChargeRead,
+    Charging,
+    LoadChanged,
+)
 from ..goals.outcome import BATTERY_EMPTY
 from .consumption import LegEnergy, Mechanics
 
@@ -158,6 +170,7 @@ class Battery:
         self._motion_changed(now_ns)
         self._soc = soc
         self._stream.tell(ChargePassed(now_ns, self._robot.name, soc, SET))
+        self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy, SET))
         self._pass_levels(now_ns)
         self._schedule(now_ns)
 
@@ -198,6 +211,7 @@ class Battery:
         """The robot is whole, at ``now_ns`` [ns]: what is so from the beginning is told from now on."""
         self._levels.passed = 0
         self._pass_levels(now_ns, is_told=False)
+        self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy, SET))
         self._motion_changed(now_ns)
 
     def _settle(self, now_ns: int) -> None:
@@ -219,6 +233,8 @@ class Battery:
         if charger is not self.charger:
             before, self.charger = self.charger, charger
             self._stream.tell(Charging(now_ns, self._robot.name, (charger or before).name, charger is not None))
+            self._stream.tell(ChargeRead(now_ns, self._robot.name, self._soc, self._energy,
+                                         USED if before is None else CHARGED))
         power = settings.ambient_power + self._load + (settings.tool_power if self._tool_works else 0.0)
         if leg is not None:
             energy = driven.energy if is_same_leg else LegEnergy(leg, settings.mechanics)

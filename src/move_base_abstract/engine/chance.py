@@ -41,6 +41,7 @@ class Purpose(IntEnum):
     TASK_X = 42
     TASK_Y = 43
     TASK_DURATION = 44
+    ORDER_STOP = 45
     SCAN = 61
 
 

@@ -35,6 +35,11 @@ class UserCalls:
         """Call ``call(due_ns, now_ns)`` at ``time_ns`` [ns], which is not past."""
         self._simulation.queue.schedule(time_ns, _USER_INDEX, call)
 
+    def tell(self, row):
+        """Tell of a row that is of no robot's stream."""
+        if self._on_event is not None:
+            self._tell_event(row)
+
     def _tell_event(self, row):
         """Tell of a row of the trace: when what it belongs to is over, at the end of this instant."""
         self.at(max(row[0], self._simulation.now_ns), lambda _due_ns, _now_ns: self._on_event(*as_entries([row])))

@@ -193,6 +193,8 @@ class Lapse(NamedTuple):
 
 #: what a ChargePassed is about
 FULL, EMPTY, ABOVE, BELOW, SET = 'full', 'empty', 'above', 'below', 'set'
+#: what has changed a charge
+USED, CHARGED = 'used', 'charged'
 
 
 class ChargePassed(NamedTuple):
@@ -215,6 +217,23 @@ class Charging(NamedTuple):
     def row(self) -> Row:
         """Return its row."""
         return (self.time_ns, self.robot, 'charging_began' if self.begins else 'charging_ended', self.charger)
+
+
+class ChargeRead(NamedTuple):
+    """The state of charge (0..1) of a battery that holds ``energy`` [J], and what has changed it since the last one.
+
+    ``since``: USED, CHARGED, or SET at once.
+    """
+
+    time_ns: int
+    robot: str
+    charge: float
+    energy: float
+    since: str
+
+    def row(self) -> Row:
+        """Return its row."""
+        return self.time_ns, self.robot, 'charge', self.charge, self.energy, self.since
 
 
 class Recorded(NamedTuple):

@@ -133,6 +133,10 @@ class TimedTaskRunner:
             (self._stop,), (self._ledger.finish, aborted(fault_text(error)), now_ns)))
 
     def _stop(self) -> None:
+        self._halt()
+
+    def _halt(self) -> None:
+        """Work no more."""
         if self._end is not None:
             self._end.cancel()
             self._end = None

@@ -21,7 +21,8 @@ from .move_base_node import LOCKSTEP_PARAMETERS, start
 _LAST_WORDS_SECONDS = 0.2
 #: parameters of the node that come before the scenario's defaults of the same name
 _OVERRIDES = ('use_map', 'backend', 'seed')
-_INLINE = tuple(parameter.name for parameter in FLEET_INLINE)
+#: the scenario itself, instead of a file
+INLINE = tuple(parameter.name for parameter in FLEET_INLINE)
 
 
 def main():
@@ -43,7 +44,7 @@ def _build():
     where = rospy.get_name()
     raw = own_parameters()
     values = read_table(raw, FLEET, where)
-    known = tuple(parameter.name for parameter in FLEET) + _INLINE + LOCKSTEP_PARAMETERS
+    known = tuple(parameter.name for parameter in FLEET) + INLINE + LOCKSTEP_PARAMETERS
     for warning in unknown_names(raw, known, where):
         rospy.logwarn(warning)
     timing = make_timing()
@@ -64,7 +65,7 @@ def _build():
 
 
 def _read_scenario(raw, values, where, base):
-    inline = {key: raw[key] for key in _INLINE if key in raw}
+    inline = {key: raw[key] for key in INLINE if key in raw}
     if values['scenario'] and inline:
         raise ConfigurationError('parameters {0}/scenario and {0}/{1}: only one of them may be given'.format(
             where, sorted(inline)[0]))

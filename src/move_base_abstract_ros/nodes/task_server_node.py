@@ -10,7 +10,7 @@ from move_base_abstract.fleet.robot_rows import write
 from move_base_abstract.goals.events import robot_stream
 from move_base_abstract.goals.outcome import NODE_KILLED
 from move_base_abstract.scenario import make_scenario, read_scenario
-from move_base_abstract.tasks.place_tasks import Rooms
+from move_base_abstract.tasks.room import Rooms
 from move_base_abstract.tasks.timed_task import DrawnDurations
 
 from .. import lockstep
