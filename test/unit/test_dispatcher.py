@@ -341,11 +341,10 @@ def test_a_policy_that_cannot_be_made_is_an_error(name, text):
 
 # --- nothing is lost -------------------------------------------------------------------------------------------------
 
-@pytest.mark.parametrize('policy', ['nearest', 'earliest_deadline', 'auction', 'batch'])
-@pytest.mark.parametrize('seed', range(6))
-def test_nothing_is_lost_whatever_fails_and_a_run_repeats(seed, policy):
+def hard_world(seed, policy):
+    """Return a scenario in which robots fail, run empty, wait and give way."""
     dice = random.Random(seed)
-    raw = {
+    return {
         'seed': seed, 'robots': [{'name': 'r', 'count': 4, 'step_x': 2.0}],
         'defaults': {'max_speed': 1.0, 'battery_capacity': 0.3, 'charging_current': 2.0, 'repair_time': 40.0,
                      'failure_kind': dice.choice(['abort', 'stall', 'silent', 'stuck']), 'failures_per_km': 4.0},
@@ -358,6 +357,12 @@ def test_nothing_is_lost_whatever_fails_and_a_run_repeats(seed, policy):
         'orders': [{'name': 'o', 'rate': 0.05, 'count': 40, 'deadline': 90.0, 'stops': [
                        {'places': ['a', 'b'], 'action': 'load'}, {'area': [0.0, 0.0, 8.0, 8.0], 'action': 'unload'}]},
                    {'name': 'p', 'every': 40.0, 'count': 10, 'priority': 1, 'stops': [{'place': 'b'}]}]}
+
+
+@pytest.mark.parametrize('policy', ['nearest', 'earliest_deadline', 'auction', 'batch'])
+@pytest.mark.parametrize('seed', range(6))
+def test_nothing_is_lost_whatever_fails_and_a_run_repeats(seed, policy):
+    raw = hard_world(seed, policy)
 
     def trace():
         dispatch = Dispatch(make_scenario(raw), start_ns=0)

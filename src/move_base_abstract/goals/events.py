@@ -1,8 +1,8 @@
 """What happens to one robot, as values. Subscribe to the robot's :class:`Stream` to hear of it.
 
-They are tuples with names, not frozen dataclasses, which take twice as long to be made: three come with each goal. Each
-has the instant [ns] and the robot's name first. Poses are those of the global frame [m, rad]. ``row()`` is that of
-the event log, see :class:`.trace.TraceEntry`; PLAIN_ROWS says which need none. What has neither is not written down.
+Named tuples take half as long to make as frozen dataclasses: three come with each goal. Each begins with the instant
+[ns] and the robot's name. Poses are in the global frame [m, rad]. ``row()``: its row, see :class:`.trace.TraceEntry`;
+PLAIN_ROWS says which need none. An event with neither is not written down.
 """
 from __future__ import annotations
 
@@ -191,10 +191,8 @@ class Lapse(NamedTuple):
                 *self.by)
 
 
-#: what a ChargePassed is about
-FULL, EMPTY, ABOVE, BELOW, SET = 'full', 'empty', 'above', 'below', 'set'
-#: what has changed a charge
-USED, CHARGED = 'used', 'charged'
+#: what a ChargePassed is about, and what has changed a charge
+FULL, EMPTY, ABOVE, BELOW, SET, USED, CHARGED = 'full', 'empty', 'above', 'below', 'set', 'used', 'charged'
 
 
 class ChargePassed(NamedTuple):
@@ -220,10 +218,7 @@ class Charging(NamedTuple):
 
 
 class ChargeRead(NamedTuple):
-    """The state of charge (0..1) of a battery that holds ``energy`` [J], and what has changed it since the last one.
-
-    ``since``: USED, CHARGED, or SET at once.
-    """
+    """The state of charge (0..1) of a battery of ``energy`` [J]; ``since`` the last one it was USED, CHARGED or SET."""
 
     time_ns: int
     robot: str
@@ -307,7 +302,6 @@ class Left(NamedTuple):
 
 class Deadlock(NamedTuple):
     """The robot has closed a circle of waiting: ``circle`` is (robot, area, ...)."""
-
     time_ns: int
     robot: str
     circle: Tuple[str, ...]
