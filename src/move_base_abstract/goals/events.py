@@ -1,6 +1,6 @@
 """What happens to one robot, as values. Subscribe to the robot's :class:`Stream` to hear of it.
 
-Named tuples, which are made twice as fast as frozen dataclasses. Each begins with the instant [ns] and the robot's name.
+Named tuples, made twice as fast as frozen dataclasses. Each begins with the instant [ns] and the name of the robot.
 Poses are in the global frame [m, rad]. ``row()`` is its row (:class:`.trace.TraceEntry`); see PLAIN_ROWS for others.
 """
 from __future__ import annotations
