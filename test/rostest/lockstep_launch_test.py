@@ -249,7 +249,7 @@ class LaunchTest(unittest.TestCase):
                          '/flags, /asker, /echo, /answerer_anonymous_1, /recorder, /both, /wrapped, /records')
         for name, why in (('/player', 'only plays'), ('/starts_recorder', 'it is a shell script'),
                           ('/again', 'it is respawned'), ('/watched', "under 'gdb'"),
-                          ('/elsewhere', "machine 'robot'"), ('/no_node', 'imports rospy'),
+                          ('/elsewhere', "machine 'robot'"), ('/no_node', 'imports import rospy'),
                           ('/missing', 'there is no program'), ('/binary', 'it is a shell script')):
             line, = [line for line in others if line.startswith('lockstep_launch: {} looks on'.format(name))]
             self.assertIn(why, line)

@@ -1,6 +1,7 @@
 """Room for some at a place: who works, who waits, who is refused, and who has to give way."""
 from __future__ import annotations
 
+import bisect
 import itertools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
@@ -91,8 +92,8 @@ class Room:
         self._changed()
 
     def _line_up(self, guest: Guest) -> None:
-        self._waiting.append(guest)
-        self._waiting.sort(key=lambda one: one.key)
+        keys = [one.key for one in self._waiting]
+        self._waiting.insert(bisect.bisect_right(keys, guest.key), guest)
 
     def _look(self, now_ns: int) -> None:
         if self._waiting and self._event is None:
