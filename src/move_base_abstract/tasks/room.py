@@ -114,8 +114,10 @@ class Room:
 
     def _make_way(self, due_ns: int) -> bool:
         """Have the one who works and would come last wait, if the first one who waits is more urgent."""
+        if not self._preempts:
+            return False
         last = max(self._working.values(), key=lambda one: one.key)
-        if not self._preempts or last.priority >= self._waiting[0].priority:
+        if last.priority >= self._waiting[0].priority:
             return False
         del self._working[last.ticket]
         last.since_ns, last.is_settled = due_ns, True
