@@ -99,6 +99,28 @@ def robots(experiment):
     return _framed(rows, ('robot', 'quantity', *_ESTIMATE))
 
 
+def waits(experiment):
+    """Return a row per configuration and place, zone or lane where robots waited: the mean over complete trials [s]."""
+    found = {}
+    for trial in experiment.complete:
+        for where in trial.waits:
+            found.setdefault(trial.configuration, {}).setdefault(where)
+    rows = []
+    for place in sorted(found):
+        own = [trial for trial in experiment.complete if trial.configuration == place]
+        levels = _levels(experiment, experiment.configurations[place].levels)
+        means_of = {where: intervals.mean_estimate([trial.waits.get(where, 0.0) for trial in own])
+                    for where in found[place]}
+        rows += [{**levels, 'where': where, **_estimate(estimate)}
+                 for where, estimate in sorted(means_of.items(), key=lambda item: (-item[1].value, item[0]))]
+    return _framed(rows, ('where', *_ESTIMATE))
+
+
+def estimate_of(row):
+    """Return the intervals.Estimate that a row of a frame holds."""
+    return intervals.Estimate(row['value'], row['low_95'], row['high_95'], row['n'], row['interval'])
+
+
 def _framed(rows, columns):
     """Return rows as a frame that has its columns even where there are none."""
     return pd.DataFrame(rows) if rows else pd.DataFrame(columns=list(columns))

@@ -45,6 +45,7 @@ class Trial:
     verified: object = None  # 'identical', 'different' or None: not run again
     difference: str = ''
     robots: dict = field(default_factory=dict)  # name: {quantity: float}
+    waits: dict = field(default_factory=dict)  # where: s for which robots waited there, all together
     attempts: int = 1
     ended_by: str = ''  # see endings; '': not told
     kept: str = ''  # of what program it is, if it was kept though that is not the present one
@@ -248,6 +249,7 @@ def _told(base, told, until):
                      ended_by=endings.ended_by(told.get('ended_by'), None, math.nan),
                      properties=told.get('properties'))
     robots = told.get('robots') if isinstance(told.get('robots'), dict) else {}
+    waits = told.get('waits') if isinstance(told.get('waits'), dict) else {}
     labels = told.get('labels') if isinstance(told.get('labels'), list) else []
     metrics = told.get('metrics') if isinstance(told.get('metrics'), dict) else {}
     return Trial(
@@ -259,6 +261,8 @@ def _told(base, told, until):
         difference=shown_text(told.get('difference') or ''),
         robots={str(name): {str(key): _number(value) for key, value in each.items()}
                 for name, each in robots.items() if isinstance(each, dict)},
+        waits={str(where): value for where, value in ((where, _number(told)) for where, told in waits.items())
+               if value >= 0.0},
         attempts=_count(told.get('attempts')), open_goals=_whole(told.get('open_goals')),
         properties=told.get('properties'),
         ended_by=endings.ended_by(told.get('ended_by'), until, _number(told.get('simulated_seconds'))))
