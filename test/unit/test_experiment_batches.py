@@ -5,6 +5,8 @@ import contextlib
 import copy
 import dataclasses
 import gc
+import io
+import json
 import os
 import pickle
 from types import SimpleNamespace
@@ -12,7 +14,9 @@ from types import SimpleNamespace
 import pytest
 
 from experiment_jobs import job_of
+from move_base_abstract_experiments import sweep
 from move_base_abstract_experiments.carrying import batches, cluster, jobs, spool
+from move_base_abstract_experiments.description.trial import Trial
 from move_base_abstract_experiments.trials import run_folders
 
 
@@ -193,6 +197,33 @@ def test_nothing_is_kept_of_trials_that_have_ended(ran):
     first, second = kept_after(200), kept_after(400)
     assert len(ran) == 610
     assert second - first < 20
+
+
+def test_nothing_is_kept_of_trials_that_have_ended_but_what_the_plan_says(monkeypatch, tmp_path):
+    (tmp_path / 'model.py').write_text('def run(trial):\n    return {}\n')
+    document = tmp_path / 'x.yaml'
+    document.write_text('{experiment: x, function: model:run, replications: 50}')
+    alive = []
+
+    @contextlib.contextmanager
+    def connected(*_):
+        yield SimpleNamespace(scheduler_info=dict), SimpleNamespace(known=())
+
+    class Runner:
+        def __init__(self, _client, _watch, done, *_):
+            self._done = done
+
+        def run(self, all_jobs, _count):
+            for job in all_jobs:
+                self._done(job, 'w', None, 'it is not run', 1)
+                alive.append(sum(isinstance(one, Trial) for one in gc.get_objects()))
+    monkeypatch.setattr(sweep.cluster, 'connected', connected)
+    monkeypatch.setattr(sweep.cluster, 'Runner', Runner)
+    sweep.run(str(document), str(tmp_path / 'out'), 1, 'tcp://nobody', io.StringIO())
+    assert len(alive) == 50
+    assert alive[0] - alive[-1] == 49
+    assert [one['id'][:4] for one in json.loads((tmp_path / 'out' / 'plan.json').read_text())['trials']] == [
+        f'{number:04d}' for number in range(1, 51)]
 
 
 @pytest.mark.parametrize('has_dashboard', [True, False])
