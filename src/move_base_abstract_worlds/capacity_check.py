@@ -14,6 +14,7 @@ from move_base_abstract.maps.lane_planner import NEAR
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.traffic.area import Area
 from move_base_abstract.traffic.outline import BORDER
+from move_base_abstract.traffic.rules import DeadlockPolicy
 from move_base_abstract.traffic.way import ZoneIndex, stays_on_lanes
 
 from .findings import Finding
@@ -28,7 +29,7 @@ def check_capacities(world):
     areas = Areas(world)
     arrows = networkx.DiGraph()
     arrows.add_nodes_from(areas.all)
-    for drivers in world.drivers if world.scenario.deadlock != 'avoid' and areas.touch() else ():
+    for drivers in world.drivers if world.scenario.traffic.policy is not DeadlockPolicy.AVOID and areas.touch() else ():
         if drivers.planner is None:
             continue
         pairs = list(dict.fromkeys(_pairs(world, drivers, areas.zones)))

@@ -58,6 +58,7 @@ from .local_planner import YAW_TOLERANCE as YAW_LIMIT
 from .local_planner import Found, PlannerGroup, leaves
 
 DEFAULT_SPEED = 0.5
+MOST_PRIORITY = 1_000_000
 
 #: how a robot finds its way
 ROUTES = ('none', 'grid', 'lanes', 'matrix')
@@ -111,6 +112,8 @@ TABLE = (
     Parameter('routes', 'none', one_of(*ROUTES), "'none', 'grid', 'lanes' or 'matrix'"),
     Parameter('lanes', None, text, 'the path of a file'),
     Parameter('travel_matrix', None, text, 'the path of a file'),
+    Parameter('priority', 0, integer(-MOST_PRIORITY, MOST_PRIORITY),
+              'a whole number in -1000000..1000000, the higher comes first'),
     Parameter('corners', 'keep', one_of('keep', 'stop'), "'keep' or 'stop'"),
     Parameter('controller_frequency', 20.0, number(above=0.0), _POSITIVE + ' [Hz, simulated]'),
     Parameter('planner_patience', 5.0, number(low=0.0), _NOT_NEGATIVE + ' [s, simulated]'),

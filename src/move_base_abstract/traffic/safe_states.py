@@ -8,21 +8,12 @@ go on: the first one that comes to its goal alone.
 """
 from __future__ import annotations
 
-from enum import Enum
 from typing import TYPE_CHECKING, Dict, Iterable, List, Optional, Sequence, Tuple
 
 if TYPE_CHECKING:
     from .area import Area, Request
-    from .control import Traveller
+    from .traveller import Traveller
     from .way import Crossing
-
-
-class DeadlockPolicy(Enum):
-    """What becomes of a circle of waiting: nothing, the goal of who closed it is aborted, or none comes to be."""
-
-    WAIT = 'wait'
-    ABORT = 'abort'
-    AVOID = 'avoid'
 
 
 def needs_of(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[Area, ...]:
@@ -42,45 +33,56 @@ def needs_of(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[Area, .
 def is_safe(travellers: Iterable[Traveller], taker: Traveller, takes: Tuple[Area, ...]) -> bool:
     """Return whether all of ``travellers`` who are able to come to their goals still are when ``taker`` has ``takes``.
 
-    Who has no goal is taken for one that will leave.
+    Who has no goal is taken for one that will leave. If the taker is still able all others are, too: when it has come
+    to its goal there is no less place than before. So nearly always the search ends with the taker.
     """
     if all(_has_room(area, len(area.holders), area in taker.held) for area in taker.needs):
-        return True  # it comes to its goal alone, and then there is no less place than before
+        return True  # it comes to its goal alone
     busy = [traveller for traveller in travellers if traveller.needs]
     after = _able(busy, taker, takes)
-    return all(traveller in after for traveller in _able(busy))
+    if taker in after:
+        return True
+    before = _able(busy, taker)
+    return taker not in before and all(traveller in after for traveller in _able(busy))
 
 
 def first_to_go_on(travellers: Iterable[Traveller]) -> Optional[Request]:
     """Return the first request, in the order in which they asked, of those who may have the places they wait for."""
     waiting = sorted(one.request for one in travellers if one.request is not None)
-    return next((request for request in waiting if all(area.has_room() for area in request.areas)
+    return next((request for request in waiting if request.has_room()
                  and is_safe(travellers, request.traveller, request.areas)), None)
 
 
-def _able(busy: Sequence[Traveller], taker: Optional[Traveller] = None,
+def _able(busy: Sequence[Traveller], wanted: Optional[Traveller] = None,
           takes: Tuple[Area, ...] = ()) -> Dict[Traveller, bool]:
-    """Return {Traveller: True} of those who are able; which of them is looked at first changes nothing."""
-    holds = {one: {**one.held, **dict.fromkeys(takes if one is taker else (), True)} for one in busy}
+    """Return {Traveller: True} of those who are able when ``wanted`` has ``takes``, too.
+
+    The search ends where ``wanted`` is among them. Which of them is looked at first changes nothing else.
+    """
     counts: Dict[Area, int] = {}  # who holds a place and has not come to its goal
-    for held in holds.values():
-        for area in held:
+    for one in busy:
+        for area in one.held:
             counts[area] = counts.get(area, 0) + 1
+    for area in takes:
+        counts[area] = counts.get(area, 0) + 1
     able: Dict[Traveller, bool] = {}
-    left: List[Traveller] = list(busy)
-    while True:
-        waiting: List[Traveller] = []
-        for one in left:
-            held = holds[one]
-            if all(_has_room(area, counts.get(area, 0), area in held) for area in one.needs):
-                able[one] = True
-                for area in held:
-                    counts[area] -= 1
-            else:
-                waiting.append(one)
-        if len(waiting) == len(left):
-            return able
-        left = waiting
+    stopped: Dict[Area, List[Traveller]] = {}  # by the first area in which there is no place for them
+    open_ = list(reversed(busy))
+    while open_:
+        one = open_.pop()
+        taken = takes if one is wanted else ()
+        full = next((area for area in one.needs if area.capacity is not None and counts.get(area, 0) >= area.capacity
+                     + (area in one.held or area in taken)), None)
+        if full is not None:
+            stopped.setdefault(full, []).append(one)
+            continue
+        able[one] = True
+        if one is wanted:
+            break
+        for area in one.held:
+            counts[area] -= 1
+            open_ += stopped.pop(area, ())
+    return able
 
 
 def _has_room(area: Area, count: int, is_in: bool) -> bool:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Dict, List, Optional, Tuple
 
 if TYPE_CHECKING:
     from .area import Area, Request
-    from .control import Traveller
+    from .traveller import Traveller
 
 
 def waiting_circle(request: Request) -> Optional[List[Tuple[Traveller, Area]]]:
@@ -15,7 +15,7 @@ def waiting_circle(request: Request) -> Optional[List[Tuple[Traveller, Area]]]:
     index. A robot is stuck if one of the areas that it asks for is full of stuck robots only, or if a stuck one comes
     before it there: the largest set of which that is so. An area that is closed may be opened: nobody is stuck for it.
     """
-    if not request.traveller.held:
+    if not request.traveller.held and all(area.queue[-1] is request for area in request.areas):
         return None  # nobody waits for it
     stuck = _stuck(_connected(request))
     ring = _way_back(request.traveller, stuck) if request.traveller in stuck else None
@@ -52,14 +52,14 @@ def _connected(request: Request) -> Dict[Traveller, bool]:
         traveller = open_.pop()
         if traveller.request is not None and traveller not in found:
             found[traveller] = True
-            for area in traveller.request.areas:
+            for area in (*traveller.request.areas, *traveller.request.ahead):
                 open_ += [*area.holders, *_before(area, traveller)]
     return found
 
 
 def _before(area: Area, traveller: Traveller) -> List[Traveller]:
     queue = [request.traveller for request in area.queue]
-    return queue[:queue.index(traveller)]
+    return queue[:queue.index(traveller)] if traveller in queue else []  # who only wants room ahead is in none
 
 
 def _stuck(candidates: Dict[Traveller, bool]) -> Dict[Traveller, bool]:
@@ -74,7 +74,8 @@ def _stuck(candidates: Dict[Traveller, bool]) -> Dict[Traveller, bool]:
 def _waits_for(traveller: Traveller, stuck: Dict[Traveller, bool]) -> List[Tuple[Area, Traveller]]:
     """Return [(area, Traveller), ...]: by which areas ``traveller`` is stuck, and for whom it waits there."""
     found: List[Tuple[Area, Traveller]] = []
-    for area in traveller.request.areas if traveller.request is not None else ():
+    request = traveller.request
+    for area in (*request.areas, *request.ahead) if request is not None else ():
         if not area.is_closed:
             if area.is_full() and all(one in stuck for one in area.holders):
                 found += [(area, one) for one in sorted(area.holders, key=lambda one: one.index)]

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from itertools import accumulate
 from math import hypot
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from .outline import BORDER
 
@@ -89,6 +89,20 @@ def stays_on_lanes(leg: Any, area_of: Callable[[int], Optional[Area]]) -> List[S
     if stays and stays[-1].end >= leg.distance and leg.corners.ends_on_lane:
         stays[-1] = stays[-1]._replace(end=None)
     return stays
+
+
+def with_groups(stays: Sequence[Stay]) -> Sequence[Stay]:
+    """Return ``stays``, and those in the groups of their areas: one for pieces of the way that follow on one another."""
+    of_groups: Dict[Area, List[Stay]] = {}
+    for stay in sorted((stay for stay in stays if stay.area.group is not None), key=lambda stay: stay.begin):
+        group: Any = stay.area.group
+        own = of_groups.setdefault(group, [])
+        if own and (own[-1].end is None or stay.begin <= own[-1].end + BORDER):
+            ends = own[-1].end, stay.end
+            own[-1] = own[-1]._replace(end=None if None in ends else max(ends))
+        else:
+            own.append(Stay(group, stay.begin, stay.end))
+    return [*stays, *(stay for own in of_groups.values() for stay in own)] if of_groups else stays
 
 
 def crossings(stays: Iterable[Stay], held: Mapping[Area, bool]) -> List[Crossing]:

@@ -9,6 +9,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import Parameter, boolean, integer, read_table, text, unknown_names
 from move_base_abstract.encounters.control import make_encounters
 from move_base_abstract.scenario import check_one_process, make_scenario, read_scenario
+from move_base_abstract.traffic.rules import KEYS as RULES
 
 from ..clocks.timing import make_timing
 from ..fleet.fleet_server import FleetServer, robot_names
@@ -28,7 +29,7 @@ _TABLE = (
 )
 #: parameters of the node that come before the scenario's defaults of the same name
 _OVERRIDES = ('use_map', 'backend', 'seed')
-_INLINE = ('defaults', 'robots', 'zones', 'deadlock', 'encounters', 'lanes', 'travel_matrix', 'places')
+_INLINE = ('defaults', 'robots', 'zones', *RULES, 'encounters', 'lanes', 'travel_matrix', 'places')
 
 
 def main():
