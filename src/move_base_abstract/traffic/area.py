@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from bisect import insort
-from typing import TYPE_CHECKING, Dict, List, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
 
 if TYPE_CHECKING:
     from .traveller import Traveller
@@ -80,7 +80,7 @@ class Area:
 class Request:
     """``traveller`` asks for a place in each of ``areas`` since ``since_ns`` [ns], if there is room in ``ahead``, too."""
 
-    __slots__ = ('key', 'traveller', 'areas', 'ahead', 'is_in_circle')
+    __slots__ = ('key', 'traveller', 'areas', 'ahead', 'is_in_circle', 'cut_off')
 
     def __init__(self, since_ns: int, traveller: Traveller, areas: Tuple[Area, ...],
                  ahead: Tuple[Area, ...] = ()) -> None:
@@ -89,6 +89,7 @@ class Request:
         self.areas: Tuple[Area, ...] = areas
         self.ahead: Tuple[Area, ...] = ahead
         self.is_in_circle = False  # as far as has been told
+        self.cut_off: Tuple[Any, ...] = ()  # with deadlock: avoid, who would have no way to its goal if it had the place
         for area in areas:
             insort(area.queue, self)
         for area in ahead:

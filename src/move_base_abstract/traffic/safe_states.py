@@ -33,24 +33,60 @@ def needs_of(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[Area, .
 def is_safe(travellers: Iterable[Traveller], taker: Traveller, takes: Tuple[Area, ...]) -> bool:
     """Return whether all of ``travellers`` who are able to come to their goals still are when ``taker`` has ``takes``.
 
-    Who has no goal is taken for one that will leave. If the taker is still able all others are, too: when it has come
-    to its goal there is no less place than before. So nearly always the search ends with the taker.
+    Who has no goal is taken for one that will leave.
     """
-    if all(_has_room(area, len(area.holders), area in taker.held) for area in taker.needs):
-        return True  # it comes to its goal alone
-    busy = [traveller for traveller in travellers if traveller.needs]
-    after = _able(busy, taker, takes)
-    if taker in after:
-        return True
-    before = _able(busy, taker)
-    return taker not in before and all(traveller in after for traveller in _able(busy))
+    return SafeStates(travellers).allows(taker, takes)
 
 
 def first_to_go_on(travellers: Iterable[Traveller]) -> Optional[Request]:
     """Return the first request, in the order in which they asked, of those who may have the places they wait for."""
-    waiting = sorted(one.request for one in travellers if one.request is not None)
-    return next((request for request in waiting if request.has_room()
-                 and is_safe(travellers, request.traveller, request.areas)), None)
+    states = SafeStates(travellers)
+    waiting = sorted(one.request for one in states.travellers if one.request is not None)
+    return next((request for request in waiting if request.has_room() and states.allows_request(request)), None)
+
+
+class SafeStates:
+    """Who may take a place as things are now: of as many questions as there are until anything changes."""
+
+    def __init__(self, travellers: Iterable[Traveller]) -> None:
+        self.travellers = list(travellers)
+        self._busy = [traveller for traveller in self.travellers if traveller.needs]
+        self._before: Optional[Dict[Traveller, bool]] = None
+
+    def allows_request(self, request: Request) -> bool:
+        """As :meth:`allows`; who would be cut off is looked for again only when one of these has moved.
+
+        They wait for one another and for nobody else, so that what others do changes nothing.
+        """
+        taker = request.traveller
+        if all(one.needs is needs and tuple(one.held) == held for one, needs, held in request.cut_off or ()):
+            if request.cut_off and taker in self._able_before():
+                return False
+        request.cut_off = ()
+        return self.allows(taker, request.areas, request)
+
+    def allows(self, taker: Traveller, takes: Tuple[Area, ...], request: Optional[Request] = None) -> bool:
+        """Return whether ``taker`` may have ``takes``.
+
+        If the taker is still able all others are, too: when it has come to its goal there is no less place than before.
+        So nearly always the search ends with the taker.
+        """
+        if all(_has_room(area, len(area.holders), area in taker.held) for area in taker.needs):
+            return True  # it comes to its goal alone
+        after = _able(self._busy, taker, takes)
+        if taker in after:
+            return True
+        before = self._able_before()
+        if taker not in before:
+            return all(traveller in after for traveller in before)
+        if request is not None:
+            request.cut_off = tuple((one, one.needs, tuple(one.held)) for one in self._busy if one not in after)
+        return False
+
+    def _able_before(self) -> Dict[Traveller, bool]:
+        if self._before is None:
+            self._before = _able(self._busy)
+        return self._before
 
 
 def _able(busy: Sequence[Traveller], wanted: Optional[Traveller] = None,
@@ -70,9 +106,12 @@ def _able(busy: Sequence[Traveller], wanted: Optional[Traveller] = None,
     open_ = list(reversed(busy))
     while open_:
         one = open_.pop()
-        taken = takes if one is wanted else ()
-        full = next((area for area in one.needs if area.capacity is not None and counts.get(area, 0) >= area.capacity
-                     + (area in one.held or area in taken)), None)
+        held, taken = one.held, takes if one is wanted else ()
+        full = None
+        for area in one.needs:
+            if area.capacity is not None and counts.get(area, 0) >= area.capacity + (area in held or area in taken):
+                full = area
+                break
         if full is not None:
             stopped.setdefault(full, []).append(one)
             continue
