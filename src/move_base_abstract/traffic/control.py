@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Callable, Dict, List, Optional, Tuple
 
 from ..common.errors import ConfigurationError
 from ..common.shown import shown_text
+from ..common.units import NS_PER_S
 from ..maps.lane_map import LaneMap
 from .area import Area
 from .rules import DeadlockPolicy, TrafficRules
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from ..goals.navigator import Navigator
     from .area import AreaState
     from .zones import Zone
+
+_CLOSED_NS = 3600 * NS_PER_S  # what a way through a closed zone costs
+
 
 class Traffic:
     """The zones (Zone, ...) and lanes of one process, and who holds a place in them.
@@ -41,6 +45,7 @@ class Traffic:
         #: the areas of all zones (ZoneIndex), in the order of the scenario
         self.zones = ZoneIndex(self._zones.values())
         self._lanes: Dict[Tuple[str, int], Area] = {}  # (file, index of the edge)
+        self._on_edges: Dict[Tuple[str, int], List[Area]] = {}  # all areas in which who drives there has a place
         self._dirty: List[Area] = []  # areas in which there may be place now, in the order in which that came
         self._serves = False
         self._is_told = True
@@ -69,10 +74,32 @@ class Traffic:
                         'lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity, None, self._group(edge.group))
         if lanes is None and not self._zones:
             return None
-        traveller = Traveller(self, navigator, lanes, stream, priority)
+        if self.rules.lane_price and isinstance(network, LaneMap):
+            self._put_zones_on(network)
+        traveller = Traveller(self, navigator, network if isinstance(network, LaneMap) else None, stream, priority)
         self._travellers[traveller] = True
         traveller.placed(self.simulation.now_ns)
         return traveller
+
+    def _put_zones_on(self, lanes: LaneMap) -> None:
+        """Note in which zones, groups and limited lanes who drives on an edge has a place."""
+        for index, edge in enumerate(lanes.edges):
+            if (lanes.source, index) not in self._on_edges:
+                own = self._lanes.get((lanes.source, index))
+                areas = [*([own] if own else []), *(stay.area for stay in self.zones.stays(edge.points))]
+                groups = [area.group for area in areas if area.group is not None]
+                self._on_edges[lanes.source, index] = list(dict.fromkeys([*areas, *groups]))
+
+    def price(self, traveller: Traveller, source: str, edge: int, time_ns: int) -> int:
+        """Return what the edge of a net, on which one drives for ``time_ns`` [ns], costs ``traveller`` beside it [ns].
+
+        For each robot that holds a place there or waits for one before it, by the number of places, the price's times
+        as long; an hour for a closed zone.
+        """
+        areas = self._on_edges[source, edge]
+        load = sum(area.load(traveller) for area in areas)
+        closed = sum(area.is_closed and traveller not in area.holders for area in areas)
+        return int(self.rules.lane_price * load * time_ns) + closed * _CLOSED_NS
 
     def states(self) -> List[AreaState]:
         """Return the AreaState of each zone, in the order of the scenario, of each counted lane, of each group."""

@@ -43,7 +43,10 @@ class Traveller:
         self.needs: Tuple[Area, ...] = ()
         self._traffic = traffic
         self._navigator = navigator
-        self._source = lanes.source if lanes is not None else None
+        self._source = lanes.source if lanes is not None and lanes.has_capacities else None
+        if lanes is not None and traffic.rules.lane_price:
+            source = lanes.source
+            navigator.planner.prices = lambda edge, time_ns: traffic.price(self, source, edge, time_ns)
         self._tell = stream.tell
         self._leg: Any = None
         self._pose: Any = None  # of one that stands
@@ -201,6 +204,8 @@ class Traveller:
     def _happen(self, due_ns: int, _now_ns: int) -> None:
         self._event = None
         try:
+            if self._goes_another_way(due_ns):
+                return
             reason = self._cross(due_ns)
             if reason is not None:
                 self._navigator.travel.hold(reason, due_ns)
@@ -208,12 +213,27 @@ class Traveller:
         except Exception as error:
             self._navigator.break_off(error)
 
+    def _goes_another_way(self, now_ns: int) -> bool:
+        """Where it would have to wait: whether another way is cheaper now, by which the robot goes on at once."""
+        enters = self._enters()
+        if not self._traffic.rules.lane_price or self._may_enter(enters, self._looks_at(enters)):
+            return False
+        travel = self._navigator.travel
+        corners = self._navigator.planner.corners(self._navigator.robot.pose_at(now_ns), travel.target)
+        ahead = self._leg.corners_ahead(now_ns)
+        if corners is None or tuple(corners) == ahead[len(ahead) - len(corners):]:
+            return False
+        travel.change_way(corners, now_ns)
+        return True
+
+    def _enters(self) -> Tuple[Area, ...]:
+        return tuple(area for area in self._crossings[0].enters if area not in self.held)
+
     def _cross(self, now_ns: int) -> Optional[str]:
         """The robot is at its next crossing: it comes in and leaves, or has to wait; return for what, or None."""
-        crossing = self._crossings[0]
-        enters = tuple(area for area in crossing.enters if area not in self.held)
+        enters = self._enters()
         ahead = self._looks_at(enters)
-        del self._crossings[0]
+        crossing = self._crossings.pop(0)
         if self._may_enter(enters, ahead):
             self._take(enters, now_ns)
             self._give_back(crossing.leaves, now_ns)
