@@ -19,7 +19,7 @@ from move_base_abstract import scenario  # noqa: E402
 from move_base_abstract.common.parameter_table import Parameter  # noqa: E402
 from move_base_abstract.config import settings  # noqa: E402
 from move_base_abstract.tasks import arrivals, places  # noqa: E402
-from move_base_abstract.traffic import zones  # noqa: E402
+from move_base_abstract.traffic import rules, zones  # noqa: E402
 
 HEAD = """# All keys of a scenario
 
@@ -74,12 +74,12 @@ def sections():
     """Return [(heading, Parameters, pages to look into first)]."""
     of_robot = settings.TABLE + settings._LIMITS
     return [
-        ('Top level', as_parameters(scenario._TOP_KEYS, [scenario._SEED, scenario._DEADLOCK, scenario._ENCOUNTERS]),
+        ('Top level', as_parameters(scenario._TOP_KEYS, [scenario._SEED, *rules.TABLE, scenario._ENCOUNTERS]),
          ('encounters.md', 'tasks.md', 'zones.md', 'lanes.md', 'fleet.md')),
         ('A robot', as_parameters(scenario._GROUP_KEYS, [places.NAME, scenario._COUNT]), ('fleet.md',)),
         ('Settings: of `defaults` or of a robot', as_parameters(settings.OWN_NAMES, of_robot),
          ('durations.md', 'failures.md', 'battery.md', 'routes.md', 'lanes.md', 'laser_scan.md', 'move_base.md')),
-        ('A zone', as_parameters(zones.KEYS, [places.NAME, zones._CAPACITY, zones._CHARGER]), ('zones.md',)),
+        ('A zone', as_parameters(zones.KEYS, [places.NAME, zones._CAPACITY, zones._CHARGER, zones.GROUP]), ('zones.md',)),
         ('A place', list(places.PLACE_TABLE), ('tasks.md',)),
         ('Arrivals', list(arrivals.ARRIVAL_TABLE), ('tasks.md',)),
         ('A file of tasks', list(arrivals._ROW), ('tasks.md',)),

@@ -393,5 +393,5 @@ def test_places_are_counted_in_one_process(lanes_fleet):
 
 
 def test_what_deadlock_may_be():
-    with pytest.raises(ConfigurationError, match="deadlock: got 'push'; allowed: 'wait', 'abort', 'avoid' or 'retreat'"):
+    with pytest.raises(ConfigurationError, match="deadlock: got 'push'; allowed: 'wait', 'abort' or 'avoid'"):
         make_scenario({'deadlock': 'push'})

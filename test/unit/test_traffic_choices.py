@@ -5,7 +5,6 @@ import random
 
 import networkx
 import pytest
-import simpy
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.fleet import Fleet
@@ -37,24 +36,22 @@ def net_of(tmp_path, nodes, edges):
 # ---- priorities
 
 def oracle_of_priorities(arrivals, seconds):
-    """Return when each of [(instant, priority)] comes in, by SimPy's PriorityResource."""
-    environment, came = simpy.Environment(), {}
-    gate = simpy.PriorityResource(environment)
+    """Return when each of [(instant, priority)] comes in: whoever is first in the queue whenever the gate is free.
 
-    def robot(index, instant, priority):
-        yield environment.timeout(instant)
-        with gate.request(priority=-priority) as request:
-            yield request
-            came[index] = environment.now
-            yield environment.timeout(seconds)
-    for index, arrival in enumerate(arrivals):
-        environment.process(robot(index, *arrival))
-    environment.run()
+    Who comes at the instant at which it gets free comes behind those who wait.
+    """
+    came, left, free = {}, dict(enumerate(arrivals)), 0
+    while left:
+        now = max(free, min(instant for instant, _ in left.values()))
+        queue = [index for index in left if left[index][0] < now] or [index for index in left if left[index][0] == now]
+        first = min(queue, key=lambda index: (-left[index][1], left[index][0], index))
+        del left[first]
+        came[first], free = now, now + seconds
     return came
 
 
 @pytest.mark.parametrize('seed', range(5))
-def test_the_higher_priority_comes_first_as_in_simpy(seed):
+def test_the_higher_priority_comes_first_in_a_queue(seed):
     dice = random.Random(seed)
     arrivals = [(instant, dice.randint(-2, 2)) for instant in sorted(dice.sample(range(1, 60), 20))]
     robots = [{'name': 'r{}'.format(index), 'start_x': 4.0 - 2.0 * instant, 'start_y': 0.1 * index, 'priority': priority}
@@ -180,15 +177,20 @@ def test_who_would_have_to_wait_at_a_node_looks_for_another_way(tmp_path):
     fleet.send('s', 20.0, 0.0)
     fleet.at(2 * S, lambda fleet: fleet.send('r', 5.0, 1.5))
     fleet.run(until=100.0)
-    assert [row[:2] for row in rows(fleet, 'ended')] == [(pytest.approx(row[0]), row[1]) for row in rows(fleet, 'ended')]
+    assert [row[1] for row in rows(fleet, 'ended') if row[4] == 'SUCCEEDED'] == ['r', 's']
     assert not [row for row in rows(fleet, 'held') if row[1] == 's']
     assert [(row[0], row[4]) for row in rows(fleet, 'departed') if row[1] == 's'] == [(0.0, 0.0), (5.0, 0.0)]
+
+
+def test_a_price_does_not_go_with_avoid():
+    with pytest.raises(ConfigurationError, match="lane_price: got 0.5 with deadlock: 'avoid'; allowed: 0 with it"):
+        make_scenario({'lane_price': 0.5, 'deadlock': 'avoid'})
 
 
 # ---- all of it
 
 @pytest.mark.parametrize('seed', range(4))
-def test_with_all_choices_on_no_circle_closes_and_all_come_to_their_goals(tmp_path, seed):
+def test_with_avoid_blocks_groups_and_priorities_no_circle_closes_and_all_come_to_their_goals(tmp_path, seed):
     dice = random.Random(seed)
     nodes = {'n{}'.format(index): (10.0 * (index % 3) + dice.random(), 10.0 * (index // 3) + dice.random())
              for index in range(9)}
@@ -203,7 +205,7 @@ def test_with_all_choices_on_no_circle_closes_and_all_come_to_their_goals(tmp_pa
         if left[robot]:
             fleet.send(robot, *left[robot].pop(0))
     fleet = Fleet(make_scenario({**net_of(tmp_path, nodes, edges), 'robots': robots, 'deadlock': 'avoid', 'blocks': 2,
-                                 'lane_price': 0.5, 'groups': {'g': 1, 'h': 2}}), on_end=lambda robot, *_: send(robot))
+                                 'groups': {'g': 1, 'h': 2}}), on_end=lambda robot, *_: send(robot))
     for robot in fleet.names:
         send(robot)
     fleet.run(until=100_000.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Any, Dict, Mapping, NamedTuple
 
+from ..common.errors import ConfigurationError
 from ..common.parameter_table import Parameter, checked, integer, number, one_of
 from ..common.ros_names import is_robot_name
 
@@ -11,15 +12,11 @@ MOST_GROUPS = 10_000
 
 
 class DeadlockPolicy(Enum):
-    """What becomes of a circle of waiting.
-
-    Nothing; the goal of who closed it is aborted; none comes to be; or one of its robots drives back.
-    """
+    """What becomes of a circle of waiting: nothing, the goal of who closed it is aborted, or none comes to be."""
 
     WAIT = 'wait'
     ABORT = 'abort'
     AVOID = 'avoid'
-    RETREAT = 'retreat'
 
 
 class TrafficRules(NamedTuple):
@@ -46,7 +43,7 @@ def _groups(value: Any) -> Dict[str, int]:
 
 
 TABLE = (
-    Parameter('deadlock', 'wait', one_of('wait', 'abort', 'avoid', 'retreat'), "'wait', 'abort', 'avoid' or 'retreat'"),
+    Parameter('deadlock', 'wait', one_of('wait', 'abort', 'avoid'), "'wait', 'abort' or 'avoid'"),
     Parameter('blocks', 1, integer(1, 100), 'a whole number in 1..100'),
     Parameter('lane_price', 0.0, number(0.0, 1000.0), 'a number in 0..1000'),
     Parameter('groups', {}, _groups, 'a mapping of names of groups to whole numbers >= 1 [robots]'),
@@ -57,7 +54,11 @@ KEYS = tuple(parameter.name for parameter in TABLE)
 def read_rules(raw: Mapping[str, Any], where: str) -> TrafficRules:
     """Return the :class:`TrafficRules` among the keys of a scenario; ``where`` begins the text of an error.
 
-    :raises ConfigurationError: for values that are not allowed.
+    :raises ConfigurationError: for values that are not allowed, and a price where ways are kept.
     """
     policy, *others = (checked(raw.get(one.name, one.default), one.name, one, where) for one in TABLE)
-    return TrafficRules(DeadlockPolicy(policy), *others)
+    rules = TrafficRules(DeadlockPolicy(policy), *others)
+    if rules.lane_price and rules.policy is DeadlockPolicy.AVOID:  # which holds of the way that a robot has
+        raise ConfigurationError("parameter {}/lane_price: got {:g} with deadlock: 'avoid'; allowed: 0 with it".format(
+            where.rstrip('/'), rules.lane_price))
+    return rules

@@ -263,7 +263,8 @@ class Traveller:
 
     def look_for_circle(self, now_ns: int) -> None:
         """The robot waits, and may close a circle of waiting: say so, once."""
-        circle = waiting_circle(self.request) if self.request is not None else None  # None: it was broken off
+        rules, request = self._traffic.rules, self.request  # None: it was broken off
+        circle = waiting_circle(request, rules.policy is not DeadlockPolicy.AVOID) if request is not None else None
         requests: List[Any] = [traveller.request for traveller, _ in circle or ()]
         if circle is None or all(request.is_in_circle for request in requests):
             return
@@ -271,7 +272,7 @@ class Traveller:
             request.is_in_circle = True
         pairs = [(traveller.name, area.name) for traveller, area in circle]
         self._tell(Deadlock(now_ns, self.name, tuple(name for pair in pairs for name in pair)))
-        aborts = self._traffic.rules.policy is DeadlockPolicy.ABORT
+        aborts = rules.policy is DeadlockPolicy.ABORT
         self._warn(now_ns, 'Robots wait for one another in a circle: {}.{}'.format(
             '; '.join('{} for {}'.format(*pair) for pair in pairs),
             ' The goal of {}, who closed it, is aborted.'.format(self.name) if aborts else ''))
