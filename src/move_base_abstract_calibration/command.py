@@ -2,7 +2,7 @@
 
     rosrun move_base_abstract calibrate RECORDING... [-o robot.yaml] [--map MAP.yaml --radius M]
     rosrun move_base_abstract calibrate RECORDING... --predict robot.yaml [--map MAP.yaml --radius M]
-    rosrun move_base_abstract calibrate FOLDER --encounters robot.yaml [-o robot_with_encounters.yaml]
+    rosrun move_base_abstract calibrate FOLDER... --encounters robot.yaml [-o robot_with_encounters.yaml]
 
 Exit codes: 0 written; 2 a file cannot be read or written, too few legs, or wrong arguments.
 """
@@ -32,33 +32,33 @@ def main(words=None):
 
 def _parse(words):
     parser = argparse.ArgumentParser(
-        prog='calibrate', description='Fit how long the legs of a real robot take, from what was recorded of it, and '
-        'write a YAML file that a scenario names, and a page of how well it predicts.',
+        prog='calibrate', description='Fit how long the legs of a real robot take, from recordings of it. Write a YAML '
+        'file that scenarios can name, and a page that shows how well it predicts.',
         epilog='exit codes: 0 written, 2 a file cannot be read or written, too few legs, or wrong arguments')
     parser.add_argument('recordings', metavar='RECORDING', nargs='+',
-                        help='a bag with goals, results and poses of move_base, or a CSV file with a row a leg')
+                        help='a bag with goals, results and poses of move_base, or a CSV file with one row per leg')
     parser.add_argument('-o', '--output', metavar='FILE.yaml', default=_YAML,
-                        help='(default: %(default)s; the page goes beside it, as FILE.html). Files that this program '
-                        'made are replaced, nothing else is')
-    parser.add_argument('--predict', metavar='CALIBRATION', help='fit and write nothing: say how well this file, or '
-                        'one that ships, by its name, predicts the recordings')
-    parser.add_argument('--encounters', metavar='CALIBRATION', help='fit what meeting other robots costs to the one '
-                        'folder of recordings of several robots, and write it beside the values of this file, or of '
-                        'one that ships')
-    parser.add_argument('--map', metavar='MAP.yaml', help='take lengths and turns of the ways that the simulator plans '
-                        'on this map, not as recorded')
+                        help='the calibration (default: %(default)s); the page is FILE.html beside it. Files that this '
+                        'program made are replaced, no other file is')
+    parser.add_argument('--predict', metavar='CALIBRATION', help='fit and write nothing; print how well this file (or '
+                        'the name of one that ships) predicts the recordings')
+    parser.add_argument('--encounters', metavar='CALIBRATION', help='fit the law of encounters to folders of '
+                        'recordings of several robots, and add it to the values of this file (or of one that ships)')
+    parser.add_argument('--map', metavar='MAP.yaml', help='use lengths and turns of the ways that the simulator plans '
+                        'on this map, not the recorded ones')
     parser.add_argument('--radius', type=_positive, metavar='M', default=0.46,
-                        help='with --map or --encounters: how far ways stay off what is occupied (default: '
+                        help='with --map or --encounters: distance of ways from occupied cells (default: '
                         '%(default)g m)')
     parser.add_argument('--clear-of-robots', type=_positive, metavar='M', help='leave out legs that came nearer than '
-                        'this to another robot, where the recording says so')
-    parser.add_argument('--pose-topic', metavar='NAME', help="of bags: the topic of the poses below a robot's "
-                        'namespace (default: base_pose_ground_truth, else amcl_pose, else odom)')
-    parser.add_argument('--nominal-speed', type=_positive, metavar='M/S', help='of the straight line that is shown '
-                        'beside (default: the fitted top speed)')
-    parser.add_argument('--bootstrap', type=_count, metavar='N', default=100, help='from how many samples of the '
-                        'recordings the intervals of the parameters are found (default: %(default)d)')
-    parser.add_argument('--source', metavar='TEXT', help='a line on where the recordings are from')
+                        'this to another robot, if the recording says so')
+    parser.add_argument('--pose-topic', metavar='NAME', help="for bags: the topic of the poses in a robot's "
+                        'namespace (default: base_pose_ground_truth, then amcl_pose, then odom)')
+    parser.add_argument('--nominal-speed', type=_positive, metavar='M/S', help='speed of the straight-line prediction '
+                        'that is shown for comparison (default: the fitted top speed)')
+    parser.add_argument('--bootstrap', type=_count, metavar='N', default=100, help='number of bootstrap samples for '
+                        'the '
+                        'intervals of the parameters (default: %(default)d)')
+    parser.add_argument('--source', metavar='TEXT', help='one line that says where the recordings come from')
     options = parser.parse_args(words)
     if not options.output.endswith('.yaml'):
         parser.error('-o: got {}; allowed: a name that ends with .yaml'.format(shown(options.output)))
@@ -90,12 +90,9 @@ def _predict(options):
 
 def _encounters(options):
     from . import encounter_report, outputs  # these take a while to import
-    if len(options.recordings) > 1:
-        raise ConfigurationError('--encounters: got {} recordings; allowed: one folder'.format(
-            len(options.recordings)))
     outputs.check(options.output)
     name = os.path.abspath(options.encounters) if options.encounters.endswith('.yaml') else options.encounters
-    values, fitted, scores, _ = encounter_report.calibrate_encounters(options.recordings[0], name, options.radius)
+    values, fitted, scores, _ = encounter_report.calibrate_encounters(options.recordings, name, options.radius)
     sections = [values.pop(section, None) for section in ('recorded', 'intervals', 'tail_motion')]
     outputs.write(options.output, outputs.yaml_text(values, values.pop('source'), *sections[:2], _KEPT, sections[2]))
     for line in encounter_report.lines(fitted, scores):

@@ -19,36 +19,39 @@ def main(words):
 
 def _parse(words):
     parser = argparse.ArgumentParser(
-        prog='experiment', description='Run any system many times, on all cores, and say what came out.',
-        epilog='exit codes: 0 all trials are complete, 1 some failed or differ, 2 it cannot be run like this, 3 a '
-        'trial that was run again differs, and so does what it is made of, 130 interrupted (Ctrl-C, SIGTERM, SIGHUP); '
-        'what is complete stays, and the same command goes on')
+        prog='experiment', description='Run any system many times, on all cores, and report the results.',
+        epilog='exit codes: 0 all trials are complete, 1 some failed or differ, 2 the experiment cannot be run like '
+        'this, 3 a trial that was run again differs, and so do its inputs, 130 interrupted (Ctrl-C, SIGTERM, SIGHUP). '
+        'Complete trials stay, and the same command goes on')
     verbs = parser.add_subparsers(dest='verb', metavar='run|status|rerun|report', required=True)
     run = verbs.add_parser('run', help='run the trials that are not complete')
-    run.add_argument('file', metavar='FILE', help='the experiment, YAML')
-    run.add_argument('-o', '--output', required=True, metavar='OUT', help='folder: new, empty, or of this program')
+    run.add_argument('file', metavar='FILE', help='the experiment, a YAML file')
+    run.add_argument('-o', '--output', required=True, metavar='OUT', help='folder of the experiment: new, empty, or '
+                     'made by this program')
     where = run.add_mutually_exclusive_group()
-    where.add_argument('--workers', type=_count, default=None, metavar='N', help='processes here (default: one a core)')
-    where.add_argument('--scheduler', metavar='ADDRESS', help='a running Dask scheduler, tcp://HOST:PORT')
-    run.add_argument('--dashboard', action='store_true', help="serve Dask's page on the workers, on 127.0.0.1")
+    where.add_argument('--workers', type=_count, default=None, metavar='N', help='worker processes on this computer '
+                       '(default: one per core)')
+    where.add_argument('--scheduler', metavar='ADDRESS', help='use a running Dask scheduler, tcp://HOST:PORT')
+    run.add_argument('--dashboard', action='store_true', help="serve Dask's dashboard on 127.0.0.1")
     run.add_argument('--keep-old', action='store_true', help='keep complete trials whose program has changed since, '
-                     'labelled; without it they run again')
+                     'with a label; without this option they run again')
     run.set_defaults(act=_run)
-    status = verbs.add_parser('status', help='say how far it is')
+    status = verbs.add_parser('status', help='print how far the experiment is')
     status.add_argument('output', metavar='OUT')
     status.set_defaults(act=_status)
-    rerun = verbs.add_parser('rerun', help='run one trial again, here, and say whether it is the same')
+    rerun = verbs.add_parser('rerun', help='run one trial again on this computer, and say whether it is the same')
     rerun.add_argument('output', metavar='OUT')
-    rerun.add_argument('trial', metavar='TRIAL', help='its id, or the number that the id begins with')
-    rerun.add_argument('--rviz', action='store_true', help='show it in RViz')
+    rerun.add_argument('trial', metavar='TRIAL', help='the trial, by its id or the number that the id begins with')
+    rerun.add_argument('--rviz', action='store_true', help='show the trial in RViz')
     rerun.add_argument('--until', type=_seconds, default=0.0, metavar='T', help='end after T simulated seconds')
-    rerun.add_argument('--speed', type=_seconds, default=0.0, metavar='F', help='at most F times real time')
-    rerun.add_argument('--logs', metavar='FOLDER', help='keep what it leaves in this new folder')
+    rerun.add_argument('--speed', type=_seconds, default=0.0, metavar='F', help='run at most F times as fast as '
+                       'real time')
+    rerun.add_argument('--logs', metavar='FOLDER', help='keep the logs of this run in this new folder')
     rerun.set_defaults(act=_rerun)
-    report = verbs.add_parser('report', help='write report.html and tables: what came out')
+    report = verbs.add_parser('report', help='write report.html and tables of the results')
     report.add_argument('output', metavar='OUT')
-    report.add_argument('--without-own-sections', action='store_true', help="run none of the functions that the "
-                        "experiment names under 'report': for folders of others")
+    report.add_argument('--without-own-sections', action='store_true', help="do not run the functions that the "
+                        "experiment names under 'report'; for folders of others")
     report.set_defaults(act=_report)
     return parser.parse_args(words)
 

@@ -30,18 +30,23 @@ def main(words=None):
 
 
 def _parse(words):
-    parser = argparse.ArgumentParser(prog='replay', description='Show a run, or two side by side, from event logs: a '
-                                     'page that opens in any browser; or files of ROS messages.',
+    parser = argparse.ArgumentParser(prog='replay', description='Make a page from an event log that plays the run '
+                                     'in any '
+                                     'browser, from two logs side by side. Or write the run as ROS messages.',
                                      epilog='exit codes: 0 written, 2 a file cannot be read or written')
-    parser.add_argument('logs', metavar='RUN', nargs='+', help='event log (JSON lines or CSV); or two')
-    parser.add_argument('--map', metavar='MAP.yaml', help='the map to show it on, as map_server takes it')
+    parser.add_argument('logs', metavar='RUN', nargs='+', help='event log (JSON lines or CSV); give two to compare '
+                        'them')
+    parser.add_argument('--map', metavar='MAP.yaml', help='the map behind the robots: a YAML file as for map_server')
+    parser.add_argument('--scenario', metavar='FILE', help='the scenario of the run, whose zones, lanes and places are '
+                        'shown (default: scenario.yaml beside the log, if it is there and of the same robots)')
     parser.add_argument('-o', '--output', metavar='PAGE',
-                        help='the page (default: {}, unless another file is asked for); one that this program made is '
-                        'replaced, nothing else is'.format(_PAGE))
-    parser.add_argument('--mcap', metavar='FILE', help='the run as ROS 1 messages in an MCAP file, a new one')
-    parser.add_argument('--bag', metavar='FILE', help='the same as a bag, a new one')
-    parser.add_argument('--rate', type=_rate, default=10.0, metavar='HZ', help='of poses of robots under way in --mcap '
-                        'and --bag, simulated (default: %(default)g)')
+                        help='the page (default: {}, unless --mcap or --bag is given). A page that this program '
+                        'made is '
+                        'replaced, no other file is'.format(_PAGE))
+    parser.add_argument('--mcap', metavar='FILE', help='write the run as ROS 1 messages into this new MCAP file')
+    parser.add_argument('--bag', metavar='FILE', help='write the run as ROS messages into this new bag')
+    parser.add_argument('--rate', type=_rate, default=10.0, metavar='HZ', help='rate of the poses of moving robots in '
+                        '--mcap and --bag [Hz, simulated] (default: %(default)g)')
     parser.add_argument('--frame', default='map', help='frame of the poses in --mcap and --bag (default: %(default)s)')
     options = parser.parse_args(words)
     if len(options.logs) > 2:
@@ -57,7 +62,7 @@ def _write(options):
     """Write the files that are asked for; return an iterator over their names, each when it is there."""
     if options.output is not None:
         from .page import write_page  # each of them takes a while to import
-        for note in write_page(options.logs, options.output, options.map):
+        for note in write_page(options.logs, options.output, options.map, options.scenario):
             print('replay: note: {}'.format(note), file=sys.stderr)
         yield options.output
     if options.mcap or options.bag:

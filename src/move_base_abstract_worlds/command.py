@@ -41,7 +41,7 @@ def _parse(words):
         prog='scenario', description='Check a scenario before it runs, or make one by sizes.',
         epilog='exit codes: 0 nothing found, or made; 1 something was found; 2 a file cannot be read or written')
     commands = parser.add_subparsers(metavar='COMMAND', required=True)
-    check = commands.add_parser('check', help='say what is wrong with a scenario', description=(
+    check = commands.add_parser('check', help='report problems of a scenario', description=(
         'Say what is wrong with a scenario: where robots cannot start or go, what they do not reach with their charge, '
         'and which capacities can lock.'))
     check.add_argument('scenario', metavar='FILE', help='a scenario file')
@@ -57,7 +57,8 @@ def _parse(words):
 
 
 def _add_make(commands):
-    make = commands.add_parser('make', help='make a scenario by sizes', description='Make a scenario by sizes: net of '
+    make = commands.add_parser('make', help='make a scenario from sizes', description='Make a scenario by sizes: '
+                               'net of '
                                'lanes, places, chargers, map. The same sizes are the same files.')
     kinds = make.add_subparsers(metavar='KIND', required=True)
     for kind, (what, sizes, _) in KINDS_OF_SITES.items():

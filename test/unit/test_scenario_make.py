@@ -30,7 +30,11 @@ def test_the_warehouse_of_the_default_sizes(tmp_path):
     assert (len(world.starts), len(net.nodes)) == (50, 84)
     assert [sum(name.startswith(kind) for name in net.nodes) for kind in ('station', 'charger')] == [4, 7]
     assert all(edge.one_way for edge in net.edges if edge.begin != 'gate')
-    assert len(list(world.scenario.tasks())) == 200
+    orders = list(world.scenario.orders())
+    assert len(orders) == 200
+    for order in orders:
+        assert [stop.action for stop in order.stops] == ['load', 'unload'] and order.deadline_ns == 600 * 10 ** 9
+        assert order.stops[0].place.startswith('bay') and order.stops[1].place.startswith('station')
     assert world.occupancy is not None and findings_of(world) == []
 
 

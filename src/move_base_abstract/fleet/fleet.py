@@ -24,7 +24,7 @@ from ..runs.trace import TraceEntry, as_entries
 from ..scenario import Scenario, make_robot
 from ..sensing.surroundings import Surroundings
 from ..tasks.arrivals import check_task
-from ..tasks.place_tasks import Rooms
+from ..tasks.room import Rooms
 from ..traffic.control import Traffic
 from .member import FleetWarning, Member, Members
 from .robot_view import RobotView

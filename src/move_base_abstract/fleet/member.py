@@ -1,4 +1,4 @@
-"""One robot of a fleet in plain Python: its parts, and who is told what of it."""
+"""One robot of a fleet in plain Python: its parts, and who hears which of its events."""
 import itertools
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""How a robot gets to where its goal lies: it departs, is held, goes on, is put elsewhere, and stands.
+"""How a robot travels to its goal: it departs, is held, goes on, is placed elsewhere, and stands.
 
 Threading contract: as of :mod:`.navigator`.
 """

@@ -32,37 +32,38 @@ class RunOptions:
     """How a system runs in lockstep."""
 
     sleep: str = option(
-        one_of('wall', 'simulated'), 'wall', 'which time a sleep of the wall clock (`time.sleep`) takes in '
-        '[programs](lockstep_launcher.md): `wall`, while simulated time stands, or `simulated`')
+        one_of('wall', 'simulated'), 'wall', 'which time `time.sleep` takes in [programs](lockstep_launcher.md): '
+        '`wall`, while simulated time stands still, or `simulated`')
     stored_topics: Tuple[str, ...] = option(
-        list_of(_STORED), [], '`TOPIC` or `NODE=TOPIC`: [what nodes only store](lockstep.md#topics-that-nodes-only-'
-        'store) comes with the next thing that they do', systems=OF_NODES, is_part=True, parameter='stored_topics',
+        list_of(_STORED), [], '`TOPIC` or `NODE=TOPIC`: nodes [only store](lockstep.md#topics-that-nodes-only-store) '
+        'these messages, and get them together with the next thing that they '
+        'do', systems=OF_NODES, is_part=True, parameter='stored_topics',
         flag='stored_topic')
     lookahead: Union[float, str] = option(
-        number(1e-6, 1000, or_zero=True, unit='s, simulated', or_word='network'), 0, 's, simulated: what nodes tell '
-        'each other takes so long, and they work at once ([windows](lockstep_windows.md)); `network`: the least delay '
-        'of the links of the `network`; 0: no time', systems=OF_NODES, is_part=True, parameter='lookahead')
+        number(1e-6, 1000, or_zero=True, unit='s, simulated', or_word='network'), 0, 's, simulated: messages '
+        'between nodes take this time, and the nodes work at once ([windows](lockstep_windows.md)); `network`: the '
+        'least delay of the links of the `network`; 0: no time', systems=OF_NODES, is_part=True, parameter='lookahead')
     network: str = option(
-        text(), None, "`'FILE [NAME:=VALUE ...]'`: what nodes of different hosts tell each other goes over a "
-        "[radio](radio.md), which this file describes; the values are of its `$(arg NAME)`", systems=OF_NODES,
+        text(), None, "`'FILE [NAME:=VALUE ...]'`: messages between nodes of different hosts go over the "
+        "[radio](radio.md) that this file describes; the values replace its `$(arg NAME)`", systems=OF_NODES,
         is_part=True, parameter='network')
     chaos_seed: int = option(
-        number(0, 2147483647, whole=True), 0, 'equal events come in [another legal order](chaos.md), as this says; 0: '
-        'the stated one', systems=OF_NODES, is_part=True, parameter='chaos_seed')
+        number(0, 2147483647, whole=True), 0, 'the seed of [another legal order](chaos.md) of equal events; 0: the '
+        'stated order', systems=OF_NODES, is_part=True, parameter='chaos_seed')
     chaos_delay: float = option(
-        number(1e-9, 1000, or_zero=True, unit='s, simulated'), 0, 's, simulated: with a `chaos_seed`, messages are '
-        'under way for up to so long; 0: no time', systems=OF_NODES, is_part=True, parameter='chaos_delay')
+        number(1e-9, 1000, or_zero=True, unit='s, simulated'), 0, 's, simulated: with a `chaos_seed`, messages '
+        'take up to this time; 0: no time', systems=OF_NODES, is_part=True, parameter='chaos_delay')
     chaos_only: Tuple[str, ...] = option(
         list_of(pattern('[0-9a-f]{12}|none', 'names of decisions, 12 hexadecimal digits each, or none')), [],
-        'the decisions of `chaos_seed` that are applied, by the names that `chaos` gives them; `none`: none, `[]`: all',
+        'the names, as `chaos` prints them, of the decisions of `chaos_seed` that apply; `none`: none, `[]`: all',
         systems=OF_NODES, is_part=True, parameter='chaos_only')
     cores: str = option(
-        one_of('auto', 'one', 'all'), None, 'on which [cores](time_master.md#cores) of its computer the nodes run. '
-        '`auto`: on one or on all, whichever the time master finds to be faster; that is the default, too, where the '
-        'launch file sets none. Events are the same in each case', systems=OF_NODES, parameter='cores')
+        one_of('auto', 'one', 'all'), None, 'the [cores](time_master.md#cores) on which nodes run. `auto` (also the '
+        'default if the launch file sets nothing): one or all, whichever the time master measures to be faster. The '
+        'events are the same in each case', systems=OF_NODES, parameter='cores')
     crashes: str = option(
-        one_of(FAIL, ALLOW), FAIL, 'what becomes of a run in which a node [crashes](lockstep_launch.md#crashes): it '
-        'has failed (`fail`), or the crash is reported, and the run counts if it comes to its end (`allow`)')
+        one_of(FAIL, ALLOW), FAIL, 'what happens if a node [crashes](lockstep_launch.md#crashes): the run fails '
+        '(`fail`), or the crash is reported and the run counts if it comes to its end (`allow`)')
     properties: Tuple[str, ...] = option(
-        list_of(one_of(*property_names.NAMES)), [], 'which [properties](properties.md) are looked at when a run is '
-        'over: `all`, or the names of some', systems=OF_NODES)
+        list_of(one_of(*property_names.NAMES)), [], 'the [properties](properties.md) that are checked when a run is '
+        'over: `all`, or names', systems=OF_NODES)

@@ -1,4 +1,4 @@
-"""Lanes: a net of nodes and edges on which robots drive, from a file.
+"""Lanes: a net of nodes and edges on which robots drive, read from a file.
 
     nodes:
       - {name: depot, x: 0.0, y: 0.0, yaw: 1.57}

@@ -1,4 +1,4 @@
-"""Who holds a place in zones and on lanes, who waits, and who waits for whom."""
+"""Traffic: which robots hold a place in zones and on lanes, and which wait for whom."""
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {

@@ -188,7 +188,7 @@ class Traveller:
         for area in (*zones, *(zone.group for zone in zones if zone.group is not None)):
             if area not in self.held:
                 if not area.has_room():
-                    self._warn(now_ns, '{} stands in {}, in which there is no place: {} robots of {} are there'
+                    self._warn(now_ns, '{} stands in {}, which has no free place: {} robots of {} are there'
                                '{}'.format(self.name, area.name, len(area.holders) + 1, area.capacity,
                                            ', and it is closed' if area.is_closed else ''))
                 self._take((area,), now_ns)

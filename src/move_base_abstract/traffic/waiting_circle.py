@@ -1,4 +1,4 @@
-"""Robots that wait for one another in a circle: nobody among them will ever go on by itself."""
+"""Robots that wait for each other in a circle, so that none of them can go on."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Dict, List, Optional, Tuple

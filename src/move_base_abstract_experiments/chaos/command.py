@@ -31,23 +31,26 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
     from move_base_abstract_ros.nodes import lockstep_launch
     parser = argparse.ArgumentParser(
         prog='chaos', usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]\n       %(prog)s --replay FILE',
-        description='Run a launch file with other legal orders of equal events, until something fails.',
-        epilog='exit codes: 0 nothing failed, 1 something failed (of --replay: it fails again), 2 it cannot be run '
-        'like this, 3 (of --replay) it does not fail any more, 130 interrupted')
-    parser.add_argument('--seeds', type=_seeds, default=(1, 100), metavar='FIRST:LAST', help='default: 1:100')
+        description='Run a launch file with other legal orders of equal events until something fails.',
+        epilog='exit codes: 0 nothing failed, 1 something failed (with --replay: it fails again), 2 the file cannot be '
+        'run like this, 3 (with --replay) it does not fail any more, 130 interrupted')
+    parser.add_argument('--seeds', type=_seeds, default=(1, 100), metavar='FIRST:LAST', help='seeds to try '
+                        '(default: 1:100)')
     parser.add_argument('--delay', type=_delay, default=0.0, metavar='S',
-                        help='messages are under way for up to S simulated seconds; 0: equal events only')
+                        help='messages take up to S simulated seconds; 0: only the order of equal events changes')
     parser.add_argument('--property', action='append', default=[], metavar='NAME',
-                        help='this one counts, and no other: a name of your own, crash, deadlock, zero_delay_loop, '
-                        'every_goal_ends, unfinished; may be given again')
+                        help='look only for this failure: a name of your own, crash, deadlock, zero_delay_loop, '
+                        'every_goal_ends, unfinished; repeat it for several')
     parser.add_argument('--workers', type=_count, default=os.cpu_count() or 1, metavar='N',
-                        help='runs at the same time (default: one a core)')
-    parser.add_argument('--output', default='chaos.json', metavar='FILE', help='what runs it again (default: '
-                        '%(default)s)')
-    parser.add_argument('--replay', metavar='FILE', help='run what failed again, and say whether it is the same')
-    parser.add_argument('--until', type=float, default=0.0, metavar='S', help='end so many simulated s after the start')
+                        help='runs at the same time (default: one per core)')
+    parser.add_argument('--output', default='chaos.json', metavar='FILE', help='file that replays the failure '
+                        '(default: %(default)s)')
+    parser.add_argument('--replay', metavar='FILE', help='run a failure again, and say whether it is the same')
+    parser.add_argument('--until', type=float, default=0.0, metavar='S', help='end a run S simulated seconds after '
+                        'its start')
     lockstep_launch.add_node_options(parser)
-    parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
+    parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global random "
+                        "generators")
     kinds.add_arguments(parser, RunOptions)
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     options = parser.parse_args(words)

@@ -65,24 +65,26 @@ _COUNT = number(1, MOST_TRIALS, whole=True)
 class Until:
     """What ends a trial, whichever comes first; besides, the end of a node that the launch file calls required."""
 
-    seconds: float = option(number(1e-6, LONGEST_S, unit='s, simulated'), None, 's, simulated, from the start',
+    seconds: float = option(number(1e-6, LONGEST_S, unit='s, simulated'), None, 'the trial ends after this time [s, '
+                            'simulated]',
                             absent=0.0)
-    topic: str = option(_TOPIC, None, 'the first message on it')
-    idle: bool = option(FLAG, False, 'when nobody has anything left to do', parameter='end_when_idle')
+    topic: str = option(_TOPIC, None, 'the trial ends with the first message on this topic')
+    idle: bool = option(FLAG, False, 'the trial ends when no participant has anything left to do',
+                        parameter='end_when_idle')
 
 
 @dataclass(frozen=True)
 class Record:
     """What is kept of a trial beside its event log."""
 
-    messages: Tuple[str, ...] = option(list_of(_TOPIC, 'names of topics, such as /idleness'), [], 'topics, written to '
-                                       '`messages.jsonl`', systems=OF_NODES)
+    messages: Tuple[str, ...] = option(list_of(_TOPIC, 'names of topics, such as /idleness'), [], 'topics that are '
+                                       'written to `messages.jsonl`', systems=OF_NODES)
     files: Tuple[str, ...] = option(
         list_of(pattern(r'[A-Za-z0-9_.*?\[\]-]{1,100}', 'names of files without a folder, with * and ?, as *.csv')), [],
-        "patterns (`'*.csv'`) of files that nodes leave in their working folder")
-    hashes: bool = option(FLAG, False, 'what participants send each other is in the event log, as hashes',
+        "patterns (`'*.csv'`) of files that nodes leave in their working folder and that are kept")
+    hashes: bool = option(FLAG, False, 'the event log has a hash of each message between participants',
                           parameter='log_messages')
-    motion: bool = option(FLAG, True, 'robots write by which limits they travel (`/log_motion`); without it a '
+    motion: bool = option(FLAG, True, 'robots log their limits of motion (`/log_motion`); without them a '
                           '[replay](replay.md) is not exact, and a first leg counts no distance')
 
 
@@ -101,8 +103,8 @@ class Metrics:
 
     function: str = option(_FUNCTION, None, '`module:function` that returns them')
     columns: Dict[str, Column] = option(
-        map_of(mapping_of(Column)), {}, '`{NAME: {title, unit, better}}`: what they are called; `better`: `lower` '
-        'or `higher`')
+        map_of(mapping_of(Column)), {}, '`{NAME: {title, unit, better}}`: title and unit of each metric; `better`: '
+        '`lower` or `higher`')
 
 
 @dataclass(frozen=True)
@@ -134,65 +136,67 @@ class Experiment(RunOptions):
     name: str = option(text(100), None, 'the name of the experiment', key='experiment', is_required=True)
     launch: str = option(text(), None, 'a launch file; `$(find PACKAGE)`, or a path from the folder of this file')
     command: Tuple[str, ...] = option(
-        list_of(text(), least=1, allowed='at least one word, at most 10000'), None, "instead: a list of words, run "
-        "under the trial's ROS master. It starts its nodes itself, under the [launcher](lockstep_launcher.md): "
-        "`[rosrun, move_base_abstract, lockstep, --seed, '{seed}', my_node.py]`; `participants` must name who takes "
-        'part', absent=())
-    function: str = option(_FUNCTION, None, 'instead: `module:function` that is a trial, '
+        list_of(text(), least=1, allowed='at least one word, at most 10000'), None, "instead of a launch file: "
+        "a command as a list of words, run under the trial's ROS master. It starts its nodes itself, with the "
+        "[launcher](lockstep_launcher.md): `[rosrun, move_base_abstract, lockstep, --seed, '{seed}', my_node.py]`; "
+        '`participants` must name the nodes that take part', absent=())
+    function: str = option(_FUNCTION, None, 'instead of a launch file: `module:function` that is a trial, '
                            '[below](#trials-that-are-a-function)')
     prepare: str = option(_FUNCTION, None, '`module:function` that each warm process calls once, '
                           '[below](#trials-that-are-a-function)', systems=('function',))
     isolation: str = option(
-        one_of(TRIAL, BATCH), TRIAL, '`trial`: each has a process of its own; `batch`: many short ones share one, '
-        '[below](#many-short-trials)', systems=('function',), is_part=True)
-    inputs: Tuple[str, ...] = option(list_of(text()), [], 'files whose content makes a trial another one; a relative '
-                                     'path from the folder of this file')
+        one_of(TRIAL, BATCH), TRIAL, '`trial`: each trial has a process of its own; `batch`: many short trials '
+        'share one, [below](#many-short-trials)', systems=('function',), is_part=True)
+    inputs: Tuple[str, ...] = option(list_of(text()), [], 'files on whose content a trial depends; paths are relative '
+                                     'to the folder of this file')
     participants: Optional[Tuple[str, ...]] = option(
         either(list_of(_NODE, _ALL_OR_NODES), (str, lambda _: None, pattern(ALL, _ALL_OR_NODES))), ALL,
-        '`all`: every rospy and roscpp node, as [here](lockstep_launch.md#who-takes-part); or a list of nodes: the '
-        'others look on', systems=OF_NODES)
+        '`all`: every rospy and roscpp node, [by these rules](lockstep_launch.md#who-takes-part); or a list of '
+        'nodes, and the others look on', systems=OF_NODES)
     leave_out: Tuple[str, ...] = option(list_of(_NODE, _NODES), [], 'nodes that are not started', systems=_LAUNCH)
     replace: Dict[str, str] = option(map_of(_PROGRAM, _PROGRAM), {}, '`{move_base/move_base: '
-                                     'move_base_abstract/move_base}`: other programs in the place of these',
+                                     'move_base_abstract/move_base}`: programs that replace others',
                                      systems=_LAUNCH)
-    adopt: bool = option(FLAG, False, 'what a launch file of others needs is done [by rule](adopt.md): `move_base` '
-                         'replaced, simulators left out, start poses taken from it', systems=_LAUNCH, is_part=True)
+    adopt: bool = option(FLAG, False, 'adapts a launch file of others [by rule](adopt.md): replaces `move_base`, '
+                         'leaves out simulators, takes start poses from the file', systems=_LAUNCH, is_part=True)
     args: Dict[str, Any] = option(
-        map_of(SCALAR), {}, 'of the launch file or the function; `{NAME}` stands for a factor, for `seed` or '
-        '`replication`', systems=('launch', 'function'))
+        map_of(SCALAR), {}, 'arguments of the launch file or the function; `{NAME}` stands for a factor, for `seed` '
+        'or `replication`', systems=('launch', 'function'))
     factors: Dict[str, Tuple[Any, ...]] = option(
         map_of(list_of(SCALAR, 'a list, each a text, a number, true or false', 1, True, MOST_TRIALS)), {},
-        'each a list of texts, numbers, true, false; all combinations run. One that stands in no `args`, `launch` or '
-        '`command` is an error: all its values would be the same system')
+        'each factor is a list of strings, numbers, true or false; all combinations run. A factor that no `args`, '
+        '`launch` or `command` uses is an error, because all its values would be the same system')
     replications: Replications = option(
-        _REPLICATIONS, 1, 'of each configuration. `{all: 30, robots: {8: 5}}`: trials with that value of the factor '
-        'have fewer (never more)')
+        _REPLICATIONS, 1, 'replications of each configuration. With `{all: 30, robots: {8: 5}}`, configurations with '
+        'that value of the factor have fewer (never more)')
     seed: int = option(number(0, LARGEST_SEED, whole=True), 0, 'replication k (from 0 on) has the seed `seed` + k in '
                        'every configuration: common random numbers')
     until: Until = option(
-        mapping_of(Until), {}, 'what ends a trial, whichever comes first; a node with `required="true"` ends it, too',
+        mapping_of(Until), {}, 'what ends a trial, whichever comes first; a node with `required="true"` ends it too',
         systems=OF_NODES)
     record: Record = option(
-        mapping_of(Record), {}, 'what is kept of a trial beside its event log')
+        mapping_of(Record), {}, 'what is kept of a trial besides its event log')
     metrics: Metrics = option(
         either(mapping_of(Metrics), (str, lambda name: Metrics(function=name), _FUNCTION)), {},
-        '`module:function` that returns numbers by name, [below](#metrics); or a mapping')
-    primary: str = option(NAME, None, 'the metric that the experiment is about: the report tells it first, tests it by '
-                          'itself, and folds the others')
+        '`module:function` that returns a number for each metric, [below](#metrics); or a mapping')
+    primary: str = option(NAME, None, 'the metric that the experiment is about: the report shows it first, tests it '
+                          'separately, and folds the others')
     baseline: Dict[str, Any] = option(map_of(SCALAR), {}, '`{algorithm: greedy}`: the value of a factor with which the '
-                                      'report compares each other one')
+                                      'report compares all its other values')
     smallest_difference: Dict[str, float] = option(
-        map_of(number(1e-100, 1e100)), {}, '`{makespan: 5.0}`: the smallest difference that counts, per metric, in its '
-        'unit; what is surely smaller is called negligible')
+        map_of(number(1e-100, 1e100)), {}, '`{makespan: 5.0}`: the smallest difference that matters, per metric, in '
+        'its '
+        'unit; a difference that is surely smaller is called negligible')
     at_limit: Dict[str, str] = option(
-        map_of(one_of('lower_bound', 'value')), {}, '`{NAME: lower_bound or value}`: what a metric is of a trial that '
-        '`until: seconds` ended although it might have ended otherwise; '
-        '[else](experiment_report.md#trials-that-the-limit-of-time-ended) it is not compared')
+        map_of(one_of('lower_bound', 'value')), {}, '`{NAME: lower_bound or value}`: what a metric means in a trial '
+        'that '
+        '`until: seconds` ended, if it might have gone on; '
+        '[otherwise](experiment_report.md#trials-that-the-limit-of-time-ended) the metric is not compared')
     report: Tuple[str, ...] = option(
         either(list_of(_FUNCTION, 'a list of module:function, or one'), (str, lambda name: (name,), _FUNCTION)), [],
         '`module:function`, or a list: [sections of your own](experiment_report.md#sections-of-your-own) in the report')
-    verify: float = option(number(0, 1), 0, 'the share of trials that run twice')
-    time_limit: float = option(number(1, 1e7, unit='s, wall'), 600, 's, wall: how long a run may take')
+    verify: float = option(number(0, 1), 0, 'the share of trials that run twice, to compare them')
+    time_limit: float = option(number(1, 1e7, unit='s, wall'), 600, 'the time that a run may take [s, wall]')
 
     @functools.cached_property
     def later_parts(self) -> List[Dict[str, Any]]:

@@ -16,7 +16,8 @@ from . import extension, frames, notable_trials, outcome, page
 
 REPLAY = 'move_base_abstract_replay.page'
 NAMES = ('trials', 'means', 'main_effects', 'differences', 'interactions', 'robots', 'endings')
-KIND = FolderKind("folder of an experiment's tables", tuple(f'{name}.csv' for name in NAMES))
+WAITS = 'waits'  # there only where robots waited for room
+KIND = FolderKind("folder of an experiment's tables", tuple(f'{name}.csv' for name in (*NAMES, WAITS)))
 
 
 def write_report(out):
@@ -58,14 +59,15 @@ def _tables(analysis):
             **{name: frames.differences(experiment, found) for name, found in (
                 ('main_effects', analysis.mains), ('differences', analysis.singles),
                 ('interactions', analysis.changes),
-                ('endings', [*analysis.endings[0], *analysis.endings[1]]))}, 'robots': frames.robots(experiment)}
+                ('endings', [*analysis.endings[0], *analysis.endings[1]]))}, 'robots': frames.robots(experiment),
+            WAITS: frames.waits(experiment)}
 
 
 def _write_tables(folder, tables):
     marker = KIND.make(folder)
     try:
-        for name in NAMES:
-            if name != 'trials':  # the runner's own is beside
+        for name in (*NAMES, WAITS):
+            if name != 'trials' and not (name == WAITS and tables[name].empty):  # the runner's own is beside
                 with whole_file(folder / f'{name}.csv', encoding='utf-8', newline='') as stream:
                     stream.write(frames.csv_text(tables[name]))
     finally:
@@ -87,10 +89,10 @@ def _replays(experiment):
 def main(words=None):
     """Run the command of these words, or those of the shell; return the exit code."""
     parser = argparse.ArgumentParser(prog='experiment report', description='Write report.html and tables/*.csv of an '
-                                     'experiment into its folder, from what is there, also of one that still runs.')
+                                     'experiment into its folder. The experiment may still run.')
     parser.add_argument('out', type=Path, metavar='OUT', help='the folder of the experiment')
-    parser.add_argument('--without-own-sections', action='store_true', help="run none of the functions that the "
-                        "experiment names under 'report': for folders of others")
+    parser.add_argument('--without-own-sections', action='store_true', help="do not run the functions that the "
+                        "experiment names under 'report'; for folders of others")
     arguments = parser.parse_args(words)
     try:
         path, problems = write(arguments.out, not arguments.without_own_sections)

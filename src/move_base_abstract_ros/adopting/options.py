@@ -8,17 +8,19 @@ from move_base_abstract.common.shown import shown
 def add_arguments(parser):
     """Have a command line take them."""
     parser.add_argument('--adopt', action='store_true',
-                        help='do by rule what a file of others needs, and say it as a command line; see docs/adopt.md')
+                        help='adapt a launch file of others by rule, and print what was done as a command line '
+                        '(docs/adopt.md)')
     parser.add_argument('--tolerant', action='store_true',
-                        help='leave out what the file names and is not installed; its machines are this one')
+                        help='leave out what the file names and is not installed; run the nodes of all its machines '
+                        'here')
     parser.add_argument('--start', action='append', default=[], type=_start, metavar='NODE=X,Y,YAW',
-                        help='where this robot starts [m, m, rad, map frame]')
+                        help='set where this robot starts [m, m, rad, map frame]')
     parser.add_argument('--param', action='append', default=[], type=_parameter, metavar='NAME=VALUE',
-                        help="a parameter that stands above the file's")
+                        help="set a parameter; it takes precedence over the file's")
     parser.add_argument('--add', action='append', default=[], type=_added, metavar="'NODE=PACKAGE/TYPE [ARGUMENTS]'",
-                        help='start this node, too')
+                        help='start this node too')
     parser.add_argument('--args', action='append', default=[], type=_arguments, metavar="'NODE=ARGUMENTS'",
-                        help="this node's arguments, in the place of the file's")
+                        help="give this node other arguments than the file's")
 
 
 def words_of(options):

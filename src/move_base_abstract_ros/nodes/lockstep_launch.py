@@ -74,22 +74,24 @@ def _end_as_python(warm):
 def read_words(words):
     """Return the parser, and the options of a command line; ``command``: the words behind them."""
     parser = argparse.ArgumentParser(
-        prog='lockstep_launch', description='Run an unchanged launch file in lockstep. To begin with: '
-        '--list FILE says who takes part; --adopt --list FILE, of a file that was written for Gazebo, Stage or real '
-        'robots, what is done with it; `verify FILE` whether its runs are the same; `why`, while it runs, what time '
-        'waits for.', usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
-        epilog='exit codes: 0 the run came to its end, 1 it did not, 2 it cannot be run like this, 3 a node crashed, '
+        prog='lockstep_launch', description='Run an unmodified launch file in lockstep. First steps: '
+        '--list FILE says which nodes take part. --adopt --list FILE says what is done with a file for Gazebo, Stage '
+        'or real robots. `verify FILE` checks that its runs are the same. `why` says, while it runs, what time waits '
+        'for.', usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
+        epilog='exit codes: 0 the run came to its end, 1 it did not, 2 the file cannot be run like this, 3 a node '
+               'crashed, '
                '4 a property is broken')
     add_plan_options(parser)
     parser.add_argument('--event-log', type=_event_log, metavar='PATH',
-                        help="file for the run's events, .jsonl or .csv")
-    parser.add_argument('--log-messages', action='store_true', help='messages and calls are events too')
+                        help="write the run's events to this file, .jsonl or .csv")
+    parser.add_argument('--log-messages', action='store_true', help='log messages and calls as events too')
     parser.add_argument('--speed-limit', type=_factor, default=None, metavar='F',
-                        help='at most so many simulated seconds per wall second')
-    parser.add_argument('--end-when-idle', action='store_true', help='end when nobody has anything left to do')
+                        help='run at most F simulated seconds per wall second')
+    parser.add_argument('--end-when-idle', action='store_true', help='end when no participant has anything left to do')
     parser.add_argument('--check', action='store_true',
-                        help='look at all properties when the run is over, which it is when nobody has anything to do')
-    parser.add_argument('--use-master', action='store_true', help='use the ROS master of ROS_MASTER_URI, no own one')
+                        help='check all properties when the run is over; implies --end-when-idle')
+    parser.add_argument('--use-master', action='store_true', help='use the ROS master of ROS_MASTER_URI instead of '
+                        'one for this run')
     # From `verify`: what came out, for programs; conditions that must not matter.
     parser.add_argument('--outcome', default=None, help=argparse.SUPPRESS)
     parser.add_argument('--own-hash-seed', type=int, default=None, help=argparse.SUPPRESS)
@@ -108,8 +110,9 @@ def add_plan_options(parser):
     parser.add_argument('--until', type=_instant, default=0.0, metavar='S', help='end at this simulated instant [s]')
     add_node_options(parser)
     adopting_options.add_arguments(parser)
-    parser.add_argument('--no-respawn', action='store_true', help='respawned nodes take part, and are started once')
-    parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global generators")
+    parser.add_argument('--no-respawn', action='store_true', help='start respawned nodes once, as participants')
+    parser.add_argument('--seed', type=int, default=0, metavar='S', help="seed of the programs' global random "
+                        "generators")
     kinds.add_arguments(parser, RunOptions)
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
 
@@ -117,13 +120,13 @@ def add_plan_options(parser):
 def add_node_options(parser):
     """Add what those two share with `chaos`: which nodes there are, and who of them takes part."""
     parser.add_argument('--participant', action='append', default=[], type=_name, metavar='NODE',
-                        help='this node takes part, whatever it looks like')
+                        help='make this node take part, whatever it looks like')
     parser.add_argument('--onlooker', action='append', default=[], type=_name, metavar='NODE',
-                        help='this node does not take part')
+                        help='make this node an onlooker: it does not take part')
     parser.add_argument('--leave-out', action='append', default=[], type=_name, metavar='NODE',
-                        help='this node is not started')
+                        help='do not start this node')
     parser.add_argument('--replace', action='append', default=[], type=_kinds, metavar='PACKAGE/TYPE=PACKAGE/TYPE',
-                        help='start nodes of another kind in the place of these, under their names')
+                        help='start nodes of another kind instead of these, with the same names')
 
 
 def words_of(options):

@@ -62,15 +62,15 @@ def _behind_front_end(kind, path, arguments):
 
 def _parse(words):
     parser = argparse.ArgumentParser(prog='lockstep', usage='%(prog)s [options] PROGRAM [ARGUMENTS] | -m MODULE [...]',
-                                     description='Make a participant of lockstep of an unmodified program.')
-    parser.add_argument('--rank', type=_rank, metavar='N', help='place among equal events; lower is earlier '
-                        '(default: the private parameter lockstep_rank, else after the robots, by name)')
+                                     description='Run an unmodified program as a participant of lockstep.')
+    parser.add_argument('--rank', type=_rank, metavar='N', help='place among events of one instant; lower is earlier '
+                        '(default: the private parameter lockstep_rank; without it after the robots, by name)')
     parser.add_argument('--sleep', choices=('wall', 'simulated'), default='wall',
-                        help='what time.sleep waits for (default: %(default)s, while simulated time stands)')
+                        help='the time that time.sleep takes (default: %(default)s, while simulated time stands still)')
     parser.add_argument('--seed', type=_whole_number, default=0, metavar='S',
-                        help="what the program's random numbers start from, with the node's name (default: 0)")
+                        help="seed of the program's random numbers, together with the node's name (default: 0)")
     parser.add_argument('--strict', action='store_true',
-                        help='the first reason not to call the run repeatable ends it with an error')
+                        help='end the run with an error at the first reason not to call it repeatable')
     # From this launcher to itself: the words after a Python interpreter, which it has started again with.
     parser.add_argument(_AS_SCRIPT, action='store_true', help=argparse.SUPPRESS)
     parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)

@@ -87,21 +87,22 @@ def _names(options):
 def _parse(words):
     """Return the options, and the words for lockstep_launch."""
     parser = argparse.ArgumentParser(
-        prog='verify', description='Verify that a launch file runs the same whatever the machine does.',
+        prog='verify', description='Check that a launch file runs the same, whatever the machine does.',
         usage='%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]',
-        epilog='exit codes: 0 identical, 1 different, 2 it cannot be run like this, 3 a run did not come to its end, '
-        '4 identical, but labelled, 5 a node crashed')
+        epilog='exit codes: 0 identical, 1 different, 2 the file cannot be run like this, 3 a run did not come to its '
+        'end, 4 identical but labelled (or nothing to compare), 5 a node crashed')
     lockstep_launch.add_plan_options(parser)
     which = parser.add_mutually_exclusive_group()
-    which.add_argument('--runs', type=_count, metavar='N', help='the first N conditions only, 2 to {} (default: all)'
+    which.add_argument('--runs', type=_count, metavar='N', help='run only the first N conditions, 2 to {} (default: '
+                       'all)'
                        .format(len(conditions.NAMES)))
-    which.add_argument('--conditions', type=_conditions, metavar='A,B', help='these only: {}'.format(
+    which.add_argument('--conditions', type=_conditions, metavar='A,B', help='run only these conditions: {}'.format(
         ', '.join(conditions.NAMES)))
     parser.add_argument('--time-limit', type=_seconds, default=600.0, metavar='S',
-                        help='s, wall, that a run may take (default: %(default)g)')
-    parser.add_argument('--output', metavar='FOLDER', help='where logs and outputs go: a new or an empty folder '
-                        '(default: a temporary one, which stays where something is wrong)')
-    parser.add_argument('--chaos', metavar='FILE', help='verify the run of a file that `chaos` has written')
+                        help='time that a run may take [s, wall] (default: %(default)g)')
+    parser.add_argument('--output', metavar='FOLDER', help='new or empty folder for logs and outputs '
+                        '(default: a temporary one, which is kept if something is wrong)')
+    parser.add_argument('--chaos', metavar='FILE', help='verify the run that a file from `chaos` describes')
     options = parser.parse_args(words)
     if options.chaos is not None:
         return options, _words_of_chaos(parser, options)

@@ -35,8 +35,8 @@ def parse_no_arguments(name, description, is_strict=True):
     ``is_strict``: arguments are an error, exit code 2; else a warning, for who stands in for a node that ignores them.
     """
     parser = argparse.ArgumentParser(prog=name, description=description, usage='%(prog)s [-h] [NAME:=VALUE ...]',
-                                     epilog='NAME:=VALUE: a remapping; _PARAMETER:=VALUE: a private parameter, as of '
-                                     'any ROS node. The pages in docs/ of the package say which there are.')
+                                     epilog='NAME:=VALUE is a remapping, _PARAMETER:=VALUE a private parameter, as for '
+                                     'any ROS node. The pages in docs/ of the package list them.')
     _, rest = parser.parse_known_args(rospy.myargv()[1:])
     if rest and is_strict:
         parser.error('unknown argument {}; allowed: NAME:=VALUE'.format(shown_text(rest[0])))
