@@ -146,7 +146,8 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     arrivals = () if raw.get('arrivals') is None else read_arrivals(raw['arrivals'], places or {}, where)
     orders = () if raw.get('orders') is None else order_arrivals.read_orders(raw['orders'], places or {}, where)
     return Scenario(tuple(specs), defaults, (overrides or {}).get('seed', seed), read_zones(raw.get('zones'), where),
-                    read_rules(raw, where), places, arrivals, _read_encounters(raw, settings, where), orders, dispatcher)
+                    read_rules(raw, where), places, arrivals, _read_encounters(raw, settings, where), orders,
+                    dispatcher)
 
 
 def _read_encounters(raw, settings, where):

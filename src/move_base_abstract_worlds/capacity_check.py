@@ -194,7 +194,8 @@ def _least_circle(world, areas, arrows, part):
         'the next. It is the least of the circles among {} zones and lanes'.format(
             best, ' -> '.join(shown), names[0], len(part)),
         areas.where(circle[0]), 'more room on one of them, one-way lanes, a zone around all of them with capacity {}, '
-        'deadlock: avoid, or a coordinator that sends fewer robots there'.format(best - 1), (), tuple(areas.way(one) for one in circle))
+        'deadlock: avoid, or a coordinator that sends fewer robots there'.format(best - 1), (),
+        tuple(areas.way(one) for one in circle))
 
 
 def _sum(areas, circle):

@@ -54,8 +54,8 @@ def oracle_of_priorities(arrivals, seconds):
 def test_the_higher_priority_comes_first_in_a_queue(seed):
     dice = random.Random(seed)
     arrivals = [(instant, dice.randint(-2, 2)) for instant in sorted(dice.sample(range(1, 60), 20))]
-    robots = [{'name': 'r{}'.format(index), 'start_x': 4.0 - 2.0 * instant, 'start_y': 0.1 * index, 'priority': priority}
-              for index, (instant, priority) in enumerate(arrivals)]
+    robots = [{'name': 'r{}'.format(index), 'start_x': 4.0 - 2.0 * instant, 'start_y': 0.1 * index,
+               'priority': priority} for index, (instant, priority) in enumerate(arrivals)]
     fleet = fleet_of(robots, zones=[{'name': 'gate', 'rectangle': [4, -50, 10, 50], 'capacity': 1}])
     for index, robot in enumerate(robots):
         fleet.send(robot['name'], 20.0, 0.1 * index)
@@ -71,7 +71,8 @@ def test_what_priority_may_be():
 
 # ---- blocks
 
-ROW = [{'name': name, 'rectangle': [x, -5, x + 4, 5], 'capacity': 1} for name, x in (('one', 4), ('two', 8), ('six', 12))]
+ROW = [{'name': name, 'rectangle': [x, -5, x + 4, 5], 'capacity': 1} for name, x in (
+    ('one', 4), ('two', 8), ('six', 12))]
 
 
 @pytest.mark.parametrize('blocks, stands_at', [(1, 8.0), (2, 4.0), (3, 4.0)])

@@ -64,8 +64,8 @@ class Edge(NamedTuple):
     """A lane from the node ``begin`` to ``end`` along ``points`` ((x, y), ...) [m], those of the nodes included.
 
     ``speed`` [m/s], ``capacity`` [robots]: None, no limit; ``share`` of a robot's speed at which it is driven, so that
-    it takes as long as its ``length`` says, where one is given. ``capacity`` counts both directions together. ``group``:
-    the name of what it shares a number of places with.
+    it takes as long as its ``length`` says, where one is given. ``capacity`` counts both directions together.
+    ``group``: the name of what it shares a number of places with.
     """
 
     begin: str

@@ -5,8 +5,8 @@ from bisect import insort
 from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
 
 if TYPE_CHECKING:
-    from .traveller import Traveller
     from .outline import Outline
+    from .traveller import Traveller
 
 
 class AreaState(NamedTuple):
@@ -50,13 +50,13 @@ class Area:
         return self.capacity is not None and len(self.holders) >= self.capacity
 
     def contains(self, x: float, y: float) -> bool:
-        """Return whether who stands at (x, y) [m] has a place here: in a zone, or in a group with one of its zones."""
+        """Return whether who stands at (x, y) [m] has a place here: in this zone, or in a zone of this group."""
         if self.outline is not None:
             return self.outline.contains(x, y)
         return any(area.contains(x, y) for area in self._members)
 
     def load(self, traveller: Traveller) -> float:
-        """Return how many robots for each place hold one, or wait for one before ``traveller`` would; 0: any number."""
+        """Return how many robots for each place hold one, or wait for one before ``traveller``; 0: any number."""
         if self.capacity is None:
             return 0.0
         own = traveller.request
@@ -78,7 +78,7 @@ class Area:
 
 
 class Request:
-    """``traveller`` asks for a place in each of ``areas`` since ``since_ns`` [ns], if there is room in ``ahead``, too."""
+    """``traveller`` asks for a place in each of ``areas`` since ``since_ns`` [ns]; ``ahead`` must have room, too."""
 
     __slots__ = ('key', 'traveller', 'areas', 'ahead', 'is_in_circle', 'cut_off')
 
@@ -89,14 +89,14 @@ class Request:
         self.areas: Tuple[Area, ...] = areas
         self.ahead: Tuple[Area, ...] = ahead
         self.is_in_circle = False  # as far as has been told
-        self.cut_off: Tuple[Any, ...] = ()  # with deadlock: avoid, who would have no way to its goal if it had the place
+        self.cut_off: Tuple[Any, ...] = ()  # with deadlock: avoid, who would not come to its goal any more
         for area in areas:
             insort(area.queue, self)
         for area in ahead:
             area.watchers.append(self)
 
     def __lt__(self, other: Request) -> bool:
-        """Return whether this one comes first: the higher priority, then who asked first, then the lower robot index."""
+        """Return whether this one comes first: a higher priority, who asked first, a lower robot index."""
         return self.key < other.key
 
     @property

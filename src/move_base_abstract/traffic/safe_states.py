@@ -59,9 +59,9 @@ class SafeStates:
         They wait for one another and for nobody else, so that what others do changes nothing.
         """
         taker = request.traveller
-        if all(one.needs is needs and tuple(one.held) == held for one, needs, held in request.cut_off or ()):
-            if request.cut_off and taker in self._able_before():
-                return False
+        if request.cut_off and taker in self._able_before() and all(
+                one.needs is needs and tuple(one.held) == held for one, needs, held in request.cut_off):
+            return False
         request.cut_off = ()
         return self.allows(taker, request.areas, request)
 

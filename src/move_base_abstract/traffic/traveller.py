@@ -266,10 +266,10 @@ class Traveller:
         rules, request = self._traffic.rules, self.request  # None: it was broken off
         circle = waiting_circle(request, rules.policy is not DeadlockPolicy.AVOID) if request is not None else None
         requests: List[Any] = [traveller.request for traveller, _ in circle or ()]
-        if circle is None or all(request.is_in_circle for request in requests):
+        if circle is None or all(one.is_in_circle for one in requests):
             return
-        for request in requests:
-            request.is_in_circle = True
+        for one in requests:
+            one.is_in_circle = True
         pairs = [(traveller.name, area.name) for traveller, area in circle]
         self._tell(Deadlock(now_ns, self.name, tuple(name for pair in pairs for name in pair)))
         aborts = rules.policy is DeadlockPolicy.ABORT
