@@ -21,7 +21,7 @@ from move_base_abstract.config import robot_table  # noqa: E402
 from move_base_abstract.orders import order, order_arrivals  # noqa: E402
 from move_base_abstract.orders import settings as dispatch_settings  # noqa: E402
 from move_base_abstract.tasks import arrivals, places  # noqa: E402
-from move_base_abstract.traffic import zones  # noqa: E402
+from move_base_abstract.traffic import rules, zones  # noqa: E402
 
 HEAD = """# All keys of a scenario
 
@@ -77,12 +77,13 @@ def sections():
     """Return [(heading, Parameters, pages to look into first)]."""
     of_robot = robot_table.TABLE + robot_table.LIMITS
     return [
-        ('Top level', as_parameters(scenario._TOP_KEYS, [scenario._SEED, scenario._DEADLOCK, scenario._ENCOUNTERS]),
+        ('Top level', as_parameters(scenario._TOP_KEYS, [scenario._SEED, *rules.TABLE, scenario._ENCOUNTERS]),
          ('orders.md', 'encounters.md', 'tasks.md', 'zones.md', 'lanes.md', 'fleet.md')),
         ('A robot', as_parameters(scenario._GROUP_KEYS, [places.NAME, scenario._COUNT]), ('fleet.md',)),
         ('Settings: of `defaults` or of a robot', as_parameters(robot_table.OWN_NAMES, of_robot),
          ('durations.md', 'failures.md', 'battery.md', 'routes.md', 'lanes.md', 'laser_scan.md', 'nodes/move_base.md')),
-        ('A zone', as_parameters(zones.KEYS, [places.NAME, zones._CAPACITY, zones._CHARGER]), ('zones.md',)),
+        ('A zone', as_parameters(zones.KEYS, [places.NAME, zones._CAPACITY, zones._CHARGER, zones.GROUP]),
+         ('zones.md',)),
         ('A place', list(places.PLACE_TABLE), ('tasks.md',)),
         ('Arrivals', list(arrivals.ARRIVAL_TABLE), ('tasks.md',)),
         ('A file of tasks', list(arrivals._ROW), ('tasks.md',)),

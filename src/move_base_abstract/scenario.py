@@ -34,17 +34,18 @@ from .orders import order_arrivals
 from .orders.settings import DispatchSettings, read_dispatcher, with_levels
 from .tasks.arrivals import merged, read_arrivals
 from .tasks.places import read_places
+from .traffic.rules import KEYS as RULES
+from .traffic.rules import TrafficRules, read_rules
 from .traffic.zones import Zone, read_zones
 
 _NETWORKS = ('lanes', 'travel_matrix')  # of the world, so that they stand at the top
-_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', 'deadlock', 'encounters', *_NETWORKS, 'places', 'arrivals',
-             'orders', 'dispatcher')
+_TOP_KEYS = ('seed', 'defaults', 'robots', 'zones', *RULES, 'encounters', *_NETWORKS, 'places', 'arrivals', 'orders',
+             'dispatcher')
 #: settings that are paths, or names without .yaml that ship
 _FILES = ('duration_quantiles', 'calibration', *_NETWORKS)
 _GROUP_KEYS = ('name', 'count', 'step_x', 'step_y')
 _COUNT = Parameter('count', None, integer(1, MAX_ROBOTS), 'a whole number in 1..{}'.format(MAX_ROBOTS))
 _SEED = Parameter('seed', 0, integer(0), 'a whole number >= 0')
-_DEADLOCK = Parameter('deadlock', 'wait', one_of('wait', 'abort', 'avoid'), "'wait', 'abort' or 'avoid'")
 _ENCOUNTERS = Parameter('encounters', 'none', one_of('calibrated', 'none'), "'calibrated' or 'none'")
 _THRESHOLDS = next(one.default for one in BATTERY_TABLE if one.name == 'battery_thresholds')
 _STEP = Parameter('step', 0.0, number(), 'a finite number [m]')
@@ -64,15 +65,16 @@ class Scenario:
     """A fleet: the robots in the order of their indices, the settings of all, the seed of what is random, the zones.
 
     ``places``: {name: Place}, or None where the scenario says nothing of places; ``arrivals``: of tasks;
-    ``encounters``: what happens when two robots come near each other (EncounterLaw), None: nothing. ``order_sources``:
-    of orders; ``dispatcher``: who does them (DispatchSettings), None where the scenario says nothing of it.
+    ``traffic``: its rules (TrafficRules); ``encounters``: what happens when two robots come near each other
+    (EncounterLaw), None: nothing. ``order_sources``: of orders; ``dispatcher``: who does them (DispatchSettings), None
+    where the scenario says nothing of it.
     """
 
     robots: Tuple[RobotSpec, ...]
     defaults: dict = field(default_factory=dict)
     seed: int = 0
     zones: Tuple[Zone, ...] = ()
-    deadlock: str = 'wait'
+    traffic: TrafficRules = TrafficRules()
     places: Any = None
     arrivals: Tuple[Any, ...] = ()
     encounters: Optional[EncounterLaw] = None
@@ -144,8 +146,8 @@ def make_scenario(raw, where='scenario', overrides=None, base=None):
     arrivals = () if raw.get('arrivals') is None else read_arrivals(raw['arrivals'], places or {}, where)
     orders = () if raw.get('orders') is None else order_arrivals.read_orders(raw['orders'], places or {}, where)
     return Scenario(tuple(specs), defaults, (overrides or {}).get('seed', seed), read_zones(raw.get('zones'), where),
-                    checked(raw.get('deadlock', 'wait'), 'deadlock', _DEADLOCK, where), places, arrivals,
-                    _read_encounters(raw, settings, where), orders, dispatcher)
+                    read_rules(raw, where), places, arrivals, _read_encounters(raw, settings, where), orders,
+                    dispatcher)
 
 
 def _read_encounters(raw, settings, where):

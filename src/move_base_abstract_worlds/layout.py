@@ -88,6 +88,7 @@ def write_site(site, robots, defaults, words, folder):
             'robots': [{'name': 'robot_{}'.format(number), 'start_x': x, 'start_y': y}
                        for number, (x, y) in enumerate(site.starts[:robots])],
             'zones': site.zones, 'places': site.places,
+            **({'deadlock': 'avoid'} if any('capacity' in edge for edge in site.edges) else {}),
             **({'orders' if site.goes_to_and_fro else 'arrivals': [{'name': 'orders', 'file': 'orders.csv'}]}
                if site.orders else {}),
             **({'dispatcher': DISPATCHER} if site.goes_to_and_fro else {})}))

@@ -11,6 +11,7 @@ from ..sensing.laser import TABLE as LASER
 from . import upstream
 
 DEFAULT_SPEED = 0.5
+_MOST_PRIORITY = 2 ** 31 - 1
 
 #: how a robot finds its way
 ROUTES = ('none', 'grid', 'lanes', 'matrix')
@@ -113,6 +114,8 @@ TABLE = (
               'The net of lanes for `routes: lanes`.'),
     Parameter('travel_matrix', None, text, 'the path of a file',
               'The table of times for `routes: matrix`.'),
+    Parameter('priority', 0, integer(-_MOST_PRIORITY, _MOST_PRIORITY), 'a whole number of 32 bits',
+              'Of robots that wait for a zone or a lane the one with the higher priority comes first.'),
     Parameter('corners', 'keep', one_of('keep', 'stop'), "'keep' or 'stop'",
               'Whether the robot keeps its speed at corners of its way, or stops and turns.'),
     Parameter('controller_frequency', 20.0, number(above=0.0), _POSITIVE + ' [Hz, simulated]',

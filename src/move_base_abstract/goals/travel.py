@@ -120,6 +120,14 @@ class Travel:
             self._waits_for_release = False
             self._go_on(now_ns)
 
+    def change_way(self, corners, now_ns):
+        """Leave the way under way, and go on by ``corners`` from where the robot is, from rest."""
+        if self._durations is not None:
+            self._durations.interrupted(self._robot.leg, now_ns)
+        self._agenda.clear()
+        self.halt(now_ns)
+        self.go(corners, now_ns)
+
     def forget_holds(self, now_ns):
         """Hold the robot, which has no goal, for nothing any more."""
         if self.held_for:

@@ -2,4 +2,5 @@
 from ..common.handed_on import handed_on
 
 __getattr__ = handed_on(__name__, {
-    'control': 'DeadlockPolicy Traffic Traveller', 'outline': 'Outline', 'zones': 'Zone read_zones'})
+    'control': 'Traffic', 'rules': 'DeadlockPolicy TrafficRules', 'traveller': 'Traveller',
+    'outline': 'Outline', 'zones': 'Zone read_zones'})
